@@ -144,8 +144,9 @@ pub(crate) struct ProgramArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Tracing")]
 pub(crate) struct RunArgs {
-    /// Acceleration structure: a uniform grid (grid), a bounding volume hierarchy (bvh), none, or auto: none for up to
-    /// six triangles, the grid if triangles fill the scene evenly, otherwise the BVH
+    /// Acceleration structure: a uniform grid (grid), an irregular grid with cells of many sizes (irregular), a bounding
+    /// volume hierarchy (bvh), none, or auto: none for up to six triangles, the grid if triangles fill the scene evenly,
+    /// otherwise the BVH
     #[arg(long, default_value = "grid", value_parser = named(Accelerator::ALL, Accelerator::name))]
     pub(crate) accelerator: Accelerator,
     /// How the walk of a ray is divided into passes: intersect until no ray is active there, then traverse once
@@ -192,12 +193,17 @@ impl TuningArgs {
                 let why = if accelerators.contains(&Accelerator::Auto) {
                     "accelerator auto chooses its own".to_owned()
                 } else {
-                    format!("accelerator {chosen} has none")
+                    format!("accelerator {chosen} has no such grid")
                 };
                 return Err(Error::usage(format!(
-                    "{option} applies to a grid, and {why}: omit it, or use --accelerator grid"
+                    "{option} applies to a uniform grid, and {why}: omit it, or use --accelerator grid"
                 )));
             }
+        }
+        if self.numerics == Numerics::Paper && accelerators.contains(&Accelerator::Irregular) {
+            return Err(Error::usage(
+                "--accelerator irregular: the paper has no rules for it; use --numerics robust, or --accelerator grid",
+            ));
         }
         if self.skip == Skip::On && self.numerics == Numerics::Paper {
             return Err(Error::usage("--skip on: the paper's rules visit every cell; use --numerics robust"));

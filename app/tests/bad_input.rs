@@ -26,7 +26,7 @@ fn wrong_usage_is_code_2() {
         ("1 to 32768", &["render", &file, "-o", "a.png", "--size=-1x5"]),
         ("640x480", &["render", &file, "-o", "a.png", "--size", "64x"]),
         (
-            "--accelerator kd-tree: expected auto, grid, bvh or none",
+            "--accelerator kd-tree: expected auto, grid, irregular, bvh or none",
             &["render", &file, "-o", "a.png", "--accelerator", "kd-tree"],
         ),
         ("1 to 4096", &["render", &file, "-o", "a.png", "--grid", "0"]),

@@ -341,7 +341,7 @@ fn wrong_usage_and_unreadable_baselines_are_one_line() {
         (2, "expected first, second, compact or fused", &["bench", &file, "-o", "out", "--schedules", "third"]),
         (
             2,
-            "--accelerators '': expected auto, grid, bvh or none",
+            "--accelerators '': expected auto, grid, irregular, bvh or none",
             &["bench", &file, "-o", "out", "--accelerators", ""],
         ),
         (2, "--repeats 0: expected an integer from 1 to 100000", &["bench", &file, "-o", "out", "--repeats", "0"]),

@@ -88,7 +88,7 @@ fn what_a_link_sets_is_not_set_again() {
         ("version \"2\"", "raystep:2?scene=a", &[]),
         ("is not a link: links start with \"raystep:1?\"", "a.gltf", &[]),
         ("--schedule fused", &format!("{link}&schedule=fused"), &[]),
-        ("--skip on applies to a grid", &format!("{link}&skip=on&accelerator=bvh"), &[]),
+        ("--skip on applies to a uniform grid", &format!("{link}&skip=on&accelerator=bvh"), &[]),
     ];
     for (wanted, link, more) in cases {
         place.fails(2, wanted, &[&["trace", "--link", link], *more].concat());

@@ -93,7 +93,7 @@ fn names_that_do_not_exist_are_told_the_nearest_or_all_where_they_are_few() {
             vec!["stability", "--case", "axis-bellow"],
         ),
         (
-            "--stream nose: no such stream; the streams are ray_origin, ray_direction, ray_interval, state, tmax, previous, hit, \
+            "--stream nose: no such stream; the streams are ray_origin, ray_direction, ray_interval, state, tmax, voxel, previous, hit, \
              color, counters, accumulated, place, trail, scan, and all",
             vec!["dump", &file, "-o", "d", "--stream", "nose"],
         ),
@@ -184,11 +184,11 @@ fn options_that_need_others_or_do_not_fit_say_which() {
     let large = "an image of 32768x32768 pixels";
     let cases: &[(String, Vec<&str>)] = &[
         (
-            "--grid applies to a grid, and accelerator auto chooses its own: omit it, or use --accelerator grid".into(),
+            "--grid applies to a uniform grid, and accelerator auto chooses its own: omit it, or use --accelerator grid".into(),
             render(&["--grid", "8", "--accelerator", "auto"]),
         ),
         (
-            "--grid applies to a grid, and accelerator bvh has none: omit it, or use --accelerator grid".into(),
+            "--grid applies to a uniform grid, and accelerator bvh has no such grid: omit it, or use --accelerator grid".into(),
             render(&["--grid", "8", "--accelerator", "bvh"]),
         ),
         (format!("--up {camera} --eye <X,Y,Z> and --look-at <X,Y,Z> as well"), render(&["--up", "0,1,0"])),

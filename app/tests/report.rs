@@ -80,7 +80,7 @@ fn check_choices(rows: &[Row]) {
         assert!(row["is_front"] != "true" || rows.iter().find(beats).is_none(), "{row:?}");
     }
     let schedules: BTreeSet<_> = rows.iter().map(|r| [&r["accelerator"], &r["schedule"], &r["numerics"]]).collect();
-    assert_eq!((schedules.len(), rows.len()), (14, 14));
+    assert_eq!((schedules.len(), rows.len()), (16, 16));
 }
 
 /// Strata add up, robust numerics make no error, and the paper's triangle test must lose rays at edges.

@@ -148,7 +148,11 @@ fn what_cannot_be_meant_is_refused_before_anything_runs() {
     let place = Place::new();
     place.fails(2, "'raystep stability --list' lists them", &["stability", "--case", "no-such"]);
     place.fails(2, "--device cpu uses none", &["stability", "--device", "cpu", "--adapter", "x"]);
-    place.fails(2, "--accelerator auto: expected grid, bvh or none", &["stability", "--accelerator", "auto"]);
+    place.fails(
+        2,
+        "--accelerator auto: expected grid, irregular, bvh or none",
+        &["stability", "--accelerator", "auto"],
+    );
     place.fails(2, "--output", &["stability", "--force"]);
     place.fails(2, "--cost", &["stability", "--family", "room"]);
     let file = scene("cornell-box.gltf").display().to_string();

@@ -173,7 +173,10 @@ fn what_would_have_no_effect_is_refused() {
         ("99999999999999999999: expected an integer from 1 to 4096", &["--steps-per-pass", "99999999999999999999"]),
         ("use --schedule compact", &["--steps-per-pass", "2", "--schedule", "first"]),
         ("not to fused", &["--steps-per-pass", "8", "--schedule", "fused"]),
-        ("--skip on applies to a grid, and accelerator bvh has none", &["--skip", "on", "--accelerator", "bvh"]),
+        (
+            "--skip on applies to a uniform grid, and accelerator bvh has no such grid",
+            &["--skip", "on", "--accelerator", "bvh"],
+        ),
         ("accelerator auto chooses its own", &["--grid", "8", "--accelerator", "auto"]),
         ("use --numerics robust", &["--skip", "on", "--numerics", "paper"]),
         ("expected auto, on or off", &["--skip", "maybe"]),
@@ -191,7 +194,7 @@ fn what_would_have_no_effect_is_refused() {
     let bench = ["bench", &file, "-o", "out", "--sizes", "8x8", "--device", "cpu", "--repeats", "1"];
     place.fails(
         2,
-        "accelerator bvh, none has none",
+        "accelerator bvh, none has no such grid",
         &[&bench[..], &["--skip", "on", "--accelerators", "bvh,none"]].concat(),
     );
     place.ok(&[&bench[..], &["--skip", "on", "--accelerators", "bvh,grid"]].concat());

@@ -41,7 +41,7 @@ pub use why::Why;
 /// The structure that the ray traverses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Structure {
-    /// The cells of a uniform grid.
+    /// The cells of a uniform or irregular grid.
     Grid,
     /// The nodes of a BVH.
     Tree,
@@ -79,9 +79,9 @@ pub struct WalkGeometry {
     pub bounds: Aabb,
     /// The t interval in which the ray is in `bounds`, from 0.
     pub inside: Option<[f64; 2]>,
-    /// Size of a cell; zero without a grid.
+    /// Size of a cell, of the top level in an irregular grid; zero without a grid.
     pub cell_size: DVec3,
-    /// Cells along each axis; zero without a grid.
+    /// Such cells along each axis; zero without a grid.
     pub grid_cells: [i32; 3],
     /// Whether a pass may take several steps: then a leap need not be over empty cells.
     pub has_many_steps: bool,
@@ -171,7 +171,8 @@ impl WalkGeometry {
 
     fn before_the_walk(data: &SceneData, ray: Option<&RayState>, row: Option<usize>) -> Self {
         let features = &data.features;
-        let structure = match (features.grid && data.grid.cells.iter().all(|&n| n > 0), features.bvh) {
+        let has_cells = has_cells(data);
+        let structure = match (has_cells, features.bvh) {
             (true, _) => Structure::Grid,
             (_, true) => Structure::Tree,
             _ => Structure::Nothing,
@@ -182,6 +183,8 @@ impl WalkGeometry {
             _ => Aabb::of_vertices(&data.vertices),
         };
         let has_grid = structure == Structure::Grid;
+        // Of an irregular grid, these are the cells of its top level; a uniform one has no others.
+        let levels = data.grid.levels.min(30);
         let [origin, direction] = ray.map_or([DVec3::ZERO; 2], |ray| [ray.origin, ray.direction].map(to_f64));
         Self {
             structure,
@@ -190,8 +193,8 @@ impl WalkGeometry {
             direction,
             bounds,
             inside: bounds.interval(origin, direction),
-            cell_size: if has_grid { to_f64(data.grid.width) } else { DVec3::ZERO },
-            grid_cells: if has_grid { data.grid.cells } else { [0; 3] },
+            cell_size: if has_grid { to_f64(data.grid.width) * f64::from(1 << levels) } else { DVec3::ZERO },
+            grid_cells: if has_grid { data.grid.cells.map(|n| n >> levels) } else { [0; 3] },
             has_many_steps: features.many_steps,
             cells: Vec::new(),
             crossings: Vec::new(),
@@ -226,6 +229,9 @@ impl WalkGeometry {
 /// The triangles that a cell or leaf lists; all of them without a structure.
 pub fn listed(data: &SceneData, cell_or_node: u32) -> impl Iterator<Item = u32> {
     list(data, cell_or_node).map(|place| {
+        if data.features.irregular {
+            return data.irregular_items.get(place as usize).map_or(u32::MAX, |_| data.listed(place));
+        }
         let items = match (data.features.grid, data.features.bvh) {
             (true, _) => &data.grid_items,
             (_, true) => &data.bvh_items,
@@ -243,6 +249,9 @@ fn list(data: &SceneData, cell_or_node: u32) -> Range<u32> {
             (Some(&first), Some(&end)) => first..end,
             _ => 0..0,
         }
+    } else if data.features.irregular {
+        let (first, count) = data.irregular_cells.get(at).map_or((0, 0), |_| data.list(cell_or_node));
+        if count == 0 { 0..0 } else { first..first.saturating_add(count) }
     } else if data.features.bvh {
         data.bvh_nodes.get(at).map_or(0..0, |node| node.first..node.first.saturating_add(node.count()))
     } else {
@@ -262,6 +271,19 @@ fn nearest_hit(data: &SceneData, ray: &RayState) -> Option<NearestHit> {
     let point = to_f64(ray.origin) + to_f64(ray.direction) * t;
     let barycentric = ray.barycentric.unwrap_or_default().map(f64::from);
     Some(NearestHit { triangle, t, point, barycentric, corners: corners(data, triangle)? })
+}
+
+/// Whether rays are traced through the cells of a grid that has any.
+pub(crate) fn has_cells(data: &SceneData) -> bool {
+    (data.features.grid || data.features.irregular) && data.grid.cells.iter().all(|&n| n > 0)
+}
+
+/// The coordinates of a cell: of the virtual cell at its lower corner, in an irregular grid.
+pub(crate) fn coordinates(data: &SceneData, cell: u32) -> [i32; 3] {
+    if data.features.irregular {
+        return data.irregular_cells.get(cell as usize).map_or([0; 3], |cell| cell.corners()[0]);
+    }
+    data.grid.cell_of_index(cell)
 }
 
 fn to_f64(v: [f32; 3]) -> DVec3 {

@@ -16,19 +16,16 @@ use raystep_kernels::shared::texture::Texture;
 use raystep_kernels::structures::bvh::BvhNode;
 use raystep_kernels::tables::kernel::Role;
 
-/// All features off, then each alone, then all on, for grid, BVH and none, robust and paper.
+/// All features off, then each alone, then all on, for every structure, robust and paper.
 fn feature_sets() -> Vec<Features> {
     let mut sets = Vec::new();
-    for (robust, grid, bvh) in [
-        (true, true, false),
-        (true, false, true),
-        (true, false, false),
-        (false, true, false),
-        (false, false, true),
-        (false, false, false),
-    ] {
-        let in_cell = grid && !robust;
-        let base = Features { robust, watertight: robust, in_cell, grid, bvh, ..Features::default() };
+    let none = Features::default();
+    let [grid, irregular, bvh] =
+        [Features { grid: true, ..none }, Features { irregular: true, ..none }, Features { bvh: true, ..none }];
+    let structures =
+        [(true, grid), (true, irregular), (true, bvh), (true, none), (false, grid), (false, bvh), (false, none)];
+    for (robust, structure) in structures {
+        let base = Features { robust, watertight: robust, in_cell: structure.grid && !robust, ..structure };
         sets.push(base);
         // One of the robust rules changed at a time.
         let without: [fn(&mut Features); 4] =
@@ -41,9 +38,10 @@ fn feature_sets() -> Vec<Features> {
                 sets.push(waiting(one));
             }
         }
-        let toggles: [fn(&mut Features); 22] = [
+        let toggles: [fn(&mut Features); 23] = [
             // Empty-space skipping needs exact planes; the paper's rules have none.
             |f| f.skip = f.robust && f.grid,
+            |f| f.ray_padding = f.bvh,
             |f| f.live_lists = true,
             |f| (f.live_lists, f.many_steps) = (true, true),
             |f| f.any_hit = f.robust,
@@ -92,7 +90,10 @@ fn waiting(features: Features) -> Features {
 fn has_kernel(features: &Features, kernel: Kernel) -> bool {
     let f = features;
     match kernel.role() {
-        Role::Step => !f.many_steps && if kernel == kernels::TRAVERSE_GRID { f.grid } else { f.bvh },
+        Role::Step if f.many_steps => false,
+        Role::Step if kernel == kernels::TRAVERSE_GRID => f.grid,
+        Role::Step if kernel == kernels::TRAVERSE_IRREGULAR => f.irregular,
+        Role::Step => f.bvh,
         Role::Whole => !f.live_lists,
         Role::Walk => f.live_lists && f.many_steps,
         Role::Test => !f.many_steps,
@@ -186,7 +187,7 @@ fn host_structs_lie_as_naga_says() {
         };
     }
     check!(Camera, "Camera", eye, pixel_x, right, pixel_y, up, forward);
-    check!(Grid, "Grid", corner, cells, width, inverse_width);
+    check!(Grid, "Grid", corner, cells, levels, width, inverse_width);
     check!(Sampling, "Sampling", samples, seed);
     check!(Shading, "Shading", background, lights);
     check!(Material, "Material", base_color, texture, emissive, double_sided);

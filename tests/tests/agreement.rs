@@ -20,7 +20,7 @@ fn every_combination_ends_in_the_same_hits() {
         let mut by_device = Vec::new();
         for (name, device) in devices() {
             let mut first: Option<(String, [Vec<u32>; 4], Renderer)> = None;
-            for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+            for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
                 // On two cores, brute force over more rays takes minutes.
                 let size = match (scene.triangles.len() <= 60, thorough()) {
                     (true, true) => 256,

@@ -121,7 +121,7 @@ fn rays_from_afar_are_not_lost() {
             })
             .collect()
     };
-    for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
+    for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh] {
         let options = Options { accelerator, ..Caster::options() };
         let mut caster = caster(&scene, &options, &device);
         let mut growth = vec![caster.data().growth];

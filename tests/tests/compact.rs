@@ -36,7 +36,7 @@ fn one_step_a_pass_is_the_second_strategy_ray_by_ray() {
     for file in ["cornell-box.gltf", "primitives.gltf", "skin-and-morph.gltf", "empty.gltf"] {
         let scene = scene(file);
         for (name, device) in devices() {
-            for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+            for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
                 let second = Way::new(accelerator, ScheduleKind::Second, 1);
                 let compact = Way::new(accelerator, ScheduleKind::Compact, 1);
                 for (second, compact) in [(second, compact), (second.leaping(), compact.leaping())] {

@@ -16,8 +16,8 @@ use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files, thorough};
 
 /// Configurations that cover every kernel with both numerics, in each of its launch modes.
-const WAYS: [Way; 26] = {
-    use Accelerator::{Bvh, Grid, None};
+const WAYS: [Way; 31] = {
+    use Accelerator::{Bvh, Grid, Irregular, None};
     use ScheduleKind::{Compact, First, Fused, Second};
     [
         STEPPED,
@@ -40,6 +40,11 @@ const WAYS: [Way; 26] = {
         Way::new(Bvh, Compact, 1).padded(),
         Way::new(Bvh, Compact, 8).padded(),
         Way::new(Bvh, Fused, 1).padded(),
+        Way::new(Irregular, First, 1),
+        Way::new(Irregular, Second, 1),
+        Way::new(Irregular, Compact, 1),
+        Way::new(Irregular, Compact, 8),
+        Way::new(Irregular, Fused, 1),
         Way::new(None, Second, 1),
         Way::new(None, First, 1).paper(),
         Way::new(None, Compact, 1),
@@ -199,7 +204,7 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
     // In parallel: with software Vulkan, each comparison waits for a single core most of the time.
     let (mut found, mut in_parts) = (Found::default(), Found::default());
     std::thread::scope(|scope| {
-        let all = [Accelerator::Grid, Accelerator::Bvh, Accelerator::None];
+        let all = [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None];
         for thread in all.map(|accelerator| scope.spawn(move || compare(accelerator))) {
             let (whole, parts) = thread.join().expect("a comparison that ends");
             found.join(whole);
@@ -231,10 +236,10 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
         ways.iter().map(|w| format!("{} {} {}", name(w.0), w.1.name(), name(w.2))).collect::<Vec<_>>()
     };
     assert_eq!(named(sum.transitions.difference(&listed).collect()), [""; 0], "taken, but not listed");
-    // The grid's box is larger than the scene by a margin, so in real scenes no ray leaves it with a kept hit: see the
+    // A grid's box is larger than the scene by a margin, so in real scenes no ray leaves it with a kept hit: see the
     // next test.
     let missing = named(listed.difference(&sum.transitions).collect());
-    assert_eq!(missing, ["TRAV traverse_grid SHADE"], "listed, but never taken");
+    assert_eq!(missing, ["TRAV traverse_grid SHADE", "TRAV traverse_irregular SHADE"], "listed, but never taken");
 }
 
 #[test]

@@ -176,7 +176,7 @@ fn what_a_ray_passes_edge_on_it_does_not_hit() {
         let workload = (case.make)(case.rays).expect("a case");
         for (name, device) in devices() {
             let mut judge = Judge::default();
-            for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+            for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
                 for variant in Variant::of(accelerator).into_iter().filter(|v| v.numerics == Numerics::Robust) {
                     let running = stability::run(case, &workload, variant, &device, &mut judge);
                     let score = block_on(gpu_of(&device), running).expect("a run").score;

@@ -62,8 +62,9 @@ pub(crate) struct CastArgs {
     batch: Option<u32>,
     #[command(flatten)]
     quiet: QuietArgs,
-    /// Acceleration structure: a uniform grid (grid), a bounding volume hierarchy (bvh), none, or auto: none for up to
-    /// six triangles, the grid if triangles fill the scene evenly, otherwise the BVH
+    /// Acceleration structure: a uniform grid (grid), an irregular grid with cells of many sizes (irregular), a bounding
+    /// volume hierarchy (bvh), none, or auto: none for up to six triangles, the grid if triangles fill the scene evenly,
+    /// otherwise the BVH
     #[arg(long, default_value = "bvh", value_parser = named(Accelerator::ALL, Accelerator::name), help_heading = "Tracing")]
     accelerator: Accelerator,
     /// How the walk of a ray is divided into passes: intersect until no ray is active there, then traverse once

@@ -8,7 +8,7 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::shared::grid_walk::smallest_axis;
 
-use super::{Aabb, WalkGeometry, finite, is_walking, list, path_of};
+use super::{Aabb, WalkGeometry, coordinates, finite, is_walking, list, path_of};
 
 /// How a ray entered a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,8 +108,8 @@ impl WalkGeometry {
     fn visit(&self, data: &SceneData, row: usize, ray: &RayState) -> CellVisit {
         let grid = &data.grid;
         let index = ray.cell_index;
-        let cell = grid.cell_of_index(index);
-        let bounds = Aabb::of_cells(grid, cell, [1; 3]);
+        let cell = coordinates(data, index);
+        let bounds = Aabb::of_cells(grid, cell, size_of(data, index));
         let tmax = self.tmax(data, cell, ray);
         let [x, y, _] = smallest_axis(Vec3::from(tmax.map(|t| t.unwrap_or(f64::from(INF)))));
         let exit_axis = if x {
@@ -121,6 +121,10 @@ impl WalkGeometry {
         };
         let wraps = !data.features.robust && !data.features.many_steps;
         let entry = self.cells.last().map_or(Entry::Start, |from| match entry(from.cell, cell) {
+            // Whatever its size, the next cell is behind the face by which the ray left.
+            _ if data.features.irregular && !data.features.many_steps => {
+                Entry::Face { axis: from.exit_axis, step: if self.direction[from.exit_axis] < 0.0 { -1 } else { 1 } }
+            }
             Entry::Leap { .. } if wraps => Entry::Wrap,
             entry => entry,
         });
@@ -152,12 +156,24 @@ impl WalkGeometry {
         }
         let [origin, direction] = [ray.origin, ray.direction].map(Vec3::<f32>::from_f32);
         let grid_ray = data.grid.ray(data.features.walk_rules(), origin, direction);
-        if data.features.keeps_no_tmax() {
+        if data.features.irregular {
+            let cell = data.irregular_cells.get(ray.cell_index as usize);
+            cell.map_or([None; 3], |cell| cell.exit(&data.grid, &grid_ray).to_array().map(finite))
+        } else if data.features.keeps_no_tmax() {
             data.grid.cell_exit(cell, &grid_ray).to_array().map(finite)
         } else {
             [None; 3]
         }
     }
+}
+
+/// The size of a cell in cells of the grid, or in virtual ones.
+fn size_of(data: &SceneData, cell: u32) -> [i32; 3] {
+    let cell = data.irregular_cells.get(cell as usize).filter(|_| data.features.irregular);
+    cell.map_or([1; 3], |cell| {
+        let [low, high] = cell.corners();
+        [0, 1, 2].map(|axis| high[axis] - low[axis])
+    })
 }
 
 fn entry(from: [i32; 3], to: [i32; 3]) -> Entry {

@@ -4,7 +4,7 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::Path;
 use raystep_kernels::scene_data::SceneData;
 
-use super::{is_walking, path_of};
+use super::{coordinates, has_cells, is_walking, path_of};
 
 /// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,7 @@ impl std::fmt::Display for Event {
 /// The rows in which the ray moves or tests a triangle, in order.
 #[must_use]
 pub fn events(trace: &Trace, data: &SceneData) -> Vec<Event> {
-    let has_grid = data.features.grid && data.grid.cells.iter().all(|&n| n > 0);
+    let has_grid = has_cells(data);
     let kind = |row: &raystep_kernels::export::trace::TraceRow| {
         if let Some(triangle) = row.tested {
             return Some(EventKind::Test(triangle));
@@ -53,7 +53,7 @@ pub fn events(trace: &Trace, data: &SceneData) -> Vec<Event> {
         let (after, index) = (&row.after, row.after.cell_index);
         Some(match (is_walking(after), has_grid) {
             (false, _) => EventKind::Left,
-            (true, true) => EventKind::Cell(data.grid.cell_of_index(index)),
+            (true, true) => EventKind::Cell(coordinates(data, index)),
             (true, false) => EventKind::Node(index),
         })
     };

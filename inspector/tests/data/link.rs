@@ -162,7 +162,7 @@ fn a_wrong_link_says_in_one_line_what_would_be_right() {
         ("raystep:1?pass=99999999999999999999999", "an integer"),
         ("raystep:1?size=0x8", "1 to 32768"),
         ("raystep:1?size=512", "640x480"),
-        ("raystep:1?accelerator=kd", "auto, grid, bvh, none"),
+        ("raystep:1?accelerator=kd", "auto, grid, irregular, bvh, none"),
         ("raystep:1?schedule=", "first, second, compact, fused"),
         ("raystep:1?numerics=exact", "robust, paper"),
         ("raystep:1?skip=yes", "auto, on, off"),

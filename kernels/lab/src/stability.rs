@@ -44,6 +44,7 @@ use raystep_scenes::Scene;
 use raystep_scenes::generate::GenerateError;
 
 use crate::judge::Judge;
+use crate::ways::numerics_of;
 pub use beside::text as text_beside;
 pub use cases::CASES;
 pub use report::{ACCELERATORS, FILES, Outcome, Report, Wanted, measure};
@@ -151,15 +152,17 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// The variants of one accelerator: both numerics with stepped schedules; robust numerics also fused, and with
-    /// contraction.
+    /// The variants of one accelerator: the numerics that it has with stepped schedules; robust numerics also fused, and
+    /// with contraction.
     #[must_use]
-    pub fn of(accelerator: Accelerator) -> [Self; 4] {
+    pub fn of(accelerator: Accelerator) -> Vec<Self> {
         use Numerics::{Paper, Robust};
         use ScheduleKind::{Compact, Fused};
         let variant = |numerics, schedule| Self { numerics, accelerator, schedule, contracted: false };
         let robust = variant(Robust, Compact);
-        [robust, variant(Robust, Fused), Self { contracted: true, ..robust }, variant(Paper, Compact)]
+        let mut all = vec![robust, variant(Robust, Fused), Self { contracted: true, ..robust }];
+        all.extend(numerics_of(accelerator).contains(&Paper).then(|| variant(Paper, Compact)));
+        all
     }
 
     /// The name of its triangle test in `stability.csv`.

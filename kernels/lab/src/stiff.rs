@@ -72,7 +72,7 @@ pub(crate) const OWN: &str = "scene";
 pub struct Wanted {
     /// The families.
     pub families: Vec<&'static Family>,
-    /// The structures: grid, bvh and none, or some of them.
+    /// The structures: grid, irregular, bvh and none, or some of them.
     pub accelerators: Vec<Accelerator>,
     /// The schedule.
     pub schedule: ScheduleKind,
@@ -94,7 +94,7 @@ impl Wanted {
     pub fn new(run_id: String, is_quick: bool) -> Self {
         Self {
             families: FAMILIES.iter().collect(),
-            accelerators: vec![Accelerator::Grid, Accelerator::Bvh, Accelerator::None],
+            accelerators: vec![Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None],
             schedule: ScheduleKind::Fused,
             is_quick,
             seed: SEED,

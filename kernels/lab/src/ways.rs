@@ -86,8 +86,8 @@ impl fmt::Display for Way {
 }
 
 /// Every accelerator: one step per pass in either launch mode, several steps per pass, and fused. Robust numerics.
-pub const EVERY: [Way; 17] = {
-    use Accelerator::{Bvh, Grid, None};
+pub const EVERY: [Way; 21] = {
+    use Accelerator::{Bvh, Grid, Irregular, None};
     use ScheduleKind::{Compact, Fused, Second};
     [
         Way::new(Grid, Second, 1),
@@ -107,12 +107,16 @@ pub const EVERY: [Way; 17] = {
         Way::new(Bvh, Second, 1).padded(),
         Way::new(Bvh, Compact, 8).padded(),
         Way::new(Bvh, Fused, 1).padded(),
+        Way::new(Irregular, Second, 1),
+        Way::new(Irregular, Compact, 1),
+        Way::new(Irregular, Compact, 8),
+        Way::new(Irregular, Fused, 1),
     ]
 };
 
-/// Grid with and without empty-space skipping, and BVH, in many passes and in one: fast enough for many rays.
-pub const FAST: [Way; 6] = {
-    use Accelerator::{Bvh, Grid};
+/// Grid with and without empty-space skipping, irregular grid and BVH, in many passes and in one: fast enough for many rays.
+pub const FAST: [Way; 8] = {
+    use Accelerator::{Bvh, Grid, Irregular};
     use ScheduleKind::{Compact, Fused};
     [
         Way::new(Grid, Compact, 8),
@@ -121,14 +125,26 @@ pub const FAST: [Way; 6] = {
         Way::new(Grid, Fused, 1).leaping(),
         Way::new(Bvh, Compact, 8),
         Way::new(Bvh, Fused, 1),
+        Way::new(Irregular, Compact, 8),
+        Way::new(Irregular, Fused, 1),
     ]
 };
+
+/// The numerics with which rays can be traced through this accelerator.
+#[must_use]
+pub fn numerics_of(accelerator: Accelerator) -> &'static [Numerics] {
+    match accelerator {
+        Accelerator::Irregular => &[Numerics::Robust],
+        _ => &[Numerics::Robust, Numerics::Paper],
+    }
+}
 
 /// Whether walks through this accelerator use the rule.
 #[must_use]
 pub fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
     match rule {
-        Rule::TMax | Rule::Acceptance | Rule::CellGrowth => accelerator == Accelerator::Grid,
+        Rule::TMax | Rule::Acceptance => accelerator == Accelerator::Grid,
+        Rule::CellGrowth => matches!(accelerator, Accelerator::Grid | Accelerator::Irregular),
         Rule::BoxPadding => accelerator == Accelerator::Bvh,
         Rule::TriangleTest => true,
     }

@@ -43,7 +43,7 @@ use decide::left_out;
 pub use display::PlanText;
 pub use limits::{Limits, Loops};
 use resolve::{Resolved, resolve};
-pub use structure::{BvhSummary, GridSummary, Structure, structure_bytes};
+pub use structure::{BvhSummary, GridSummary, IrregularSummary, Structure, structure_bytes};
 use turns::{Resumes, Walk};
 
 /// Something together with its size.

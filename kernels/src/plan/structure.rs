@@ -9,19 +9,31 @@ use crate::scene_data::SceneData;
 use crate::structures::bvh::WideContent;
 
 /// The buffers that make up grids and BVHs.
-const OF_STRUCTURES: [&str; 7] =
-    ["grid_cells", "grid_items", "grid_distances", "bvh_nodes", "bvh_parents", "bvh_items", "wide_nodes"];
+const OF_STRUCTURES: [&str; 10] = [
+    "grid_cells",
+    "grid_items",
+    "grid_distances",
+    "irregular_map",
+    "irregular_cells",
+    "irregular_items",
+    "bvh_nodes",
+    "bvh_parents",
+    "bvh_items",
+    "wide_nodes",
+];
 
 /// The acceleration structure, why it was chosen, and its sizes.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Structure {
-    /// `grid`, `bvh` or `none`.
+    /// `grid`, `irregular`, `bvh` or `none`.
     pub accelerator: &'static str,
     /// The option that requested it, or why `auto` chose it.
     pub accelerator_because: String,
     /// The grid; `null` without one.
     pub grid: Option<GridSummary>,
+    /// The irregular grid; `null` without one.
+    pub irregular: Option<IrregularSummary>,
     /// The BVH; `null` without one.
     pub bvh: Option<BvhSummary>,
 }
@@ -40,6 +52,28 @@ pub struct GridSummary {
     pub longest_list: u32,
     /// Whether rays skip empty cells.
     pub leaps: bool,
+    /// Bytes of the buffers that the run binds for it.
+    pub bytes: u64,
+    /// Growth of the cells, in traced units.
+    pub growth: f32,
+}
+
+/// An irregular grid in numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct IrregularSummary {
+    /// Virtual cells along x, y and z: the finest that there can be.
+    pub virtual_cells: [i32; 3],
+    /// Most halvings of a top-level cell.
+    pub levels: u32,
+    /// Number of cells.
+    pub cells: u64,
+    /// Cells with an empty list.
+    pub empty_cells: u64,
+    /// Entries of all lists.
+    pub references: u64,
+    /// Longest list.
+    pub longest_list: u32,
     /// Bytes of the buffers that the run binds for it.
     pub bytes: u64,
     /// Growth of the cells, in traced units.
@@ -83,6 +117,7 @@ impl Structure {
             accelerator: plan.accelerator.name(),
             accelerator_because: because,
             grid: GridSummary::of(plan, data),
+            irregular: IrregularSummary::of(plan, data),
             bvh: BvhSummary::of(plan, data),
         }
     }
@@ -108,6 +143,27 @@ impl GridSummary {
             references: data.grid_items.len() as u64,
             longest_list: lengths().max().unwrap_or(0),
             leaps: plan.features.skip,
+            bytes: structure_bytes(plan),
+            growth: data.growth,
+        })
+    }
+}
+
+impl IrregularSummary {
+    /// Summarises the irregular grid of a run.
+    #[must_use]
+    pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
+        if plan.accelerator != Accelerator::Irregular {
+            return None;
+        }
+        let lengths = || (0..data.irregular_cells.len() as u32).map(|cell| data.list(cell).1);
+        Some(Self {
+            virtual_cells: data.grid.cells,
+            levels: data.grid.levels,
+            cells: data.irregular_cells.len() as u64,
+            empty_cells: lengths().filter(|&n| n == 0).count() as u64,
+            references: lengths().map(u64::from).sum(),
+            longest_list: lengths().max().unwrap_or(0),
             bytes: structure_bytes(plan),
             growth: data.growth,
         })
@@ -170,8 +226,8 @@ impl fmt::Display for Structure {
     /// One line, beginning with the accelerator's name in a column of nine characters.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:<9} ", self.accelerator)?;
-        match (&self.grid, &self.bvh) {
-            (Some(g), _) => {
+        match (&self.grid, &self.irregular, &self.bvh) {
+            (Some(g), ..) => {
                 let [x, y, z] = g.cells;
                 let leaps = match (g.empty_cells, g.leaps) {
                     (0, _) => "",
@@ -187,12 +243,24 @@ impl fmt::Display for Structure {
                     Bytes(g.bytes)
                 )?;
             }
-            (None, Some(b)) => {
+            (None, None, Some(b)) => {
                 let kind = if b.width == 2 { "binary" } else { "eight-wide" };
                 let (nodes, depth, references) = (b.nodes, b.depth, b.references);
                 write!(f, "{kind} tree: nodes {nodes}, depth {depth}, references {references}; {}", Bytes(b.bytes))?;
             }
-            (None, None) => write!(f, "every ray tests every triangle")?,
+            (None, Some(g), _) => {
+                let [x, y, z] = g.virtual_cells;
+                write!(
+                    f,
+                    "{} cells on {x} x {y} x {z} virtual ones, {} empty; {} references, longest list {}; {}",
+                    g.cells,
+                    g.empty_cells,
+                    g.references,
+                    g.longest_list,
+                    Bytes(g.bytes)
+                )?;
+            }
+            (None, None, None) => write!(f, "every ray tests every triangle")?,
         }
         let because = &self.accelerator_because;
         if because.starts_with("--") { Ok(()) } else { write!(f, " (auto: {because})") }

@@ -22,6 +22,8 @@ impl SceneData {
     ///
     /// - With a grid: there is an offset for every cell and one more, offsets do not decrease, and the last one is
     ///   within the items; items are triangles; there is a byte of distance for every cell, 0 if the cell has a list.
+    /// - With an irregular grid: every entry of the voxel map leads to a cell within the grid's levels; boxes lie in the
+    ///   grid; a list starts at an item, items are triangles, and the last one is marked as the end of a list.
     /// - With a BVH: each node but the root is the child of exactly one node, which comes before it, so there are
     ///   neither cycles nor shared children; the entries of its leaves exist; a path from the root has at most one node
     ///   more than the kernel's stack has entries.
@@ -44,8 +46,7 @@ impl SceneData {
             }
     }
 
-    /// Whether every virtual cell leads to a cell whose box contains it and lies in the grid, in at most as many blocks as
-    /// there are levels, and every list ends with a marked item and has only triangles.
+    /// Whether every virtual cell leads to a cell whose box lies in the grid, and every list ends and has only triangles.
     fn irregular_holds(&self) -> bool {
         let (grid, map, cells) = (&self.grid, &self.irregular_map, &self.irregular_cells);
         let entries = self.packed_triangles.len();
@@ -62,10 +63,7 @@ impl SceneData {
             .iter()
             .all(|cell| (0..3).all(|a| cell.low[a] < cell.high[a] && i32::from(cell.high[a]) <= grid.cells[a]));
         let count = top[0] * top[1] * top[2];
-        lists_hold
-            && boxes_hold
-            && count <= map.len()
-            && (0..count).all(|entry| block_holds(map, entry, grid.levels, cells.len()))
+        lists_hold && boxes_hold && map_holds(map, count, grid.levels, cells.len())
     }
 
     fn grid_holds(&self, leaps: bool) -> bool {
@@ -88,18 +86,32 @@ impl SceneData {
     }
 }
 
-/// Whether an entry of a voxel map leads to cells only, in blocks that come after it.
-fn block_holds(map: &[u32], entry: usize, levels: u32, cells: usize) -> bool {
-    let (word, depth) = (map[entry], map[entry] & 3);
-    let start = (word >> 2) as usize;
-    if depth == 0 {
-        return start < cells;
+/// Whether each of the first `top` entries of a voxel map leads to cells only, over at most `levels` levels, and every
+/// block belongs to one entry, which comes before it.
+fn map_holds(map: &[u32], top: usize, levels: u32, cells: usize) -> bool {
+    const NOBODYS: u8 = u8::MAX;
+    // Levels that are left below each entry.
+    let mut left: Vec<u8> = Vec::new();
+    if top > map.len() || left.try_reserve_exact(map.len()).is_err() {
+        return false;
     }
-    let length = 1usize << (3 * depth);
-    depth <= levels
-        && start > entry
-        && start.checked_add(length).is_some_and(|end| end <= map.len())
-        && (start..start + length).all(|below| block_holds(map, below, levels - depth, cells))
+    left.resize(top, levels as u8);
+    left.resize(map.len(), NOBODYS);
+    (0..map.len()).all(|entry| {
+        let (depth, start) = (map[entry] & 3, (map[entry] >> 2) as usize);
+        if depth == 0 {
+            return left[entry] != NOBODYS && start < cells;
+        }
+        let below = u32::from(left[entry]).checked_sub(depth).filter(|_| left[entry] != NOBODYS && start > entry);
+        let block = start.checked_add(1 << (3 * depth)).and_then(|end| left.get_mut(start..end));
+        match (below, block) {
+            (Some(below), Some(block)) if block.iter().all(|&left| left == NOBODYS) => {
+                block.fill(below as u8);
+                true
+            }
+            _ => false,
+        }
+    })
 }
 
 /// Nodes on the longest path from the root, both ends included. `None` if the nodes do not form one tree whose parents
@@ -177,7 +189,7 @@ mod tests {
 
     #[test]
     fn what_is_built_holds() {
-        for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+        for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
             for triangles in [1, 7, 2000] {
                 let (features, data) = fused(accelerator, triangles);
                 assert!(data.indices_hold(&features), "{accelerator}, {triangles} triangles");
@@ -215,6 +227,30 @@ mod tests {
             d.packed_triangles.truncate(d.packed_triangles.len() - 1)
         });
         refused("an id that is no triangle", &built, |d| d.packed_triangles[3][3] = 2000);
+    }
+
+    #[test]
+    fn a_wrong_index_of_the_irregular_grid_is_seen() {
+        let built = fused(Accelerator::Irregular, 2000);
+        let (cells, items) = (built.1.irregular_cells.len() as u32, built.1.irregular_items.len());
+        let map = &built.1.irregular_map;
+        let block = map.iter().rposition(|entry| entry & 3 != 0).expect("a block");
+        let leaf = map.iter().position(|entry| entry & 3 == 0).expect("a cell");
+        refused("a cell that does not exist", &built, |d| d.irregular_map[leaf] = cells << 2);
+        refused("a block beyond the map", &built, |d| d.irregular_map[block] = u32::MAX - 2);
+        refused("a block before its entry", &built, |d| d.irregular_map[block] &= 3);
+        refused("more levels than the grid has", &built, |d| d.grid.levels = 0);
+        refused("a block of two entries", &built, |d| d.irregular_map[leaf] = d.irregular_map[block]);
+        refused("a map that is cut off", &built, |d| d.irregular_map.truncate(map.len() - 1));
+        refused("an entry that belongs to no block", &built, |d| d.irregular_map.push(0));
+        refused("an item that is no triangle", &built, |d| d.irregular_items[5] = 2000);
+        refused("a last list without an end", &built, |d| d.irregular_items[items - 1] &= !MapEntry::LAST_ITEM);
+        refused("a list beyond the items", &built, |d| d.irregular_cells[3].first = items as u32);
+        refused("a box that ends outside of the grid", &built, |d| d.irregular_cells[3].high[1] = u16::MAX);
+        refused("a box without an extent", &built, |d| d.irregular_cells[3].low = d.irregular_cells[3].high);
+        refused("fewer triangles than are listed", &built, |d| {
+            d.packed_triangles.truncate(d.packed_triangles.len() - 1)
+        });
     }
 
     #[test]

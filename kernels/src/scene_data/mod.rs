@@ -65,6 +65,8 @@ pub struct SceneData {
     pub irregular_cells: Vec<IrregularCell>,
     /// Triangle ids; bit 31 marks the last of a list.
     pub irregular_items: Vec<u32>,
+    /// Length of each list of an irregular grid, which no kernel reads.
+    pub irregular_lengths: Vec<u32>,
     /// Most cells of an irregular grid that a ray visits.
     pub most_visited: u64,
     /// Growth of cells or boxes, in traced units; 0 for boxes that are grown as they are tested.
@@ -132,10 +134,10 @@ impl SceneData {
             let first = self.grid_cells[cell as usize];
             (first, self.grid_cells[cell as usize + 1] - first)
         } else if self.features.irregular {
-            let first = self.irregular_cells[cell as usize].first;
-            let items = self.irregular_items.get(first as usize..).unwrap_or_default();
-            let last = items.iter().position(|item| item & MapEntry::LAST_ITEM != 0);
-            (first, last.map_or(0, |last| last as u32 + 1))
+            match self.irregular_lengths[cell as usize] {
+                0 => (0, 0),
+                length => (self.irregular_cells[cell as usize].first, length),
+            }
         } else if self.features.bvh {
             let node = &self.bvh_nodes[cell as usize];
             (node.first, node.count())
@@ -256,6 +258,7 @@ impl SceneData {
                 self.grid_distances = distances;
             }
             Structure::Irregular(data) => {
+                self.irregular_lengths = (0..data.cells.len() as u32).map(|c| data.list(c).count() as u32).collect();
                 (self.grid, self.growth, self.most_visited) = (data.grid, data.growth, data.most_visited);
                 (self.irregular_map, self.irregular_cells, self.irregular_items) = (data.map, data.cells, data.items);
             }

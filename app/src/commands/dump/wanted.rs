@@ -24,9 +24,10 @@ pub(super) fn streams(named: &[Stream], plan: &Plan, options: &Options) -> Resul
 /// An additional option with which a run has a stream that it omits, if there is one: found by planning with it.
 fn option_for(stream: Stream, options: &Options) -> Option<&'static str> {
     type Change = (&'static str, fn(&mut Options));
-    let changes: [Change; 5] = [
+    let changes: [Change; 6] = [
         ("--accelerator grid", |o| o.accelerator = Accelerator::Grid),
         ("--accelerator bvh", |o| o.accelerator = Accelerator::Bvh),
+        ("--accelerator irregular", |o| o.accelerator = Accelerator::Irregular),
         ("--schedule compact", |o| o.schedule = ScheduleKind::Compact),
         ("--steps-per-pass 1", |o| o.steps_per_pass = 1),
         ("--spp 2", |o| o.samples.count = 2),

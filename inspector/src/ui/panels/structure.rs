@@ -7,6 +7,8 @@ mod tree;
 use std::sync::Arc;
 
 use egui::{RichText, ScrollArea, Ui};
+use raystep_kernels::Plan;
+use raystep_kernels::export::structure::IrregularSummary;
 use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::{GridStats, LENGTHS, TreeStats, triangles_in};
 use raystep_lab::text::counted;
@@ -27,10 +29,11 @@ const MOST_CHIPS: usize = 400;
 /// Height of a histogram, points.
 const BARS: f32 = 86.0;
 
-/// Statistics of a grid or BVH.
+/// Statistics of a structure.
 #[derive(Clone)]
 enum Measured {
     Grid(Arc<GridStats>),
+    Irregular(IrregularSummary),
     Tree(Arc<TreeStats>, Arc<Explored>),
     Nothing,
 }
@@ -56,11 +59,13 @@ impl Panel for Structure {
             return;
         };
         let data = opened.data.clone();
-        self.measure(&data, cx);
+        let plan = opened.plan.clone();
+        self.measure(&data, &plan, cx);
         self.slice.mark(&data, cx.shared.picked);
         self.about.show(ui, cx);
         match self.measured.clone() {
             Some((_, Measured::Grid(stats))) => self.grid(ui, cx, &data, &stats),
+            Some((_, Measured::Irregular(summary))) => irregular_numbers(ui, &summary),
             Some((_, Measured::Tree(stats, explored))) => self.tree(ui, cx, &data, &stats, &explored),
             Some((_, Measured::Nothing)) if !cx.has_rays() => {
                 ui.weak("This program traces through no grid or BVH. What it builds is in its streams.");
@@ -97,7 +102,7 @@ impl Panel for Structure {
 
 impl Structure {
     /// Asks once per run, and takes the answer.
-    fn measure(&mut self, data: &Arc<SceneData>, cx: &mut Context<'_>) {
+    fn measure(&mut self, data: &Arc<SceneData>, plan: &Arc<Plan>, cx: &mut Context<'_>) {
         let generation = cx.model.generation;
         if self.measured.as_ref().is_some_and(|(of, _)| *of != generation) {
             self.measured = None;
@@ -111,8 +116,8 @@ impl Structure {
         }
         if self.measured.is_none() && self.asked != generation {
             self.asked = generation;
-            let data = data.clone();
-            cx.model.ask(Request::Job(MEASURING, Box::new(move |job| measure(job, data, generation))));
+            let (data, plan) = (data.clone(), plan.clone());
+            cx.model.ask(Request::Job(MEASURING, Box::new(move |job| measure(job, data, plan, generation))));
         }
     }
 
@@ -244,11 +249,12 @@ impl Structure {
 }
 
 /// Statistics of a grid or BVH. The session is only used to stay cancellable.
-fn measure(_: JobContext<'_>, data: Arc<SceneData>, generation: u64) -> JobFuture<'_> {
+fn measure(_: JobContext<'_>, data: Arc<SceneData>, plan: Arc<Plan>, generation: u64) -> JobFuture<'_> {
     Box::pin(async move {
         let tree = || Some(Measured::Tree(Arc::new(TreeStats::of(&data)?), Arc::new(Explored::of(&data)?)));
         let grid = GridStats::of(&data).map(|stats| Measured::Grid(Arc::new(stats)));
-        let measured = grid.or_else(tree).unwrap_or(Measured::Nothing);
+        let irregular = || IrregularSummary::of(&plan, &data).map(Measured::Irregular);
+        let measured = grid.or_else(irregular).or_else(tree).unwrap_or(Measured::Nothing);
         Ok(Box::new((generation, measured)) as _)
     })
 }
@@ -266,6 +272,19 @@ fn corners(ui: &mut Ui, data: &SceneData, triangle: u32) {
         ui.monospace(format!("{:>10.5} {:>10.5} {:>10.5}", corner[0], corner[1], corner[2]));
     }
     ui.weak("traced units; click to mark its cells in the slice");
+}
+
+fn irregular_numbers(ui: &mut Ui, summary: &IrregularSummary) {
+    let [x, y, z] = summary.virtual_cells;
+    let finest = 1u64 << summary.levels;
+    let listing = summary.cells - summary.empty_cells;
+    ui.strong(counted(summary.cells as usize, "cell"));
+    ui.label(format!("{:.1}% list a triangle", listing as f64 / summary.cells.max(1) as f64 * 100.0));
+    ui.label(format!("{:.2} triangles per list", summary.references as f64 / listing.max(1) as f64))
+        .on_hover_text("average over non-empty cells");
+    ui.label(format!("longest list: {}", summary.longest_list));
+    ui.label(format!("virtual grid: {x} × {y} × {z} cells, {finest} along an axis of a top-level cell"))
+        .on_hover_text("the planes on which the boxes of cells end");
 }
 
 fn tree_numbers(ui: &mut Ui, stats: &TreeStats) {

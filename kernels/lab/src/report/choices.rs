@@ -27,7 +27,7 @@ use crate::statistics::interval;
 use crate::statistics::proportion::at_most;
 use crate::tidy::fill::{self, Drawn};
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
-use crate::ways::{MISSES_OUTSIDE, share_outside};
+use crate::ways::{MISSES_OUTSIDE, numerics_of, share_outside};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
@@ -129,10 +129,10 @@ impl Way {
 
 /// Every structure with every schedule, by robust and by the paper's rules.
 fn ways(is_quick: bool) -> Vec<Way> {
-    use Accelerator::{Bvh, Grid, None};
+    use Accelerator::{Bvh, Grid, Irregular, None};
     let mut ways = Vec::new();
-    for accelerator in [Grid, Bvh, None] {
-        for numerics in [Numerics::Robust, Numerics::Paper] {
+    for accelerator in [Grid, Irregular, Bvh, None] {
+        for &numerics in numerics_of(accelerator) {
             for &schedule in ScheduleKind::ALL {
                 // Without a grid or BVH, `second` is the same as `first`; with them, `first` is the slower of the two.
                 let unlike = if accelerator == None { ScheduleKind::Second } else { ScheduleKind::First };

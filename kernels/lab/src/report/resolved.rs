@@ -22,7 +22,7 @@ use crate::Error;
 use crate::meter::Ended;
 use crate::reference::Verdict;
 use crate::tidy::{KEYS, Row, Table, count, joined};
-use crate::ways::{ALL_MISS, misses_all};
+use crate::ways::{ALL_MISS, misses_all, numerics_of};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
@@ -73,9 +73,9 @@ struct Way {
 /// Every configuration, and the paper's numerics with its own faster schedule; in a quick report, without the schedules
 /// between the paper's and the fused one.
 fn ways(is_quick: bool) -> Vec<Way> {
-    use Accelerator::{Bvh, Grid, None};
+    use Accelerator::{Bvh, Grid, Irregular, None};
     let mut ways = Vec::new();
-    for accelerator in [Grid, Bvh, None] {
+    for accelerator in [Grid, Irregular, Bvh, None] {
         for &schedule in ScheduleKind::ALL {
             // Without a grid or BVH, `second` is the same as `first`.
             let is_same = accelerator == None && schedule == ScheduleKind::Second;
@@ -85,7 +85,9 @@ fn ways(is_quick: bool) -> Vec<Way> {
             }
         }
         let schedule = if accelerator == None { ScheduleKind::First } else { ScheduleKind::Second };
-        ways.push(Way { accelerator, schedule, numerics: Numerics::Paper });
+        if numerics_of(accelerator).contains(&Numerics::Paper) {
+            ways.push(Way { accelerator, schedule, numerics: Numerics::Paper });
+        }
     }
     ways
 }

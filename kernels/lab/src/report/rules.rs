@@ -20,7 +20,7 @@ use crate::rays::{Aim, Planes, aimed};
 use crate::statistics::proportion::{holm, mcnemar};
 use crate::tidy::fill::{Drawn, verdicts};
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
-use crate::ways::has_rule;
+use crate::ways::{has_rule, numerics_of};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
@@ -81,7 +81,7 @@ fn ways(work: &Work<'_>, rays: &[Ray]) -> Vec<Way> {
     const MOST_TESTS: usize = 1 << 27;
     let can_test_all = work.subject.scene.triangles.len().saturating_mul(rays.len()) <= MOST_TESTS;
     let mut ways = Vec::new();
-    for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+    for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
         if accelerator == Accelerator::None && !can_test_all {
             continue;
         }
@@ -101,7 +101,9 @@ fn ways(work: &Work<'_>, rays: &[Ray]) -> Vec<Way> {
         for &rule in Rule::ALL.iter().filter(|rule| has_rule(accelerator, **rule)) {
             add(Numerics::Robust, Some(rule), Options { without: Some(rule), ..options.clone() });
         }
-        add(Numerics::Paper, None, Options { numerics: Numerics::Paper, ..options });
+        if numerics_of(accelerator).contains(&Numerics::Paper) {
+            add(Numerics::Paper, None, Options { numerics: Numerics::Paper, ..options });
+        }
     }
     ways
 }

@@ -16,7 +16,8 @@ use crate::tidy::package::{self, Resource};
 use crate::{Error, Hash, Machine};
 
 /// The accelerators to compare, without `auto`.
-pub const ACCELERATORS: &[Accelerator] = &[Accelerator::Grid, Accelerator::Bvh, Accelerator::None];
+pub const ACCELERATORS: &[Accelerator] =
+    &[Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None];
 
 /// What to trace.
 #[derive(Clone, Debug)]

@@ -107,6 +107,8 @@ fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> w
     //   children of nodes, and triangles. Distances and cells are looked up by cell.
     // - Cells, by the shader: `enter_grid` clamps to the grid, or its `inside` is false; so is that of `advance` and
     //   `leap` outside of the grid, or outside of the arrays with the paper's rules. NaN takes the same branches.
+    // - Virtual cells of an irregular grid, by the shader: `enter_grid` clamps them, and `step_voxel` ends the walk outside
+    //   of the grid. The cells that they lead to, by `SceneData::indices_hold`: the loop over the map's levels ends at one.
     // - The stack, by `SceneData::indices_hold`: at most one group of siblings waits per level, and none at the root's.
     // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan has the size of
     //   `state`.

@@ -11,7 +11,7 @@ import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT};
 @group(2) @binding(0) var<storage, read_write> sent: array<atomic<u32>, 8>;
 @if(live_lists) @group(2) @binding(1) var<storage, read> own_list: array<u32, 8>;
 @if(live_lists) @group(2) @binding(2) var<storage, read_write> intersect_list: array<atomic<u32>, 8>;
-@if(live_lists && !many_steps && (grid || bvh)) @group(2) @binding(3) var<storage, read_write> traverse_list: array<atomic<u32>, 8>;
+@if(live_lists && !many_steps && (grid || irregular || bvh)) @group(2) @binding(3) var<storage, read_write> traverse_list: array<atomic<u32>, 8>;
 @if(live_lists) @group(2) @binding(4) var<storage, read_write> live_rays: array<u32>;
 
 var<workgroup> sent_here: array<atomic<u32>, 8>;
@@ -115,7 +115,7 @@ fn send(lane: u32, texel: vec2u, tag: u32) {
             }
         }
     }
-    @if(!many_steps && (grid || bvh)) if (lane == 1u) {
+    @if(!many_steps && (grid || irregular || bvh)) if (lane == 1u) {
         let rays = appended(TO_TRAVERSE, LANE_WORDS, 0u);
         if (rays > 0u) {
             let first = atomicAdd(&traverse_list[3], rays);

@@ -1,9 +1,14 @@
 //! The voxel map: from a virtual cell to the cell that it belongs to.
 
 use super::layout::Layout;
-use super::refine::Tree;
 use crate::shared::grid_walk::Grid;
 use crate::shared::irregular_walk::{self, MapEntry};
+
+/// An octree below a top-level cell: leaves are indices of cells, counted from the tree's first.
+pub(super) enum Tree {
+    Leaf(u32),
+    Node(Box<[Tree; 8]>),
+}
 
 /// The map while it is built.
 pub(super) struct Map {

@@ -1,7 +1,7 @@
 //! Halves the cells of the top level as long as rays gain by it.
 
 use super::layout::Layout;
-use super::map::Map;
+use super::map::{Map, Tree};
 use super::{Draft, Span};
 use crate::numbers::parallel::map_ranges;
 use crate::shared::grid_walk::Grid;
@@ -11,14 +11,13 @@ use crate::structures::grid::{self, GridError};
 /// A list of at most this many triangles is not divided further.
 const SHORT: usize = 4;
 
+/// References to which those of a top-level cell may grow, for each, and for all together. Where lists hardly become
+/// shorter (many triangles at one place, slivers aslant), the budget ends the division.
+const GROWTH: u64 = 12;
+const GROWTH_OF_ALL: u64 = 64;
+
 /// Cost of a step from cell to cell, in quarters of a triangle test.
 const STEP_COST: usize = 4;
-
-/// An octree below a top-level cell: leaves are indices of cells, counted from the tree's first.
-pub(super) enum Tree {
-    Leaf(u32),
-    Node(Box<[Tree; 8]>),
-}
 
 /// Trees of consecutive top-level cells, and their leaves.
 struct Part {
@@ -41,7 +40,8 @@ pub(super) fn refine(vertices: &[f32], layout: &Layout, most_words: u64) -> Resu
         let mut part = Part { trees: Vec::new(), draft: Draft { spans: Vec::new(), lists: Vec::new() } };
         for cell in range {
             let list = lists.list(cell as u32).to_vec();
-            let tree = refiner.divide(0, top.cell_of_index(cell as u32), list, &mut part.draft);
+            let budget = GROWTH * list.len() as u64 + GROWTH_OF_ALL;
+            let tree = refiner.divide(0, top.cell_of_index(cell as u32), list, budget, &mut part.draft);
             part.trees.push(tree);
         }
         part
@@ -58,13 +58,15 @@ pub(super) fn refine(vertices: &[f32], layout: &Layout, most_words: u64) -> Resu
 }
 
 impl Refiner<'_> {
-    fn divide(&self, level: u32, cell: [i32; 3], list: Vec<u32>, draft: &mut Draft) -> Tree {
-        if let Some(children) = self.halves(level, cell, &list) {
+    /// Divides a cell whose octree may have up to `budget` references, shared by the halves as they need it.
+    fn divide(&self, level: u32, cell: [i32; 3], list: Vec<u32>, budget: u64, draft: &mut Draft) -> Tree {
+        if let Some((children, after)) = self.halves(level, cell, &list, budget) {
             let below = |i: usize| [0, 1, 2].map(|a| 2 * cell[a] + (i >> a & 1) as i32);
             let mut children = children.into_iter().enumerate();
             let trees = [(); 8].map(|()| {
                 let (i, list) = children.next().unwrap_or_default();
-                self.divide(level + 1, below(i), list, draft)
+                let share = budget * list.len() as u64 / after.max(1);
+                self.divide(level + 1, below(i), list, share, draft)
             });
             return Tree::Node(Box::new(trees));
         }
@@ -74,9 +76,9 @@ impl Refiner<'_> {
         Tree::Leaf(draft.spans.len() as u32 - 1)
     }
 
-    /// The lists of the eight halves, x fastest, if rays gain by them: a ray through the cell crosses a quarter of
+    /// The lists of the eight halves, x fastest, and their length, if rays gain by them within the budget: a ray through the cell crosses a quarter of
     /// them, in proportion to their surface.
-    fn halves(&self, level: u32, cell: [i32; 3], list: &[u32]) -> Option<[Vec<u32>; 8]> {
+    fn halves(&self, level: u32, cell: [i32; 3], list: &[u32], budget: u64) -> Option<([Vec<u32>; 8], u64)> {
         if list.len() <= SHORT || level == self.layout.levels {
             return None;
         }
@@ -101,6 +103,7 @@ impl Refiner<'_> {
             }
         }
         let after: usize = halves.iter().map(Vec::len).sum();
-        (after + STEP_COST < 4 * list.len()).then_some(halves)
+        let is_gain = after + STEP_COST < 4 * list.len() && after as u64 <= budget;
+        is_gain.then_some((halves, after as u64))
     }
 }

@@ -12,7 +12,7 @@ use crate::session::{Model, Told};
 use crate::ui::panels::table::{Head, Look, Rows};
 use crate::ui::shared::Picked;
 use crate::ui::units::{Scale, in_units};
-use crate::walk::is_walking;
+use crate::walk::{has_cells, is_walking};
 
 const PASS: usize = 0;
 const STATE: usize = 2;
@@ -63,10 +63,6 @@ impl History<'_> {
         self.life.rows.get(row)
     }
 
-    fn is_grid(&self) -> bool {
-        self.data.is_some_and(|data| data.features.grid)
-    }
-
     fn t(&self, t: Option<f32>, column: usize) -> String {
         let decimals = self.decimals.get(column - TMAX).copied().unwrap_or_default();
         t.map_or_else(|| "–".into(), |t| format!("{:.decimals$}", self.scale.t(t)))
@@ -81,8 +77,8 @@ impl History<'_> {
 
     /// The cell or node that the ray is in after a pass; none before and after its walk.
     fn cell(&self, row: &TraceRow) -> Option<String> {
-        let data = self.data.filter(|data| (data.features.grid || data.features.bvh) && is_walking(&row.after))?;
-        Some(match data.features.grid && data.grid.cells.iter().all(|&n| n > 0) {
+        let data = self.data.filter(|data| (has_cells(data) || data.features.bvh) && is_walking(&row.after))?;
+        Some(match data.features.grid && has_cells(data) {
             true => data.grid.cell_of_index(row.after.cell_index).map(|c| c.to_string()).join(","),
             false => row.after.cell_index.to_string(),
         })
@@ -166,7 +162,9 @@ impl Rows for History<'_> {
             PASS => self.note(index, row),
             STATE => Some(format!("{} before the pass, {} after it", row.state_before, after.state)),
             WHY => Some(self.why(row)),
-            CELL if self.is_grid() => Some(format!("cell index {}", after.cell_index)),
+            CELL if self.data.is_some_and(|data| data.features.grid) => {
+                Some(format!("cell index {}", after.cell_index))
+            }
             TMAX..T => Some(self.exact(after.tmax[column - TMAX])),
             T => Some(self.exact(after.t)),
             HIT => Some(match (after.triangle, after.barycentric) {
