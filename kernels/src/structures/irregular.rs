@@ -72,8 +72,16 @@ struct Draft {
 /// # Errors
 /// If a buffer would be larger.
 pub fn build(vertices: &[f32], reach: f32, is_grown: bool, most_words: u64) -> Result<IrregularData, GridError> {
-    let plan = layout::Layout::new(vertices, reach, is_grown);
-    let (mut map, draft) = refine::refine(vertices, &plan, most_words)?;
+    let mut coarser = 0;
+    let (plan, lists) = loop {
+        let plan = layout::Layout::new(vertices, reach, is_grown, coarser);
+        match refine::top_lists(vertices, &plan, most_words) {
+            Ok(lists) => break (plan, lists),
+            Err(error) if plan.is_one_cell() => return Err(error),
+            Err(_) => coarser += 1,
+        }
+    };
+    let (mut map, draft) = refine::refine(vertices, &plan, &lists);
     let draft = merge::merge(draft, &mut map, &plan);
     let spans = expand::expand(&draft, &map);
     let too_many = |limit| GridError::TooManyReferences { cells: plan.grid.cells.map(|n| n as u32), limit };

@@ -34,7 +34,8 @@ fn along(scene: &Scene, side: u32) -> Options {
 fn several() -> Vec<Way> {
     let all_steps = [Accelerator::None, Accelerator::Bvh, Accelerator::Grid]
         .map(|accelerator| Way::new(accelerator, ScheduleKind::Compact, 4096));
-    EVERY.into_iter().filter(|way| way.steps > 1 || !way.is_stepped()).chain(all_steps).collect()
+    let is_one = |way: &Way| (way.steps > 1 || !way.is_stepped()) && way.accelerator != Accelerator::Irregular;
+    EVERY.into_iter().filter(is_one).chain(all_steps).collect()
 }
 
 fn in_one_cell(scene: &Scene, side: u32) -> Options {
@@ -78,7 +79,8 @@ fn counters_are_of_the_walk_and_not_of_its_dispatches() {
     let device = Device::Gpu(gpu());
     let mut sums = Vec::new();
     for cells in [[1, 1, 1], [2, 3, 40]] {
-        for way in EVERY.into_iter().filter(|way| way.steps > 1 || !way.is_stepped()) {
+        let others = EVERY.into_iter().filter(|way| way.accelerator != Accelerator::Irregular);
+        for way in others.filter(|way| way.steps > 1 || !way.is_stepped()) {
             let options =
                 Options { counters: true, shade: true, grid: GridSize::Cells(cells), ..way.of(&along(&scene, 8)) };
             let [on_gpu, on_cpu] = [&device, &Device::Cpu(Option::None)].map(|device| {
@@ -96,6 +98,27 @@ fn counters_are_of_the_walk_and_not_of_its_dispatches() {
         }
     }
     assert!(sums.iter().all(|&tests| tests > 70_000), "{sums:?}");
+}
+
+/// Copies of one triangle, which no division of cells tells apart: a list of the irregular grid is as long.
+#[test]
+fn a_list_of_the_irregular_grid_is_walked_in_several_dispatches() {
+    let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.5]];
+    let scene = made_of(vec![corners; 70_000]);
+    let options = Options { counters: true, ..along(&scene, 6) };
+    let expected =
+        run(&scene, &Way::new(Accelerator::None, ScheduleKind::Fused, 1).of(&options), &Device::Cpu(None), None);
+    for schedule in [ScheduleKind::Fused, ScheduleKind::Compact] {
+        let way = Way::new(Accelerator::Irregular, schedule, 8);
+        let [on_gpu, on_cpu] = [Device::Gpu(gpu()), Device::Cpu(None)].map(|device| {
+            let renderer = run(&scene, &way.of(&options), &device, None);
+            assert!(renderer.plan().features.resumes || !device.is_gpu(), "{way}: one dispatch suffices");
+            assert!(hits(&renderer) == hits(&expected), "{way}");
+            values(&renderer, streams::COUNTERS)
+        });
+        assert_eq!(on_gpu.bits, on_cpu.bits, "{way}");
+        assert!(on_gpu.layer(1).iter().any(|&tests| tests >= 70_000), "{way}");
+    }
 }
 
 /// Searches for repeated tests along many cells with long lists.

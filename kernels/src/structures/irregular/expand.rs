@@ -5,10 +5,10 @@ use super::{Draft, Span};
 use crate::numbers::parallel::map_ranges;
 
 /// Most times that a cell's box is expanded on each side, by a layer of neighbours each.
-const ROUNDS: u32 = 12;
+const ROUNDS: u32 = 8;
 
-/// Most neighbours of a face that are looked at; a face with more is not moved.
-const MOST_NEIGHBOURS: u32 = 4096;
+/// Most neighbours that are looked at, for each cell. A face with more is not moved.
+const MOST_NEIGHBOURS: u32 = 192;
 
 /// The expanded boxes. Each follows from the cells alone, not from those of others.
 pub(super) fn expand(draft: &Draft, map: &Map) -> Vec<Span> {
@@ -18,18 +18,18 @@ pub(super) fn expand(draft: &Draft, map: &Map) -> Vec<Span> {
 }
 
 fn expanded(cell: usize, draft: &Draft, map: &Map) -> Span {
-    let mut span = draft.spans[cell];
+    let (mut span, mut seen) = (draft.spans[cell], 0);
     for _ in 0..ROUNDS {
         let before = span;
         for axis in 0..3 {
             if span.high[axis] < map.grid.cells[axis] {
-                span.high[axis] += layer(cell, &span, axis, true, draft, map);
+                span.high[axis] += layer(cell, &span, (axis, true), &mut seen, draft, map);
             }
             if span.low[axis] > 0 {
-                span.low[axis] -= layer(cell, &span, axis, false, draft, map);
+                span.low[axis] -= layer(cell, &span, (axis, false), &mut seen, draft, map);
             }
         }
-        if span == before {
+        if span == before || seen > MOST_NEIGHBOURS {
             break;
         }
     }
@@ -38,18 +38,18 @@ fn expanded(cell: usize, draft: &Draft, map: &Map) -> Span {
 
 /// By how much a face can be moved: to where the first of the neighbours behind it ends; 0 if one of them lists a
 /// triangle that the cell does not list.
-fn layer(cell: usize, span: &Span, axis: usize, is_up: bool, draft: &Draft, map: &Map) -> i32 {
+fn layer(cell: usize, span: &Span, (axis, is_up): (usize, bool), seen: &mut u32, draft: &Draft, map: &Map) -> i32 {
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let mut at = span.low;
     at[axis] = if is_up { span.high[axis] } else { span.low[axis] - 1 };
-    let (mut depth, mut seen) = (i32::MAX, 0);
+    let mut depth = i32::MAX;
     while at[v] < span.high[v] {
         let mut next_row = span.high[v];
         at[u] = span.low[u];
         while at[u] < span.high[u] {
             let neighbour = map.find(at) as usize;
-            seen += 1;
-            if seen > MOST_NEIGHBOURS || !is_subset(&draft.lists[neighbour], &draft.lists[cell]) {
+            *seen += 1;
+            if *seen > MOST_NEIGHBOURS || !is_subset(&draft.lists[neighbour], &draft.lists[cell]) {
                 return 0;
             }
             let there = &draft.spans[neighbour];

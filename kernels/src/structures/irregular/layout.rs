@@ -24,7 +24,9 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub(super) fn new(vertices: &[f32], reach: f32, is_grown: bool) -> Self {
+    /// With a top level of about [`TOP_PER_TRIANGLE`] cells per triangle, made coarser along each axis to two thirds as
+    /// many cells, so many times.
+    pub(super) fn new(vertices: &[f32], reach: f32, is_grown: bool, coarser: u32) -> Self {
         let (min, max) = bounds(vertices);
         let margin = growth(reach);
         let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
@@ -33,6 +35,9 @@ impl Layout {
         let triangles = (vertices.len() / 9) as f64;
         let mut top = cubes((triangles * TOP_PER_TRIANGLE).clamp(1.0, 1e8), extent);
         top.iter_mut().zip(finest).for_each(|(n, finest)| *n = (*n).min(finest));
+        for _ in 0..coarser {
+            top = top.map(|n| (n * 2 / 3).max(1));
+        }
         let levels_of = |a: usize| (finest[a] / top[a]).max(1).ilog2();
         let levels = (0..3).map(levels_of).max().unwrap_or(0).min(MOST_LEVELS);
         // A flat axis has as many levels as the others.
@@ -54,6 +59,11 @@ impl Layout {
             levels: 0,
             ..self.grid
         }
+    }
+
+    /// Whether the top level is a single cell.
+    pub(super) fn is_one_cell(&self) -> bool {
+        self.at(0).cells == [1; 3]
     }
 
     /// Half of a box's surface area, in integers.

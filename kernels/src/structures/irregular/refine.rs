@@ -6,14 +6,14 @@ use super::{Draft, Span};
 use crate::numbers::parallel::map_ranges;
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid::overlap::Overlap;
-use crate::structures::grid::{self, GridError};
+use crate::structures::grid::{self, GridData, GridError};
 
 /// A list of at most this many triangles is not divided further.
 const SHORT: usize = 4;
 
 /// References to which those of a top-level cell may grow, for each, and for all together. Where lists hardly become
 /// shorter (many triangles at one place, slivers aslant), the budget ends the division.
-const GROWTH: u64 = 12;
+const GROWTH: u64 = 8;
 const GROWTH_OF_ALL: u64 = 64;
 
 /// Cost of a step from cell to cell, in quarters of a triangle test.
@@ -31,10 +31,22 @@ struct Refiner<'a> {
     grids: Vec<Grid>,
 }
 
+/// Most references of the top level, per triangle, unless it is a single cell.
+const MOST_AT_TOP: u64 = 16;
+
+/// The lists of the top level.
+///
+/// # Errors
+/// If they are longer than triangles much larger than its cells should make them, or than the executor can hold.
+pub(super) fn top_lists(vertices: &[f32], layout: &Layout, most_words: u64) -> Result<GridData, GridError> {
+    let triangles = (vertices.len() / 9) as u64;
+    let most = if layout.is_one_cell() { most_words } else { most_words.min(MOST_AT_TOP * triangles + 4096) };
+    grid::lists(&layout.at(0), layout.growth, vertices, most)
+}
+
 /// The cells of all octrees, and the map that leads to them.
-pub(super) fn refine(vertices: &[f32], layout: &Layout, most_words: u64) -> Result<(Map, Draft), GridError> {
+pub(super) fn refine(vertices: &[f32], layout: &Layout, lists: &GridData) -> (Map, Draft) {
     let top = layout.at(0);
-    let lists = grid::lists(&top, layout.growth, vertices, most_words)?;
     let refiner = Refiner { vertices, layout, grids: (0..=layout.levels).map(|level| layout.at(level)).collect() };
     let parts = map_ranges(lists.cells.len() - 1, 64, |range| {
         let mut part = Part { trees: Vec::new(), draft: Draft { spans: Vec::new(), lists: Vec::new() } };
@@ -54,7 +66,7 @@ pub(super) fn refine(vertices: &[f32], layout: &Layout, most_words: u64) -> Resu
         draft.spans.extend(part.draft.spans);
         draft.lists.extend(part.draft.lists);
     }
-    Ok((Map::new(layout, &trees), draft))
+    (Map::new(layout, &trees), draft)
 }
 
 impl Refiner<'_> {

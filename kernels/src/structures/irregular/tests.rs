@@ -18,6 +18,15 @@ fn scenes() -> Vec<(&'static str, Vec<f32>)> {
         ("terrain", vertices_of(&generate::terrain(5000, 1).expect("a scene"))),
         ("room", vertices_of(&generate::tiny_in_room(3000, 100).expect("a scene"))),
         ("hair", vertices_of(&generate::hair(300, 1).expect("a scene"))),
+        (
+            "pile",
+            (0..20_000)
+                .flat_map(|i| {
+                    let z = i as f32 / 20_000.0;
+                    [-1.0, -1.0, z, 1.0, -1.0, z, 1.0, 1.0, z]
+                })
+                .collect(),
+        ),
         ("nothing", Vec::new()),
         (
             "flat",
