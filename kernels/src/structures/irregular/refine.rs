@@ -9,15 +9,15 @@ use crate::structures::grid::overlap::Overlap;
 use crate::structures::grid::{self, GridData, GridError};
 
 /// A list of at most this many triangles is not divided further.
-const SHORT: usize = 4;
+const SHORT: usize = 2;
 
 /// References to which those of a top-level cell may grow, for each, and for all together. Where lists hardly become
 /// shorter (many triangles at one place, slivers aslant), the budget ends the division.
-const GROWTH: u64 = 8;
+const GROWTH: u64 = 12;
 const GROWTH_OF_ALL: u64 = 64;
 
 /// Cost of a step from cell to cell, in quarters of a triangle test.
-const STEP_COST: usize = 4;
+const STEP_COST: usize = 2;
 
 /// Trees of consecutive top-level cells, and their leaves.
 struct Part {
