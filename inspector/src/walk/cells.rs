@@ -57,6 +57,19 @@ pub struct CellVisit {
     pub listed: u32,
     /// Whether the ray is here now, or ended its walk here.
     pub is_current: bool,
+    /// Whether it is a cell of an irregular grid, which is named by its number.
+    pub is_irregular: bool,
+}
+
+impl CellVisit {
+    /// `cell 1,0,2`, or `cell 17` in an irregular grid.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self.is_irregular {
+            true => format!("cell {}", self.index),
+            false => format!("cell {}", self.cell.map(|c| c.to_string()).join(",")),
+        }
+    }
 }
 
 /// Where the ray crosses a plane between cells.
@@ -146,6 +159,7 @@ impl WalkGeometry {
             exit_axis,
             listed: list.end.saturating_sub(list.start),
             is_current: true,
+            is_irregular: data.features.irregular,
         }
     }
 

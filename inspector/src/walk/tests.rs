@@ -74,19 +74,57 @@ fn cells_follow_each_other_and_their_intervals_meet() {
     }
 }
 
+/// Boxes of an irregular grid may overlap, but the ray is in each of them from where it left the one before.
+#[test]
+fn boxes_of_an_irregular_grid_follow_each_other() {
+    let scene = scene(TEAPOT);
+    for steps_per_pass in [1, 8] {
+        for pixel in PIXELS {
+            let options = Options { accelerator: Accelerator::Irregular, steps_per_pass, ..options(&scene) };
+            let (trace, data) = traced(&scene, &options, pixel);
+            let walk = whole(&trace, &data);
+            let most = f64::from(data.growth);
+            for (i, cell) in walk.cells.iter().enumerate() {
+                let [low, high] = data.irregular_cells[cell.index as usize].corners();
+                assert_eq!((cell.cell, cell.name()), (low, format!("cell {}", cell.index)));
+                assert_eq!(cell.bounds, Aabb::of_cells(&data.grid, low, [0, 1, 2].map(|a| high[a] - low[a])));
+                assert_eq!(listed(&data, cell.index).count() as u32, cell.listed);
+                for t in [cell.t_in, cell.t_out] {
+                    let point = walk.point(t);
+                    let outside = (cell.bounds.min - point).max(point - cell.bounds.max).max_element();
+                    assert!(outside <= most, "{pixel:?}: {outside} outside of cell {i}");
+                }
+                let before = i.checked_sub(1).map(|before| &walk.cells[before]);
+                if let Some(before) = before.filter(|_| steps_per_pass == 1) {
+                    let step = if walk.direction[before.exit_axis] < 0.0 { -1 } else { 1 };
+                    assert_eq!(cell.entry, Entry::Face { axis: before.exit_axis, step });
+                    assert_eq!(before.t_out, cell.t_in);
+                }
+            }
+            assert!(trace.rows.last().expect("rows").after.triangle.is_none() || !walk.cells.is_empty());
+        }
+    }
+}
+
 #[test]
 fn the_walk_grows_row_by_row_to_the_hit_of_the_trace() {
     let scene = scene(CORNELL);
-    let (trace, data) = traced(&scene, &options(&scene), [20, 40]);
-    let mut before = WalkGeometry::new(&trace, &data, 0);
+    for accelerator in [Accelerator::Grid, Accelerator::Irregular] {
+        let (trace, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, [20, 40]);
+        the_walk_grows(&trace, &data);
+    }
+}
+
+fn the_walk_grows(trace: &Trace, data: &SceneData) {
+    let mut before = WalkGeometry::new(trace, data, 0);
     assert!(before.cells.is_empty() && before.tested.is_empty() && !before.is_over);
     for row in 1..trace.rows.len() {
-        let walk = WalkGeometry::new(&trace, &data, row);
+        let walk = WalkGeometry::new(trace, data, row);
         assert!(walk.t >= before.t, "{row}: {} {}", walk.t, before.t);
         assert!(walk.cells.len() - before.cells.len() <= 1 && walk.tested.len() - before.tested.len() <= 1);
         if let Some(cell) = walk.current_cell() {
             assert_eq!(cell.index, trace.rows[row].after.cell_index);
-            assert_eq!(listed(&data, cell.index).count() as u32, cell.listed);
+            assert_eq!(listed(data, cell.index).count() as u32, cell.listed);
             assert_eq!(walk.cells.iter().filter(|cell| cell.is_current).count(), 1);
             assert_eq!(walk.next_crossings().len(), cell.tmax.iter().flatten().count());
         }
@@ -103,7 +141,7 @@ fn the_walk_grows_row_by_row_to_the_hit_of_the_trace() {
     assert_eq!((nearest.triangle, nearest.t), (hit.triangle, Some(hit.t)));
     assert!(before.tested.iter().any(|test| test.outcome == Outcome::Missed));
     for test in &before.tested {
-        assert!(listed(&data, before.cells[test.visit.expect("a cell")].index).any(|id| id == test.triangle));
+        assert!(listed(data, before.cells[test.visit.expect("a cell")].index).any(|id| id == test.triangle));
     }
 }
 

@@ -34,6 +34,8 @@ pub struct StripCell {
     pub letters: String,
     /// Cell coordinates.
     pub cell: [i32; 3],
+    /// Its name, see [`CellVisit::name`](super::CellVisit::name).
+    pub name: String,
     /// t at which the ray enters and leaves.
     pub t: [f64; 2],
     /// The axis across which it leaves.
@@ -115,6 +117,7 @@ impl Strip {
                 visit,
                 letters: letters(visit),
                 cell: cell.cell,
+                name: cell.name(),
                 t: [cell.t_in, cell.t_out.max(cell.t_in)],
                 exit_axis: cell.exit_axis,
                 tmax: cell.tmax,

@@ -9,7 +9,7 @@ use super::ray::current_row;
 use crate::session::Model;
 use crate::ui::command::Command;
 use crate::ui::pane::Context;
-use crate::walk::{Structure, WalkGeometry};
+use crate::walk::{CellVisit, Structure, WalkGeometry};
 
 /// A walk up to the last pass that has run.
 #[derive(Default)]
@@ -72,8 +72,7 @@ pub(super) fn describe(walk: &WalkGeometry) -> String {
     let mut parts = Vec::new();
     match walk.structure {
         Structure::Grid => {
-            let at = walk.current_cell().map(|cell| cell.cell);
-            parts.push(at.map_or_else(|| "outside the grid".into(), |[x, y, z]| format!("cell {x},{y},{z}")));
+            parts.push(walk.current_cell().map_or_else(|| "outside the grid".into(), CellVisit::name));
             parts.push(counted(walk.cells.len(), "cell") + " visited");
         }
         Structure::Tree => {

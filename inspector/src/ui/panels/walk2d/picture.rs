@@ -113,9 +113,8 @@ fn words(scene: &Scene<'_>, square: &Square, visit: usize) -> String {
     let walk = scene.walk;
     let mut text = match (walk.cells.get(visit), walk.nodes.get(visit)) {
         (Some(cell), _) => {
-            let [x, y, z] = cell.cell;
             let t = [cell.t_in, cell.t_out].map(|t| scene.t(t));
-            format!("cell {x},{y},{z}: t {} to {}, {} in its list", t[0], t[1], counted(cell.listed, "triangle"))
+            format!("{}: t {} to {}, {} in its list", cell.name(), t[0], t[1], counted(cell.listed, "triangle"))
         }
         (None, Some(node)) => {
             let t = node.inside.map_or_else(String::new, |t| format!(": t {} to {}", scene.t(t[0]), scene.t(t[1])));

@@ -52,8 +52,7 @@ fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>) -> Vec<Label> {
     match walk.structure {
         Structure::Grid => {
             if let Some(cell) = walk.current_cell() {
-                let [x, y, z] = cell.cell;
-                add(cell.bounds.center(), format!("cell {x},{y},{z}"), About::Place);
+                add(cell.bounds.center(), cell.name(), About::Place);
             }
         }
         Structure::Tree => {

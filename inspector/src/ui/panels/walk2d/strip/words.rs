@@ -7,7 +7,6 @@ use crate::walk::{Entry, Outcome, StripCell, StripNode, TestedTriangle};
 
 /// Describes a cell.
 pub(super) fn cell_words(cell: &StripCell, scene: &Scene<'_>) -> String {
-    let [x, y, z] = cell.cell;
     let [from, to] = cell.t.map(|t| scene.t(t));
     let [tx, ty, tz] = cell.tmax.map(|t| t.map_or_else(|| "never".into(), |t| scene.t(t)));
     let axis = ["x", "y", "z"][cell.exit_axis];
@@ -17,9 +16,10 @@ pub(super) fn cell_words(cell: &StripCell, scene: &Scene<'_>) -> String {
         _ => String::new(),
     };
     format!(
-        "{}: cell {x},{y},{z}, t {from} to {to}\ntmax x {tx}, y {ty}, z {tz}: leaves along {axis}{on}\n{} in its \
+        "{}: {}, t {from} to {to}\ntmax x {tx}, y {ty}, z {tz}: leaves along {axis}{on}\n{} in its \
          list, {} tested",
         cell.letters,
+        cell.name,
         counted(cell.listed, "triangle"),
         cell.tests.len()
     )
