@@ -47,7 +47,7 @@ pub(super) fn of(rows: &[Row]) -> Precision {
         x: Axis::new("ratio of times to robust", Scale::Ratio),
         y: Axis::new("wrong per million rays aimed at edges and cell faces", Scale::Log),
         at_most: compared_rows(rows).filter_map(bound).reduce(f64::max),
-        legend: ["grid", "bvh", "none"].iter().filter(|name| has(name)).map(|name| entry(name)).collect(),
+        legend: ["grid", "irregular", "bvh", "none"].iter().filter(|name| has(name)).map(|name| entry(name)).collect(),
         from: Some(1.0),
         choices,
     }
