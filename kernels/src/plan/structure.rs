@@ -156,7 +156,7 @@ impl IrregularSummary {
         if plan.accelerator != Accelerator::Irregular {
             return None;
         }
-        let lengths = || (0..data.irregular_cells.len() as u32).map(|cell| data.list(cell).1);
+        let lengths = || data.irregular_lengths.iter().copied();
         Some(Self {
             virtual_cells: data.grid.cells,
             levels: data.grid.levels,

@@ -7,8 +7,7 @@
 
 use super::SceneData;
 use crate::options::features::Features;
-use crate::shared::constants::wide_stack;
-use crate::shared::irregular_walk::{MapEntry, NO_LIST};
+use crate::shared::constants::{LAST_ITEM, NO_LIST, wide_stack};
 use crate::shared::wide_node::WideNode;
 
 /// Whether the shader can count the buffer's words or vectors in u32, as `stride * index + rest`.
@@ -56,8 +55,8 @@ impl SceneData {
             return false;
         }
         let top = grid.cells.map(|n| (n >> grid.levels) as usize);
-        let lists_hold = items.iter().all(|item| ((item & !MapEntry::LAST_ITEM) as usize) < entries.max(1))
-            && items.last().is_some_and(|item| item & MapEntry::LAST_ITEM != 0)
+        let lists_hold = items.iter().all(|item| ((item & !LAST_ITEM) as usize) < entries.max(1))
+            && items.last().is_some_and(|item| item & LAST_ITEM != 0)
             && cells.iter().all(|cell| cell.first == NO_LIST || (cell.first as usize) < items.len());
         let boxes_hold = cells
             .iter()
@@ -244,7 +243,7 @@ mod tests {
         refused("a map that is cut off", &built, |d| d.irregular_map.truncate(map.len() - 1));
         refused("an entry that belongs to no block", &built, |d| d.irregular_map.push(0));
         refused("an item that is no triangle", &built, |d| d.irregular_items[5] = 2000);
-        refused("a last list without an end", &built, |d| d.irregular_items[items - 1] &= !MapEntry::LAST_ITEM);
+        refused("a last list without an end", &built, |d| d.irregular_items[items - 1] &= !LAST_ITEM);
         refused("a list beyond the items", &built, |d| d.irregular_cells[3].first = items as u32);
         refused("a box that ends outside of the grid", &built, |d| d.irregular_cells[3].high[1] = u16::MAX);
         refused("a box without an extent", &built, |d| d.irregular_cells[3].low = d.irregular_cells[3].high);

@@ -16,8 +16,9 @@ use crate::options::{Options, RaySource};
 use crate::shared::build::Build;
 use crate::shared::bvh_walk::link_above;
 use crate::shared::camera::Camera;
+use crate::shared::constants::LAST_ITEM;
 use crate::shared::grid_walk::Grid;
-use crate::shared::irregular_walk::{Irregular, IrregularCell, MapEntry};
+use crate::shared::irregular_walk::{Irregular, IrregularCell};
 use crate::shared::samples::Sampling;
 use crate::shared::scene::SceneInfo;
 use crate::shared::shading::{Light, Material, Shading};
@@ -67,8 +68,6 @@ pub struct SceneData {
     pub irregular_items: Vec<u32>,
     /// Length of each list of an irregular grid, which no kernel reads.
     pub irregular_lengths: Vec<u32>,
-    /// Most cells of an irregular grid that a ray visits.
-    pub most_visited: u64,
     /// Growth of cells or boxes, in traced units; 0 for boxes that are grown as they are tested.
     pub growth: f32,
     /// Bounds coordinates of corners and origins, and distances between them, in traced units.
@@ -152,7 +151,7 @@ impl SceneData {
         if self.features.grid {
             self.grid_items[place as usize]
         } else if self.features.irregular {
-            self.irregular_items[place as usize] & !MapEntry::LAST_ITEM
+            self.irregular_items[place as usize] & !LAST_ITEM
         } else if self.features.bvh {
             self.bvh_items[place as usize]
         } else {
@@ -258,8 +257,7 @@ impl SceneData {
                 self.grid_distances = distances;
             }
             Structure::Irregular(data) => {
-                self.irregular_lengths = (0..data.cells.len() as u32).map(|c| data.list(c).count() as u32).collect();
-                (self.grid, self.growth, self.most_visited) = (data.grid, data.growth, data.most_visited);
+                (self.grid, self.growth, self.irregular_lengths) = (data.grid, data.growth, data.lengths);
                 (self.irregular_map, self.irregular_cells, self.irregular_items) = (data.map, data.cells, data.items);
             }
             Structure::Bvh(data) => {

@@ -7,9 +7,6 @@ use super::grid_walk::{Grid, GridRay, WalkRules, smallest_axis};
 use super::vector::smallest3;
 use crate::numbers::real::{Real, Vec3};
 
-/// Start of the list of a cell that lists nothing.
-pub const NO_LIST: u32 = u32::MAX;
-
 /// A cell: its expanded box in virtual cells, and its list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
@@ -18,30 +15,21 @@ pub struct IrregularCell {
     pub low: [u16; 3],
     /// The one after the last.
     pub high: [u16; 3],
-    /// Start of its list, or [`NO_LIST`].
+    /// Start of its list, or [`NO_LIST`](super::constants::NO_LIST).
     pub first: u32,
 }
 
-/// Entries of the voxel map. Bits 0 and 1 are 0 for a cell, whose index is in the other bits; else they are the number
-/// of levels that a block of entries covers, 8 to the power of this, x fastest, and the other bits tell where it starts.
-#[derive(Clone, Copy, Debug)]
-pub struct MapEntry;
+/// An entry of the voxel map for a cell: its index above bits 0 and 1, which are 0.
+#[must_use]
+pub const fn cell_entry(cell: u32) -> u32 {
+    cell << 2
+}
 
-impl MapEntry {
-    /// The bit of an item that marks the last one of a list.
-    pub const LAST_ITEM: u32 = 1 << 31;
-
-    /// The entry of a cell.
-    #[must_use]
-    pub const fn leaf(cell: u32) -> u32 {
-        cell << 2
-    }
-
-    /// The entry of a block, which covers 1 to 3 levels.
-    #[must_use]
-    pub const fn block(start: u32, levels: u32) -> u32 {
-        start << 2 | levels
-    }
+/// An entry of the voxel map for a block of finer ones: where it starts, and in bits 0 and 1 the levels that it covers, 1
+/// to 3. A block has 8 to the power of its levels, x fastest.
+#[must_use]
+pub const fn block_entry(start: u32, levels: u32) -> u32 {
+    start << 2 | levels
 }
 
 impl IrregularCell {

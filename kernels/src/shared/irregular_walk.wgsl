@@ -14,10 +14,6 @@ import package::grid_walk::{GridRay, grid, enter_grid, cell_plane, is_in_grid, s
 // Triangles; bit 31 marks the last of a list.
 @group(1) @binding(24) var<storage, read> irregular_items: array<u32>;
 
-// Start of the list of a cell that lists nothing.
-const NO_LIST: u32 = 0xffffffffu;
-const LAST_ITEM: u32 = 0x80000000u;
-
 struct VoxelWalk {
     voxel: vec3i,
     cell: u32,

@@ -1,7 +1,8 @@
 //! The irregular grid (Pérard-Gayot, Kalojanov and Slusallek, 2017): cells of many sizes on one fine virtual grid.
 //!
 //! ```text
-//! irregular_map    u32      voxel map: for each top-level cell, and in blocks below, see [`MapEntry`]
+//! irregular_map    u32      voxel map: for each top-level cell, and in blocks below: see [`cell_entry`] and
+//!                           [`block_entry`]
 //! irregular_cells  16 bytes per cell, see [`IrregularCell`]
 //! irregular_items  u32      triangle ids, ascending within a cell; bit 31 marks the last of a list
 //! ```
@@ -33,8 +34,9 @@ mod refine;
 mod tests;
 
 use super::grid::GridError;
+pub use crate::shared::constants::{LAST_ITEM, NO_LIST};
 use crate::shared::grid_walk::Grid;
-pub use crate::shared::irregular_walk::{IrregularCell, MapEntry, NO_LIST};
+pub use crate::shared::irregular_walk::{IrregularCell, block_entry, cell_entry};
 
 /// An irregular grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +49,8 @@ pub struct IrregularData {
     pub cells: Vec<IrregularCell>,
     /// The lists; at least one entry, which an empty grid does not use.
     pub items: Vec<u32>,
+    /// Length of the list of each cell; kernels find its end by [`LAST_ITEM`].
+    pub lengths: Vec<u32>,
     /// Growth of each cell, in traced units.
     pub growth: f32,
     /// Most cells that a ray visits: it crosses a plane on which a box ends between any two of them.
@@ -97,16 +101,17 @@ pub fn build(vertices: &[f32], reach: f32, is_grown: bool, most_words: u64) -> R
             let first = if list.is_empty() { NO_LIST } else { items.len() as u32 };
             items.extend_from_slice(list);
             if let Some(last) = items.last_mut().filter(|_| !list.is_empty()) {
-                *last |= MapEntry::LAST_ITEM;
+                *last |= LAST_ITEM;
             }
             IrregularCell { low: span.low.map(|v| v as u16), high: span.high.map(|v| v as u16), first }
         })
         .collect();
     if items.is_empty() {
-        items.push(MapEntry::LAST_ITEM);
+        items.push(LAST_ITEM);
     }
     let most_visited = crossings(&cells) + 1;
-    Ok(IrregularData { grid: plan.grid, map: map.entries, cells, items, growth: plan.growth, most_visited })
+    let lengths = draft.lists.iter().map(|list| list.len() as u32).collect();
+    Ok(IrregularData { grid: plan.grid, map: map.entries, cells, items, lengths, growth: plan.growth, most_visited })
 }
 
 /// Number of planes on which boxes end, over all axes.
@@ -121,12 +126,11 @@ fn crossings(cells: &[IrregularCell]) -> u64 {
 }
 
 impl IrregularData {
-    /// The triangles that a cell lists.
+    /// The triangles that a cell, which must exist, lists.
     pub fn list(&self, cell: u32) -> impl Iterator<Item = u32> + '_ {
-        let first = self.cells.get(cell as usize).map_or(NO_LIST, |cell| cell.first);
-        let items = self.items.get(first as usize..).unwrap_or_default();
-        let length = items.iter().position(|item| item & MapEntry::LAST_ITEM != 0).map_or(0, |last| last + 1);
-        items[..length].iter().map(|item| item & !MapEntry::LAST_ITEM)
+        let (first, length) = (self.cells[cell as usize].first, self.lengths[cell as usize]);
+        let range = if length == 0 { 0..0 } else { first as usize..(first + length) as usize };
+        self.items[range].iter().map(|item| item & !LAST_ITEM)
     }
 
     /// The cell to which a virtual cell belongs.

@@ -35,7 +35,7 @@ impl Structure {
     pub fn longest_list(&self) -> u32 {
         let longest = match self {
             Self::Grid { data, .. } => data.cells.windows(2).map(|w| w[1] - w[0]).max(),
-            Self::Irregular(data) => (0..data.cells.len() as u32).map(|cell| data.list(cell).count() as u32).max(),
+            Self::Irregular(data) => data.lengths.iter().copied().max(),
             Self::Bvh(data) => data.nodes.iter().map(|node| node.count()).max(),
             Self::Wide(_) | Self::None => None,
         };

@@ -22,7 +22,9 @@ import package::scene::{scene};
 @if(irregular) import package::vector::{smallest3};
 @if(irregular) import package::grid_walk::{grid_ray};
 @if(irregular && resumes) import package::grid_walk::{GridRay, grid};
-@if(irregular) import package::irregular_walk::{NO_LIST, LAST_ITEM, irregular_items, enter_irregular, step_voxel};
+@if(irregular) import package::constants::{NO_LIST, LAST_ITEM};
+@if(irregular && resumes) import package::ray::{load_voxel, store_voxel};
+@if(irregular) import package::irregular_walk::{irregular_items, enter_irregular, step_voxel};
 @if(irregular && resumes) import package::irregular_walk::{VoxelWalk, at_voxel};
 @if(bvh) import package::bvh_walk::{finite_inverse};
 @if(bvh) import package::wide_walk::{WideGroup, wide_ray, visit_wide, wide_child, wide_entry};
@@ -35,7 +37,6 @@ import package::scene::{scene};
 @if(counters && !resumes) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, write>;
 @if(counters && resumes) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 @if(grid && resumes && (!robust || drifting)) @group(0) @binding(6) var place: texture_storage_2d_array<r32uint, read_write>;
-@if(irregular && resumes) @group(0) @binding(6) var voxel: texture_storage_2d_array<r32uint, read_write>;
 @if(bvh && resumes) @group(0) @binding(6) var trail: texture_storage_2d_array<r32uint, read_write>;
 
 // A ray's position between two dispatches.
@@ -161,17 +162,12 @@ fn resumed(ray: GridRay) -> VoxelWalk {
     if (!wait.before) {
         return enter_irregular(ray);
     }
-    let x = textureLoad(voxel, wait.texel, 0).x;
-    let y = textureLoad(voxel, wait.texel, 1).x;
-    let z = textureLoad(voxel, wait.texel, 2).x;
-    return at_voxel(vec3i(vec3u(x, y, z)), wait.cell, ray);
+    return at_voxel(load_voxel(wait.texel), wait.cell, ray);
 }
 
 @if(irregular && resumes)
 fn wait_in(walk: VoxelWalk, item: u32) {
-    textureStore(voxel, wait.texel, 0, vec4u(u32(walk.voxel.x)));
-    textureStore(voxel, wait.texel, 1, vec4u(u32(walk.voxel.y)));
-    textureStore(voxel, wait.texel, 2, vec4u(u32(walk.voxel.z)));
+    store_voxel(wait.texel, walk.voxel);
     wait_at(walk.cell, item);
 }
 

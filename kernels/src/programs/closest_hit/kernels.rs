@@ -23,6 +23,14 @@ pub static LISTS: [ListInfo; 2] = [
 const INTERSECT_LIST: usize = 0;
 const TRAVERSE_LIST: usize = 1;
 
+/// Where a step from cell to cell sends a ray.
+const TO_CELLS: &[Transition] = &[
+    send(TRAV, "next cell", ISECT_NO_HIT),
+    send(TRAV, "next cell, hit kept", ISECT_HIT),
+    send(TRAV, "leaves the grid", BACKGROUND),
+    send(TRAV, "leaves the grid, hit kept", SHADED),
+];
+
 // A kernel is two files, x.wgsl and x.rs, and one row here.
 kernels! {
     /// Generates eye rays.
@@ -74,12 +82,7 @@ kernels! {
     /// Moves a ray to its next cell.
     TRAVERSE_GRID traverse_grid of RAYS, twin: element, {
         takes: &[TRAV],
-        sends: &[
-            send(TRAV, "next cell", ISECT_NO_HIT),
-            send(TRAV, "next cell, hit kept", ISECT_HIT),
-            send(TRAV, "leaves the grid", BACKGROUND),
-            send(TRAV, "leaves the grid, hit kept", SHADED),
-        ],
+        sends: TO_CELLS,
         role: Role::Step,
         workgroup: LIST_SIDE,
         launch: Launch::Whole,
@@ -99,12 +102,7 @@ kernels! {
     /// Moves a ray to its next cell of the irregular grid.
     TRAVERSE_IRREGULAR traverse_irregular of RAYS, twin: element, {
         takes: &[TRAV],
-        sends: &[
-            send(TRAV, "next cell", ISECT_NO_HIT),
-            send(TRAV, "next cell, hit kept", ISECT_HIT),
-            send(TRAV, "leaves the grid", BACKGROUND),
-            send(TRAV, "leaves the grid, hit kept", SHADED),
-        ],
+        sends: TO_CELLS,
         role: Role::Step,
         workgroup: LIST_SIDE,
         launch: Launch::Whole,

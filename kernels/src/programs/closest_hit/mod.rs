@@ -3,6 +3,7 @@
 //! A kernel is `x.wgsl` and its twin `x.rs`, and a row of [`kernels`]; [`schedule`] says in what order they run.
 
 pub mod accumulate;
+pub mod arrival;
 mod breaks;
 pub mod buffers;
 pub mod count;
@@ -106,6 +107,7 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let own = [
         ("live", include_str!("live.wgsl")),
         ("ray", include_str!("ray.wgsl")),
+        ("arrival", include_str!("arrival.wgsl")),
         ("grid_lists", include_str!("grid_lists.wgsl")),
         ("tracing", include_str!("tracing.wgsl")),
     ];

@@ -6,6 +6,7 @@ import package::state::{TRAV_SETUP, TRAV, ISECT_NO_HIT, BACKGROUND};
 import package::ray::{load_origin, load_direction};
 import package::live::{send, tiled_texel};
 @if(bvh) import package::scene::{scene};
+@if(irregular) import package::ray::{store_voxel};
 @if(irregular) import package::grid_walk::{grid_ray};
 @if(irregular) import package::irregular_walk::{enter_irregular};
 @if(grid) import package::grid_walk::{grid_ray, enter_grid, cell_index};
@@ -13,7 +14,6 @@ import package::live::{send, tiled_texel};
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @if(grid && !(many_steps && robust && !drifting)) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
 @if(irregular && !many_steps) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
-@if(irregular) @group(0) @binding(5) var voxel: texture_storage_2d_array<r32uint, write>;
 @if(bvh) @group(0) @binding(3) var previous: texture_storage_2d_array<r32uint, write>;
 @if(counters) @group(0) @binding(4) var counters: texture_storage_2d_array<r32uint, write>;
 
@@ -57,9 +57,7 @@ fn set_up(texel: vec2u) -> u32 {
             textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
             textureStore(tmax, texel, 2, vec4f(walk.tmax.z));
         }
-        textureStore(voxel, texel, 0, vec4u(u32(walk.voxel.x)));
-        textureStore(voxel, texel, 1, vec4u(u32(walk.voxel.y)));
-        textureStore(voxel, texel, 2, vec4u(u32(walk.voxel.z)));
+        store_voxel(texel, walk.voxel);
         textureStore(state, texel, 2, vec4u(walk.cell));
         @if(counters) {
             textureStore(counters, texel, 0, vec4u(1u));

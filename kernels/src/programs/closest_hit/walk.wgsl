@@ -22,13 +22,14 @@ import package::live::{listed_texel, send};
 @if(irregular) import package::vector::{smallest3};
 @if(irregular) import package::grid_walk::{grid, grid_ray};
 @if(irregular) import package::grid_lists::{list_ended};
-@if(irregular) import package::irregular_walk::{NO_LIST, LAST_ITEM, irregular_items, at_voxel, step_voxel};
+@if(irregular) import package::constants::{NO_LIST, LAST_ITEM};
+@if(irregular) import package::ray::{load_voxel, store_voxel};
+@if(irregular) import package::irregular_walk::{irregular_items, at_voxel, step_voxel};
 @if(bvh) import package::bvh_walk::{Visit, bvh_nodes, next_node, finite_inverse};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
 @if(grid && (!robust || drifting)) @group(0) @binding(4) var tmax: texture_storage_2d_array<r32float, read_write>;
-@if(irregular) @group(0) @binding(4) var voxel: texture_storage_2d_array<r32uint, read_write>;
 @if(bvh) @group(0) @binding(4) var previous: texture_storage_2d_array<r32uint, read_write>;
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 
@@ -121,12 +122,7 @@ fn walked(start: Place, texel: vec2u) -> Place {
 fn walked(start: Place, texel: vec2u) -> Place {
     var place = start;
     let ray = grid_ray(place.trace.origin, place.trace.direction);
-    let came_by = vec3i(vec3u(
-        textureLoad(voxel, texel, 0).x,
-        textureLoad(voxel, texel, 1).x,
-        textureLoad(voxel, texel, 2).x,
-    ));
-    var walk = at_voxel(came_by, place.cell, ray);
+    var walk = at_voxel(load_voxel(texel), place.cell, ray);
     @if(resumes) var waits = false;
     for (var step = 0u; step < scene.steps; step++) {
         @if(resumes) if (is_spent(place.trace)) {
@@ -175,9 +171,7 @@ fn walked(start: Place, texel: vec2u) -> Place {
         place.cell = walk.cell;
         @if(counters) place.trace.cells += 1u;
     }
-    textureStore(voxel, texel, 0, vec4u(u32(walk.voxel.x)));
-    textureStore(voxel, texel, 1, vec4u(u32(walk.voxel.y)));
-    textureStore(voxel, texel, 2, vec4u(u32(walk.voxel.z)));
+    store_voxel(texel, walk.voxel);
     return place;
 }
 

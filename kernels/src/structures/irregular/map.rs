@@ -2,7 +2,7 @@
 
 use super::layout::Layout;
 use crate::shared::grid_walk::Grid;
-use crate::shared::irregular_walk::{self, MapEntry};
+use crate::shared::irregular_walk::{block_entry, cell_entry, find};
 
 /// An octree below a top-level cell: leaves are indices of cells, counted from the tree's first.
 pub(super) enum Tree {
@@ -31,14 +31,14 @@ impl Map {
 
     /// The cell of a virtual cell.
     pub(super) fn find(&self, voxel: [i32; 3]) -> u32 {
-        irregular_walk::find(&self.grid, &self.entries, voxel)
+        find(&self.grid, &self.entries, voxel)
     }
 
     /// Replaces every cell by another one.
     pub(super) fn rename(&mut self, name: impl Fn(u32) -> u32) {
         // Leaves have a depth of 0.
         for entry in self.entries.iter_mut().filter(|entry| **entry & 3 == 0) {
-            *entry = MapEntry::leaf(name(*entry >> 2));
+            *entry = cell_entry(name(*entry >> 2));
         }
     }
 }
@@ -47,12 +47,12 @@ fn place(entries: &mut Vec<u32>, at: usize, tree: &Tree, first: u32) {
     let depth = depth_of(tree);
     if depth == 0 {
         if let Tree::Leaf(cell) = tree {
-            entries[at] = MapEntry::leaf(first + cell);
+            entries[at] = cell_entry(first + cell);
         }
         return;
     }
     let block = entries.len();
-    entries[at] = MapEntry::block(block as u32, depth);
+    entries[at] = block_entry(block as u32, depth);
     entries.resize(block + (1 << (3 * depth)), 0);
     for i in 0..1usize << (3 * depth) {
         let mask = (1 << depth) - 1;

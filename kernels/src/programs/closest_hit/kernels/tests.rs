@@ -9,8 +9,9 @@ fn workgroups_are_those_of_the_wgsl() {
     let features = Features { robust: true, watertight: true, grid: true, ..Features::default() };
     for kernel in PROGRAM.kernels() {
         let info = kernel.info();
-        let features = Features { bvh: kernel == TRAVERSE_BVH, ..features };
-        let features = Features { grid: !features.bvh, samples: info.role == Role::Sample, ..features };
+        let features = Features { bvh: kernel == TRAVERSE_BVH, irregular: kernel == TRAVERSE_IRREGULAR, ..features };
+        let grid = !features.bvh && !features.irregular;
+        let features = Features { grid, samples: info.role == Role::Sample, ..features };
         let is_walk = info.role == Role::Walk;
         let features = Features { live_lists: is_walk, many_steps: is_walk, ..features };
         let variant = crate::shader::Variant::new(kernel, &features).expect("a variant");

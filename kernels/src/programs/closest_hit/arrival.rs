@@ -1,0 +1,30 @@
+//! Twin of `arrival.wgsl`: what a step from cell to cell leaves in the streams.
+
+use crate::numbers::real::{Real, Vec3};
+use crate::options::features::Features;
+use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE};
+use crate::programs::closest_hit::streams::{COUNTERS, STATE, TMAX};
+use crate::shared::constants::INF;
+use crate::tables::texels::Texels;
+
+/// Whether the ray has a hit. One beyond the exit of its cell is kept; a later cell may hold a nearer one.
+fn keeps_hit<R: Real>(ray: &Texels<'_, R>, features: &Features) -> bool {
+    let nearest_t: R = ray.load(STATE, 1);
+    !features.any_hit && nearest_t < R::from_f32(INF)
+}
+
+/// The ray has left the grid.
+pub fn leave<R: Real>(ray: &mut Texels<'_, R>, features: &Features) {
+    ray.store_u32(STATE, 0, if keeps_hit(ray, features) { SHADE } else { BACKGROUND });
+}
+
+/// The ray is in a cell, which it leaves at `exits`.
+pub fn arrive<R: Real>(ray: &mut Texels<'_, R>, features: &Features, cell: u32, exits: Vec3<R>) {
+    if features.counters {
+        ray.store_u32(COUNTERS, 0, ray.load_u32(COUNTERS, 0) + 1);
+    }
+    ray.store_u32(STATE, 0, if keeps_hit(ray, features) { ISECT_HIT } else { ISECT_NO_HIT });
+    ray.store_vec3(TMAX, exits);
+    ray.store_u32(STATE, 2, cell);
+    ray.store_u32(STATE, 3, 0);
+}
