@@ -331,8 +331,9 @@ fn a_kernel_broken_for_other_rays_is_named() {
 /// count as broken, and the few that take another path because of it must be found.
 #[test]
 fn other_rounding_is_not_broken() {
-    use Accelerator::{Bvh, Grid};
+    use Accelerator::{Bvh, Grid, Irregular};
     use ScheduleKind::{Compact, Fused};
+    const OF_A_STEP: (&str, &str) = ("ray.direction * t", "ray.direction * (t * 1.0000001)");
     let scene = scene("teapot.glb");
     let (mut tolerated, mut undecided) = (0, 0);
     for (kernel, way, from, to) in [
@@ -342,6 +343,9 @@ fn other_rounding_is_not_broken() {
         (kernels::WALK, Way::new(Bvh, Compact, 8), "node.min - origin", "node.min * 0.9999999 - origin"),
         (kernels::WALK, Way::new(Bvh, Compact, 8).padded(), "node.min - origin", "node.min * 0.9999999 - origin"),
         (kernels::FUSED, Way::new(Grid, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
+        (kernels::TRAVERSE_IRREGULAR, Way::new(Irregular, Compact, 1), OF_A_STEP.0, OF_A_STEP.1),
+        (kernels::WALK, Way::new(Irregular, Compact, 8), OF_A_STEP.0, OF_A_STEP.1),
+        (kernels::FUSED, Way::new(Irregular, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
     ] {
         let options = Options { counters: true, ..way.of(&options(&scene, 128, 128)) };
         let found = parity::compare_changed(&gpu(), &scene, &options, change(kernel, from, to));

@@ -96,6 +96,7 @@ impl Rounding<'_> {
             }
             Off::DistanceToTriangle => tested.is_some_and(|p| bounded(p.t_bound)),
             Off::WeightOfTriangle => tested.is_some_and(|p| bounded(p.weight_bound)),
+            Off::OneVoxel => a.abs_diff(b) <= 1,
         }
     }
 
@@ -162,19 +163,25 @@ impl Rounding<'_> {
         self.near_plane([0, 1, 2].map(|a| origin[a] + direction[a] * enter), axis)
     }
 
-    /// Whether f32 cannot tell in which cell a leap over empty ones ends. It ends on a face of the empty cube. If
-    /// two faces are crossed at nearly the same t, the point is near both.
+    /// Whether f32 cannot tell in which cell a leap over empty ones ends, or a step through an irregular grid. It ends on
+    /// a face of the empty cube, or of the cell's box. If two faces are crossed at nearly the same t, the point is near
+    /// both.
     fn leap_may_end_elsewhere(&self, ray: usize) -> bool {
         let (grid, cell) = (&self.data.grid, self.component(streams::STATE, STATE_CELL, ray));
-        let distance = self.data.empty_distance(cell);
-        if distance <= 1 {
-            return false;
-        }
         let [origin, direction] = self.ray(ray).map(Vec3::<f64>::from_f32);
         let grid_ray = grid.ray(self.data.features.walk_rules(), origin, direction);
-        let forward = grid_ray.per_axis.map(|v| if v > 0.0 { distance - 1 } else { 1 - distance }).to_array();
-        let here = grid.cell_of_index(cell);
-        let exit = grid.cell_exit([0, 1, 2].map(|a| here[a].wrapping_add(forward[a])), &grid_ray);
+        let exit = if self.data.features.irregular {
+            let Some(cell) = self.data.irregular_cells.get(cell as usize) else { return false };
+            cell.exit(grid, &grid_ray)
+        } else {
+            let distance = self.data.empty_distance(cell);
+            if distance <= 1 {
+                return false;
+            }
+            let forward = grid_ray.per_axis.map(|v| if v > 0.0 { distance - 1 } else { 1 - distance }).to_array();
+            let here = grid.cell_of_index(cell);
+            grid.cell_exit([0, 1, 2].map(|a| here[a].wrapping_add(forward[a])), &grid_ray)
+        };
         let (t, axis) = (smallest3(exit), smallest_axis(exit).iter().position(|&is| is));
         self.near_plane((origin + direction * t).to_array(), axis)
     }
@@ -195,7 +202,10 @@ impl Rounding<'_> {
             Ties::None => Some(false),
             Ties::FirstCell => Some(self.walk_may_begin_elsewhere(ray)),
             // The comparisons of a step to the next cell are of numbers that both sides read from the same stream.
-            Ties::Leap => Some(self.data.features.skip && self.leap_may_end_elsewhere(ray)),
+            Ties::Leap => {
+                let features = &self.data.features;
+                Some((features.skip || features.irregular) && self.leap_may_end_elsewhere(ray))
+            }
             Ties::Box => Some(self.grazes_a_box(ray, origin, direction)),
             Ties::Triangle => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
             Ties::Many => None,

@@ -269,8 +269,13 @@ impl Plan {
         if bound.contains("texels") {
             check_texels(scene, limits)?;
         }
-        let info =
-            SceneInfo { triangles: triangles as u32, steps: options.steps_per_pass, rays: rays as u32, first_row: 0 };
+        let info = SceneInfo {
+            triangles: triangles as u32,
+            steps: options.steps_per_pass,
+            rays: rays as u32,
+            first_row: 0,
+            size: [width, height],
+        };
         let is_bound = |name: &str| bound.contains(name);
         let mut data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
         data.reach = reach;

@@ -10,10 +10,11 @@ use crate::options::features::Features;
 use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST};
 use crate::structures::Structure;
 
-/// If the adapter ends no loop, walks through a BVH can wait for the next dispatch only if they may take more than this
-/// many times [`Limits::turns`]. Only a ray made for the purpose meets all boxes of a BVH, and it costs only time; code
-/// that can wait makes `fused` 15% slower for every ray on an H200.
-const BUDGETS_OF_A_TREE: u64 = 16;
+/// If the adapter ends no loop, walks through a BVH or an irregular grid can wait for the next dispatch only if they may
+/// take more than this many times [`Limits::turns`]. Only a ray made for the purpose meets all boxes of a BVH, or the
+/// longest lists of an irregular grid, and it costs only time; code that can wait makes `fused` 15% slower for every ray
+/// on an H200.
+const BUDGETS_OF_A_WALK: u64 = 16;
 
 /// The loops that may take too many iterations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,8 +32,9 @@ impl Resumes {
     /// `lights`: how many are summed.
     pub(super) fn of(walk: &Walk<'_>, is_fused: bool, steps: u32, lights: u64, limits: &Limits) -> Self {
         let (most, features) = (u64::from(limits.turns), walk.features);
-        let turns = if is_fused && features.bvh && limits.turns >= TURNS_WITHOUT_LIMIT {
-            walk.turns() / BUDGETS_OF_A_TREE
+        let is_bounded_loosely = features.bvh || features.irregular;
+        let turns = if is_fused && is_bounded_loosely && limits.turns >= TURNS_WITHOUT_LIMIT {
+            walk.turns() / BUDGETS_OF_A_WALK
         } else if is_fused {
             walk.turns()
         } else if features.many_steps {

@@ -6,7 +6,7 @@
 
 import package::constants::{INF};
 import package::vector::{smallest3};
-import package::grid_walk::{GridRay, grid, enter_grid, cell_plane, is_in_grid, smallest_axis};
+import package::grid_walk::{GridRay, grid, enter_grid, cell_plane, smallest_axis};
 
 @group(1) @binding(22) var<storage, read> irregular_map: array<u32>;
 // Two words with the first virtual cell, and the one after the last, 16 bits per coordinate, and where the list starts.
@@ -19,9 +19,8 @@ struct VoxelWalk {
     cell: u32,
     // Start of the cell's list.
     first: u32,
-    // The cell's box.
-    low: vec3i,
-    high: vec3i,
+    // The faces of the cell's box that lie ahead, one per axis.
+    ahead: vec3i,
     // t at which the ray leaves the box, per axis.
     tmax: vec3f,
     inside: bool,
@@ -52,7 +51,7 @@ fn at_voxel(voxel: vec3i, cell: u32, ray: GridRay) -> VoxelWalk {
     let ahead = select(low, high, ray.inverse > vec3f(0.0));
     let t = (cell_plane(ahead) - ray.origin) * ray.inverse;
     let tmax = select(t, vec3f(INF), ray.inverse == vec3f(0.0));
-    return VoxelWalk(voxel, cell, words.w, low, high, tmax, true);
+    return VoxelWalk(voxel, cell, words.w, ahead, tmax, true);
 }
 
 fn enter_irregular(ray: GridRay) -> VoxelWalk {
@@ -67,12 +66,13 @@ fn step_voxel(walk: VoxelWalk, ray: GridRay) -> VoxelWalk {
     let t = smallest3(walk.tmax);
     let position = (ray.origin + ray.direction * t - grid.corner) * grid.inverse_width;
     let is_up = ray.inverse > vec3f(0.0);
-    let least = select(walk.low, walk.voxel, is_up);
-    let most = select(walk.voxel, walk.high - vec3i(1), is_up);
-    let place = clamp(vec3i(floor(position)), least, most);
-    let beyond = select(walk.low - vec3i(1), walk.high, is_up);
+    // The virtual cells on both sides of the faces ahead.
+    let last = select(walk.ahead, walk.ahead - vec3i(1), is_up);
+    let beyond = select(walk.ahead - vec3i(1), walk.ahead, is_up);
+    // Clamped to where the ray can be, which also makes rounding towards 0 the same as down.
+    let place = clamp(vec3i(position), min(walk.voxel, last), max(walk.voxel, last));
     let voxel = select(place, beyond, axis);
-    if (!(t < INF && is_in_grid(voxel))) {
+    if (!(t < INF && all(vec3u(voxel) < vec3u(grid.cells)))) {
         var left = walk;
         left.inside = false;
         return left;

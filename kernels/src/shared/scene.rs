@@ -12,6 +12,8 @@ pub struct SceneInfo {
     pub steps: u32,
     /// Number of rays.
     pub rays: u32,
-    /// First row of workgroups of a dispatch.
+    /// First row of workgroups of a dispatch; the executor writes it, and the size, before each.
     pub first_row: u32,
+    /// Width and height of the streams.
+    pub size: [u32; 2],
 }

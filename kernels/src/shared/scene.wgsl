@@ -6,8 +6,9 @@ struct SceneInfo {
     steps: u32,
     // Number of rays: the texels of an image, or fewer with input rays.
     rays: u32,
-    // First row of workgroups of this dispatch.
+    // First row of workgroups of this dispatch, and the size of the streams: only kernels launched in bands read them.
     first_row: u32,
+    size: vec2u,
 }
 
 @group(1) @binding(2) var<uniform> scene: SceneInfo;

@@ -7,9 +7,10 @@
 //! irregular_items  u32      triangle ids, ascending within a cell; bit 31 marks the last of a list
 //! ```
 //!
-//! 1. A coarse uniform grid, `TOP_PER_TRIANGLE` cells per triangle, lists the triangles (`refine`).
-//! 2. Each of its cells is halved along all axes as long as rays gain by it: an octree whose depth follows from the
-//!    cell's own content (`refine`). Its leaves are the cells.
+//! 1. A coarse uniform grid lists the triangles (`layout`, `refine`). Its cells follow the root of the number of triangles.
+//! 2. Each of its cells is divided into cells of one size, by the number of triangles that it lists, and where lists are
+//!    still long then, into smaller ones as long as rays gain by it: an octree whose depth follows from the cell's own
+//!    content (`refine`). Its leaves are the cells. Cells of one size can be merged and expanded farther than others.
 //! 3. Neighbours that form a box are merged if the surface area heuristic says so (`merge`).
 //! 4. Each cell's box is expanded over neighbours that list nothing it does not list (`expand`): a ray leaves the
 //!    expanded box at once. A voxel still belongs to one cell, so expanded boxes overlap.

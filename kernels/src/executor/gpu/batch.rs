@@ -11,7 +11,7 @@ use crate::tables::kernel::{Launch, Role};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
 use crate::tables::state::StateCounts;
 
-/// Byte offset of `first_row` in the uniform `scene`.
+/// Byte offset of `first_row` in the uniform `scene`; `size` follows.
 const FIRST_ROW: u64 = 12;
 
 impl GpuExecutor {
@@ -135,13 +135,12 @@ impl GpuExecutor {
             let label = self.pipelines.get(kernel).map(|pipeline| pipeline.label.as_str());
             let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes };
             self.dispatch(&mut encoder.begin_compute_pass(&descriptor), kernel, place, Some(a_band.min(rows - first)))?;
-            // A value written to a uniform takes effect with the next submission.
-            if a_band < rows {
-                self.gpu.queue.write_buffer(scene, FIRST_ROW, bytemuck::bytes_of(&first));
-                if !last {
-                    self.gpu.submit([encoder.finish()]);
-                    encoder = self.gpu.device.create_command_encoder(&Default::default());
-                }
+            // A value written to a uniform takes effect with the next submission. Runs of other sizes share the uniform.
+            let band = [first, self.plan.width, self.plan.height];
+            self.gpu.queue.write_buffer(scene, FIRST_ROW, bytemuck::bytes_of(&band));
+            if !last {
+                self.gpu.submit([encoder.finish()]);
+                encoder = self.gpu.device.create_command_encoder(&Default::default());
             }
         }
         Ok(encoder)

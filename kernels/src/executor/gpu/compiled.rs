@@ -100,8 +100,8 @@ fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> w
     // - Which shader it is: `is_proved` composes fused.wgsl again from the options that the proof is about, and
     //   compares text and bindings with those compiled here.
     // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, and bound under the names in
-    //   the shader. Nobody else has access to them, and the executor later writes only `first_row` of `scene`, which is
-    //   used to compute a texel.
+    //   the shader. Nobody else has access to them, and the executor later writes only `first_row` and `size` of `scene`,
+    //   the size of its own streams.
     // - No index comes from a stream: walks that resume are not proved.
     // - Indices that come from buffers, by `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
     //   children of nodes, and triangles. Distances and cells are looked up by cell.
@@ -110,8 +110,7 @@ fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> w
     // - Virtual cells of an irregular grid, by the shader: `enter_grid` clamps them, and `step_voxel` ends the walk outside
     //   of the grid. The cells that they lead to, by `SceneData::indices_hold`: the loop over the map's levels ends at one.
     // - The stack, by `SceneData::indices_hold`: at most one group of siblings waits per level, and none at the root's.
-    // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan has the size of
-    //   `state`.
+    // - Texels, by the shader: threads outside of `scene.size` return at once, and every stream of a plan has this size.
     // - Loops, by the proof: lists are finite, and the nodes form one tree, each visited at most once. By the shader:
     //   every step of a walk advances along one axis until it leaves the grid, or its iterations are bounded.
     #[allow(unsafe_code)]

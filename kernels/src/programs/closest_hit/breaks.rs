@@ -117,8 +117,9 @@ pub(super) const OF_TRAVERSE_GRID: &[Break] = &[
 ];
 
 pub(super) const OF_TRAVERSE_IRREGULAR: &[Break] = &[
-    Break::new(irregular, "walk.high - vec3i(1), is_up", "walk.high, is_up"),
-    Break::new(irregular, "select(walk.low - vec3i(1), walk.high, is_up)", "select(walk.low, walk.high, is_up)"),
+    // More than the one virtual cell that rounding may change.
+    Break::new(irregular, "vec3i(position)", "vec3i(position - 3.0)"),
+    Break::new(irregular, "let beyond = select(walk.ahead - vec3i(1), walk.ahead, is_up)", "let beyond = walk.ahead"),
     Break::new(irregular, "below.z << depth", "below.z"),
 ];
 

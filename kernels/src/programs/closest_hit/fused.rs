@@ -76,32 +76,32 @@ impl<R: Real> Trace<R> {
             true => irregular.at(load_voxel(ray), wait.cell, &grid_ray),
             false => irregular.enter(rules, &grid_ray),
         };
+        let mut item = if wait.before { wait.item } else { 0 };
+        self.cells += u32::from(walk.inside && !wait.before);
         while walk.inside {
-            if self.is_spent(scene) {
-                store_voxel(ray, walk.voxel);
-                wait.at(walk.cell, 0);
-                return;
-            }
-            self.turns += 1 + scene.grid.levels;
-            self.cells += u32::from(wait.item == 0);
             let (first, count) = scene.list(walk.cell);
-            for item in first + wait.item..first + count {
-                self.test(scene, scene.listed(item), [0; 3]);
+            if item < count {
+                self.test(scene, scene.listed(first + item), [0; 3]);
                 if self.ended {
                     return;
                 }
-                if self.is_spent(scene) && item + 1 < first + count {
-                    store_voxel(ray, walk.voxel);
-                    wait.at(walk.cell, item + 1 - first);
+                item += 1;
+            }
+            if item == count {
+                let exit = smallest3(walk.tmax);
+                if self.t <= exit || features.intervals && self.interval[1] <= exit {
                     return;
                 }
+                walk = irregular.step(&walk, &grid_ray);
+                item = 0;
+                self.cells += u32::from(walk.inside);
+                self.turns += 1 + scene.grid.levels;
             }
-            wait.item = 0;
-            let exit = smallest3(walk.tmax);
-            if self.t <= exit || features.intervals && self.interval[1] <= exit {
+            if self.is_spent(scene) && walk.inside {
+                store_voxel(ray, walk.voxel);
+                wait.at(walk.cell, item);
                 return;
             }
-            walk = irregular.step(&walk, &grid_ray);
         }
     }
 

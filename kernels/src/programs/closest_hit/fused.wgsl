@@ -171,45 +171,46 @@ fn wait_in(walk: VoxelWalk, item: u32) {
     wait_at(walk.cell, item);
 }
 
+// A turn of the loop tests a triangle or, once the list is at its end, steps to the next cell: rays that run together
+// then wait for each other's longest list once, not in every cell.
 @if(irregular)
 fn traced(start: Trace) -> Trace {
     var trace = start;
     let ray = grid_ray(trace.origin, trace.direction);
     @if(!resumes) var walk = enter_irregular(ray);
     @if(resumes) var walk = resumed(ray);
+    var item = walk.first;
+    @if(resumes) if (item != NO_LIST) {
+        item += wait.item;
+    }
+    @if(counters && !resumes) trace.cells += select(0u, 1u, walk.inside);
+    @if(counters && resumes) trace.cells += select(0u, 1u, walk.inside && !wait.before);
     while (walk.inside) {
-        @if(resumes) if (is_spent(trace)) {
-            wait_in(walk, 0u);
-            return trace;
-        }
-        @if(resumes) trace.turns += 1u + grid.levels;
-        @if(counters && !resumes) trace.cells += 1u;
-        @if(counters && resumes) trace.cells += select(0u, 1u, wait.item == 0u);
-        var goes_on = walk.first != NO_LIST;
-        @if(!resumes) var item = walk.first;
-        @if(resumes) var item = walk.first + wait.item;
-        while (goes_on) {
+        if (item != NO_LIST) {
             let entry = irregular_items[item];
             trace = tested(trace, entry & ~LAST_ITEM, vec3i(0));
             @if(any_hit) if (trace.ended) {
                 return trace;
             }
-            goes_on = (entry & LAST_ITEM) == 0u;
-            item += 1u;
-            @if(resumes) if (is_spent(trace) && goes_on) {
-                wait_in(walk, item - walk.first);
-                return trace;
+            item = select(item + 1u, NO_LIST, (entry & LAST_ITEM) != 0u);
+        }
+        if (item == NO_LIST) {
+            let exit = smallest3(walk.tmax);
+            if (trace.t <= exit) {
+                break;
             }
+            @if(intervals) if (trace.interval.y <= exit) {
+                break;
+            }
+            walk = step_voxel(walk, ray);
+            item = walk.first;
+            @if(counters) trace.cells += select(0u, 1u, walk.inside);
+            @if(resumes) trace.turns += 1u + grid.levels;
         }
-        @if(resumes) wait.item = 0u;
-        let exit = smallest3(walk.tmax);
-        if (trace.t <= exit) {
-            break;
+        @if(resumes) if (is_spent(trace) && walk.inside) {
+            wait_in(walk, select(item - walk.first, 0u, item == NO_LIST));
+            return trace;
         }
-        @if(intervals) if (trace.interval.y <= exit) {
-            break;
-        }
-        walk = step_voxel(walk, ray);
     }
     return trace;
 }
@@ -327,14 +328,18 @@ fn traced(start: Trace) -> Trace {
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn fused(@builtin(global_invocation_id) id: vec3u) {
     let texel = vec2u(id.x, id.y + WORKGROUP * scene.first_row);
-    if (any(texel >= textureDimensions(state))) {
+    // A uniform: asking a texture for its size takes as long as a load, and the loads below wait for it.
+    if (any(texel >= scene.size)) {
         return;
     }
-    @if(!eye_rays && !resumes) if (textureLoad(state, texel, 0).x != TRAV_SETUP) {
+    // All loads before the next branch, so that they wait for memory together.
+    @if(!eye_rays) let origin = load_origin(texel);
+    @if(!eye_rays) let direction = load_direction(texel);
+    @if(!eye_rays || resumes) let tag = textureLoad(state, texel, 0).x;
+    @if(!eye_rays && !resumes) if (tag != TRAV_SETUP) {
         return;
     }
     @if(resumes) {
-        let tag = textureLoad(state, texel, 0).x;
         wait.texel = texel;
         wait.before = tag == TRAV || tag == ISECT_NO_HIT || tag == ISECT_HIT;
         @if(eye_rays) let is_new = tag == UNWRITTEN;
@@ -350,8 +355,8 @@ fn fused(@builtin(global_invocation_id) id: vec3u) {
         trace.direction = ray.direction;
     }
     @if(!eye_rays) {
-        trace.origin = load_origin(texel);
-        trace.direction = load_direction(texel);
+        trace.origin = origin;
+        trace.direction = direction;
     }
     trace.shear = shear_of(trace.direction);
     @if(intervals) trace.interval = load_interval(texel);
@@ -373,15 +378,15 @@ fn fused(@builtin(global_invocation_id) id: vec3u) {
     textureStore(hit, texel, 0, vec4u(bitcast<u32>(trace.u)));
     textureStore(hit, texel, 1, vec4u(bitcast<u32>(trace.v)));
     textureStore(hit, texel, 2, vec4u(trace.triangle));
-    @if(!resumes) let tag = select(SHADE, BACKGROUND, trace.triangle == NO_TRIANGLE);
-    @if(resumes) var tag = select(SHADE, BACKGROUND, trace.triangle == NO_TRIANGLE);
+    @if(!resumes) let next = select(SHADE, BACKGROUND, trace.triangle == NO_TRIANGLE);
+    @if(resumes) var next = select(SHADE, BACKGROUND, trace.triangle == NO_TRIANGLE);
     @if(resumes) if (wait.after) {
-        @if(bvh) tag = TRAV;
-        @else tag = select(ISECT_HIT, ISECT_NO_HIT, trace.triangle == NO_TRIANGLE);
+        @if(bvh) next = TRAV;
+        @else next = select(ISECT_HIT, ISECT_NO_HIT, trace.triangle == NO_TRIANGLE);
         textureStore(state, texel, 2, vec4u(wait.cell));
         textureStore(state, texel, 3, vec4u(wait.item));
     }
-    textureStore(state, texel, 0, vec4u(tag));
+    textureStore(state, texel, 0, vec4u(next));
     textureStore(state, texel, 1, vec4u(bitcast<u32>(trace.t)));
     @if(counters) {
         textureStore(counters, texel, 0, vec4u(trace.cells));

@@ -115,7 +115,7 @@ kernels! {
         own: Own {
             explain: explain::of_traverse_irregular,
             path: Path::NextCell,
-            rounding: rounding::OF_TRAVERSE_GRID,
+            rounding: rounding::OF_TRAVERSE_IRREGULAR,
         },
         breaks: breaks::OF_TRAVERSE_IRREGULAR,
     }

@@ -4,7 +4,7 @@
 //! WGSL allows a division to be off by 2.5 units in the last place, and a product and a sum to be contracted or not.
 //! Software Vulkan does neither, and agrees bit for bit; an H200 does both.
 
-use super::streams::{ACCUMULATED, COLOR, HIT, PLACE, RAY_DIRECTION, RAY_ORIGIN, SCAN, STATE, STATE_T, TMAX};
+use super::streams::{ACCUMULATED, COLOR, HIT, PLACE, RAY_DIRECTION, RAY_ORIGIN, SCAN, STATE, STATE_T, TMAX, VOXEL};
 use crate::tables::stream::Stream;
 
 /// What rounding may change in one pass of a kernel: nothing else may differ from its CPU reference.
@@ -31,6 +31,8 @@ pub enum Off {
     DistanceToTriangle,
     /// Twice the triangle's own bound for a barycentric weight, likewise.
     WeightOfTriangle,
+    /// An integer, off by one: the virtual cell of a point on the plane between two.
+    OneVoxel,
 }
 
 /// The factor by which the error of one computation is multiplied.
@@ -51,7 +53,7 @@ pub enum Ties {
     None,
     /// The point of entry with the planes between cells.
     FirstCell,
-    /// The end of a skip over empty cells with the planes between cells.
+    /// The end of a skip over empty cells, or of a step through an irregular grid, with the planes between cells.
     Leap,
     /// The ray with the box of a node.
     Box,
@@ -73,6 +75,9 @@ pub const COLOUR: &[(Stream, &[usize], Off)] = &[(COLOR, ALL_3, SUM)];
 const OF_A_HIT: [(Stream, &[usize], Off); 2] =
     [(HIT, &[0, 1], Off::WeightOfTriangle), (STATE, &[STATE_T], Off::DistanceToTriangle)];
 
+/// The virtual cell by which a ray comes into a cell of an irregular grid.
+const OF_A_VOXEL: (Stream, &[usize], Off) = (VOXEL, ALL_3, Off::OneVoxel);
+
 /// For kernels that only copy floats.
 pub const NONE: Rounding = Rounding { floats: &[], ties: Ties::None };
 
@@ -80,10 +85,13 @@ pub(super) const OF_GENERATE: Rounding =
     Rounding { floats: &[(RAY_ORIGIN, ALL_3, SUM), (RAY_DIRECTION, ALL_3, SUM)], ties: Ties::None };
 
 pub(super) const OF_SETUP: Rounding =
-    Rounding { floats: &[(TMAX, ALL_3, Off::Ulps(DIVISION, Each::Pass))], ties: Ties::FirstCell };
+    Rounding { floats: &[(TMAX, ALL_3, Off::Ulps(DIVISION, Each::Pass)), OF_A_VOXEL], ties: Ties::FirstCell };
 
 pub(super) const OF_TRAVERSE_GRID: Rounding =
     Rounding { floats: &[(TMAX, ALL_3, Off::Ulps(DIVISION, Each::Pass))], ties: Ties::Leap };
+
+pub(super) const OF_TRAVERSE_IRREGULAR: Rounding =
+    Rounding { floats: &[(TMAX, ALL_3, Off::Ulps(DIVISION, Each::Pass)), OF_A_VOXEL], ties: Ties::Leap };
 
 pub(super) const OF_TRAVERSE_BVH: Rounding = Rounding { floats: &[], ties: Ties::Box };
 
@@ -93,11 +101,13 @@ pub(super) const OF_INTERSECT: Rounding = Rounding {
 };
 
 /// With the paper's rules tmax grows by a rounded tDelta at every step; there are fewer steps than loop iterations.
-pub(super) const OF_WALK: Rounding =
-    Rounding { floats: &[OF_A_HIT[0], OF_A_HIT[1], (TMAX, ALL_3, Off::Ulps(DIVISION, Each::Step))], ties: Ties::Many };
+pub(super) const OF_WALK: Rounding = Rounding {
+    floats: &[OF_A_HIT[0], OF_A_HIT[1], (TMAX, ALL_3, Off::Ulps(DIVISION, Each::Step)), OF_A_VOXEL],
+    ties: Ties::Many,
+};
 
 pub(super) const OF_FUSED: Rounding = Rounding {
-    floats: &[OF_A_HIT[0], OF_A_HIT[1], (PLACE, &[4, 5, 6], Off::Ulps(DIVISION, Each::Iteration))],
+    floats: &[OF_A_HIT[0], OF_A_HIT[1], (PLACE, &[4, 5, 6], Off::Ulps(DIVISION, Each::Iteration)), OF_A_VOXEL],
     ties: Ties::Many,
 };
 

@@ -39,17 +39,20 @@ fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
     @if(intervals) let candidate = between(
         hit_triangle(trace.origin, trace.direction, trace.shear, triangle.a, triangle.b, triangle.c), trace.interval);
     @else let candidate = hit_triangle(trace.origin, trace.direction, trace.shear, triangle.a, triangle.b, triangle.c);
-    @if(robust && !any_hit && !in_cell) let accepted = is_nearer(candidate.t, triangle.id, trace.t, trace.triangle);
-    @if(any_hit) let accepted = candidate.t < trace.t;
-    @if(in_cell) let accepted = candidate.t < trace.t
-        && is_in_cell(trace.origin + trace.direction * candidate.t, cell);
-    @if(!robust && !in_cell) let accepted = candidate.t < trace.t;
-    if (candidate.is_hit && accepted) {
-        trace.t = candidate.t;
-        trace.u = candidate.u;
-        trace.v = candidate.v;
-        trace.triangle = triangle.id;
-        @if(any_hit) trace.ended = true;
+    // One inside the other: a miss, as most tests end, then costs no comparison of t.
+    if (candidate.is_hit) {
+        @if(robust && !any_hit && !in_cell) let accepted = is_nearer(candidate.t, triangle.id, trace.t, trace.triangle);
+        @if(any_hit) let accepted = candidate.t < trace.t;
+        @if(in_cell) let accepted = candidate.t < trace.t
+            && is_in_cell(trace.origin + trace.direction * candidate.t, cell);
+        @if(!robust && !in_cell) let accepted = candidate.t < trace.t;
+        if (accepted) {
+            trace.t = candidate.t;
+            trace.u = candidate.u;
+            trace.v = candidate.v;
+            trace.triangle = triangle.id;
+            @if(any_hit) trace.ended = true;
+        }
     }
     @if(counters) trace.tests += 1u;
     @if(resumes) trace.turns += TURNS_A_TEST;

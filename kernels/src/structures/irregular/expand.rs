@@ -5,10 +5,10 @@ use super::{Draft, Span};
 use crate::numbers::parallel::map_ranges;
 
 /// Most times that a cell's box is expanded on each side, by a layer of neighbours each.
-const ROUNDS: u32 = 8;
+const ROUNDS: u32 = 16;
 
 /// Most neighbours that are looked at, for each cell. A face with more is not moved.
-const MOST_NEIGHBOURS: u32 = 192;
+const MOST_NEIGHBOURS: u32 = 512;
 
 /// The expanded boxes. Each follows from the cells alone, not from those of others.
 pub(super) fn expand(draft: &Draft, map: &Map) -> Vec<Span> {

@@ -5,8 +5,9 @@ use crate::shared::grid_walk::Grid;
 use crate::structures::grid::resolution::cubes;
 use crate::structures::grid::{bounds, growth, layout as planes};
 
-/// Top-level cells per triangle.
-pub(super) const TOP_PER_TRIANGLE: f64 = 0.12;
+/// Top-level cells, for the root of the number of triangles. Rays cross about as many cells in scenes of any size, so a
+/// small scene gets more cells per triangle than a large one.
+const TOP_PER_ROOT: f64 = 400.0;
 
 /// Most virtual cells along an axis: a cell's box is stored in 16 bits per coordinate.
 const MOST_VIRTUAL: u32 = 1 << 15;
@@ -24,7 +25,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// With a top level of about [`TOP_PER_TRIANGLE`] cells per triangle, made coarser along each axis to two thirds as
+    /// With a top level of about [`TOP_PER_ROOT`] · √triangles cells, made coarser along each axis to two thirds as
     /// many cells, so many times.
     pub(super) fn new(vertices: &[f32], reach: f32, is_grown: bool, coarser: u32) -> Self {
         let (min, max) = bounds(vertices);
@@ -33,7 +34,7 @@ impl Layout {
         // Cells not much larger than their growth would list their neighbours' triangles too.
         let finest = extent.map(|e| (e / (8.0 * f64::from(margin))).clamp(1.0, f64::from(MOST_VIRTUAL)) as u32);
         let triangles = (vertices.len() / 9) as f64;
-        let mut top = cubes((triangles * TOP_PER_TRIANGLE).clamp(1.0, 1e8), extent);
+        let mut top = cubes((triangles.sqrt() * TOP_PER_ROOT).max(1.0), extent);
         top.iter_mut().zip(finest).for_each(|(n, finest)| *n = (*n).min(finest));
         for _ in 0..coarser {
             top = top.map(|n| (n * 2 / 3).max(1));

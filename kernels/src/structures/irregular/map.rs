@@ -66,7 +66,8 @@ fn place(entries: &mut Vec<u32>, at: usize, tree: &Tree, first: u32) {
     }
 }
 
-/// Levels of the block below a tree: as many as are divided in at least half of its volume.
+/// Levels of the block below a tree: as many as are divided in at least a sixteenth of its volume. Large blocks take
+/// memory, and save every step a load that waits for the one before.
 fn depth_of(tree: &Tree) -> u32 {
     let Tree::Node(_) = tree else { return 0 };
     let mut divided = vec![tree];
@@ -80,7 +81,7 @@ fn depth_of(tree: &Tree) -> u32 {
             })
             .filter(below)
             .collect();
-        if 2 * next.len() < 1 << (3 * depth) {
+        if 16 * next.len() < 1 << (3 * depth) {
             return depth;
         }
         divided = next;

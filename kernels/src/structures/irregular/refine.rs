@@ -8,8 +8,15 @@ use crate::shared::grid_walk::Grid;
 use crate::structures::grid::overlap::Overlap;
 use crate::structures::grid::{self, GridData, GridError};
 
-/// A list of at most this many triangles is not divided further.
-const SHORT: usize = 2;
+/// Cells into which a top-level cell is divided for each of its triangles, all of the same size, except that those with
+/// at most one triangle are left whole.
+const CELLS_PER_REFERENCE: u64 = 10;
+
+/// Longer lists are divided even then only if rays gain by it: they may be of triangles that no division separates.
+const LONG: usize = 64;
+
+/// Beyond that, cells with longer lists than this are divided further where rays gain by it.
+const SHORT: usize = 8;
 
 /// References to which those of a top-level cell may grow, for each, and for all together. Where lists hardly become
 /// shorter (many triangles at one place, slivers aslant), the budget ends the division.
@@ -31,8 +38,9 @@ struct Refiner<'a> {
     grids: Vec<Grid>,
 }
 
-/// Most references of the top level, per triangle, unless it is a single cell.
+/// Most references of the top level, for each triangle and for all together, unless it is a single cell.
 const MOST_AT_TOP: u64 = 16;
+const MOST_AT_TOP_OF_ALL: u64 = 1 << 16;
 
 /// The lists of the top level.
 ///
@@ -40,7 +48,8 @@ const MOST_AT_TOP: u64 = 16;
 /// If they are longer than triangles much larger than its cells should make them, or than the executor can hold.
 pub(super) fn top_lists(vertices: &[f32], layout: &Layout, most_words: u64) -> Result<GridData, GridError> {
     let triangles = (vertices.len() / 9) as u64;
-    let most = if layout.is_one_cell() { most_words } else { most_words.min(MOST_AT_TOP * triangles + 4096) };
+    let most =
+        if layout.is_one_cell() { most_words } else { most_words.min(MOST_AT_TOP * triangles + MOST_AT_TOP_OF_ALL) };
     grid::lists(&layout.at(0), layout.growth, vertices, most)
 }
 
@@ -53,7 +62,8 @@ pub(super) fn refine(vertices: &[f32], layout: &Layout, lists: &GridData) -> (Ma
         for cell in range {
             let list = lists.list(cell as u32).to_vec();
             let budget = GROWTH * list.len() as u64 + GROWTH_OF_ALL;
-            let tree = refiner.divide(0, top.cell_of_index(cell as u32), list, budget, &mut part.draft);
+            let even = even_levels(list.len() as u64);
+            let tree = refiner.divide((0, even), top.cell_of_index(cell as u32), list, budget, &mut part.draft);
             part.trees.push(tree);
         }
         part
@@ -70,15 +80,23 @@ pub(super) fn refine(vertices: &[f32], layout: &Layout, lists: &GridData) -> (Ma
 }
 
 impl Refiner<'_> {
-    /// Divides a cell whose octree may have up to `budget` references, shared by the halves as they need it.
-    fn divide(&self, level: u32, cell: [i32; 3], list: Vec<u32>, budget: u64, draft: &mut Draft) -> Tree {
-        if let Some((children, after)) = self.halves(level, cell, &list, budget) {
+    /// Divides a cell of a level, of those down to which its octree is divided anyway. The octree may have up to
+    /// `budget` references below that, shared by the halves as they need it.
+    fn divide(
+        &self,
+        (level, even): (u32, u32),
+        cell: [i32; 3],
+        list: Vec<u32>,
+        budget: u64,
+        draft: &mut Draft,
+    ) -> Tree {
+        if let Some((children, after)) = self.halves((level, even), cell, &list, budget) {
             let below = |i: usize| [0, 1, 2].map(|a| 2 * cell[a] + (i >> a & 1) as i32);
             let mut children = children.into_iter().enumerate();
             let trees = [(); 8].map(|()| {
                 let (i, list) = children.next().unwrap_or_default();
                 let share = budget * list.len() as u64 / after.max(1);
-                self.divide(level + 1, below(i), list, share, draft)
+                self.divide((level + 1, even), below(i), list, share, draft)
             });
             return Tree::Node(Box::new(trees));
         }
@@ -88,10 +106,18 @@ impl Refiner<'_> {
         Tree::Leaf(draft.spans.len() as u32 - 1)
     }
 
-    /// The lists of the eight halves, x fastest, and their length, if rays gain by them within the budget: a ray through the cell crosses a quarter of
-    /// them, in proportion to their surface.
-    fn halves(&self, level: u32, cell: [i32; 3], list: &[u32], budget: u64) -> Option<([Vec<u32>; 8], u64)> {
-        if list.len() <= SHORT || level == self.layout.levels {
+    /// The lists of the eight halves, x fastest, and their length, if the cell is to be divided: because its level is
+    /// one of those, or because rays gain by it within the budget. A ray through the cell crosses a quarter of its
+    /// halves, in proportion to their surface.
+    fn halves(
+        &self,
+        (level, even): (u32, u32),
+        cell: [i32; 3],
+        list: &[u32],
+        budget: u64,
+    ) -> Option<([Vec<u32>; 8], u64)> {
+        let short = if level < even { 1 } else { SHORT };
+        if list.len() <= short || level == self.layout.levels {
             return None;
         }
         let mut halves: [Vec<u32>; 8] = Default::default();
@@ -116,6 +142,13 @@ impl Refiner<'_> {
         }
         let after: usize = halves.iter().map(Vec::len).sum();
         let is_gain = after + STEP_COST < 4 * list.len() && after as u64 <= budget;
-        is_gain.then_some((halves, after as u64))
+        (is_gain || level < even && list.len() <= LONG).then_some((halves, after as u64))
     }
+}
+
+/// Levels with about [`CELLS_PER_REFERENCE`] cells for each of these references: rounded, in integers.
+fn even_levels(references: u64) -> u32 {
+    // 8^(levels - 1/2) ≤ cells, squared.
+    let squared = (CELLS_PER_REFERENCE * references).saturating_pow(2);
+    (0..).take_while(|levels| 8u64.checked_pow(2 * levels + 1).is_some_and(|cells| cells <= squared)).count() as u32
 }

@@ -20,7 +20,7 @@ fn scenes() -> Vec<(&'static str, Vec<f32>)> {
         ("hair", vertices_of(&generate::hair(300, 1).expect("a scene"))),
         (
             "pile",
-            (0..20_000)
+            (0..2_000)
                 .flat_map(|i| {
                     let z = i as f32 / 2_000.0;
                     [-1.0, -1.0, z, 1.0, -1.0, z, 1.0, 1.0, z]
