@@ -42,6 +42,8 @@ impl Session {
     }
 
     async fn travel(&mut self, place: usize, guide: &mut Guide<'_>) -> Result<(), RenderError> {
+        // A lost device leaves the session where it was, so that the place to resume at is still known.
+        self.renderer.health()?;
         let is_here = self.is_settled && !self.renderer.is_ahead() && self.place() <= place;
         self.is_settled = false;
         let nearest = self.history.nearest(place).filter(|kept| !is_here || kept.place() > self.place());

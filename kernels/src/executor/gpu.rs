@@ -78,6 +78,11 @@ impl GpuExecutor {
         Self::beside(gpu, plan, data, timed, None).await
     }
 
+    /// Whether the device can still run passes.
+    pub(crate) fn health(&self) -> Result<(), GpuError> {
+        self.gpu.health()
+    }
+
     /// As [`new`](Self::new), with the buffers of another executor for the same data, uploaded once for both.
     pub(crate) async fn beside(
         gpu: Arc<Gpu>,

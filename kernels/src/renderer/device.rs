@@ -162,6 +162,14 @@ impl Executor {
         })
     }
 
+    pub(super) fn health(&self) -> Result<(), RenderError> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => Ok(e.health()?),
+            Self::Cpu(_) | Self::CpuF64(_) => Ok(()),
+        }
+    }
+
     pub(super) fn size(&self, elements: &Elements) -> Option<Size> {
         match self {
             #[cfg(feature = "gpu")]

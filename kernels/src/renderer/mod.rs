@@ -233,6 +233,14 @@ impl Renderer {
         &self.plan
     }
 
+    /// Whether the device can still run passes.
+    ///
+    /// # Errors
+    /// If it was lost.
+    pub fn health(&self) -> Result<(), RenderError> {
+        self.executor.health()
+    }
+
     /// The size of a set of the program, and its layout in the streams' textures; `None` while the run has not counted
     /// it.
     #[must_use]
