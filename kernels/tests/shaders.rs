@@ -193,6 +193,6 @@ fn host_structs_lie_as_naga_says() {
     check!(Material, "Material", base_color, texture, emissive, double_sided);
     check!(Light, "Light", position, kind, direction, cos_outer, color, cone_scale);
     check!(Texture, "Texture", first, width, height, sampling);
-    check!(SceneInfo, "SceneInfo", triangles, steps, rays, first_row);
+    check!(SceneInfo, "SceneInfo", triangles, steps, rays, first_row, size);
     check!(BvhNode, "BvhNode", min, first, max, link);
 }
