@@ -68,13 +68,7 @@ fn ints(v: vec4f) -> vec4i {
 }
 
 fn bytes(word: u32) -> vec4f {
-    let b = unpack4xU8(word);
-    return vec4f(
-        bitcast<f32>(pack4xU8(vec4u(0u, b.x, 0u, 0x47u))),
-        bitcast<f32>(pack4xU8(vec4u(0u, b.y, 0u, 0x47u))),
-        bitcast<f32>(pack4xU8(vec4u(0u, b.z, 0u, 0x47u))),
-        bitcast<f32>(pack4xU8(vec4u(0u, b.w, 0u, 0x47u))),
-    );
+    return vec4f((vec4u(word) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(0xffu));
 }
 
 // Shifts a bit for each of four boxes into the misses, the last box's lowest: the sign of leave - enter. Lower planes
@@ -123,10 +117,10 @@ fn visit_wide(node: u32, ray: WideRay, nearest_t: f32) -> WideHits {
     let offset = low * ray.inverse;
     @if(ray_padding) let far = abs(low) + 256.0 * spacing;
     @if(ray_padding) let padding = (BOX_PADDING * max(max(far.x, far.y), far.z)) * abs(ray.inverse);
-    @if(ray_padding) let enter_at = offset - padding - 32768.0 * scale - 0.0117 * abs(scale);
-    @if(ray_padding) let leave_at = offset + padding - 32768.0 * scale + 0.0117 * abs(scale);
-    @if(!ray_padding) let enter_at = offset - 32768.0 * scale - 0.0117 * abs(scale);
-    @if(!ray_padding) let leave_at = offset - 32768.0 * scale + 0.0117 * abs(scale);
+    @if(ray_padding) let enter_at = offset - padding;
+    @if(ray_padding) let leave_at = offset + padding;
+    @if(!ray_padding) let enter_at = offset;
+    @if(!ray_padding) let leave_at = offset;
     // A ray that goes down along an axis meets the upper plane first.
     let x_near = select(x.xy, x.zw, ray.negative.x);
     let x_far = select(x.zw, x.xy, ray.negative.x);
