@@ -25,8 +25,8 @@ use crate::usage::did_you_mean;
 ///
 /// Each case has a scene and rays that are hard for ray tracers: rays along axes, in faces, at edges and corners,
 /// slivers, and scenes that are far away, huge, tiny, flat or crowded. They are traced with robust and with the paper's
-/// numerics, through grids and BVH and without any, on a GPU and on the CPU in f32 and f64. Robust numerics must make
-/// no error; the paper's must fail where theory predicts it. Otherwise the exit code is 1.
+/// numerics, with each structure and with none, on a GPU and on the CPU in f32 and f64. Robust numerics must make no
+/// error; the paper's must fail where theory predicts it. Otherwise the exit code is 1.
 ///
 /// The error of tMax (where a ray leaves its cell) along a walk of 3,000 cells is measured for each way to compute it,
 /// and pairs of rays and triangles are tested by every pipeline that includes the triangle test.

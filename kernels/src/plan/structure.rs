@@ -94,7 +94,7 @@ pub struct BvhSummary {
     pub references: u64,
     /// Bytes of the buffers that the run binds for it, without the triangles' vertices.
     pub bytes: u64,
-    /// Growth of the boxes, in traced units.
+    /// Growth of the boxes, in traced units; 0 if each ray grows the boxes it meets.
     pub growth: f32,
 }
 

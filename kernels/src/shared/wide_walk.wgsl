@@ -73,7 +73,15 @@ fn bytes(word: u32) -> vec4f {
 
 // Shifts a bit for each of four boxes into the misses, the last box's lowest: the sign of leave - enter. Lower planes
 // along the ray are at `enter_at`, upper ones at `leave_at`, plus a number of `scale`.
-fn misses_of_four(misses: u32, near: vec3u, far: vec3u, scale: vec3f, enter_at: vec3f, leave_at: vec3f, nearest_t: f32) -> u32 {
+fn misses_of_four(
+    misses: u32,
+    near: vec3u,
+    far: vec3u,
+    scale: vec3f,
+    enter_at: vec3f,
+    leave_at: vec3f,
+    nearest_t: f32,
+) -> u32 {
     let enter = bitcast<vec4f>(max(
         max(ints(bytes(near.x) * scale.x + enter_at.x), ints(bytes(near.y) * scale.y + enter_at.y)),
         max(ints(bytes(near.z) * scale.z + enter_at.z), vec4i(0)),

@@ -50,6 +50,16 @@ pub enum GridError {
         /// Most entries.
         limit: u64,
     },
+    /// A buffer of an irregular grid would be larger than the executor's largest.
+    #[error(
+        "an irregular grid over {triangles} triangles would need more than the {limit} words that fit one buffer here: use --accelerator bvh"
+    )]
+    TooManyCells {
+        /// Triangles of the scene.
+        triangles: usize,
+        /// Most words of a buffer.
+        limit: u64,
+    },
 }
 
 /// Most cells in all.

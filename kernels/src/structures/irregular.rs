@@ -77,19 +77,19 @@ struct Draft {
 /// # Errors
 /// If a buffer would be larger.
 pub fn build(vertices: &[f32], reach: f32, is_grown: bool, most_words: u64) -> Result<IrregularData, GridError> {
+    let too_many = |limit| GridError::TooManyCells { triangles: vertices.len() / 9, limit };
     let mut coarser = 0;
     let (plan, lists) = loop {
         let plan = layout::Layout::new(vertices, reach, is_grown, coarser);
         match refine::top_lists(vertices, &plan, most_words) {
             Ok(lists) => break (plan, lists),
-            Err(error) if plan.is_one_cell() => return Err(error),
+            Err(_) if plan.is_one_cell() => return Err(too_many(most_words)),
             Err(_) => coarser += 1,
         }
     };
     let (mut map, draft) = refine::refine(vertices, &plan, &lists);
     let draft = merge::merge(draft, &mut map, &plan);
     let spans = expand::expand(&draft, &map);
-    let too_many = |limit| GridError::TooManyReferences { cells: plan.grid.cells.map(|n| n as u32), limit };
     let references: u64 = draft.lists.iter().map(|list| list.len() as u64).sum();
     if references > most_words || 4 * spans.len() as u64 > most_words || map.entries.len() as u64 > most_words {
         return Err(too_many(most_words));

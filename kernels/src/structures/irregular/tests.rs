@@ -140,3 +140,10 @@ fn rays_take_few_steps() {
         assert!(name == "nothing" || steps + tests < cells + listed, "{name}");
     }
 }
+
+#[test]
+fn a_grid_that_fits_no_buffer_is_refused_in_its_own_words() {
+    let vertices = vertices_of(&generate::soup(3000, 1).expect("a scene"));
+    let error = build(&vertices, 4.0, true, 100).expect_err("too small a buffer");
+    assert_eq!(error, GridError::TooManyCells { triangles: 3000, limit: 100 });
+}
