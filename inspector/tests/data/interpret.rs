@@ -116,11 +116,16 @@ fn every_kernel_is_interpreted_as_its_reference_runs_on_every_scene() {
         [ScheduleKind::First, ScheduleKind::Second, ScheduleKind::Compact, ScheduleKind::Fused];
     let mut sum = BTreeMap::new();
     for (i, (name, scene)) in scenes().iter().enumerate() {
-        for (j, accelerator) in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None].into_iter().enumerate() {
+        const ACCELERATORS: [Accelerator; 4] =
+            [Accelerator::Grid, Accelerator::Bvh, Accelerator::Irregular, Accelerator::None];
+        for (j, accelerator) in ACCELERATORS.into_iter().enumerate() {
             if accelerator == Accelerator::None && scene.triangles.len() > 200 {
                 continue;
             }
             for (k, numerics) in [Numerics::Robust, Numerics::Paper].into_iter().enumerate() {
+                if accelerator == Accelerator::Irregular && numerics == Numerics::Paper {
+                    continue;
+                }
                 let schedule = SCHEDULES[(i + j + k) % 4];
                 let some = options(scene, accelerator, schedule, [9, 7]);
                 let counters = (i + k) % 2 == 0;
@@ -131,8 +136,8 @@ fn every_kernel_is_interpreted_as_its_reference_runs_on_every_scene() {
             }
         }
     }
-    let all = ["fused", "generate", "intersect", "setup", "shade", "traverse_bvh", "traverse_grid", "walk"];
-    for kernel in all {
+    let steps = ["traverse_bvh", "traverse_grid", "traverse_irregular", "walk"];
+    for kernel in ["fused", "generate", "intersect", "setup", "shade"].into_iter().chain(steps) {
         assert!(sum.get(kernel).is_some_and(|&count| count > 300), "{kernel}: {sum:?}");
     }
 }
@@ -148,7 +153,10 @@ fn every_rule_and_every_way_to_wait_is_interpreted_too() {
         for (schedule, steps_per_pass) in
             [(ScheduleKind::Second, 1), (ScheduleKind::Compact, 4), (ScheduleKind::Fused, 1)]
         {
-            for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
+            for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh] {
+                if accelerator == Accelerator::Irregular && without.is_some() {
+                    continue;
+                }
                 for (limits, counters, keep) in [(Limits::CPU, false, Keep::ALL), (short, true, Keep::NONE)] {
                     let some = options(&scene, accelerator, schedule, [8, 6]);
                     let contracted = without.is_none() && counters;

@@ -31,7 +31,7 @@ fn lines_are_the_text_and_spans_are_the_whole_line() {
 fn what_the_device_is_not_given_is_left_out_and_all_else_of_a_function_is_found_in_the_composed_source() {
     let scene = generate::cornell_box();
     let (mut chosen_lines, mut found) = (0, 0);
-    for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+    for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
         for schedule in [ScheduleKind::Second, ScheduleKind::Fused] {
             let options = options(&scene, accelerator, schedule, [3, 2]);
             let (plan, _) = Plan::new(&scene, &options, &Limits::CPU).expect("a plan");
