@@ -19,14 +19,20 @@ pub(super) fn expand(draft: &Draft, map: &Map) -> Vec<Span> {
 
 fn expanded(cell: usize, draft: &Draft, map: &Map) -> Span {
     let (mut span, mut seen) = (draft.spans[cell], 0);
+    // A face that a neighbour stops stays there: the box only grows, so it keeps this neighbour.
+    let mut stopped = [[false; 2]; 3];
     for _ in 0..ROUNDS {
         let before = span;
-        for axis in 0..3 {
-            if span.high[axis] < map.grid.cells[axis] {
-                span.high[axis] += layer(cell, &span, (axis, true), &mut seen, draft, map);
+        for (axis, [down, up]) in stopped.iter_mut().enumerate() {
+            if !*up && span.high[axis] < map.grid.cells[axis] {
+                let by = layer(cell, &span, (axis, true), &mut seen, draft, map);
+                span.high[axis] += by;
+                *up = by == 0;
             }
-            if span.low[axis] > 0 {
-                span.low[axis] -= layer(cell, &span, (axis, false), &mut seen, draft, map);
+            if !*down && span.low[axis] > 0 {
+                let by = layer(cell, &span, (axis, false), &mut seen, draft, map);
+                span.low[axis] -= by;
+                *down = by == 0;
             }
         }
         if span == before || seen > MOST_NEIGHBOURS {
