@@ -22,7 +22,9 @@ mod timers;
 
 use crate::executor::sizes::Sizes;
 use crate::program::Kernel;
+use crate::shared::scene::SceneInfo;
 use crate::tables::elements::{Elements, Size};
+use std::mem::offset_of;
 use std::sync::Arc;
 
 use wgpu::util::DeviceExt as _;
@@ -134,6 +136,7 @@ impl GpuExecutor {
             rays_a_dispatch,
         };
         executor.clear();
+        executor.set_size();
         if let Err(error) = executor.gpu.pop_scopes(scopes).await {
             executor.gpu.compiled.clear();
             return Err(error);
@@ -147,6 +150,15 @@ impl GpuExecutor {
             if let Some(info) = self.plan.program.buffer(name).filter(|info| info.is_of_view) {
                 self.gpu.queue.write_buffer(buffer, 0, info.contents(data));
             }
+        }
+        self.set_size();
+    }
+
+    /// Uploads the size of the streams, which differs from the data's if runs of several sizes share them.
+    fn set_size(&self) {
+        if let Some(scene) = self.buffer("scene") {
+            let size = [self.plan.width, self.plan.height];
+            self.gpu.queue.write_buffer(scene, offset_of!(SceneInfo, size) as u64, bytemuck::bytes_of(&size));
         }
     }
 

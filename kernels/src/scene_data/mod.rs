@@ -241,7 +241,7 @@ impl SceneData {
     pub(crate) fn set_view(&mut self, scene: &Scene, options: &Options) {
         let RaySource::Camera { camera, width, height } = &options.rays else { return };
         self.camera = traced_camera(camera, self.units, *width, *height);
-        self.info.rays = width * height;
+        (self.info.rays, self.info.size) = (width * height, [*width, *height]);
         // Without lights of its own, a scene is lit from the camera.
         if !self.lights.is_empty() {
             self.lights = lights(scene, options, self.units);

@@ -12,8 +12,8 @@ pub struct SceneInfo {
     pub steps: u32,
     /// Number of rays.
     pub rays: u32,
-    /// First row of workgroups of a dispatch; the executor writes it, and the size, before each.
+    /// First row of workgroups of a dispatch; the executor writes it.
     pub first_row: u32,
-    /// Width and height of the streams.
+    /// Width and height of the streams; the executor writes those of its own.
     pub size: [u32; 2],
 }

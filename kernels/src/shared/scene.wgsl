@@ -6,8 +6,9 @@ struct SceneInfo {
     steps: u32,
     // Number of rays: the texels of an image, or fewer with input rays.
     rays: u32,
-    // First row of workgroups of this dispatch, and the size of the streams: only kernels launched in bands read them.
+    // First row of workgroups of this dispatch.
     first_row: u32,
+    // Size of the streams.
     size: vec2u,
 }
 

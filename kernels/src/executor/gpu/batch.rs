@@ -1,18 +1,21 @@
 //! Submits passes in batches and reads back what each pass did.
 
+use std::mem::offset_of;
+
 use super::books::{Place, counts_after, groups, read_sent};
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
 use crate::executor::gpu::readback::Readback;
 use crate::program::Kernel;
+use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
 use crate::tables::kernel::{Launch, Role};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
 use crate::tables::state::StateCounts;
 
-/// Byte offset of `first_row` in the uniform `scene`; `size` follows.
-const FIRST_ROW: u64 = 12;
+/// Byte offset of `first_row` in the uniform `scene`.
+const FIRST_ROW: u64 = offset_of!(SceneInfo, first_row) as u64;
 
 impl GpuExecutor {
     /// Submits passes, at most [`MOST_PASSES`], and resolves to what each of them did. `counts` are the rays in each
@@ -135,12 +138,13 @@ impl GpuExecutor {
             let label = self.pipelines.get(kernel).map(|pipeline| pipeline.label.as_str());
             let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes };
             self.dispatch(&mut encoder.begin_compute_pass(&descriptor), kernel, place, Some(a_band.min(rows - first)))?;
-            // A value written to a uniform takes effect with the next submission. Runs of other sizes share the uniform.
-            let band = [first, self.plan.width, self.plan.height];
-            self.gpu.queue.write_buffer(scene, FIRST_ROW, bytemuck::bytes_of(&band));
-            if !last {
-                self.gpu.submit([encoder.finish()]);
-                encoder = self.gpu.device.create_command_encoder(&Default::default());
+            // A value written to a uniform takes effect with the next submission.
+            if a_band < rows {
+                self.gpu.queue.write_buffer(scene, FIRST_ROW, bytemuck::bytes_of(&first));
+                if !last {
+                    self.gpu.submit([encoder.finish()]);
+                    encoder = self.gpu.device.create_command_encoder(&Default::default());
+                }
             }
         }
         Ok(encoder)

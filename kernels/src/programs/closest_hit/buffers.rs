@@ -17,7 +17,7 @@ pub static BUFFERS: &[BufferInfo] = &[
     ),
     uniform(
         "scene",
-        "triangles, steps per pass, rays, first row of workgroups",
+        "triangles, steps per pass, rays, first row of workgroups, size of the streams",
         |data| bytes_of(&data.info),
         |_| (Because::Options, "one step per pass, and lists that have their own ends"),
     )

@@ -31,27 +31,20 @@ struct Row {
 const OTHER: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
 impl Overlap {
-    /// The first and the last cell, per axis, that the bounding box of `triangle` (traced units) touches, if each is
-    /// grown by `growth` on all sides.
-    pub(crate) fn range(grid: &Grid, growth: f64, triangle: &[f32]) -> [[i32; 3]; 2] {
-        let (mut low, mut high) = ([0; 3], [0; 3]);
-        for a in 0..3 {
-            let [p, q, r] = [0, 3, 6].map(|c| f64::from(triangle[c + a]));
-            let (corner, width) = (f64::from(grid.corner[a]), f64::from(grid.width[a]));
-            // `as` saturates, so a cell far outside is clamped instead of wrapping; it truncates, which equals floor
-            // where it matters, and needs no call on processors without a floor instruction.
-            low[a] = (((p.min(q).min(r) - growth - corner) / width) as i32).clamp(0, grid.cells[a] - 1);
-            high[a] = (((p.max(q).max(r) + growth - corner) / width) as i32).clamp(0, grid.cells[a] - 1);
-        }
-        [low, high]
-    }
-
     /// Prepares `triangle` (traced units) for the cells of `grid`, each grown by `growth` on all sides.
     pub(crate) fn new(grid: &Grid, growth: f64, triangle: &[f32]) -> Self {
         let p = [0, 3, 6].map(|c| DVec3::from([0, 1, 2].map(|a| f64::from(triangle[c + a]))));
         let corner = grid.corner.map(f64::from);
         let width = grid.width.map(f64::from);
-        let [low, high] = Self::range(grid, growth, triangle);
+        let (mut low, mut high) = ([0; 3], [0; 3]);
+        for a in 0..3 {
+            let min = p[0][a].min(p[1][a]).min(p[2][a]) - growth;
+            let max = p[0][a].max(p[1][a]).max(p[2][a]) + growth;
+            // `as` saturates, so a cell far outside is clamped instead of wrapping; it truncates, which equals floor
+            // where it matters, and needs no call on processors without a floor instruction.
+            low[a] = (((min - corner[a]) / width[a]) as i32).clamp(0, grid.cells[a] - 1);
+            high[a] = (((max - corner[a]) / width[a]) as i32).clamp(0, grid.cells[a] - 1);
+        }
         let half = width.map(|w| w * 0.5 + growth);
         let edge = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
         let normal = edge[0].cross(edge[1]);

@@ -125,23 +125,15 @@ impl Refiner<'_> {
         let first = cell.map(|v| 2 * v);
         for &triangle in list {
             let corners = &self.vertices[9 * triangle as usize..9 * triangle as usize + 9];
-            let growth = f64::from(self.layout.growth);
-            let [low, high] = Overlap::range(grid, growth, corners);
-            let [low, high] = [low, high].map(|cell| [0, 1, 2].map(|a| (cell[a] - first[a]).clamp(0, 1)));
-            if low == high {
-                // It meets the cell, and can meet no other half of it.
-                halves[(low[0] + 2 * low[1] + 4 * low[2]) as usize].push(triangle);
-                continue;
-            }
-            let overlap = Overlap::new(grid, growth, corners);
+            let overlap = Overlap::new(grid, f64::from(self.layout.growth), corners);
             for row in 0..4 {
-                let [y, z] = [row & 1, row >> 1];
-                if y < low[1] || y > high[1] || z < low[2] || z > high[2] {
+                let [y, z] = [first[1] + (row & 1), first[2] + (row >> 1)];
+                if y < overlap.low[1] || y > overlap.high[1] || z < overlap.low[2] || z > overlap.high[2] {
                     continue;
                 }
-                let mask = overlap.span_mask([first[0], first[1] + y, first[2] + z], 2);
+                let mask = overlap.span_mask([first[0], y, z], 2);
                 for x in 0..2 {
-                    let is_in = low[0] <= x && x <= high[0];
+                    let is_in = first[0] + x >= overlap.low[0] && first[0] + x <= overlap.high[0];
                     if is_in && mask >> x & 1 == 1 {
                         halves[(x + 2 * row) as usize].push(triangle);
                     }
