@@ -6,7 +6,7 @@ use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, ScheduleKind
 use raystep_lab::rays::Random;
 use raystep_scenes::{Scene, generate};
 use raystep_tests::ways::Way;
-use raystep_tests::{check, devices, mistakes_among, thorough, traced, values};
+use raystep_tests::{check, devices, hits, mistakes_among, thorough, traced, values};
 
 /// Most triangles that a ray may test, on average.
 const MOST_TESTS: f64 = 60.0;
@@ -69,8 +69,8 @@ fn rays(of: &[Triangle], distance: f64) -> Vec<Ray> {
         .collect()
 }
 
-/// The mean number of tests per ray by `way`, after all hits have been compared with f64.
-fn tests_of(label: &str, scene: &Scene, rays: &[Ray], way: Way, device: &Device) -> f64 {
+/// The mean number of tests per ray by `way`, after all hits have been compared with f64; and the hits.
+fn tests_of(label: &str, scene: &Scene, rays: &[Ray], way: Way, device: &Device) -> (f64, [Vec<u32>; 4]) {
     let options = Options { shade: false, counters: true, ..Options::new(RaySource::Given(rays.to_vec())) };
     let renderer = traced(scene, &way.of(&options), device);
     assert_eq!(renderer.unfinished(), 0, "{label} {way}");
@@ -82,18 +82,23 @@ fn tests_of(label: &str, scene: &Scene, rays: &[Ray], way: Way, device: &Device)
         assert_eq!(mistakes_among(&renderer, &some), [], "{label} {way}");
     }
     let counts = values(&renderer, streams::COUNTERS);
-    (0..rays.len()).map(|ray| f64::from(counts.get(1, ray))).sum::<f64>() / rays.len() as f64
+    let tests = (0..rays.len()).map(|ray| f64::from(counts.get(1, ray))).sum::<f64>() / rays.len() as f64;
+    (tests, hits(&renderer))
 }
 
 fn few_tests(label: &str, scene: &Scene, rays: &[Ray]) {
     use ScheduleKind::{Compact, Fused};
     for (name, device) in devices() {
+        let mut first = None;
         for way in [
             Way::new(Accelerator::Bvh, Fused, 1),
             Way::new(Accelerator::Bvh, Compact, 8),
+            Way::new(Accelerator::Irregular, Fused, 1),
+            Way::new(Accelerator::Irregular, Compact, 8),
             Way::new(Accelerator::Auto, Fused, 1),
         ] {
-            let tests = tests_of(label, scene, rays, way, &device);
+            let (tests, hits) = tests_of(label, scene, rays, way, &device);
+            assert_eq!(&hits, first.get_or_insert_with(|| hits.clone()), "{label}, {way} on {name}: other hits");
             println!("{label}, {way} on {name}: {tests:.1} tests per ray");
             assert!(tests <= MOST_TESTS, "{label}, {way} on {name}: {tests} tests per ray");
         }

@@ -62,7 +62,7 @@ pub(crate) struct StabilityArgs {
     #[arg(long)]
     list: bool,
     /// Acceleration structures
-    #[arg(long, value_name = "A,B…", value_delimiter = ',', default_value = "grid,bvh,none",
+    #[arg(long, value_name = "A,B…", value_delimiter = ',', default_value = "grid,irregular,bvh,none",
           value_parser = named(ACCELERATORS, Accelerator::name))]
     accelerator: Vec<Accelerator>,
     /// Use an eighth of the rays

@@ -59,13 +59,16 @@ pub struct CellVisit {
     pub is_current: bool,
     /// Whether it is a cell of an irregular grid, which is named by its number.
     pub is_irregular: bool,
+    /// Whether it is the space around an irregular grid, with the triangles that were set aside.
+    pub is_outside: bool,
 }
 
 impl CellVisit {
-    /// `cell 1,0,2`, or `cell 17` in an irregular grid.
+    /// `cell 1,0,2`, or `cell 17` in an irregular grid, or `outside`.
     #[must_use]
     pub fn name(&self) -> String {
         match self.is_irregular {
+            _ if self.is_outside => "outside".into(),
             true => format!("cell {}", self.index),
             false => format!("cell {}", self.cell.map(|c| c.to_string()).join(",")),
         }
@@ -112,7 +115,7 @@ impl WalkGeometry {
         let Some(cell) = self.cells.last_mut() else { return };
         cell.is_current = false;
         let (axis, t) = (cell.exit_axis, cell.t_out);
-        if cell.tmax[axis].is_some() {
+        if cell.tmax[axis].is_some() && !cell.is_outside {
             let point = self.point(t);
             self.crossings.push(Crossing { from, axis, t, point });
         }
@@ -122,7 +125,11 @@ impl WalkGeometry {
         let grid = &data.grid;
         let index = ray.cell_index;
         let cell = coordinates(data, index);
-        let bounds = Aabb::of_cells(grid, cell, size_of(data, index));
+        let is_outside = data.is_outside(index);
+        let bounds = match is_outside {
+            true => Aabb::of_vertices(&data.vertices),
+            false => Aabb::of_cells(grid, cell, size_of(data, index)),
+        };
         let tmax = self.tmax(data, cell, ray);
         let [x, y, _] = smallest_axis(Vec3::from(tmax.map(|t| t.unwrap_or(f64::from(INF)))));
         let exit_axis = if x {
@@ -134,6 +141,7 @@ impl WalkGeometry {
         };
         let wraps = !data.features.robust && !data.features.many_steps;
         let entry = self.cells.last().map_or(Entry::Start, |from| match entry(from.cell, cell) {
+            _ if from.is_outside => Entry::Start,
             // Whatever its size, the next cell is behind the face by which the ray left.
             _ if data.features.irregular && !data.features.many_steps => {
                 Entry::Face { axis: from.exit_axis, step: if self.direction[from.exit_axis] < 0.0 { -1 } else { 1 } }
@@ -144,6 +152,7 @@ impl WalkGeometry {
         let own = bounds.interval(self.origin, self.direction).map(|[enter, _]| enter);
         let t_in = match (entry, self.cells.last()) {
             (Entry::Face { .. }, Some(from)) => from.t_out,
+            _ if is_outside => 0.0,
             (_, from) => own.or(from.map(|from| from.t_out)).unwrap_or(0.0),
         };
         let list = list(data, index);
@@ -160,6 +169,7 @@ impl WalkGeometry {
             listed: list.end.saturating_sub(list.start),
             is_current: true,
             is_irregular: data.features.irregular,
+            is_outside,
         }
     }
 
@@ -171,8 +181,9 @@ impl WalkGeometry {
         let [origin, direction] = [ray.origin, ray.direction].map(Vec3::<f32>::from_f32);
         let grid_ray = data.grid.ray(data.features.walk_rules(), origin, direction);
         if data.features.irregular {
-            let cell = data.irregular_cells.get(ray.cell_index as usize);
-            cell.map_or([None; 3], |cell| cell.exit(&data.grid, &grid_ray).to_array().map(finite))
+            let has_cell = (ray.cell_index as usize) < data.irregular_cells.len();
+            let exits = || data.irregular().at([0; 3], ray.cell_index, &grid_ray).tmax;
+            if has_cell { exits().to_array().map(finite) } else { [None; 3] }
         } else if data.features.keeps_no_tmax() {
             data.grid.cell_exit(cell, &grid_ray).to_array().map(finite)
         } else {

@@ -41,6 +41,7 @@ pub mod stability;
 pub mod statistics;
 pub mod stiff;
 pub mod structure_stats;
+mod structures;
 pub mod subject;
 pub mod text;
 pub mod tidy;

@@ -202,6 +202,9 @@ impl Rounding<'_> {
             Ties::None => Some(false),
             Ties::FirstCell => Some(self.walk_may_begin_elsewhere(ray)),
             // The comparisons of a step to the next cell are of numbers that both sides read from the same stream.
+            Ties::Leap if self.data.is_outside(self.component(streams::STATE, STATE_CELL, ray)) => {
+                Some(self.walk_may_begin_elsewhere(ray))
+            }
             Ties::Leap => {
                 let features = &self.data.features;
                 Some((features.skip || features.irregular) && self.leap_may_end_elsewhere(ray))

@@ -34,6 +34,7 @@ features! {
     in_cell: "A hit counts only inside the cell being tested, else the nearest is kept.",
     grid: "The scene is traced through a uniform grid.",
     irregular: "The scene is traced through an irregular grid.",
+    aside: "Triangles much farther away than the others are tested before a ray enters the irregular grid.",
     bvh: "The scene is traced through a BVH.",
     ray_padding: "Boxes of the BVH are grown as they are tested, by their distance; else when they are built.",
     skip: "Rays skip empty cells of the grid, several at a time.",

@@ -45,6 +45,7 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         in_cell: has_grid && (!robust || options.without == Some(Rule::Acceptance)),
         grid: has_grid,
         irregular: accelerator == Accelerator::Irregular,
+        aside: false,
         bvh: accelerator == Accelerator::Bvh,
         ray_padding: keep(Item::RayPadding),
         skip: false,

@@ -12,7 +12,7 @@ use crate::options::{Accelerator, Options, Rule};
 use crate::program::sizes::derive;
 use crate::programs::grid_build::elements::{CELLS, TRIANGLES};
 use crate::programs::grid_build::{PROGRAM, schedule};
-use crate::scene_data::{SceneData, reach, traced_vertices};
+use crate::scene_data::{SceneData, origins, traced_vertices};
 use crate::shared::build::Build;
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid;
@@ -29,7 +29,7 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
     check_buffer("vertices", 36 * scene.triangles.len() as u64, limits)?;
     let vertices = traced_vertices(scene, units);
     let is_grown = options.without != Some(Rule::CellGrowth);
-    let reach = reach(&vertices, options, units);
+    let reach = grid::reach(grid::largest(&vertices), origins(options, units));
     let (grid, growth) = grid::planes(&vertices, options.grid, reach, is_grown, limits.storage_bytes / 4)?;
     of(grid, growth, vertices, units, options, limits)
 }

@@ -248,7 +248,7 @@ impl Plan {
             return Err(PlanError::NoPaperRules);
         }
         let given = matches!(options.rays, RaySource::Given(_));
-        let Resolved { accelerator, mut features, structure, vertices, reach } =
+        let Resolved { accelerator, mut features, structure, vertices, extent } =
             resolve(scene, options, units, limits, (width, height))?;
 
         // The last options of the kernels to be decided are those that depend on iterations of loops.
@@ -278,7 +278,7 @@ impl Plan {
         };
         let is_bound = |name: &str| bound.contains(name);
         let mut data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
-        data.reach = reach;
+        (data.largest, data.reach) = (extent.largest, extent.reach);
 
         let size = Size { width, height, count: rays as u32 };
         let Allocated { sets, streams, buffers } = Allocated::new(program, &bound, &data, size, given, limits)?;

@@ -8,7 +8,7 @@ use super::limits::Limits;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, GridSize, MOST_LISTED, Options, Rule, ScheduleKind, Skip};
-use crate::scene_data::{bvh_growth, reach, traced_vertices};
+use crate::scene_data::{bvh_growth, origins, traced_vertices};
 use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
 use crate::structures::{Structure, grid, irregular};
 use crate::tables::sizes::LIVE_REGIONS;
@@ -23,7 +23,16 @@ pub(super) struct Resolved {
     pub(super) structure: Structure,
     /// Corners in traced units, nine floats per triangle.
     pub(super) vertices: Vec<f32>,
-    /// Bounds coordinates and distances, see [`reach`].
+    /// What the structure is built for.
+    pub(super) extent: Extent,
+}
+
+/// The sizes that growth depends on, in traced units.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Extent {
+    /// The largest coordinate of a corner.
+    pub(super) largest: f32,
+    /// Bounds coordinates of corners and origins, and distances; see [`grid::reach`].
     pub(super) reach: f32,
 }
 
@@ -31,7 +40,9 @@ pub(super) struct Resolved {
 struct Site<'a> {
     options: &'a Options,
     vertices: &'a [f32],
-    /// Bounds coordinates and distances, see [`reach`].
+    /// The largest coordinate of a ray's origin.
+    origins: f32,
+    /// Bounds coordinates and distances, see [`grid::reach`].
     reach: f32,
     /// Size of the executor's largest buffer, in 32-bit words.
     most_words: u64,
@@ -56,17 +67,22 @@ pub(super) fn resolve(
         let features = features(scene, options, accelerator, units);
         let attempt = check_sizes(scene, options, &features, limits, u64::from(width) * u64::from(height));
         let attempt = attempt.and_then(|()| {
-            let (vertices, reach) = corners.get_or_insert_with(|| {
-                let vertices = traced_vertices(scene, units);
-                let reach = reach(&vertices, options, units);
-                (vertices, reach)
+            let (vertices, origins, extent) = corners.get_or_insert_with(|| {
+                let (vertices, origins) = (traced_vertices(scene, units), origins(options, units));
+                let largest = grid::largest(&vertices);
+                (vertices, origins, Extent { largest, reach: grid::reach(largest, origins) })
             });
-            Site { options, vertices, reach: *reach, most_words: limits.storage_bytes / 4 }.build(features, is_last)
+            let most_words = limits.storage_bytes / 4;
+            Site { options, vertices, origins: *origins, reach: extent.reach, most_words }.build(features, is_last)
         });
         match attempt {
             Ok(Some((features, structure))) => {
-                let (vertices, reach) = corners.unwrap_or_default();
-                return Ok(Resolved { accelerator, features, structure, vertices, reach });
+                let (vertices, _, whole) = corners.unwrap_or_default();
+                let extent = match &structure {
+                    Structure::Irregular(data) => Extent { largest: data.largest, reach: data.reach },
+                    _ => whole,
+                };
+                return Ok(Resolved { accelerator, features, structure, vertices, extent });
             }
             Err(error) if is_last => return Err(error),
             Ok(None) | Err(_) => {}
@@ -120,7 +136,11 @@ impl Site<'_> {
             }
         } else if features.irregular {
             let is_grown = self.options.without != Some(Rule::CellGrowth);
-            Structure::Irregular(irregular::build(self.vertices, self.reach, is_grown, self.most_words)?)
+            let data = irregular::build(self.vertices, self.origins, is_grown, self.most_words)?;
+            features.aside = data.aside > 0;
+            // The grid is smaller than the scene, so rays may start outside of it.
+            features.clip |= features.aside;
+            Structure::Irregular(data)
         } else if features.bvh {
             self.tree(&mut features)?
         } else {
@@ -136,7 +156,7 @@ impl Site<'_> {
     /// Builds the grid: the counts of its lists tell whether most of its cells are empty, or a few of them crowded,
     /// before they are filled.
     fn grid(&self, features: &mut Features, is_last: bool) -> Result<Option<Structure>, PlanError> {
-        let Self { options, vertices, reach, most_words } = *self;
+        let Self { options, vertices, reach, most_words, .. } = *self;
         let is_grown = options.without != Some(Rule::CellGrowth);
         let counted = grid::count_lists(vertices, options.grid, reach, is_grown, most_words)?;
         let is_sparse = counted.is_sparse();
@@ -163,7 +183,7 @@ impl Site<'_> {
     }
 
     fn tree(&self, features: &mut Features) -> Result<Structure, PlanError> {
-        let Self { options, vertices, reach, most_words } = *self;
+        let Self { options, vertices, reach, most_words, .. } = *self;
         let padding = if options.without == Some(Rule::BoxPadding) {
             Padding::Fixed(0.0)
         } else if features.ray_padding {

@@ -6,7 +6,8 @@ use super::check::{check_buffer, check_rays, image_size};
 use super::decide::features;
 use super::{Allocated, Limits, Plan, PlanError, bound_by};
 use crate::options::{Options, RaySource};
-use crate::scene_data::{SceneData, reach};
+use crate::scene_data::{SceneData, origins};
+use crate::structures::grid;
 use crate::tables::elements::Size;
 use crate::tables::sizes::LIVE_REGIONS;
 
@@ -21,9 +22,10 @@ impl Plan {
         check_rays(options, data.units)?;
         let now = features(scene, options, self.accelerator, data.units);
         let planned = &self.features;
-        let is_alike = (now.clip, now.perspective, now.intervals, now.eye_rays)
+        let is_alike = (now.clip || planned.aside, now.perspective, now.intervals, now.eye_rays)
             == (planned.clip, planned.perspective, planned.intervals, planned.eye_rays);
-        Ok(is_alike && data.camera.pixel_x > 0.0 && reach(&data.vertices, options, data.units) == data.reach)
+        let reach = grid::reach(data.largest, origins(options, data.units));
+        Ok(is_alike && data.camera.pixel_x > 0.0 && reach == data.reach)
     }
 
     /// The same plan for an image of another size.

@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use raystep_scenes::Scene;
 
 use super::{Device, RenderError, Renderer};
-use crate::numbers::units::{Units, exp2, floor_log2};
+use crate::numbers::units::Units;
 use crate::options::samples::Samples;
 use crate::options::{Accelerator, Options, ProgramName, Ray, RaySource, ScheduleKind};
 use crate::plan::{FARTHEST, Plan, PlanError, why_untraceable};
@@ -274,9 +274,7 @@ fn planned(
     let farthest = units.to_traced(origin);
     let rays = RaySource::Given(vec![Ray::new([origin, 0.0, 0.0], [1.0, 0.0, 0.0])]);
     let (plan, data) = Plan::new(scene, &Options { rays, ..options.clone() }, &device.limits())?;
-    // What a structure is grown for is the next power of two of the scene's and the origins' coordinates.
-    let reach = reach_of(scene, units);
-    let whole = exp2(floor_log2((f64::from(reach) + f64::from(farthest)).clamp(1.0, 1e30)) + 1);
-    let room = (whole - f64::from(reach)) as f32;
+    // What a structure is grown for is a power of two, so there may be room for farther origins.
+    let room = data.reach - data.largest;
     Ok((plan, Arc::new(data), farthest.max(room.next_down())))
 }

@@ -16,7 +16,7 @@ use crate::options::{Options, RaySource};
 use crate::shared::build::Build;
 use crate::shared::bvh_walk::link_above;
 use crate::shared::camera::Camera;
-use crate::shared::constants::LAST_ITEM;
+use crate::shared::constants::{LAST_ITEM, OUTSIDE};
 use crate::shared::grid_walk::Grid;
 use crate::shared::irregular_walk::{Irregular, IrregularCell};
 use crate::shared::samples::Sampling;
@@ -30,7 +30,7 @@ use error::reserve;
 pub use shading::BACKGROUND;
 use shading::{flat_normal, lights, material, textures};
 use traced::packed_triangles;
-pub(crate) use traced::{bvh_growth, reach, traced_vertices};
+pub(crate) use traced::{bvh_growth, origins, traced_vertices};
 pub use traced::{traced_camera, traced_ray};
 
 /// The host's copy of all buffers and uniforms. Those that a run does not bind stay empty.
@@ -70,7 +70,9 @@ pub struct SceneData {
     pub irregular_lengths: Vec<u32>,
     /// Growth of cells or boxes, in traced units; 0 for boxes that are grown as they are tested.
     pub growth: f32,
-    /// Bounds coordinates of corners and origins, and distances between them, in traced units.
+    /// The largest coordinate of a corner that the structure was built for, in traced units.
+    pub largest: f32,
+    /// Bounds coordinates of these corners and of origins, and distances between them, in traced units.
     pub reach: f32,
     /// Nodes of the binary BVH.
     pub bvh_nodes: Vec<BvhNode>,
@@ -162,7 +164,18 @@ impl SceneData {
     /// What a walk needs of the irregular grid.
     #[must_use]
     pub fn irregular(&self) -> Irregular<'_> {
-        Irregular { grid: &self.grid, map: &self.irregular_map, cells: &self.irregular_cells }
+        Irregular {
+            grid: &self.grid,
+            map: &self.irregular_map,
+            cells: &self.irregular_cells,
+            has_aside: self.features.aside,
+        }
+    }
+
+    /// Whether a cell is the space around an irregular grid, which lists the triangles set aside.
+    #[must_use]
+    pub fn is_outside(&self, cell: u32) -> bool {
+        self.features.irregular && self.features.aside && cell == OUTSIDE
     }
 
     /// Chessboard distance of an empty cell to the nearest one with a list; 0 for a cell with a list.

@@ -79,13 +79,10 @@ pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
     (Ray { origin, direction, t_min, t_max }, k)
 }
 
-/// An upper bound on every coordinate of corners and origins and on the distances between them, in traced units; a
-/// power of two, so that a small camera movement does not change the grid.
-pub(crate) fn reach(vertices: &[f32], options: &Options, units: Units) -> f32 {
-    let largest_of = |values: &[f32]| values.iter().fold(0.0f32, |m, v| m.max(v.abs()));
-    let scene = crate::numbers::parallel::map_ranges(vertices.len(), 1 << 18, |range| largest_of(&vertices[range]));
-    let scene = largest_of(&scene);
-    let origins = match &options.rays {
+/// The largest coordinate of a ray's origin, in traced units.
+pub(crate) fn origins(options: &Options, units: Units) -> f32 {
+    let largest_of = grid::largest;
+    match &options.rays {
         RaySource::Camera { camera, width, height } => {
             let c = traced_camera(camera, units, *width, *height);
             let spread = match camera.projection {
@@ -95,7 +92,5 @@ pub(crate) fn reach(vertices: &[f32], options: &Options, units: Units) -> f32 {
             largest_of(&c.eye) + spread
         }
         RaySource::Given(rays) => rays.iter().map(|r| largest_of(&traced_ray(r, units).0.origin)).fold(0.0, f32::max),
-    };
-    let distance = f64::from(scene) + f64::from(origins);
-    exp2(floor_log2(distance.clamp(1.0, 1e30)) + 1) as f32
+    }
 }

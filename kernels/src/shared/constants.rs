@@ -54,6 +54,9 @@ pub const NO_CELL: u32 = 0xffff_ffff;
 /// Start of the list of an irregular grid's cell that lists nothing.
 pub const NO_LIST: u32 = 0xffff_ffff;
 
+/// The cell of an irregular grid that is the space around it, if triangles were set aside: rays begin there.
+pub const OUTSIDE: u32 = 0;
+
 /// The bit that marks the last item of a list of an irregular grid.
 pub const LAST_ITEM: u32 = 1 << 31;
 
@@ -80,7 +83,7 @@ pub fn wgsl_module(stack: u32, turns: u32) -> String {
          const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n\
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
          const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n\
-         const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst NO_LIST: u32 = {NO_LIST}u;\nconst LAST_ITEM: u32 = {LAST_ITEM}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n",
+         const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst NO_LIST: u32 = {NO_LIST}u;\nconst OUTSIDE: u32 = {OUTSIDE}u;\nconst LAST_ITEM: u32 = {LAST_ITEM}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n",
         wide_stack(stack)
     )
 }

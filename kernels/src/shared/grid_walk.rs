@@ -125,27 +125,34 @@ impl Grid {
         if rules.robust { self.advance_robust(rules.drifting, walk, ray) } else { self.advance_paper(walk, ray) }
     }
 
-    fn enter_robust<R: Real>(&self, clip: bool, ray: &GridRay<R>) -> Walk<R> {
+    /// t at which a ray enters the grid's box, 0 if it starts inside, and whether it meets the box at all.
+    pub fn clipped<R: Real>(&self, ray: &GridRay<R>) -> (R, bool) {
         let (origin, inverse) = (ray.origin, ray.per_axis);
-        let (mut start, mut inside) = (origin, true);
+        let near_plane = self.cell_plane::<R>([0; 3]);
+        let far_plane = self.cell_plane::<R>(self.cells);
+        let t0 = (near_plane - origin) * inverse;
+        let t1 = (far_plane - origin) * inverse;
+        // A parallel axis does not bound t: the ray is inside its slab always or never.
+        let parallel = inverse.map(|v| v == R::zero());
+        let outside = |p: bool, o: R, near: R, far: R| p && (o < near || o > far);
+        let enter = select(zip(t0, t1, R::min), Vec3::splat(R::zero()), parallel);
+        let leave = select(zip(t0, t1, R::max), Vec3::splat(R::from_f32(INF)), parallel);
+        let t_enter = enter.x.max(enter.y).max(enter.z.max(R::zero()));
+        let t_leave = smallest3(leave);
+        // The negated comparison treats NaN as outside.
+        let meets = t_enter <= t_leave
+            && !outside(parallel.x, origin.x, near_plane.x, far_plane.x)
+            && !outside(parallel.y, origin.y, near_plane.y, far_plane.y)
+            && !outside(parallel.z, origin.z, near_plane.z, far_plane.z);
+        (t_enter, meets)
+    }
+
+    fn enter_robust<R: Real>(&self, clip: bool, ray: &GridRay<R>) -> Walk<R> {
+        let (mut start, mut inside) = (ray.origin, true);
         if clip {
-            let near_plane = self.cell_plane::<R>([0; 3]);
-            let far_plane = self.cell_plane::<R>(self.cells);
-            let t0 = (near_plane - origin) * inverse;
-            let t1 = (far_plane - origin) * inverse;
-            // A parallel axis does not bound t: the ray is inside its slab always or never.
-            let parallel = inverse.map(|v| v == R::zero());
-            let outside = |p: bool, o: R, near: R, far: R| p && (o < near || o > far);
-            let enter = select(zip(t0, t1, R::min), Vec3::splat(R::zero()), parallel);
-            let leave = select(zip(t0, t1, R::max), Vec3::splat(R::from_f32(INF)), parallel);
-            let t_enter = enter.x.max(enter.y).max(enter.z.max(R::zero()));
-            let t_leave = smallest3(leave);
-            start = origin + ray.direction * t_enter;
-            // The negated comparison treats NaN as outside.
-            inside = t_enter <= t_leave
-                && !outside(parallel.x, origin.x, near_plane.x, far_plane.x)
-                && !outside(parallel.y, origin.y, near_plane.y, far_plane.y)
-                && !outside(parallel.z, origin.z, near_plane.z, far_plane.z);
+            let (t_enter, meets) = self.clipped(ray);
+            start = ray.origin + ray.direction * t_enter;
+            inside = meets;
         }
         let cell = self.cell_of_position(start);
         let cell = [0, 1, 2].map(|a| cell[a].max(0).min(self.cells[a] - 1));

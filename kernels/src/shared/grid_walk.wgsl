@@ -81,26 +81,39 @@ fn cell_exit(cell: vec3i, ray: GridRay) -> vec3f {
     return select(t, vec3f(INF), ray.inverse == vec3f(0.0));
 }
 
+// t at which a ray enters the grid's box, 0 if it starts inside, and whether it meets the box at all.
+@if(robust && clip)
+struct Clipped {
+    t: f32,
+    meets: bool,
+}
+
+@if(robust && clip)
+fn clipped(ray: GridRay) -> Clipped {
+    let near_plane = cell_plane(vec3i(0));
+    let far_plane = cell_plane(grid.cells);
+    let t0 = (near_plane - ray.origin) * ray.inverse;
+    let t1 = (far_plane - ray.origin) * ray.inverse;
+    // A parallel axis does not bound t: the ray is inside its slab always or never.
+    let parallel = ray.inverse == vec3f(0.0);
+    let outside = parallel & ((ray.origin < near_plane) | (ray.origin > far_plane));
+    let enter = select(min(t0, t1), vec3f(0.0), parallel);
+    let leave = select(max(t0, t1), vec3f(INF), parallel);
+    let t_enter = max(max(enter.x, enter.y), max(enter.z, 0.0));
+    let t_leave = min(min(leave.x, leave.y), leave.z);
+    // The negated comparison treats NaN as outside.
+    return Clipped(t_enter, t_enter <= t_leave && !any(outside));
+}
+
 @if(robust)
 fn enter_grid(ray: GridRay) -> Walk {
-    @if(clip) let near_plane = cell_plane(vec3i(0));
-    @if(clip) let far_plane = cell_plane(grid.cells);
-    @if(clip) let t0 = (near_plane - ray.origin) * ray.inverse;
-    @if(clip) let t1 = (far_plane - ray.origin) * ray.inverse;
-    // A parallel axis does not bound t: the ray is inside its slab always or never.
-    @if(clip) let parallel = ray.inverse == vec3f(0.0);
-    @if(clip) let outside = parallel & ((ray.origin < near_plane) | (ray.origin > far_plane));
-    @if(clip) let enter = select(min(t0, t1), vec3f(0.0), parallel);
-    @if(clip) let leave = select(max(t0, t1), vec3f(INF), parallel);
-    @if(clip) let t_enter = max(max(enter.x, enter.y), max(enter.z, 0.0));
-    @if(clip) let t_leave = min(min(leave.x, leave.y), leave.z);
-    @if(clip) let start = ray.origin + ray.direction * t_enter;
+    @if(clip) let box = clipped(ray);
+    @if(clip) let start = ray.origin + ray.direction * box.t;
     @else let start = ray.origin;
     let position = (start - grid.corner) * grid.inverse_width;
     let cell = clamp(vec3i(floor(position)), vec3i(0), grid.cells - vec3i(1));
     var walk = Walk(cell, cell_exit(cell, ray), true);
-    // The negated comparison treats NaN as outside.
-    @if(clip) walk.inside = t_enter <= t_leave && !any(outside);
+    @if(clip) walk.inside = box.meets;
     return walk;
 }
 

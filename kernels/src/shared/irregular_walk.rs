@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::constants::INF;
+use super::constants::{INF, OUTSIDE};
 use super::grid_walk::{Grid, GridRay, WalkRules, smallest_axis};
 use super::vector::smallest3;
 use crate::numbers::real::{Real, Vec3};
@@ -93,22 +93,42 @@ pub struct Irregular<'a> {
     pub map: &'a [u32],
     /// The cells.
     pub cells: &'a [IrregularCell],
+    /// Whether triangles were set aside: rays begin in the space around the grid, [`OUTSIDE`], which lists them.
+    pub has_aside: bool,
 }
 
 impl Irregular<'_> {
     /// In a cell, having come by a virtual cell.
     pub fn at<R: Real>(&self, voxel: [i32; 3], cell: u32, ray: &GridRay<R>) -> VoxelWalk<R> {
-        VoxelWalk { voxel, cell, tmax: self.cells[cell as usize].exit(self.grid, ray), inside: true }
+        let tmax = match self.has_aside && cell == OUTSIDE {
+            true => Vec3::splat(self.reached(ray)),
+            false => self.cells[cell as usize].exit(self.grid, ray),
+        };
+        VoxelWalk { voxel, cell, tmax, inside: true }
+    }
+
+    /// t at which a ray leaves the space around the grid: it enters the grid, or never does.
+    fn reached<R: Real>(&self, ray: &GridRay<R>) -> R {
+        let (t, meets) = self.grid.clipped(ray);
+        if meets { t } else { R::from_f32(INF) }
     }
 
     /// The first cell of a ray.
     pub fn enter<R: Real>(&self, rules: WalkRules, ray: &GridRay<R>) -> VoxelWalk<R> {
+        if self.has_aside { self.at([0; 3], OUTSIDE, ray) } else { self.enter_grid(rules, ray) }
+    }
+
+    /// The first cell of a ray in the grid.
+    fn enter_grid<R: Real>(&self, rules: WalkRules, ray: &GridRay<R>) -> VoxelWalk<R> {
         let walk = self.grid.enter(rules, ray);
         VoxelWalk { inside: walk.inside, ..self.at(walk.cell, find(self.grid, self.map, walk.cell), ray) }
     }
 
     /// The next cell.
     pub fn step<R: Real>(&self, walk: &VoxelWalk<R>, ray: &GridRay<R>) -> VoxelWalk<R> {
+        if self.has_aside && walk.cell == OUTSIDE {
+            return self.enter_grid(WalkRules { robust: true, clip: true, drifting: false }, ray);
+        }
         match self.cells[walk.cell as usize].next(self.grid, walk.voxel, walk.tmax, ray) {
             Some(voxel) => self.at(voxel, find(self.grid, self.map, voxel), ray),
             None => VoxelWalk { inside: false, ..*walk },

@@ -3,10 +3,15 @@
 // A ray is in a cell, whose box it leaves at once, and knows the virtual cell by which it came. Both ends of the step are
 // integers: the plane that it crosses, and, along the other axes, a virtual cell that is neither outside of the box nor
 // behind the one before. So no error grows along the walk, and every step goes forward.
+//
+// aside: a ray begins in the space around the grid, cell OUTSIDE, which lists the triangles that were set aside, and
+// leaves it at the grid's box.
 
 import package::constants::{INF};
 import package::vector::{smallest3};
 import package::grid_walk::{GridRay, grid, enter_grid, cell_plane, smallest_axis};
+@if(aside) import package::constants::{OUTSIDE};
+@if(aside) import package::grid_walk::{clipped};
 
 @group(1) @binding(22) var<storage, read> irregular_map: array<u32>;
 // Two words with the first virtual cell, and the one after the last, 16 bits per coordinate, and where the list starts.
@@ -50,11 +55,26 @@ fn at_voxel(voxel: vec3i, cell: u32, ray: GridRay) -> VoxelWalk {
     let high = vec3i(vec3u(words.y >> 16u, words.z & 0xffffu, words.z >> 16u));
     let ahead = select(low, high, ray.inverse > vec3f(0.0));
     let t = (cell_plane(ahead) - ray.origin) * ray.inverse;
-    let tmax = select(t, vec3f(INF), ray.inverse == vec3f(0.0));
+    let in_grid = select(t, vec3f(INF), ray.inverse == vec3f(0.0));
+    @if(aside) let tmax = select(in_grid, vec3f(reached(ray)), cell == OUTSIDE);
+    @else let tmax = in_grid;
     return VoxelWalk(voxel, cell, words.w, ahead, tmax, true);
 }
 
+// t at which a ray leaves the space around the grid: it enters the grid, or never does.
+@if(aside)
+fn reached(ray: GridRay) -> f32 {
+    let box = clipped(ray);
+    return select(INF, box.t, box.meets);
+}
+
 fn enter_irregular(ray: GridRay) -> VoxelWalk {
+    @if(aside) return at_voxel(vec3i(0), OUTSIDE, ray);
+    @else return enter_cells(ray);
+}
+
+// The first cell of a ray in the grid.
+fn enter_cells(ray: GridRay) -> VoxelWalk {
     let walk = enter_grid(ray);
     var entered = at_voxel(walk.cell, find_cell(walk.cell), ray);
     entered.inside = walk.inside;
@@ -62,6 +82,9 @@ fn enter_irregular(ray: GridRay) -> VoxelWalk {
 }
 
 fn step_voxel(walk: VoxelWalk, ray: GridRay) -> VoxelWalk {
+    @if(aside) if (walk.cell == OUTSIDE) {
+        return enter_cells(ray);
+    }
     let axis = smallest_axis(walk.tmax);
     let t = smallest3(walk.tmax);
     let position = (ray.origin + ray.direction * t - grid.corner) * grid.inverse_width;

@@ -84,6 +84,21 @@ pub fn growth(reach: f32) -> f32 {
     40.0 * reach.max(f32::MIN_POSITIVE * 1e9) / (1 << 24) as f32
 }
 
+/// An upper bound on coordinates and on the distances between corners and origins, of which these are the largest
+/// coordinates: a power of two, so that a small camera movement does not change the grid.
+#[must_use]
+pub fn reach(corners: f32, origins: f32) -> f32 {
+    let distance = f64::from(corners) + f64::from(origins);
+    exp2(floor_log2(distance.clamp(1e-30, 1e30)) + 1) as f32
+}
+
+/// The largest coordinate of these corners.
+#[must_use]
+pub fn largest(vertices: &[f32]) -> f32 {
+    let largest_of = |values: &[f32]| values.iter().fold(0.0f32, |most, v| most.max(v.abs()));
+    largest_of(&map_ranges(vertices.len(), 1 << 18, |range| largest_of(&vertices[range])))
+}
+
 /// A grid whose lists are counted but not filled: enough to tell whether filling is worthwhile.
 #[derive(Debug)]
 pub struct CountedGrid {

@@ -15,6 +15,9 @@
 //! 4. Each cell's box is expanded over neighbours that list nothing it does not list (`expand`): a ray leaves the
 //!    expanded box at once. A voxel still belongs to one cell, so expanded boxes overlap.
 //!
+//! A few triangles much farther away than all others are set aside (`aside`): they are the list of cell 0, the space
+//! around the grid, in which every ray begins, and the grid is laid out for the others alone.
+//!
 //! **Planes are exact.** Every box lies on planes of one virtual grid, which is laid out as the uniform grid's
 //! (see [`crate::structures::grid`]).
 //!
@@ -26,6 +29,7 @@
 //! triangle meets a cell is computed in f64, as for the uniform grid. So the result depends neither on the number of
 //! threads nor on how a compiler rounds.
 
+mod aside;
 mod expand;
 mod layout;
 mod map;
@@ -34,8 +38,10 @@ mod refine;
 #[cfg(test)]
 mod tests;
 
-use super::grid::GridError;
-pub use crate::shared::constants::{LAST_ITEM, NO_LIST};
+use std::borrow::Cow;
+
+use super::grid::{self, GridError};
+pub use crate::shared::constants::{LAST_ITEM, NO_LIST, OUTSIDE};
 use crate::shared::grid_walk::Grid;
 pub use crate::shared::irregular_walk::{IrregularCell, block_entry, cell_entry};
 
@@ -54,6 +60,12 @@ pub struct IrregularData {
     pub lengths: Vec<u32>,
     /// Growth of each cell, in traced units.
     pub growth: f32,
+    /// The largest coordinate of a triangle that the grid lists.
+    pub largest: f32,
+    /// Bounds coordinates of these triangles and of ray origins, and distances between them; see [`grid::reach`].
+    pub reach: f32,
+    /// Number of triangles set aside. If there are any, cell [`OUTSIDE`] lists them.
+    pub aside: u32,
     /// Most cells that a ray visits: it crosses a plane on which a box ends between any two of them.
     pub most_visited: u64,
 }
@@ -71,13 +83,24 @@ struct Draft {
     lists: Vec<Vec<u32>>,
 }
 
-/// Builds the irregular grid over `vertices` (nine floats per triangle, traced units). `reach` bounds every coordinate
-/// of corners and ray origins and the distances between them; `most_words` is the size of the executor's largest buffer.
+/// Builds the irregular grid over `vertices` (nine floats per triangle, traced units). `origins` bounds the coordinates
+/// of ray origins; `most_words` is the size of the executor's largest buffer.
 ///
 /// # Errors
 /// If a buffer would be larger.
-pub fn build(vertices: &[f32], reach: f32, is_grown: bool, most_words: u64) -> Result<IrregularData, GridError> {
+pub fn build(vertices: &[f32], origins: f32, is_grown: bool, most_words: u64) -> Result<IrregularData, GridError> {
     let too_many = |limit| GridError::TooManyCells { triangles: vertices.len() / 9, limit };
+    let aside = aside::far_away(vertices);
+    let (vertices, ids) = match aside.is_empty() {
+        true => (Cow::Borrowed(vertices), None),
+        false => {
+            let (corners, ids) = aside::without(vertices, &aside);
+            (Cow::Owned(corners), Some(ids))
+        }
+    };
+    let vertices = &*vertices;
+    let largest = grid::largest(vertices);
+    let reach = grid::reach(largest, origins);
     let mut coarser = 0;
     let (plan, lists) = loop {
         let plan = layout::Layout::new(vertices, reach, is_grown, coarser);
@@ -90,17 +113,29 @@ pub fn build(vertices: &[f32], reach: f32, is_grown: bool, most_words: u64) -> R
     let (mut map, draft) = refine::refine(vertices, &plan, &lists);
     let draft = merge::merge(draft, &mut map, &plan);
     let spans = expand::expand(&draft, &map);
-    let references: u64 = draft.lists.iter().map(|list| list.len() as u64).sum();
-    if references > most_words || 4 * spans.len() as u64 > most_words || map.entries.len() as u64 > most_words {
+    let references: u64 = draft.lists.iter().map(|list| list.len() as u64).sum::<u64>() + aside.len() as u64;
+    if references > most_words || 4 * (spans.len() as u64 + 1) > most_words || map.entries.len() as u64 > most_words {
         return Err(too_many(most_words));
     }
     let mut items = Vec::with_capacity((references as usize).max(1));
-    let cells: Vec<IrregularCell> = spans
-        .iter()
-        .zip(&draft.lists)
+    let outside = (!aside.is_empty()).then(|| (Span { low: [0; 3], high: plan.grid.cells }, aside.clone()));
+    if outside.is_some() {
+        // Cell 0 is the space around the grid.
+        map.rename(|cell| cell + 1);
+    }
+    let renamed = |list: Vec<u32>| match &ids {
+        Some(ids) => list.into_iter().map(|triangle| ids[triangle as usize]).collect(),
+        None => list,
+    };
+    let listed = spans.into_iter().zip(draft.lists.into_iter().map(renamed));
+    let mut lengths = Vec::with_capacity(listed.len() + 1);
+    let cells: Vec<IrregularCell> = outside
+        .into_iter()
+        .chain(listed)
         .map(|(span, list)| {
             let first = if list.is_empty() { NO_LIST } else { items.len() as u32 };
-            items.extend_from_slice(list);
+            lengths.push(list.len() as u32);
+            items.extend(&list);
             if let Some(last) = items.last_mut().filter(|_| !list.is_empty()) {
                 *last |= LAST_ITEM;
             }
@@ -110,9 +145,19 @@ pub fn build(vertices: &[f32], reach: f32, is_grown: bool, most_words: u64) -> R
     if items.is_empty() {
         items.push(LAST_ITEM);
     }
-    let most_visited = crossings(&cells) + 1;
-    let lengths = draft.lists.iter().map(|list| list.len() as u32).collect();
-    Ok(IrregularData { grid: plan.grid, map: map.entries, cells, items, lengths, growth: plan.growth, most_visited })
+    let most_visited = crossings(&cells) + 1 + u64::from(ids.is_some());
+    Ok(IrregularData {
+        grid: plan.grid,
+        map: map.entries,
+        cells,
+        items,
+        lengths,
+        growth: plan.growth,
+        largest,
+        reach,
+        aside: aside.len() as u32,
+        most_visited,
+    })
 }
 
 /// Number of planes on which boxes end, over all axes.

@@ -10,7 +10,6 @@ mod strata;
 mod table;
 mod words;
 
-pub(super) use figure::color;
 use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Numerics, Options, Ray, RaySource, Renderer, ScheduleKind};

@@ -21,6 +21,7 @@ use super::work::{TESTS_PER_PASS, Work};
 use crate::Error;
 use crate::meter::Ended;
 use crate::reference::Verdict;
+use crate::structures::STRUCTURES;
 use crate::tidy::{KEYS, Row, Table, count, joined};
 use crate::ways::{ALL_MISS, misses_all, numerics_of};
 
@@ -110,7 +111,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         }
     }
     let rows = &table.rows[first..];
-    for accelerator in ["grid", "bvh", "none"] {
+    for (accelerator, _) in STRUCTURES {
         part.figure(accelerator, plots::resolved(accelerator, rows).svg()?, plots::resolved_caption(accelerator, rows));
     }
     if rows.iter().any(|r| r.number("resolved_wrong_rays").is_some_and(|n| n > 0.0)) {

@@ -2,10 +2,9 @@
 
 use super::{COLUMNS, Family, number};
 use crate::plots::{Axis, Mark, Panel, Panels, Plot, Scale, Series, Stroke};
+use crate::structures::STRUCTURES;
 use crate::tidy::Row;
 
-/// Structures with their colours.
-pub(super) const STRUCTURES: [(&str, usize); 3] = [("grid", 0), ("bvh", 1), ("none", 2)];
 /// A rule is drawn if leaving it out makes at least this difference somewhere.
 const DIFFERS: f64 = 3.0;
 

@@ -20,6 +20,8 @@
 //! angles and long walks do, is not in the number.
 
 use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::constants::OUTSIDE;
+use raystep_kernels::shared::irregular_walk::find;
 
 use crate::rays::Random;
 use crate::structure_stats::{GridStats, TreeStats, at_point, triangles_in};
@@ -49,13 +51,18 @@ impl Predicted {
             let point = on_surface(data, &mut Random::of(i, seed));
             sum += match at_point(data, point) {
                 Some([nodes, tests]) => nodes + tests,
-                None if data.features.grid => 1 + triangles_in(data, cell_at(data, point)).len() as u64,
+                None if data.features.irregular => work_in_irregular(data, point),
+                None if data.features.grid => {
+                    1 + triangles_in(data, data.grid.cell_index(cell_at(data, point))).len() as u64
+                }
                 None => u64::from(triangles),
             };
         }
         let line = match TreeStats::of(data) {
             Some(tree) => tree.sah_cost,
             None if data.features.grid => line_through_grid(data),
+            // The boxes of an irregular grid overlap: their areas do not tell how many a line visits.
+            None if data.features.irregular => None,
             None => Some(f64::from(triangles)),
         };
         Some(Self { line, end: sum as f64 / f64::from(POINTS) })
@@ -73,13 +80,19 @@ fn on_surface(data: &SceneData, random: &mut Random) -> [f64; 3] {
     })
 }
 
-fn cell_at(data: &SceneData, point: [f64; 3]) -> u32 {
+/// The cell that lists what is at a point, and the triangles set aside, which every ray tests.
+fn work_in_irregular(data: &SceneData, point: [f64; 3]) -> u64 {
+    let tests = |cell: u32| 1 + u64::from(data.list(cell).1);
+    let cell = find(&data.grid, &data.irregular_map, cell_at(data, point));
+    tests(cell) + if data.is_outside(OUTSIDE) { tests(OUTSIDE) } else { 0 }
+}
+
+fn cell_at(data: &SceneData, point: [f64; 3]) -> [i32; 3] {
     let grid = &data.grid;
-    let cell = [0, 1, 2].map(|axis| {
+    [0, 1, 2].map(|axis| {
         let along = (point[axis] - f64::from(grid.corner[axis])) / f64::from(grid.width[axis]);
         (along.floor().max(0.0) as i32).min((grid.cells[axis] - 1).max(0))
-    });
-    grid.cell_index(cell)
+    })
 }
 
 /// Visits and tests of a random line through a grid.
@@ -146,6 +159,8 @@ mod tests {
         let two =
             predicted(&scene_of(vec![triangle(0.0), triangle(99.9)]), Accelerator::Grid, GridSize::Cells([100, 1, 1]));
         assert_eq!(two.end, 2.0);
+        let irregular = predicted(&sphere, Accelerator::Irregular, GridSize::Auto);
+        assert!((2.0..20.0).contains(&irregular.end) && irregular.line.is_none(), "{irregular:?}");
         let bvh = predicted(&sphere, Accelerator::Bvh, GridSize::Auto);
         assert!((2.0..20.0).contains(&bvh.end) && bvh.line.is_some_and(|line| line < 40.0), "{bvh:?}");
         assert!(Predicted::of(&SceneData::default(), 1).is_none());

@@ -2,13 +2,14 @@
 
 use std::fmt::Write as _;
 
-use super::figures::{STRUCTURES, correlations, curves, over_stiffness};
+use super::figures::{correlations, curves, over_stiffness};
 use super::words::{TIMES_THE_BEST, sentences};
 use super::{CSV, Cost, FAMILIES, Family, OWN, RUNS};
 use crate::Error;
 use crate::html::escaped;
 use crate::human::time;
 use crate::plots;
+use crate::structures::accelerating;
 use crate::tidy::Row;
 
 /// Styles that [`html`] needs.
@@ -55,7 +56,7 @@ pub(crate) fn stiffness_figure(rows: &[Row], own: &[(String, f64)]) -> Result<Op
 /// How well the stiffness number predicts cost, as a paragraph.
 pub(crate) fn correlation_text(rows: &[Row]) -> String {
     let mut parts = Vec::new();
-    for (structure, _) in STRUCTURES.iter().filter(|(structure, _)| *structure != "none") {
+    for structure in accelerating() {
         if let Some([number, both]) = correlations(rows, structure, "ns_per_ray") {
             parts.push(format!("{structure} {number:.2} ({both:.2} with the work along the line)"));
         }

@@ -3,17 +3,8 @@
 use crate::human::digits;
 use crate::plots::precision::{Choice, Precision};
 use crate::plots::{Axis, Scale, Shape};
+use crate::structures::{STRUCTURES, color};
 use crate::tidy::Row;
-
-/// Colour of a structure.
-pub(in crate::report) fn color(accelerator: &str) -> usize {
-    match accelerator {
-        "grid" => 0,
-        "bvh" => 1,
-        "irregular" => 4,
-        _ => 2,
-    }
-}
 
 /// Colour of other programs' methods.
 const OWN: usize = 3;
@@ -56,11 +47,8 @@ pub(super) fn of(rows: &[Row], is_file: bool) -> Precision {
     let bound_of_none = |row: &Row| row.number("wrong_per_million_high").filter(|_| row.get("wrong_rays") == "0");
     let entry = |name: &str, color, shape, is_hollow| (name.to_owned(), color, shape, is_hollow);
     let mut legend = Vec::new();
-    for name in ["grid", "irregular", "bvh", "none"]
-        .into_iter()
-        .filter(|name| rows.iter().any(|r| r.get("accelerator") == *name))
-    {
-        legend.push(entry(name, Some(color(name)), Shape::Disc, false));
+    for (name, color) in STRUCTURES.into_iter().filter(|(name, _)| rows.iter().any(|r| r.get("accelerator") == *name)) {
+        legend.push(entry(name, Some(color), Shape::Disc, false));
     }
     for name in ["first", "second", "compact", "fused"] {
         if rows.iter().any(|r| r.get("schedule") == name) {

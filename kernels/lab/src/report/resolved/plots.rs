@@ -2,6 +2,7 @@
 
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::report::page::number;
+use crate::structures::STRUCTURES;
 use crate::tidy::Row;
 
 /// Schedules and numerics, with their colours.
@@ -83,7 +84,7 @@ pub(super) fn wrong(rows: &[Row]) -> Plot {
     let wrong = |r: &Row| r.number("resolved_wrong_per_million");
     let range = range(rows);
     let mut series = Vec::new();
-    for (color, accelerator) in ["grid", "bvh", "none"].into_iter().enumerate() {
+    for (accelerator, color) in STRUCTURES {
         for (numerics, schedules, stroke) in
             [("paper", &["first", "second"][..], Stroke::Steps), ("robust", &["compact"], Stroke::Dashed)]
         {

@@ -1,10 +1,10 @@
 //! The diagram of the rules: what leaving out each saves, and how often it is wrong.
 
-use super::super::choices::color;
 use super::ALL;
 use crate::human::digits;
 use crate::plots::precision::{Choice, Precision};
 use crate::plots::{Axis, Scale, Shape};
+use crate::structures::{STRUCTURES, color};
 use crate::tidy::Row;
 
 /// Rows that compare all strata together with robust numerics.
@@ -40,14 +40,14 @@ pub(super) fn of(rows: &[Row]) -> Precision {
     let mut choices: Vec<Choice> = compared_rows(rows).filter_map(choice).collect();
     choices.sort_by(|a, b| a.color.cmp(&b.color).then(a.x.total_cmp(&b.x)));
     let bound = |row: &Row| row.number("wrong_per_million_high").filter(|_| row.get("wrong_rays") == "0");
-    let has = |name: &&str| compared_rows(rows).any(|row| row.get("accelerator") == *name);
-    let entry = |name: &str| (name.to_owned(), Some(color(name)), Shape::Disc, false);
+    let has = |(name, _): &(&str, usize)| compared_rows(rows).any(|row| row.get("accelerator") == *name);
+    let entry = |(name, color): (&str, usize)| (name.to_owned(), Some(color), Shape::Disc, false);
     Precision {
         title: "Without one rule, relative to robust".into(),
         x: Axis::new("ratio of times to robust", Scale::Ratio),
         y: Axis::new("wrong per million rays aimed at edges and cell faces", Scale::Log),
         at_most: compared_rows(rows).filter_map(bound).reduce(f64::max),
-        legend: ["grid", "irregular", "bvh", "none"].iter().filter(|name| has(name)).map(|name| entry(name)).collect(),
+        legend: STRUCTURES.into_iter().filter(has).map(entry).collect(),
         from: Some(1.0),
         choices,
     }

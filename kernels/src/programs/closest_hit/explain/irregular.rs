@@ -16,8 +16,23 @@ pub(super) fn explain_start(data: &SceneData, after: &RayState) -> String {
     format!("starts in {}", cell_at(data, after.cell_index))
 }
 
+/// The step from the space around the grid into it.
+fn explain_entry(data: &SceneData, before: &RayState, after: &RayState) -> String {
+    match (after.tag, before.tmax[0]) {
+        (states::BACKGROUND, _) => "misses the grid's box; nothing hit".into(),
+        (states::SHADE, _) => "misses the grid's box; the kept hit is the nearest".into(),
+        (_, t) => {
+            let kept = if after.tag == states::ISECT_HIT { "; the hit is kept" } else { "" };
+            format!("enters the grid at t {}, in {}{kept}", t.unwrap_or(0.0), cell_at(data, after.cell_index))
+        }
+    }
+}
+
 /// A step to the next cell. The face by which the ray leaves is the one that it reaches first.
 pub(super) fn explain_step(data: &SceneData, before: &RayState, after: &RayState) -> String {
+    if data.is_outside(before.cell_index) {
+        return explain_entry(data, before, after);
+    }
     let exits = before.tmax.map(|t| t.unwrap_or(INF));
     let axis = (1..3).fold(0, |best: usize, axis| if exits[axis] < exits[best] { axis } else { best });
     let way = match before.tmax[axis] {
@@ -40,6 +55,10 @@ pub(super) fn cell_at(data: &SceneData, cell: u32) -> String {
     let Some([low, high]) = data.irregular_cells.get(cell as usize).map(|cell| cell.corners()) else {
         return format!("cell {cell}, which does not exist");
     };
+    let listed = listing(data.list(cell).1 as usize);
+    if data.is_outside(cell) {
+        return format!("the space around the grid, {listed}");
+    }
     let [x, y, z] = [0, 1, 2].map(|axis| high[axis] - low[axis]);
-    format!("cell {cell} of {x} x {y} x {z} voxels, {}", listing(data.list(cell).1 as usize))
+    format!("cell {cell} of {x} x {y} x {z} voxels, {listed}")
 }
