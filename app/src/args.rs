@@ -172,7 +172,8 @@ pub(crate) struct TuningArgs {
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid,
           allow_hyphen_values = true)]
     pub(crate) grid: GridSize,
-    /// Skip over empty cells of the grid: if most cells are empty (auto), always (on) or never (off)
+    /// Skip over empty cells of the grid: if most cells are empty (auto), always (on) or never (off). With auto, a grid
+    /// in which a few cells list very many triangles gets a finer grid in these instead
     #[arg(long, default_value = "auto", value_parser = named(Skip::ALL, Skip::name))]
     pub(crate) skip: Skip,
     /// Maximum steps per ray and pass with schedule compact [default: 8; for trace and dump 1, as in the paper]

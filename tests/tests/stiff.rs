@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, ScheduleKind};
+use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, ScheduleKind, Skip};
 use raystep_lab::rays::Random;
 use raystep_scenes::{Scene, generate};
 use raystep_tests::ways::Way;
@@ -118,6 +118,52 @@ fn a_sphere_on_a_huge_plane_costs_few_tests() {
             let small: Vec<Triangle> = sphere.iter().map(moved).collect();
             let all: Vec<Triangle> = sphere.iter().chain(&plane(-1.0, half)).map(moved).collect();
             few_tests(&format!("plane of {half:e} {place}"), &scene_of(&all), &rays(&small, 2.5));
+        }
+    }
+}
+
+/// A sphere far from the world's origin, where coordinates have few bits left for it; and in a hall of that size.
+#[test]
+fn a_sphere_far_from_the_origin_costs_few_tests() {
+    let sphere = triangles_of(&generate::icosphere(4).expect("a sphere"));
+    for offset in [1e3, 1e5] {
+        let moved = |t: &Triangle| t.map(|p| p + DVec3::new(0.3, 0.9, -0.6) * offset);
+        let small: Vec<Triangle> = sphere.iter().map(moved).collect();
+        let in_hall = [&small[..], &hall(2.0 * offset)].concat();
+        few_tests(&format!("{offset:e} away"), &scene_of(&small), &rays(&small, 2.5));
+        few_tests(&format!("{offset:e} away in a hall"), &scene_of(&in_hall), &rays(&small, 2.5));
+    }
+}
+
+/// A scene that fills one cell of its grid: half of its triangles lie in a cube of 1/64 of its side. A uniform grid gets a
+/// second level there.
+#[test]
+fn a_crowded_cell_is_divided_further() {
+    let cloud = triangles_of(&generate::soup(5_000, 4).expect("soup"));
+    let crowd: Vec<Triangle> = cloud.iter().map(|t| t.map(|p| p / 64.0 + DVec3::new(0.3, 0.6, 0.2))).collect();
+    let (scene, rays) = (scene_of(&[&cloud[..], &crowd].concat()), rays(&crowd, 0.03));
+    for (name, device) in devices() {
+        for way in [
+            Way::new(Accelerator::Grid, ScheduleKind::Second, 1),
+            Way::new(Accelerator::Grid, ScheduleKind::Compact, 8),
+            Way::new(Accelerator::Grid, ScheduleKind::Fused, 1),
+        ] {
+            let of = |skip: Skip| {
+                let rays = RaySource::Given(rays.clone());
+                let options = way.of(&Options { shade: false, counters: true, ..Options::new(rays) });
+                let renderer = traced(&scene, &Options { skip, ..options }, &device);
+                assert_eq!(renderer.plan().accelerator, Accelerator::Grid);
+                let counts = values(&renderer, streams::COUNTERS);
+                let tests = (0..RAYS as usize).map(|ray| f64::from(counts.get(1, ray))).sum::<f64>();
+                (tests / f64::from(RAYS), renderer)
+            };
+            let (one, two) = (of(Skip::Off), of(Skip::Auto));
+            println!("{way} on {name}: {:.1} tests per ray, in two levels {:.1}", one.0, two.0);
+            assert!(one.1.plan().features.grid && two.1.plan().features.irregular, "{way} on {name}");
+            assert_eq!(hits(&one.1), hits(&two.1), "{way} on {name}");
+            assert_eq!(check(&two.1).counts.errors(), 0, "{way} on {name}");
+            // Cells with up to 16 triangles are left as they are.
+            assert!(two.0 < 40.0 && one.0 > 20.0 * two.0, "{way} on {name}: {} and {}", one.0, two.0);
         }
     }
 }

@@ -159,6 +159,9 @@ pub const LEAST_FOR_GRID: usize = 512;
 /// ray tests in the cell where it ends. Even scenes have 3 to 6, whatever their size.
 pub const MOST_LISTED: f64 = 16.0;
 
+/// Longest such mean of a grid that is left as it is; else its crowded cells are divided further.
+pub const MOST_LISTED_IN_ONE_LEVEL: f64 = 64.0;
+
 /// A ray in scene units: `origin + t * direction`. A hit counts if `t_min < t < t_max`: neither end does, as in DXR and
 /// Vulkan, so a ray with the `t_min` of an earlier hit finds what is behind that hit.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -65,6 +65,9 @@ impl Run<'_> {
             Accelerator::None if self.options.accelerator == Accelerator::Auto => {
                 (Because::Scene, "--accelerator auto chose none")
             }
+            Accelerator::Grid if self.features.irregular => {
+                (Because::Scene, "crowded cells of the grid are divided further")
+            }
             Accelerator::Bvh => (Because::Options, "--accelerator bvh"),
             Accelerator::Irregular => (Because::Options, "--accelerator irregular"),
             Accelerator::None => (Because::Options, "--accelerator none"),

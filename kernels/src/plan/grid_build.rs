@@ -29,7 +29,7 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
     check_buffer("vertices", 36 * scene.triangles.len() as u64, limits)?;
     let vertices = traced_vertices(scene, units);
     let is_grown = options.without != Some(Rule::CellGrowth);
-    let reach = grid::reach(grid::largest(&vertices), origins(options, units));
+    let reach = grid::reach(grid::bounds(&vertices), origins(options, units));
     let (grid, growth) = grid::planes(&vertices, options.grid, reach, is_grown, limits.storage_bytes / 4)?;
     of(grid, growth, vertices, units, options, limits)
 }

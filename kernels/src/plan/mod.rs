@@ -278,7 +278,7 @@ impl Plan {
         };
         let is_bound = |name: &str| bound.contains(name);
         let mut data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
-        (data.largest, data.reach) = (extent.largest, extent.reach);
+        (data.bounds, data.reach) = (extent.bounds, extent.reach);
 
         let size = Size { width, height, count: rays as u32 };
         let Allocated { sets, streams, buffers } = Allocated::new(program, &bound, &data, size, given, limits)?;

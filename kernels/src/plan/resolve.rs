@@ -7,9 +7,10 @@ use super::decide::features;
 use super::limits::Limits;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
-use crate::options::{Accelerator, GridSize, MOST_LISTED, Options, Rule, ScheduleKind, Skip};
+use crate::options::{Accelerator, GridSize, MOST_LISTED, MOST_LISTED_IN_ONE_LEVEL, Options, Rule, ScheduleKind, Skip};
 use crate::scene_data::{bvh_growth, origins, traced_vertices};
 use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
+use crate::structures::grid::Corners;
 use crate::structures::{Structure, grid, irregular};
 use crate::tables::sizes::LIVE_REGIONS;
 
@@ -30,9 +31,9 @@ pub(super) struct Resolved {
 /// The sizes that growth depends on, in traced units.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Extent {
-    /// The largest coordinate of a corner.
-    pub(super) largest: f32,
-    /// Bounds coordinates of corners and origins, and distances; see [`grid::reach`].
+    /// The box of all corners.
+    pub(super) bounds: Corners,
+    /// Bounds distances, see [`grid::reach`].
     pub(super) reach: f32,
 }
 
@@ -40,9 +41,9 @@ pub(super) struct Extent {
 struct Site<'a> {
     options: &'a Options,
     vertices: &'a [f32],
-    /// The largest coordinate of a ray's origin.
-    origins: f32,
-    /// Bounds coordinates and distances, see [`grid::reach`].
+    /// The box of all ray origins.
+    origins: Option<Corners>,
+    /// Bounds distances, see [`grid::reach`].
     reach: f32,
     /// Size of the executor's largest buffer, in 32-bit words.
     most_words: u64,
@@ -69,8 +70,8 @@ pub(super) fn resolve(
         let attempt = attempt.and_then(|()| {
             let (vertices, origins, extent) = corners.get_or_insert_with(|| {
                 let (vertices, origins) = (traced_vertices(scene, units), origins(options, units));
-                let largest = grid::largest(&vertices);
-                (vertices, origins, Extent { largest, reach: grid::reach(largest, origins) })
+                let bounds = grid::bounds(&vertices);
+                (vertices, origins, Extent { bounds, reach: grid::reach(bounds, origins) })
             });
             let most_words = limits.storage_bytes / 4;
             Site { options, vertices, origins: *origins, reach: extent.reach, most_words }.build(features, is_last)
@@ -79,7 +80,7 @@ pub(super) fn resolve(
             Ok(Some((features, structure))) => {
                 let (vertices, _, whole) = corners.unwrap_or_default();
                 let extent = match &structure {
-                    Structure::Irregular(data) => Extent { largest: data.largest, reach: data.reach },
+                    Structure::Irregular(data) => Extent { bounds: data.bounds, reach: data.reach },
                     _ => whole,
                 };
                 return Ok(Resolved { accelerator, features, structure, vertices, extent });
@@ -154,14 +155,23 @@ impl Site<'_> {
     }
 
     /// Builds the grid: the counts of its lists tell whether most of its cells are empty, or a few of them crowded,
-    /// before they are filled.
+    /// before they are filled. A grid with crowded cells gets a second level in them, and is walked as an irregular one.
     fn grid(&self, features: &mut Features, is_last: bool) -> Result<Option<Structure>, PlanError> {
         let Self { options, vertices, reach, most_words, .. } = *self;
         let is_grown = options.without != Some(Rule::CellGrowth);
         let counted = grid::count_lists(vertices, options.grid, reach, is_grown, most_words)?;
         let is_sparse = counted.is_sparse();
-        if !is_last && (is_sparse || counted.weighted_list() > MOST_LISTED) {
+        let listed = counted.weighted_list();
+        if !is_last && (is_sparse || listed > MOST_LISTED) {
             return Ok(None);
+        }
+        let may_divide = features.keeps_no_tmax() && !features.in_cell && options.skip == Skip::Auto;
+        if may_divide && listed > MOST_LISTED_IN_ONE_LEVEL {
+            // If it does not fit, one level does.
+            if let Ok(data) = irregular::build_two_levels(vertices, counted.cells(), reach, is_grown, most_words) {
+                (features.grid, features.irregular) = (false, true);
+                return Ok(Some(Structure::Irregular(data)));
+            }
         }
         features.skip = features.keeps_no_tmax()
             && match options.skip {

@@ -153,7 +153,7 @@ impl IrregularSummary {
     /// Summarises the irregular grid of a run.
     #[must_use]
     pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
-        if plan.accelerator != Accelerator::Irregular {
+        if !plan.features.irregular {
             return None;
         }
         let lengths = || data.irregular_lengths.iter().copied();
@@ -250,6 +250,10 @@ impl fmt::Display for Structure {
             }
             (None, Some(g), _) => {
                 let [x, y, z] = g.virtual_cells;
+                if self.accelerator == Accelerator::Grid.name() {
+                    let [x, y, z] = [x, y, z].map(|n| n >> g.levels);
+                    write!(f, "{x} x {y} x {z} cells, the crowded ones divided further: ")?;
+                }
                 write!(
                     f,
                     "{} cells on {x} x {y} x {z} virtual ones, {} empty; {} references, longest list {}; {}",

@@ -24,8 +24,9 @@ impl Plan {
         let planned = &self.features;
         let is_alike = (now.clip || planned.aside, now.perspective, now.intervals, now.eye_rays)
             == (planned.clip, planned.perspective, planned.intervals, planned.eye_rays);
-        let reach = grid::reach(data.largest, origins(options, data.units));
-        Ok(is_alike && data.camera.pixel_x > 0.0 && reach == data.reach)
+        let reach = grid::reach(data.bounds, origins(options, data.units));
+        let is_grown = planned.grid || planned.irregular || planned.bvh && !planned.ray_padding;
+        Ok(is_alike && data.camera.pixel_x > 0.0 && (!is_grown || reach == data.reach))
     }
 
     /// The same plan for an image of another size.

@@ -272,9 +272,10 @@ fn planned(
     let most = f64::from(farthest).min(FARTHEST) * units.scene_units_per_stream_unit();
     let origin = most.min(f64::from(f32::MAX)) as f32;
     let farthest = units.to_traced(origin);
-    let rays = RaySource::Given(vec![Ray::new([origin, 0.0, 0.0], [1.0, 0.0, 0.0])]);
+    let rays = RaySource::Given([-origin, origin].map(|v| Ray::new([v; 3], [1.0, 0.0, 0.0])).to_vec());
     let (plan, data) = Plan::new(scene, &Options { rays, ..options.clone() }, &device.limits())?;
     // What a structure is grown for is a power of two, so there may be room for farther origins.
-    let room = data.reach - data.largest;
+    let [low, high] = data.bounds;
+    let room = data.reach - (0..3).map(|axis| high[axis].max(-low[axis])).fold(0.0, f32::max);
     Ok((plan, Arc::new(data), farthest.max(room.next_down())))
 }

@@ -25,6 +25,7 @@ use crate::shared::shading::{Light, Material, Shading};
 use crate::shared::texture::Texture;
 use crate::structures::Structure;
 use crate::structures::bvh::{BvhNode, WideNode};
+use crate::structures::grid::Corners;
 pub use error::SceneDataError;
 use error::reserve;
 pub use shading::BACKGROUND;
@@ -70,9 +71,9 @@ pub struct SceneData {
     pub irregular_lengths: Vec<u32>,
     /// Growth of cells or boxes, in traced units; 0 for boxes that are grown as they are tested.
     pub growth: f32,
-    /// The largest coordinate of a corner that the structure was built for, in traced units.
-    pub largest: f32,
-    /// Bounds coordinates of these corners and of origins, and distances between them, in traced units.
+    /// The box of the corners that the structure was built for, in traced units.
+    pub bounds: Corners,
+    /// Bounds distances along an axis between these corners and ray origins, in traced units.
     pub reach: f32,
     /// Nodes of the binary BVH.
     pub bvh_nodes: Vec<BvhNode>,

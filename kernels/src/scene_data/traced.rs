@@ -5,15 +5,15 @@ use raystep_scenes::{Camera as SceneCamera, Projection, Scene};
 use crate::numbers::units::{Units, exp2, floor_log2};
 use crate::options::{Options, Ray, RaySource};
 use crate::shared::camera::Camera;
-use crate::shared::constants::INF;
-use crate::structures::grid;
+use crate::shared::constants::{BOX_PADDING, INF};
+use crate::structures::grid::Corners;
 
-/// Growth of a BVH's boxes, in traced units, if all of them are grown alike: as much as the grid's cells, and 24
-/// roundings for the slab test. Its planes are at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the
-/// node's corner, 6 of the distance from there, and 1 of the sum; the first distance is below `reach`, the second below
-/// twice that, since the planes' spacing is the next power of two.
+/// Growth of a BVH's boxes, in traced units, if all of them are grown alike: 64 roundings of the largest distance along an
+/// axis, of which a triangle's test needs 28 and the slab test 24. Its planes are at `q * (2^e / d) + (p - o) / d`: 7
+/// roundings of the distance to the node's corner, 6 of the distance from there, and 1 of the sum; the first distance is
+/// below `reach`, the second below twice that, since the planes' spacing is the next power of two.
 pub(crate) fn bvh_growth(reach: f32) -> f32 {
-    grid::growth(reach) * (64.0 / 40.0)
+    BOX_PADDING * reach.max(f32::MIN_POSITIVE * 1e9)
 }
 
 /// Corners and ids of all triangles, or of those listed.
@@ -79,18 +79,23 @@ pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
     (Ray { origin, direction, t_min, t_max }, k)
 }
 
-/// The largest coordinate of a ray's origin, in traced units.
-pub(crate) fn origins(options: &Options, units: Units) -> f32 {
-    let largest_of = grid::largest;
+/// The box of all ray origins, in traced units; `None` if there are none.
+pub(crate) fn origins(options: &Options, units: Units) -> Option<Corners> {
     match &options.rays {
         RaySource::Camera { camera, width, height } => {
             let c = traced_camera(camera, units, *width, *height);
-            let spread = match camera.projection {
+            let spread = |axis: usize| match camera.projection {
                 Projection::Perspective { .. } => 0.0,
-                Projection::Orthographic { .. } => largest_of(&c.right) + largest_of(&c.up),
+                Projection::Orthographic { .. } => c.right[axis].abs() + c.up[axis].abs(),
             };
-            largest_of(&c.eye) + spread
+            Some([-1.0, 1.0].map(|side| [0, 1, 2].map(|axis| c.eye[axis] + side * spread(axis))))
         }
-        RaySource::Given(rays) => rays.iter().map(|r| largest_of(&traced_ray(r, units).0.origin)).fold(0.0, f32::max),
+        RaySource::Given(rays) => {
+            let both = |[low, high]: Corners, p: [f32; 3]| {
+                [[0, 1, 2].map(|a| low[a].min(p[a])), [0, 1, 2].map(|a| high[a].max(p[a]))]
+            };
+            let origins = rays.iter().map(|ray| traced_ray(ray, units).0.origin);
+            origins.fold(None, |all, p| Some(both(all.unwrap_or([p, p]), p)))
+        }
     }
 }

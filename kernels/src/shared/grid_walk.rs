@@ -39,7 +39,7 @@ pub struct WalkRules {
 /// A ray, and the values that each of its steps needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridRay<R> {
-    /// Origin.
+    /// Origin, relative to the grid's corner.
     pub origin: Vec3<R>,
     /// Direction.
     pub direction: Vec3<R>,
@@ -82,7 +82,12 @@ impl Grid {
 
     /// Coordinates of a cell's lower faces.
     pub fn cell_plane<R: Real>(&self, cell: [i32; 3]) -> Vec3<R> {
-        Vec3::from_f32(self.corner) + Vec3::from_f32(self.width) * Vec3::from(cell.map(R::from_i32))
+        Vec3::from_f32(self.corner) + self.relative_plane(cell)
+    }
+
+    /// The same relative to the grid's corner: exact.
+    pub fn relative_plane<R: Real>(&self, cell: [i32; 3]) -> Vec3<R> {
+        Vec3::from_f32(self.width) * Vec3::from(cell.map(R::from_i32))
     }
 
     /// Whether a point lies in the cell, its faces included.
@@ -101,7 +106,7 @@ impl Grid {
     pub fn cell_exit<R: Real>(&self, cell: [i32; 3], ray: &GridRay<R>) -> Vec3<R> {
         let inverse = ray.per_axis;
         let ahead = inverse.map(|v| i32::from(v > R::zero())).to_array();
-        let t = (self.cell_plane::<R>(add(cell, ahead)) - ray.origin) * inverse;
+        let t = (self.relative_plane::<R>(add(cell, ahead)) - ray.origin) * inverse;
         select(t, Vec3::splat(R::from_f32(INF)), inverse.map(|v| v == R::zero()))
     }
 
@@ -112,7 +117,7 @@ impl Grid {
         } else {
             zip(Vec3::from_f32(self.width), direction, |w: R, d| (w / d).abs())
         };
-        GridRay { origin, direction, per_axis }
+        GridRay { origin: origin - Vec3::from_f32(self.corner), direction, per_axis }
     }
 
     /// The first cell of a ray.
@@ -128,8 +133,8 @@ impl Grid {
     /// t at which a ray enters the grid's box, 0 if it starts inside, and whether it meets the box at all.
     pub fn clipped<R: Real>(&self, ray: &GridRay<R>) -> (R, bool) {
         let (origin, inverse) = (ray.origin, ray.per_axis);
-        let near_plane = self.cell_plane::<R>([0; 3]);
-        let far_plane = self.cell_plane::<R>(self.cells);
+        let near_plane = self.relative_plane::<R>([0; 3]);
+        let far_plane = self.relative_plane::<R>(self.cells);
         let t0 = (near_plane - origin) * inverse;
         let t1 = (far_plane - origin) * inverse;
         // A parallel axis does not bound t: the ray is inside its slab always or never.
@@ -160,7 +165,7 @@ impl Grid {
     }
 
     fn cell_of_position<R: Real>(&self, position: Vec3<R>) -> [i32; 3] {
-        let position = (position - Vec3::from_f32(self.corner)) * Vec3::from_f32(self.inverse_width);
+        let position = position * Vec3::from_f32(self.inverse_width);
         position.map(|v| v.floor().to_i32()).to_array()
     }
 
@@ -197,15 +202,13 @@ impl Grid {
 
     fn enter_paper<R: Real>(&self, ray: &GridRay<R>) -> Walk<R> {
         let direction = ray.direction;
-        // The paper's origin is relative to the grid's.
-        let relative = ray.origin - Vec3::from_f32(self.corner);
         let width = Vec3::<R>::from_f32(self.width);
-        let cell = zip(relative, width, |o, w| o / w).map(|v| v.floor().to_i32()).to_array();
+        let cell = zip(ray.origin, width, |o, w| o / w).map(|v| v.floor().to_i32()).to_array();
         let two = R::from_f32(2.0);
         let plane = Vec3::from(cell.map(R::from_i32)) * width
             + (direction.map(|d| R::one() + sign(d)) * width).map(|v| v / two);
         let parallel = direction.abs().map(|v| v < R::from_f32(PAPER_PARALLEL));
-        let t = zip(plane - relative, select(direction, Vec3::splat(R::one()), parallel), |p, d| p / d);
+        let t = zip(plane - ray.origin, select(direction, Vec3::splat(R::one()), parallel), |p, d| p / d);
         // Origins outside of the grid are not handled; only an index outside of the arrays is rejected.
         let tmax = select(t, Vec3::splat(R::from_f32(INF)), parallel);
         Walk { cell, tmax, inside: self.is_index_in_range(cell) }

@@ -1,7 +1,8 @@
 // The walk through a uniform grid (Amanatides and Woo, 1987): its start, and one step.
 //
 // robust: tmax is computed from the integer cell each time, so errors do not grow along the walk; the origin is clipped
-// to the grid; leaving is detected per axis. paper: as in Listing 1 of Mølhave's paper.
+// to the grid; leaving is detected per axis. All positions are relative to the grid's corner, so that errors follow the
+// ray's distance from the grid, not the grid's from the world's origin. paper: as in Listing 1 of Mølhave's paper.
 
 import package::constants::{INF, PARALLEL, PAPER_PARALLEL};
 
@@ -22,6 +23,7 @@ struct Grid {
 
 // A ray, and the values that each of its steps needs.
 struct GridRay {
+    // Relative to the grid's corner.
     origin: vec3f,
     direction: vec3f,
     // 1 / direction, 0 along a parallel axis.
@@ -37,8 +39,8 @@ struct Walk {
 }
 
 fn grid_ray(origin: vec3f, direction: vec3f) -> GridRay {
-    @if(robust) return GridRay(origin, direction, inverse_direction(direction));
-    @else return GridRay(origin, direction, abs(grid.width / direction));
+    @if(robust) return GridRay(origin - grid.corner, direction, inverse_direction(direction));
+    @else return GridRay(origin - grid.corner, direction, abs(grid.width / direction));
 }
 
 fn cell_index(cell: vec3i) -> u32 {
@@ -55,14 +57,14 @@ fn is_in_grid(cell: vec3i) -> bool {
     return all(cell >= vec3i(0)) && all(cell < grid.cells);
 }
 
-// Coordinates of a cell's lower faces.
+// Coordinates of a cell's lower faces, relative to the grid's corner: exact.
 fn cell_plane(cell: vec3i) -> vec3f {
-    return grid.corner + grid.width * vec3f(cell);
+    return grid.width * vec3f(cell);
 }
 
 @if(in_cell)
 fn is_in_cell(position: vec3f, cell: vec3i) -> bool {
-    let low = cell_plane(cell);
+    let low = grid.corner + cell_plane(cell);
     return all(position >= low) && all(position <= low + grid.width);
 }
 
@@ -110,7 +112,7 @@ fn enter_grid(ray: GridRay) -> Walk {
     @if(clip) let box = clipped(ray);
     @if(clip) let start = ray.origin + ray.direction * box.t;
     @else let start = ray.origin;
-    let position = (start - grid.corner) * grid.inverse_width;
+    let position = start * grid.inverse_width;
     let cell = clamp(vec3i(floor(position)), vec3i(0), grid.cells - vec3i(1));
     var walk = Walk(cell, cell_exit(cell, ray), true);
     @if(clip) walk.inside = box.meets;
@@ -138,7 +140,7 @@ fn leap(walk: Walk, distance: i32, ray: GridRay) -> Walk {
     let axis = smallest_axis(exit);
     let t = min(min(exit.x, exit.y), exit.z);
     // As where the ray entered the grid; clamped, so that rounding cannot move it out of the cube or backwards.
-    let position = (ray.origin + ray.direction * t - grid.corner) * grid.inverse_width;
+    let position = (ray.origin + ray.direction * t) * grid.inverse_width;
     let place = clamp(vec3i(floor(position)), min(walk.cell, last), max(walk.cell, last));
     let cell = select(place, last + forward, axis);
     return Walk(cell, cell_exit(cell, ray), t < INF && is_in_grid(cell));
@@ -154,12 +156,10 @@ fn smallest_axis(tmax: vec3f) -> vec3<bool> {
 @if(!robust)
 fn enter_grid(ray: GridRay) -> Walk {
     let direction = ray.direction;
-    // The paper's origin is relative to the grid's.
-    let relative = ray.origin - grid.corner;
-    let cell = vec3i(floor(relative / grid.width));
+    let cell = vec3i(floor(ray.origin / grid.width));
     let plane = vec3f(cell) * grid.width + (1.0 + sign(direction)) * grid.width / 2.0;
     let parallel = abs(direction) < vec3f(PAPER_PARALLEL);
-    let t = (plane - relative) / select(direction, vec3f(1.0), parallel);
+    let t = (plane - ray.origin) / select(direction, vec3f(1.0), parallel);
     // Origins outside of the grid are not handled; only an index outside of the arrays is rejected.
     return Walk(cell, select(t, vec3f(INF), parallel), is_index_in_range(cell));
 }

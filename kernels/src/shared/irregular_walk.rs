@@ -45,7 +45,7 @@ impl IrregularCell {
         let inverse = ray.per_axis;
         let is_up = inverse.map(|v| v > R::zero()).to_array();
         let ahead = [0, 1, 2].map(|a| if is_up[a] { high[a] } else { low[a] });
-        let t = ((grid.cell_plane::<R>(ahead) - ray.origin) * inverse).to_array();
+        let t = ((grid.relative_plane::<R>(ahead) - ray.origin) * inverse).to_array();
         let inverse = inverse.to_array();
         Vec3::from([0, 1, 2].map(|a| if inverse[a] == R::zero() { R::from_f32(INF) } else { t[a] }))
     }
@@ -57,8 +57,7 @@ impl IrregularCell {
         let [low, high] = self.corners();
         let axis = smallest_axis(exit);
         let t = smallest3(exit);
-        let position = (ray.origin + ray.direction * Vec3::splat(t) - Vec3::from_f32(grid.corner))
-            * Vec3::from_f32(grid.inverse_width);
+        let position = (ray.origin + ray.direction * Vec3::splat(t)) * Vec3::from_f32(grid.inverse_width);
         let position = position.map(|p| p.floor().to_i32()).to_array();
         let is_up = ray.per_axis.map(|v| v > R::zero()).to_array();
         let next = [0, 1, 2].map(|a| match (axis[a], is_up[a]) {

@@ -87,7 +87,7 @@ fn step_voxel(walk: VoxelWalk, ray: GridRay) -> VoxelWalk {
     }
     let axis = smallest_axis(walk.tmax);
     let t = smallest3(walk.tmax);
-    let position = (ray.origin + ray.direction * t - grid.corner) * grid.inverse_width;
+    let position = (ray.origin + ray.direction * t) * grid.inverse_width;
     let is_up = ray.inverse > vec3f(0.0);
     // The virtual cells on both sides of the faces ahead.
     let last = select(walk.ahead, walk.ahead - vec3i(1), is_up);

@@ -5,13 +5,14 @@
 //! grid_items  u32  triangle ids, ascending within a cell; cell c owns cells[c] .. cells[c + 1]
 //! ```
 //!
-//! **Planes are exact.** Corner and cell width are multiples of one quantum, a power of two chosen so that every plane
-//! fits in 24 bits: `corner + width * i` is never rounded, contracted or not.
+//! **Planes are exact.** Kernels compute relative to the grid's corner, and the cell's width has so few bits that
+//! `width * i` is never rounded, contracted or not. Where the scene's place allows, corner and width are multiples of one
+//! quantum, a power of two chosen so that `corner + width * i` fits in 24 bits, too.
 //!
-//! **Lists are conservative.** A ray's computed position differs from its true one by at most [`growth`], 40 roundings
-//! of 2⁻²⁴ of the largest distance involved: 7 in a crossing's t (difference 1, reciprocal 5, product 1), 5 in the
-//! entry point and its cell, and for the triangle 10 across the ray (its sheared corners) and 18 along it (its t), as
-//! in `raystep_lab::reference`. Every cell is grown by that much before the exact triangle/box test, so the cell that a
+//! **Lists are conservative.** A ray's computed position differs from its true one by at most [`growth`], 41 roundings
+//! of 2⁻²⁴ of the largest distance along an axis between an origin and a corner: 8 in a crossing's t (origin relative to
+//! the grid 1, difference 1, reciprocal 5, product 1), 5 in the entry point and its cell (origin 1, product 1, sum 1,
+//! inverse width 2), and for the triangle 10 across the ray (its sheared corners) and 18 along it (its t), as in `raystep_lab::reference`. Every cell is grown by that much before the exact triangle/box test, so the cell that a
 //! ray is computed to be in lists everything that the ray can hit there. Needles and triangles seen edge-on, whose t
 //! moves by more than 18 roundings when their edge functions round, exceed this bound: there the grid may pick the
 //! other of two triangles that f32 cannot distinguish, a tie.
@@ -78,25 +79,28 @@ pub struct GridData {
     pub growth: f32,
 }
 
-/// Growth of cells, in traced units, if no origin, corner or distance between the two exceeds `reach`.
+/// A box: its lower and its upper corner.
+pub type Corners = [[f32; 3]; 2];
+
+/// Growth of cells, in traced units, if no distance along an axis between two corners, or a corner and an origin,
+/// exceeds `reach`.
 #[must_use]
 pub fn growth(reach: f32) -> f32 {
-    40.0 * reach.max(f32::MIN_POSITIVE * 1e9) / (1 << 24) as f32
+    41.0 * reach.max(f32::MIN_POSITIVE * 1e9) / (1 << 24) as f32
 }
 
-/// An upper bound on coordinates and on the distances between corners and origins, of which these are the largest
-/// coordinates: a power of two, so that a small camera movement does not change the grid.
+/// An upper bound on the distances along an axis between corners and between corners and origins, of which these are
+/// the boxes: a power of two, so that a small camera movement does not change the grid.
 #[must_use]
-pub fn reach(corners: f32, origins: f32) -> f32 {
-    let distance = f64::from(corners) + f64::from(origins);
+pub fn reach(corners: Corners, origins: Option<Corners>) -> f32 {
+    let [low, high] = corners.map(|corner| corner.map(f64::from));
+    let along = |axis: usize| {
+        let origins = origins.map(|origins| origins.map(|corner| f64::from(corner[axis])));
+        let [first, last] = origins.unwrap_or([low[axis], high[axis]]);
+        (high[axis] - low[axis]).max(high[axis] - first).max(last - low[axis])
+    };
+    let distance = (0..3).map(along).fold(0.0, f64::max);
     exp2(floor_log2(distance.clamp(1e-30, 1e30)) + 1) as f32
-}
-
-/// The largest coordinate of these corners.
-#[must_use]
-pub fn largest(vertices: &[f32]) -> f32 {
-    let largest_of = |values: &[f32]| values.iter().fold(0.0f32, |most, v| most.max(v.abs()));
-    largest_of(&map_ranges(vertices.len(), 1 << 18, |range| largest_of(&vertices[range])))
 }
 
 /// A grid whose lists are counted but not filled: enough to tell whether filling is worthwhile.
@@ -126,6 +130,12 @@ impl CountedGrid {
         if sum > 0.0 { squares / sum } else { 0.0 }
     }
 
+    /// Cells along x, y and z.
+    #[must_use]
+    pub fn cells(&self) -> [u32; 3] {
+        self.grid.cells.map(|n| n as u32)
+    }
+
     /// Fills the list of each cell. `vertices` must be those that were counted.
     #[must_use]
     pub fn fill(self, vertices: &[f32]) -> GridData {
@@ -135,9 +145,8 @@ impl CountedGrid {
 
 /// Counts the lists of the grid over `vertices` (nine floats per triangle, traced units).
 ///
-/// `reach` bounds every coordinate of corners and ray origins and the distances between them; `most_words` is the size
-/// of the executor's largest buffer. Without `is_grown`, cells list only the triangles that they exactly meet, not
-/// those that [`growth`] adds.
+/// `reach` bounds distances, see [`reach()`]; `most_words` is the size of the executor's largest buffer. Without
+/// `is_grown`, cells list only the triangles that they exactly meet, not those that [`growth`] adds.
 ///
 /// # Errors
 /// If the requested size, or the lists, cannot be indexed.
@@ -174,7 +183,7 @@ pub fn planes(
         let counted = count_lists(vertices, size, reach, is_grown, most_words)?;
         return Ok((counted.grid, counted.growth));
     };
-    let (min, max) = bounds(vertices);
+    let [min, max] = bounds(vertices);
     check_cells(cells)?;
     Ok((layout(min, max, cells, growth(reach)), if is_grown { growth(reach) } else { 0.0 }))
 }
@@ -236,7 +245,7 @@ fn automatic(
     growth: Growth,
     most: u64,
 ) -> Result<CountedGrid, GridError> {
-    let (min, max) = bounds(vertices);
+    let [min, max] = bounds(vertices);
     let triangles = (vertices.len() / 9) as u64;
     let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
     // Cells not much larger than their growth would list their neighbours' triangles too.
@@ -277,18 +286,24 @@ pub fn check_cells(cells: [u32; 3]) -> Result<u64, GridError> {
 }
 
 /// Lower and upper corner; the unit box if there are no triangles.
-pub(super) fn bounds(vertices: &[f32]) -> ([f32; 3], [f32; 3]) {
+#[must_use]
+pub fn bounds(vertices: &[f32]) -> Corners {
     const CHUNK: usize = 9 << 14;
     let parts = map_ranges(vertices.len(), CHUNK, |range| {
         vertices[range].chunks_exact(3).fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), p| {
             ([0, 1, 2].map(|a| low[a].min(p[a])), [0, 1, 2].map(|a| high[a].max(p[a])))
         })
     });
-    parts
+    let whole = parts
         .into_iter()
         .reduce(|a, b| ([0, 1, 2].map(|i| a.0[i].min(b.0[i])), [0, 1, 2].map(|i| a.1[i].max(b.1[i]))))
-        .unwrap_or(([0.0; 3], [1.0; 3]))
+        .unwrap_or(([0.0; 3], [1.0; 3]));
+    [whole.0, whole.1]
 }
+
+/// The cell's width is at least so many quanta, if planes are exact in the world's coordinates: rounding it up enlarges
+/// the grid by less than 1/32.
+const LEAST_QUANTA: f64 = 32.0;
 
 /// Places the planes: the box of the scene with a margin of twice the growth, on exact planes.
 pub(super) fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
@@ -298,8 +313,12 @@ pub(super) fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32)
         let (low, high) = (f64::from(min[a]) - margin, f64::from(max[a]) + margin);
         let count = f64::from(cells[a]);
         // Some headroom: rounding up each cell's width may move the last plane outwards.
-        let quantum = exp2(floor_log2(low.abs().max(high.abs())) - 21);
-        let corner = (low / quantum).floor() * quantum;
+        let largest = floor_log2(low.abs().max(high.abs()));
+        let quantum = exp2(largest - 21);
+        let is_exact_in_the_world = (high - low) / count >= LEAST_QUANTA * quantum;
+        let finest = if is_exact_in_the_world { quantum } else { exp2(largest - 23) };
+        let corner = (low / finest).floor() * finest;
+        let quantum = if is_exact_in_the_world { quantum } else { exp2(floor_log2(high - corner) - 21) };
         let width = (((high - corner) / count) / quantum).ceil().max(1.0) * quantum;
         grid.corner[a] = corner as f32;
         grid.width[a] = width as f32;

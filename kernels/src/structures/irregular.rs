@@ -40,7 +40,7 @@ mod tests;
 
 use std::borrow::Cow;
 
-use super::grid::{self, GridError};
+use super::grid::{self, Corners, GridError};
 pub use crate::shared::constants::{LAST_ITEM, NO_LIST, OUTSIDE};
 use crate::shared::grid_walk::Grid;
 pub use crate::shared::irregular_walk::{IrregularCell, block_entry, cell_entry};
@@ -60,9 +60,9 @@ pub struct IrregularData {
     pub lengths: Vec<u32>,
     /// Growth of each cell, in traced units.
     pub growth: f32,
-    /// The largest coordinate of a triangle that the grid lists.
-    pub largest: f32,
-    /// Bounds coordinates of these triangles and of ray origins, and distances between them; see [`grid::reach`].
+    /// The box of the triangles that the grid lists.
+    pub bounds: Corners,
+    /// Bounds distances between these triangles and ray origins, see [`grid::reach`].
     pub reach: f32,
     /// Number of triangles set aside. If there are any, cell [`OUTSIDE`] lists them.
     pub aside: u32,
@@ -83,12 +83,17 @@ struct Draft {
     lists: Vec<Vec<u32>>,
 }
 
-/// Builds the irregular grid over `vertices` (nine floats per triangle, traced units). `origins` bounds the coordinates
-/// of ray origins; `most_words` is the size of the executor's largest buffer.
+/// Builds the irregular grid over `vertices` (nine floats per triangle, traced units). `origins` is the box of
+/// ray origins, if they are known; `most_words` is the size of the executor's largest buffer.
 ///
 /// # Errors
 /// If a buffer would be larger.
-pub fn build(vertices: &[f32], origins: f32, is_grown: bool, most_words: u64) -> Result<IrregularData, GridError> {
+pub fn build(
+    vertices: &[f32],
+    origins: Option<Corners>,
+    is_grown: bool,
+    most_words: u64,
+) -> Result<IrregularData, GridError> {
     let too_many = |limit| GridError::TooManyCells { triangles: vertices.len() / 9, limit };
     let aside = aside::far_away(vertices);
     let (vertices, ids) = match aside.is_empty() {
@@ -99,8 +104,8 @@ pub fn build(vertices: &[f32], origins: f32, is_grown: bool, most_words: u64) ->
         }
     };
     let vertices = &*vertices;
-    let largest = grid::largest(vertices);
-    let reach = grid::reach(largest, origins);
+    let bounds = grid::bounds(vertices);
+    let reach = grid::reach(bounds, origins);
     let mut coarser = 0;
     let (plan, lists) = loop {
         let plan = layout::Layout::new(vertices, reach, is_grown, coarser);
@@ -110,28 +115,60 @@ pub fn build(vertices: &[f32], origins: f32, is_grown: bool, most_words: u64) ->
             Err(_) => coarser += 1,
         }
     };
-    let (mut map, draft) = refine::refine(vertices, &plan, &lists);
-    let draft = merge::merge(draft, &mut map, &plan);
-    let spans = expand::expand(&draft, &map);
-    let references: u64 = draft.lists.iter().map(|list| list.len() as u64).sum::<u64>() + aside.len() as u64;
-    if references > most_words || 4 * (spans.len() as u64 + 1) > most_words || map.entries.len() as u64 > most_words {
-        return Err(too_many(most_words));
-    }
-    let mut items = Vec::with_capacity((references as usize).max(1));
-    let outside = (!aside.is_empty()).then(|| (Span { low: [0; 3], high: plan.grid.cells }, aside.clone()));
-    if outside.is_some() {
+    let (mut map, draft) = refine::refine(vertices, &plan, &lists, Division::ByContent);
+    let mut draft = merge::merge(draft, &mut map, &plan);
+    draft.spans = expand::expand(&draft, &map);
+    if let Some(ids) = ids {
         // Cell 0 is the space around the grid.
         map.rename(|cell| cell + 1);
+        draft.spans.insert(0, Span { low: [0; 3], high: plan.grid.cells });
+        draft.lists.iter_mut().flatten().for_each(|triangle| *triangle = ids[*triangle as usize]);
+        draft.lists.insert(0, aside.clone());
     }
-    let renamed = |list: Vec<u32>| match &ids {
-        Some(ids) => list.into_iter().map(|triangle| ids[triangle as usize]).collect(),
-        None => list,
-    };
-    let listed = spans.into_iter().zip(draft.lists.into_iter().map(renamed));
-    let mut lengths = Vec::with_capacity(listed.len() + 1);
-    let cells: Vec<IrregularCell> = outside
-        .into_iter()
-        .chain(listed)
+    let data = laid_out(&plan, map, draft, most_words).ok_or_else(|| too_many(most_words))?;
+    Ok(IrregularData { bounds, reach, aside: aside.len() as u32, ..data })
+}
+
+/// Builds a uniform grid of `cells` over `vertices`, each of whose crowded cells holds a finer grid (as the two-level grids
+/// of Kalojanov, Billeter and Slusallek, 2011): no cells are merged or expanded. `reach` bounds distances, see
+/// [`grid::reach`].
+///
+/// # Errors
+/// If a buffer would be larger than `most_words`.
+pub fn build_two_levels(
+    vertices: &[f32],
+    cells: [u32; 3],
+    reach: f32,
+    is_grown: bool,
+    most_words: u64,
+) -> Result<IrregularData, GridError> {
+    let plan = layout::Layout::below(vertices, reach, is_grown, cells);
+    let lists = grid::lists(&plan.at(0), plan.growth, vertices, most_words)?;
+    let (map, draft) = refine::refine(vertices, &plan, &lists, Division::OfCrowded);
+    let too_many = || GridError::TooManyCells { triangles: vertices.len() / 9, limit: most_words };
+    let data = laid_out(&plan, map, draft, most_words).ok_or_else(too_many)?;
+    Ok(IrregularData { bounds: grid::bounds(vertices), reach, ..data })
+}
+
+/// Which cells of the top level are divided, and how far.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Division {
+    /// All, by the number of triangles that they list, and where lists are still long then, as long as rays gain by it.
+    ByContent,
+    /// Those with long lists, into cells of one size.
+    OfCrowded,
+}
+
+/// The buffers; `None` if one would be larger than `most_words`.
+fn laid_out(plan: &layout::Layout, map: map::Map, draft: Draft, most_words: u64) -> Option<IrregularData> {
+    let references: u64 = draft.lists.iter().map(|list| list.len() as u64).sum();
+    if references.max(4 * draft.spans.len() as u64).max(map.entries.len() as u64) > most_words {
+        return None;
+    }
+    let mut items = Vec::with_capacity((references as usize).max(1));
+    let listed = draft.spans.into_iter().zip(draft.lists);
+    let mut lengths = Vec::with_capacity(listed.len());
+    let cells: Vec<IrregularCell> = listed
         .map(|(span, list)| {
             let first = if list.is_empty() { NO_LIST } else { items.len() as u32 };
             lengths.push(list.len() as u32);
@@ -145,17 +182,18 @@ pub fn build(vertices: &[f32], origins: f32, is_grown: bool, most_words: u64) ->
     if items.is_empty() {
         items.push(LAST_ITEM);
     }
-    let most_visited = crossings(&cells) + 1 + u64::from(ids.is_some());
-    Ok(IrregularData {
+    // One more for the space around the grid.
+    let most_visited = crossings(&cells) + 2;
+    Some(IrregularData {
         grid: plan.grid,
         map: map.entries,
         cells,
         items,
         lengths,
         growth: plan.growth,
-        largest,
-        reach,
-        aside: aside.len() as u32,
+        bounds: [[0.0; 3]; 2],
+        reach: 0.0,
+        aside: 0,
         most_visited,
     })
 }

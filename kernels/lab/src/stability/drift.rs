@@ -17,8 +17,9 @@ use crate::stability::{StabilityError, make};
 use crate::tidy;
 
 /// The error bound of robust numerics, in the unit of [`Sample::error`], half units in the last place: one rounding of
-/// the plane (if it is not exact in f32), one of the difference, at most 5 of WGSL's division, one of the product.
-/// Plane and origin have the same sign here, so that their difference is no larger than the larger of them.
+/// the origin relative to the grid's corner, one of the difference, at most 5 of WGSL's division, one of the product.
+/// Relative to the corner, plane and origin have the same sign, so that their difference is no larger than the larger of
+/// them.
 pub const BOUND: f64 = 8.0;
 
 /// Cells between two samples.
@@ -51,7 +52,8 @@ pub struct Sample {
     pub cells: u32,
     /// Rays still walking.
     pub rays: u64,
-    /// The largest error of tMax, in units of 2⁻²⁴ · max(|plane|, |origin|) / |direction| along its axis.
+    /// The largest error of tMax, in units of 2⁻²⁴ · max(|plane|, |origin|) / |direction| along its axis, relative to the
+    /// grid's corner.
     pub error: f64,
     /// The largest error, as t.
     pub error_t: f64,
@@ -117,7 +119,8 @@ async fn sample(renderer: &Renderer) -> Result<Option<Sample>, StabilityError> {
                 continue;
             }
             let ahead = index + i32::from(d > 0.0);
-            let plane = f64::from(grid.corner[axis]) + f64::from(grid.width[axis]) * f64::from(ahead);
+            let plane = f64::from(grid.width[axis]) * f64::from(ahead);
+            let o = o - f64::from(grid.corner[axis]);
             let error = (t - (plane - o) / d).abs();
             let unit = plane.abs().max(o.abs()) / d.abs() / f64::from(1 << 24);
             all.error_t = all.error_t.max(error);

@@ -69,6 +69,8 @@ pub fn new(
 pub fn of(options: &Options, accelerator: Accelerator, features: &Features) -> Schedule {
     let given = matches!(options.rays, RaySource::Given(_));
     let Features { eye_rays, many_steps, samples, .. } = *features;
+    // A grid of two levels is walked as an irregular one.
+    let accelerator = if features.irregular { Accelerator::Irregular } else { accelerator };
     let mut schedule = new(options.schedule, accelerator, given, options.shade, eye_rays, many_steps);
     for step in &mut schedule.steps {
         if let Step::Run(kernel) = *step

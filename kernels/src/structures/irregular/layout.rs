@@ -28,17 +28,20 @@ impl Layout {
     /// With a top level of about [`TOP_PER_ROOT`] · √triangles cells, made coarser along each axis to two thirds as
     /// many cells, so many times.
     pub(super) fn new(vertices: &[f32], reach: f32, is_grown: bool, coarser: u32) -> Self {
-        let (min, max) = bounds(vertices);
-        let margin = growth(reach);
-        let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
-        // Cells not much larger than their growth would list their neighbours' triangles too.
-        let finest = extent.map(|e| (e / (8.0 * f64::from(margin))).clamp(1.0, f64::from(MOST_VIRTUAL)) as u32);
+        let (extent, finest) = extent(vertices, reach);
         let triangles = (vertices.len() / 9) as f64;
         let mut top = cubes((triangles.sqrt() * TOP_PER_ROOT).max(1.0), extent);
         top.iter_mut().zip(finest).for_each(|(n, finest)| *n = (*n).min(finest));
         for _ in 0..coarser {
             top = top.map(|n| (n * 2 / 3).max(1));
         }
+        Self::below(vertices, reach, is_grown, top)
+    }
+
+    /// With a top level of so many cells.
+    pub(super) fn below(vertices: &[f32], reach: f32, is_grown: bool, top: [u32; 3]) -> Self {
+        let ([min, max], margin) = (bounds(vertices), growth(reach));
+        let (_, finest) = extent(vertices, reach);
         let levels_of = |a: usize| (finest[a] / top[a]).max(1).ilog2();
         let levels = (0..3).map(levels_of).max().unwrap_or(0).min(MOST_LEVELS);
         // A flat axis has as many levels as the others.
@@ -72,4 +75,13 @@ impl Layout {
         let [x, y, z] = [0, 1, 2].map(|a| (span.high[a] - span.low[a]) as u64 * self.weights[a]);
         x * y + y * z + z * x
     }
+}
+
+/// The sides of the scene's box, and how many cells they have room for: those not much larger than their growth would list
+/// their neighbours' triangles too.
+fn extent(vertices: &[f32], reach: f32) -> ([f64; 3], [u32; 3]) {
+    let [min, max] = bounds(vertices);
+    let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
+    let least = 8.0 * f64::from(growth(reach));
+    (extent, extent.map(|e| (e / least).clamp(1.0, f64::from(MOST_VIRTUAL)) as u32))
 }

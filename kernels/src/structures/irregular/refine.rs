@@ -2,7 +2,7 @@
 
 use super::layout::Layout;
 use super::map::{Map, Tree};
-use super::{Draft, Span};
+use super::{Division, Draft, Span};
 use crate::numbers::parallel::map_ranges;
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid::overlap::Overlap;
@@ -23,6 +23,9 @@ const SHORT: usize = 8;
 const GROWTH: u64 = 12;
 const GROWTH_OF_ALL: u64 = 64;
 
+/// A cell of a uniform grid with a longer list than this is crowded.
+const CROWDED: u64 = 16;
+
 /// Cost of a step from cell to cell, in quarters of a triangle test.
 const STEP_COST: usize = 2;
 
@@ -36,6 +39,7 @@ struct Refiner<'a> {
     vertices: &'a [f32],
     layout: &'a Layout,
     grids: Vec<Grid>,
+    division: Division,
 }
 
 /// Most references of the top level, for each triangle and for all together, unless it is a single cell.
@@ -54,15 +58,19 @@ pub(super) fn top_lists(vertices: &[f32], layout: &Layout, most_words: u64) -> R
 }
 
 /// The cells of all octrees, and the map that leads to them.
-pub(super) fn refine(vertices: &[f32], layout: &Layout, lists: &GridData) -> (Map, Draft) {
+pub(super) fn refine(vertices: &[f32], layout: &Layout, lists: &GridData, division: Division) -> (Map, Draft) {
     let top = layout.at(0);
-    let refiner = Refiner { vertices, layout, grids: (0..=layout.levels).map(|level| layout.at(level)).collect() };
+    let grids = (0..=layout.levels).map(|level| layout.at(level)).collect();
+    let refiner = Refiner { vertices, layout, grids, division };
     let parts = map_ranges(lists.cells.len() - 1, 64, |range| {
         let mut part = Part { trees: Vec::new(), draft: Draft { spans: Vec::new(), lists: Vec::new() } };
         for cell in range {
             let list = lists.list(cell as u32).to_vec();
             let budget = GROWTH * list.len() as u64 + GROWTH_OF_ALL;
-            let even = even_levels(list.len() as u64);
+            let even = match division {
+                Division::OfCrowded if list.len() as u64 <= CROWDED => 0,
+                _ => even_levels(list.len() as u64),
+            };
             let tree = refiner.divide((0, even), top.cell_of_index(cell as u32), list, budget, &mut part.draft);
             part.trees.push(tree);
         }
@@ -116,7 +124,11 @@ impl Refiner<'_> {
         list: &[u32],
         budget: u64,
     ) -> Option<([Vec<u32>; 8], u64)> {
-        let short = if level < even { 1 } else { SHORT };
+        let short = match (level < even, self.division) {
+            (true, _) => 1,
+            (false, Division::ByContent) => SHORT,
+            (false, Division::OfCrowded) => return None,
+        };
         if list.len() <= short || level == self.layout.levels {
             return None;
         }

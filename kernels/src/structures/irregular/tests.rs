@@ -59,16 +59,48 @@ impl Random {
     }
 }
 
+/// Irregular grids over all scenes, and grids of two levels.
+fn built_in_both_ways() -> impl Iterator<Item = (&'static str, Vec<f32>, IrregularData)> {
+    scenes().into_iter().flat_map(|(name, vertices)| {
+        let irregular = build(&vertices, Some([[-2.0; 3], [2.0; 3]]), true, u64::MAX).expect("a grid");
+        assert_eq!(irregular.aside > 0, name == "room", "{name}");
+        let two_levels = build_two_levels(&vertices, [9, 10, 11], 4.0, true, u64::MAX).expect("a grid");
+        assert_eq!(two_levels.grid.cells.map(|n| n >> two_levels.grid.levels), [9, 10, 11]);
+        [irregular, two_levels].map(|built| (name, vertices.clone(), built))
+    })
+}
+
+/// Cells of one size where lists are short, and smaller ones of one size in each of the others.
+#[test]
+fn only_crowded_cells_have_a_second_level() {
+    let mut divided = 0;
+    for (name, vertices) in scenes() {
+        let built = build_two_levels(&vertices, [4, 5, 6], 4.0, true, u64::MAX).expect("a grid");
+        let plan = layout::Layout::below(&vertices, 4.0, true, [4, 5, 6]);
+        let top = grid::lists(&plan.at(0), plan.growth, &vertices, u64::MAX).expect("lists");
+        for cell in 0..4 * 5 * 6 {
+            let is_divided = built.map[cell] & 3 != 0;
+            let list = top.list(cell as u32);
+            assert!(list.len() > 16 || !is_divided, "{name}: {} triangles", list.len());
+            if !is_divided {
+                assert!(built.list(built.map[cell] >> 2).eq(list.iter().copied()), "{name}");
+            }
+            divided += u32::from(is_divided);
+        }
+        println!("{name}: {} cells, longest list {:?}", built.cells.len(), built.lengths.iter().max());
+    }
+    assert!(divided > 100, "{divided} cells");
+}
+
 /// In random virtual cells, and in random ones of expanded boxes: every triangle that meets one, grown, is listed.
 #[test]
 fn lists_hold_what_meets_any_part_of_their_cells() {
-    for (name, vertices) in scenes() {
-        let built = build(&vertices, 2.0, true, u64::MAX).expect("a grid");
+    for (name, vertices, built) in built_in_both_ways() {
         let mut random = Random(7);
         let first = usize::from(built.aside > 0) as u32;
         let aside: Vec<u32> = built.list(OUTSIDE).take(built.aside as usize).collect();
         let triangles = vertices.len() as u32 / 9;
-        let walls = if name == "room" { triangles - 12..triangles } else { 0..0 };
+        let walls = if name == "room" && built.aside > 0 { triangles - 12..triangles } else { 0..0 };
         assert_eq!(aside, walls.collect::<Vec<_>>(), "{name}: set aside");
         let check = |voxel: [i32; 3], cell: u32| {
             let list: Vec<u32> = built.list(cell).collect();
@@ -103,7 +135,7 @@ fn lists_hold_what_meets_any_part_of_their_cells() {
 #[test]
 fn rays_take_few_steps() {
     for (name, vertices) in scenes() {
-        let built = build(&vertices, 2.0, true, u64::MAX).expect("a grid");
+        let built = build(&vertices, Some([[-2.0; 3], [2.0; 3]]), true, u64::MAX).expect("a grid");
         let uniform =
             crate::structures::grid::build(&vertices, crate::options::GridSize::Auto, 4.0, u64::MAX).expect("a grid");
         let mut random = Random(9);
@@ -153,6 +185,6 @@ fn rays_take_few_steps() {
 #[test]
 fn a_grid_that_fits_no_buffer_is_refused_in_its_own_words() {
     let vertices = vertices_of(&generate::soup(3000, 1).expect("a scene"));
-    let error = build(&vertices, 2.0, true, 100).expect_err("too small a buffer");
+    let error = build(&vertices, Some([[-2.0; 3], [2.0; 3]]), true, 100).expect_err("too small a buffer");
     assert_eq!(error, GridError::TooManyCells { triangles: 3000, limit: 100 });
 }
