@@ -32,6 +32,10 @@ tar --exclude=./target --exclude=./.git -cf - . | tar -xf - -C target/example
     cmp cpu.png gpu.png
 )
 
+step "the measurements of docs/performance.md, in short"
+cargo run --quiet --locked -p raystep-lab --example performance -- \
+    measure --adapter software --quick -o target/performance
+
 step "packages"
 cargo package --workspace --locked --target-dir target/packages
 

@@ -74,7 +74,7 @@ pub enum GridSize {
 /// Empty-space skipping: whether rays step across several empty cells at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Skip {
-    /// Only if most cells are empty.
+    /// Only if most cells are empty. If a few cells list very many triangles, they are divided further instead.
     #[default]
     Auto,
     /// Always.
@@ -160,7 +160,7 @@ pub const LEAST_FOR_GRID: usize = 512;
 pub const MOST_LISTED: f64 = 16.0;
 
 /// Longest such mean of a grid that is left as it is; else its crowded cells are divided further.
-pub const MOST_LISTED_IN_ONE_LEVEL: f64 = 64.0;
+pub const MOST_LISTED_IN_ONE_LEVEL: f64 = 32.0;
 
 /// A ray in scene units: `origin + t * direction`. A hit counts if `t_min < t < t_max`: neither end does, as in DXR and
 /// Vulkan, so a ray with the `t_min` of an earlier hit finds what is behind that hit.

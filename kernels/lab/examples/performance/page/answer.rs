@@ -24,6 +24,7 @@ pub(super) fn answer(machine: &Measured) -> String {
             format!("{}, {} triangles", group.0, group.1),
             group.2.clone(),
             cell(fastest(&|_| true)),
+            cell(fastest(&|r| r.accelerator == "irregular")),
             cell(fastest(&|r| r.accelerator == "grid")),
             cell(fastest(&|r| r.schedule != "fused")),
             cell(fastest(&|r| r.schedule != "fused" && r.steps_per_pass == 1)),
@@ -33,7 +34,15 @@ pub(super) fn answer(machine: &Measured) -> String {
         return String::new();
     }
     let size = rows.first().map(|r| format!("{}×{}", r.width_px, r.height_px)).unwrap_or_default();
-    let names = ["scene", "rays", "fastest", "fastest with the grid", "fastest in steps", "fastest, one step per pass"];
+    let names = [
+        "scene",
+        "rays",
+        "fastest",
+        "with the irregular grid",
+        "with the uniform grid",
+        "fastest in steps",
+        "fastest, one step per pass",
+    ];
     format!("Million rays per second, {size} pixels.\n\n{}", table(&columns(&names), &lines))
 }
 

@@ -42,6 +42,7 @@ pub(super) fn work(machines: &[Measured]) -> String {
                 && matches!(
                     r.way().as_str(),
                     "bvh, fused"
+                        | "irregular, fused"
                         | "grid, fused"
                         | "grid with skipping, fused"
                         | "bvh, compact K=1"

@@ -35,7 +35,10 @@ pub(super) fn triangles(machine: &Measured) -> String {
         let counts = distinct(machine.timed("triangles").filter(|r| r.scene == scene).map(|r| r.triangles));
         let mut names = vec!["triangles".to_owned()];
         names.extend(ways.iter().map(|(name, _)| name.clone()));
-        names.extend(["grid built in", "BVH built in (wide)", "BVH built in (binary)"].map(String::from));
+        names.extend(
+            ["grid built in", "irregular grid built in", "BVH built in (wide)", "BVH built in (binary)"]
+                .map(String::from),
+        );
         let rows = counts.iter().map(|&triangles| {
             let at = |rows: &[&Row]| rows.iter().find(|r| r.triangles == triangles).and_then(|r| r.median_device_ns);
             let built = |way: &str| {
@@ -44,12 +47,16 @@ pub(super) fn triangles(machine: &Measured) -> String {
             };
             let mut cells = vec![count(triangles as f64)];
             cells.extend(ways.iter().map(|(_, rows)| or_dash(at(rows), time)));
-            cells.extend(["grid, fused", "bvh, fused", "bvh, compact K=8"].map(|way| or_dash(built(way), time)));
+            cells.extend(
+                ["grid, fused", "irregular, fused", "bvh, fused", "bvh, compact K=8"]
+                    .map(|way| or_dash(built(way), time)),
+            );
             cells
         });
         text += &table(&names, &rows.collect::<Vec<_>>());
         text += &format!("![Time against triangles, {scene}](performance/{}/triangles-{scene}.svg)\n\n", machine.name);
-        for (a, b) in [("none", "grid"), ("none", "bvh"), ("grid", "bvh")] {
+        for (a, b) in [("none", "grid"), ("none", "bvh"), ("grid", "irregular"), ("grid", "bvh"), ("irregular", "bvh")]
+        {
             text += &crossing(&ways, a, b, &scene);
         }
         text.push('\n');
@@ -78,6 +85,7 @@ fn crossing(ways: &[(String, Vec<&Row>)], a: &str, b: &str, scene: &str) -> Stri
     let name = |name| match name {
         "none" => "no structure",
         "bvh" => "the BVH",
+        "irregular" => "the irregular grid",
         _ => "the grid",
     };
     format!(
@@ -168,7 +176,7 @@ pub(super) fn steps(machine: &Measured) -> String {
 
 /// Colour by accelerator, dashes by schedule.
 fn series(name: String, points: Vec<(f64, f64)>) -> Series {
-    let color = ["bvh", "grid", "none"].iter().position(|a| name.starts_with(a)).unwrap_or(3);
+    let color = ["bvh", "grid", "none", "irregular"].iter().position(|a| name.starts_with(a)).unwrap_or(4);
     Series { is_dashed: name.contains("compact"), name, points, color }
 }
 

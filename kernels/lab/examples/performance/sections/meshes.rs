@@ -32,16 +32,18 @@ fn is_counted(way: &Way) -> bool {
 }
 
 fn ways() -> Vec<Way> {
-    use Accelerator::{Bvh, Grid};
+    use Accelerator::{Bvh, Grid, Irregular};
     let mut ways = Vec::new();
-    for way in [Way::fused(Bvh), Way::fused(Grid), Way::compact(Bvh, 8), Way::compact(Grid, 8)] {
+    for way in
+        [Bvh, Irregular, Grid].into_iter().map(Way::fused).chain([Bvh, Irregular, Grid].map(|a| Way::compact(a, 8)))
+    {
         ways.push(way);
         if way.accelerator == Grid {
             ways.push(way.skip(Skip::On));
         }
     }
     for schedule in [ScheduleKind::Compact, ScheduleKind::Second] {
-        ways.extend([Bvh, Grid].map(|accelerator| Way::new(accelerator, schedule)));
+        ways.extend([Bvh, Irregular, Grid].map(|accelerator| Way::new(accelerator, schedule)));
     }
     ways
 }

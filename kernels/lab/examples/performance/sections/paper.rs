@@ -25,7 +25,7 @@ pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
 }
 
 fn ways() -> Vec<Way> {
-    use Accelerator::{Bvh, Grid, None};
+    use Accelerator::{Bvh, Grid, Irregular, None};
     use ScheduleKind::{First, Second};
     let mut ways = Vec::new();
     for numerics in [Numerics::Paper, Numerics::Robust] {
@@ -37,7 +37,7 @@ fn ways() -> Vec<Way> {
     for way in [Way::compact(Grid, 1), Way::compact(Grid, 8), Way::fused(Grid)] {
         ways.extend([way, way.skip(Skip::On), Way { grid: GRID, ..way }]);
     }
-    for accelerator in [Bvh, None] {
+    for accelerator in [Bvh, Irregular, None] {
         ways.extend([Way::compact(accelerator, 1), Way::compact(accelerator, 8), Way::fused(accelerator)]);
     }
     ways

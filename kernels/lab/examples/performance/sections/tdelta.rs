@@ -89,8 +89,8 @@ impl Steps {
         let features = Features { grid: true, perspective: true, ..Features::default() };
         let mut variant = Variant::new(kernels::TRAVERSE_GRID, &features).map_err(|e| e.to_string())?;
         // Rays that are not intersected in between continue at once.
-        let source =
-            replaced(&variant.source, "let tag = select(ISECT_NO_HIT, ISECT_HIT, has_hit);", "let tag = TRAV;")?;
+        let next = "let tag = select(ISECT_NO_HIT, ISECT_HIT, keeps_hit(texel));";
+        let source = replaced(&variant.source, next, "let tag = TRAV;")?;
         let source = replaced(&source, WORKED_OUT, ray)?;
         let (loads_origin, loads_direction) = (ray.contains("load_origin"), ray.contains("load_direction"));
         // If the constants are computed, the origin is dead code, and compilers remove it.

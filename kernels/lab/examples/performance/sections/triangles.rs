@@ -12,6 +12,9 @@ const COUNTS: [u64; 14] = [2, 8, 18, 32, 72, 128, 512, 2_048, 8_192, 32_768, 131
 /// A run without an accelerator is skipped if it is expected to take longer than this.
 const MOST_NS: f64 = 0.5e9;
 
+/// Most triangles for which the host builds an irregular grid: it takes some 5 s for a million.
+const MOST_IRREGULAR: u64 = 600_000;
+
 pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
     let (most, size) = match (meter.machine.is_fast(), meter.machine.quick) {
         (true, true) => (131_072, (512, 512)),
@@ -37,6 +40,9 @@ pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
                 Way::compact(Accelerator::Grid, 8).skip(Skip::Auto),
                 Way::compact(Accelerator::Bvh, 8),
             ];
+            if count <= MOST_IRREGULAR {
+                ways.insert(1, Way::fused(Accelerator::Irregular));
+            }
             if expected_ns < MOST_NS {
                 ways.push(Way::fused(Accelerator::None));
             }
