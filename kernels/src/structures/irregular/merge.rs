@@ -39,38 +39,31 @@ pub(super) fn merge(mut draft: Draft, map: &mut Map, layout: &Layout) -> Draft {
     kept
 }
 
+/// Stands for no cell.
+const NOBODY: u32 = u32::MAX;
+
 /// Merges pairs along an axis; every cell takes part in one at most. Which pairs follows from the cells before the
 /// round alone: the first two of a row of cells that could each be merged with the next one.
 fn merge_along(axis: usize, draft: &mut Draft, current: &mut [u32], map: &Map, layout: &Layout) -> usize {
-    let pairs: Vec<(u32, u32)> = {
+    let partners: Vec<u32> = {
         let (draft, current) = (&*draft, &*current);
         let partner = |cell: u32| {
             let span = &draft.spans[cell as usize];
             let mut beyond = span.low;
             beyond[axis] = span.high[axis];
-            let next = (beyond[axis] < map.grid.cells[axis]).then(|| current[map.find(beyond) as usize])?;
+            let is_alive = current[cell as usize] == cell && beyond[axis] < map.grid.cells[axis];
+            let next = is_alive.then(|| current[map.find(beyond) as usize])?;
             is_better(axis, cell, next, draft, layout).then_some(next)
         };
-        let before = |cell: u32| {
-            let span = &draft.spans[cell as usize];
-            let mut beyond = span.low;
-            beyond[axis] -= 1;
-            (beyond[axis] >= 0).then(|| current[map.find(beyond) as usize])
+        let of_range = |range: std::ops::Range<usize>| {
+            range.map(|cell| partner(cell as u32).unwrap_or(NOBODY)).collect::<Vec<_>>()
         };
-        map_ranges(draft.spans.len(), 1 << 10, |range| {
-            let alive = range.map(|cell| cell as u32).filter(|&cell| current[cell as usize] == cell);
-            alive
-                .filter_map(|cell| {
-                    let next = partner(cell)?;
-                    let is_first = before(cell).is_none_or(|previous| partner(previous) != Some(cell));
-                    is_first.then_some((cell, next))
-                })
-                .collect::<Vec<_>>()
-        })
-        .into_iter()
-        .flatten()
-        .collect()
+        map_ranges(draft.spans.len(), 1 << 10, of_range).concat()
     };
+    let mut is_next = vec![false; partners.len()];
+    partners.iter().filter(|&&next| next != NOBODY).for_each(|&next| is_next[next as usize] = true);
+    let firsts = partners.iter().enumerate().filter(|&(cell, &next)| next != NOBODY && !is_next[cell]);
+    let pairs: Vec<(u32, u32)> = firsts.map(|(cell, &next)| (cell as u32, next)).collect();
     for &(cell, next) in &pairs {
         let other = std::mem::take(&mut draft.lists[next as usize]);
         let list = &mut draft.lists[cell as usize];
