@@ -6,7 +6,7 @@
 @if(ray_padding) import package::constants::{BOX_PADDING};
 
 // Five words per node, see WideNode in wide_node.rs.
-@group(1) @binding(20) var<storage, read> wide_nodes: array<vec2u>;
+@group(1) @binding(20) var<storage, read> wide_nodes: array<vec4u>;
 
 // Words of a restart trail, eight levels each; its last level; and what stands for none of a group's children.
 @if(resumes) const TRAIL_WORDS: u32 = 4u;
@@ -34,13 +34,12 @@ struct WideRay {
     // Bits 2, 1, 0: the direction is not negative along x, y, z.
     octant: u32,
     negative: vec3<bool>,
-    near_at: vec3u,
 }
 
 fn wide_ray(origin: vec3f, inverse: vec3f) -> WideRay {
     let negative = inverse < vec3f(0.0);
     let octant = select(4u, 0u, negative.x) | select(2u, 0u, negative.y) | select(1u, 0u, negative.z);
-    return WideRay(origin, inverse, octant, negative, vec3u(4u, 6u, 8u) + select(vec3u(0u), vec3u(1u), negative));
+    return WideRay(origin, inverse, octant, negative);
 }
 
 // Siblings that wait: base is the first child of an inner group, and bits holds the hits (24-31, in the order of
@@ -115,11 +114,11 @@ fn tripled(slots: u32) -> u32 {
 }
 
 fn visit_wide(node: u32, ray: WideRay, nearest_t: f32) -> WideHits {
-    let at = 10u * node;
-    let head = vec4u(wide_nodes[at], wide_nodes[at + 1u]);
-    let body = vec3u(wide_nodes[at + 2u], wide_nodes[at + 3u].x);
-    let near_at = vec3u(at) + ray.near_at;
-    let far_at = near_at ^ vec3u(1u);
+    let head = wide_nodes[5u * node];
+    let body = wide_nodes[5u * node + 1u];
+    let x = wide_nodes[5u * node + 2u];
+    let y = wide_nodes[5u * node + 3u];
+    let z = wide_nodes[5u * node + 4u];
     let spacing = bitcast<vec3f>(((vec3u(head.w) >> vec3u(0u, 8u, 16u)) & vec3u(0xffu)) << vec3u(23u));
     let scale = spacing * ray.inverse;
     let low = bitcast<vec3f>(head.xyz) - ray.origin;
@@ -130,12 +129,13 @@ fn visit_wide(node: u32, ray: WideRay, nearest_t: f32) -> WideHits {
     @if(ray_padding) let leave_at = offset + padding;
     @if(!ray_padding) let enter_at = offset;
     @if(!ray_padding) let leave_at = offset;
-    let x_near = wide_nodes[near_at.x];
-    let x_far = wide_nodes[far_at.x];
-    let y_near = wide_nodes[near_at.y];
-    let y_far = wide_nodes[far_at.y];
-    let z_near = wide_nodes[near_at.z];
-    let z_far = wide_nodes[far_at.z];
+    // A ray that goes down along an axis meets the upper plane first.
+    let x_near = select(x.xy, x.zw, ray.negative.x);
+    let x_far = select(x.zw, x.xy, ray.negative.x);
+    let y_near = select(y.xy, y.zw, ray.negative.y);
+    let y_far = select(y.zw, y.xy, ray.negative.y);
+    let z_near = select(z.xy, z.zw, ray.negative.z);
+    let z_far = select(z.zw, z.xy, ray.negative.z);
     var misses = misses_of_four(0u, vec3u(x_near.y, y_near.y, z_near.y), vec3u(x_far.y, y_far.y, z_far.y),
         scale, enter_at, leave_at, nearest_t);
     misses = misses_of_four(misses, vec3u(x_near.x, y_near.x, z_near.x), vec3u(x_far.x, y_far.x, z_far.x),
