@@ -325,6 +325,104 @@ fn traced(start: Trace) -> Trace {
     return trace;
 }
 
+// Rays of a workgroup, in tiles of 64. A lane whose ray has ended takes the next one (persistent threads, Aila and Laine,
+// 2009). Without waiting between dispatches.
+@if(bvh) const TILES: u32 = 2u;
+@if(bvh) var<workgroup> taken: atomic<u32>;
+
+@if(bvh)
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn fused(@builtin(workgroup_id) at: vec3u, @builtin(local_invocation_index) lane: u32) {
+    if (at.y % TILES != 0u) {
+        return;
+    }
+    if (lane == 0u) {
+        atomicStore(&taken, 0u);
+    }
+    workgroupBarrier();
+    var next = lane;
+    var busy = false;
+    var texel = vec2u(0u);
+    var trace: Trace;
+    var ray: WideRay;
+    var stack: array<vec2u, WIDE_STACK>;
+    var height = 0u;
+    var group = WideGroup(0u, 0x80000000u);
+    loop {
+        if (!busy) {
+            if (next >= TILES * 64u) {
+                break;
+            }
+            texel = vec2u(at.x * WORKGROUP + next % WORKGROUP, (at.y + scene.first_row) * WORKGROUP + next / WORKGROUP);
+            next = atomicAdd(&taken, 1u) + 64u;
+            if (all(texel < scene.size)) {
+                @if(eye_rays) {
+                    let of_eye = eye_ray(texel);
+                    trace.origin = of_eye.origin;
+                    trace.direction = of_eye.direction;
+                }
+                @if(!eye_rays) {
+                    trace.origin = load_origin(texel);
+                    trace.direction = load_direction(texel);
+                }
+                @if(!eye_rays) let tag = textureLoad(state, texel, 0).x;
+                @if(eye_rays) let tag = TRAV_SETUP;
+                trace.shear = shear_of(trace.direction);
+                @if(intervals) trace.interval = load_interval(texel);
+                trace.t = INF;
+                trace.u = 0.0;
+                trace.v = 0.0;
+                @if(any_hit && !eye_rays) trace.t = bitcast<f32>(textureLoad(state, texel, 1).x);
+                trace.triangle = NO_TRIANGLE;
+                @if(counters) trace.cells = 0u;
+                @if(counters) trace.tests = 0u;
+                ray = wide_ray(trace.origin, finite_inverse(trace.direction));
+                height = 0u;
+                group = WideGroup(0u, 0x80000000u);
+                busy = tag == TRAV_SETUP;
+            }
+        }
+        if (busy) {
+            let bit = firstLeadingBit(group.bits);
+            let node = wide_child(group, bit, ray);
+            group.bits &= ~(1u << bit);
+            if (group.bits > 0x00ffffffu) {
+                stack[height] = vec2u(group.base, group.bits);
+                height += 1u;
+            }
+            @if(intervals) let hits = visit_wide(node, ray, min(trace.t, trace.interval.y));
+            @else let hits = visit_wide(node, ray, trace.t);
+            @if(counters) trace.cells += 1u;
+            group = hits.inner;
+            var waiting = hits.leaves.bits;
+            while (waiting != 0u) {
+                let leaf = firstTrailingBit(waiting);
+                waiting &= waiting - 1u;
+                trace = tested(trace, wide_entry(hits.leaves, leaf), vec3i(0));
+            }
+            if (group.bits <= 0x00ffffffu) {
+                if (height == 0u) {
+                    busy = false;
+                    textureStore(hit, texel, 0, vec4u(bitcast<u32>(trace.u)));
+                    textureStore(hit, texel, 1, vec4u(bitcast<u32>(trace.v)));
+                    textureStore(hit, texel, 2, vec4u(trace.triangle));
+                    textureStore(state, texel, 0, vec4u(select(SHADE, BACKGROUND, trace.triangle == NO_TRIANGLE)));
+                    textureStore(state, texel, 1, vec4u(bitcast<u32>(trace.t)));
+                    @if(counters) {
+                        textureStore(counters, texel, 0, vec4u(trace.cells));
+                        textureStore(counters, texel, 1, vec4u(trace.tests));
+                        textureStore(counters, texel, 2, vec4u(0u));
+                    }
+                } else {
+                    height -= 1u;
+                    group = WideGroup(stack[height].x, stack[height].y);
+                }
+            }
+        }
+    }
+}
+
+@if(!bvh)
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn fused(@builtin(global_invocation_id) id: vec3u) {
     let texel = vec2u(id.x, id.y + WORKGROUP * scene.first_row);
