@@ -168,12 +168,12 @@ pub(crate) struct TuningArgs {
     /// of Mølhave's paper (paper), for comparison; with a grid, the paper's miss all rays that start outside it
     #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
     pub(crate) numerics: Numerics,
-    /// Number of grid cells along each axis, or along x, y and z
+    /// Number of grid cells along each axis, or along x, y and z; auto chooses it, and gives cells that list very many
+    /// triangles a finer grid each, unless --skip is on or off
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid,
           allow_hyphen_values = true)]
     pub(crate) grid: GridSize,
-    /// Skip over empty cells of the grid: if most cells are empty (auto), always (on) or never (off). With auto, a grid
-    /// in which a few cells list very many triangles gets a finer grid in these instead
+    /// Skip over empty cells of the grid: if most cells are empty (auto), always (on) or never (off)
     #[arg(long, default_value = "auto", value_parser = named(Skip::ALL, Skip::name))]
     pub(crate) skip: Skip,
     /// Maximum steps per ray and pass with schedule compact [default: 8; for trace and dump 1, as in the paper]

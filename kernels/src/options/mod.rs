@@ -74,7 +74,7 @@ pub enum GridSize {
 /// Empty-space skipping: whether rays step across several empty cells at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Skip {
-    /// Only if most cells are empty. If a few cells list very many triangles, they are divided further instead.
+    /// Only if most cells are empty.
     #[default]
     Auto,
     /// Always.

@@ -165,7 +165,8 @@ impl Site<'_> {
         if !is_last && (is_sparse || listed > MOST_LISTED) {
             return Ok(None);
         }
-        let may_divide = features.keeps_no_tmax() && !features.in_cell && options.skip == Skip::Auto;
+        let is_automatic = (options.grid, options.skip) == (GridSize::Auto, Skip::Auto);
+        let may_divide = is_automatic && features.keeps_no_tmax() && !features.in_cell;
         if may_divide && listed > MOST_LISTED_IN_ONE_LEVEL {
             // If it does not fit, one level does.
             if let Ok(data) = irregular::build_two_levels(vertices, counted.cells(), reach, is_grown, most_words) {
