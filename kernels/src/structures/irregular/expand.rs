@@ -5,10 +5,10 @@ use super::{Draft, Span};
 use crate::numbers::parallel::map_ranges;
 
 /// Most times that a cell's box is expanded on each side, by a layer of neighbours each.
-const ROUNDS: u32 = 16;
+pub(crate) const ROUNDS: u32 = 16;
 
-/// Most neighbours that are looked at, for each cell. A face with more is not moved.
-const MOST_NEIGHBOURS: u32 = 512;
+/// Most neighbours and triangles of their lists that are looked at, for each cell. A face with more is not moved.
+pub(crate) const MOST_LOOKED_AT: u32 = 1024;
 
 /// The expanded boxes. Each follows from the cells alone, not from those of others.
 pub(super) fn expand(draft: &Draft, map: &Map) -> Vec<Span> {
@@ -35,7 +35,7 @@ fn expanded(cell: usize, draft: &Draft, map: &Map) -> Span {
                 *down = by == 0;
             }
         }
-        if span == before || seen > MOST_NEIGHBOURS {
+        if span == before || seen > MOST_LOOKED_AT {
             break;
         }
     }
@@ -54,8 +54,9 @@ fn layer(cell: usize, span: &Span, (axis, is_up): (usize, bool), seen: &mut u32,
         at[u] = span.low[u];
         while at[u] < span.high[u] {
             let neighbour = map.find(at) as usize;
-            *seen += 1;
-            if *seen > MOST_NEIGHBOURS || !is_subset(&draft.lists[neighbour], &draft.lists[cell]) {
+            let (theirs, own) = (&draft.lists[neighbour], &draft.lists[cell]);
+            *seen += 1 + if theirs.len() <= own.len() { theirs.len() as u32 } else { 0 };
+            if *seen > MOST_LOOKED_AT || !is_subset(theirs, own) {
                 return 0;
             }
             let there = &draft.spans[neighbour];

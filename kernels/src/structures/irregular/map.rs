@@ -43,26 +43,48 @@ impl Map {
     }
 }
 
+/// Writes the entry of a tree, and the blocks below it: those of nodes that begin one, parents first, then in the order
+/// of children.
 fn place(entries: &mut Vec<u32>, at: usize, tree: &Tree, first: u32) {
-    let depth = depth_of(tree);
-    if depth == 0 {
-        if let Tree::Leaf(cell) = tree {
-            entries[at] = cell_entry(first + cell);
+    match tree {
+        Tree::Leaf(cell) => entries[at] = cell_entry(first + cell),
+        Tree::Node(_) => {
+            let block = Block { start: entries.len(), levels: depth_of(tree) };
+            entries[at] = block_entry(block.start as u32, block.levels);
+            entries.resize(block.start + (1 << (3 * block.levels)), 0);
+            block.fill(entries, block.levels, [0; 3], tree, first);
         }
-        return;
     }
-    let block = entries.len();
-    entries[at] = block_entry(block as u32, depth);
-    entries.resize(block + (1 << (3 * depth)), 0);
-    for i in 0..1usize << (3 * depth) {
-        let mask = (1 << depth) - 1;
-        let voxel = [i & mask, i >> depth & mask, i >> (2 * depth) & mask];
-        let mut below = tree;
-        for level in (0..depth).rev() {
-            let Tree::Node(children) = below else { break };
-            below = &children[(0..3).map(|a| (voxel[a] >> level & 1) << a).sum::<usize>()];
+}
+
+/// A block of entries.
+#[derive(Clone, Copy)]
+struct Block {
+    start: usize,
+    levels: u32,
+}
+
+impl Block {
+    /// Writes the entries of a tree in this block, so many levels above its entries, at a place in units of its size.
+    fn fill(self, entries: &mut Vec<u32>, above: u32, place_of: [usize; 3], tree: &Tree, first: u32) {
+        let index = |[x, y, z]: [usize; 3]| self.start + x + ((y + (z << self.levels)) << self.levels);
+        match tree {
+            Tree::Leaf(cell) => {
+                let each = 0..1usize << above;
+                let [x, y, z] = place_of.map(|v| v << above);
+                for (k, j) in each.clone().flat_map(|k| each.clone().map(move |j| (k, j))) {
+                    let row = index([x, y + j, z + k]);
+                    entries[row..row + each.end].fill(cell_entry(first + cell));
+                }
+            }
+            Tree::Node(_) if above == 0 => place(entries, index(place_of), tree, first),
+            Tree::Node(children) => {
+                for (i, child) in children.iter().enumerate() {
+                    let half = [0, 1, 2].map(|a| 2 * place_of[a] + (i >> a & 1));
+                    self.fill(entries, above - 1, half, child, first);
+                }
+            }
         }
-        place(entries, block + i, below, first);
     }
 }
 

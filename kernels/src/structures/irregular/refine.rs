@@ -5,7 +5,7 @@ use super::map::{Map, Tree};
 use super::{Division, Draft, Span};
 use crate::numbers::parallel::map_ranges;
 use crate::shared::grid_walk::Grid;
-use crate::structures::grid::overlap::Overlap;
+use crate::structures::grid::overlap;
 use crate::structures::grid::{self, GridData, GridError};
 
 /// Cells into which a top-level cell is divided for each of its triangles, all of the same size, except that those with
@@ -134,22 +134,12 @@ impl Refiner<'_> {
         }
         let mut halves: [Vec<u32>; 8] = Default::default();
         let grid = &self.grids[level as usize + 1];
-        let first = cell.map(|v| 2 * v);
         for &triangle in list {
             let corners = &self.vertices[9 * triangle as usize..9 * triangle as usize + 9];
-            let overlap = Overlap::new(grid, f64::from(self.layout.growth), corners);
-            for row in 0..4 {
-                let [y, z] = [first[1] + (row & 1), first[2] + (row >> 1)];
-                if y < overlap.low[1] || y > overlap.high[1] || z < overlap.low[2] || z > overlap.high[2] {
-                    continue;
-                }
-                let mask = overlap.span_mask([first[0], y, z], 2);
-                for x in 0..2 {
-                    let is_in = first[0] + x >= overlap.low[0] && first[0] + x <= overlap.high[0];
-                    if is_in && mask >> x & 1 == 1 {
-                        halves[(x + 2 * row) as usize].push(triangle);
-                    }
-                }
+            let mut mask = overlap::halves(grid, f64::from(self.layout.growth), corners, cell);
+            while mask != 0 {
+                halves[mask.trailing_zeros() as usize].push(triangle);
+                mask &= mask - 1;
             }
         }
         let after: usize = halves.iter().map(Vec::len).sum();
@@ -159,8 +149,8 @@ impl Refiner<'_> {
 }
 
 /// Levels with about [`CELLS_PER_REFERENCE`] cells for each of these references: rounded, in integers.
-fn even_levels(references: u64) -> u32 {
-    // 8^(levels - 1/2) ≤ cells, squared.
+pub(crate) fn even_levels(references: u64) -> u32 {
+    // The most for which 8^(levels - 1/2) ≤ cells: squared, and as powers of 2.
     let squared = (CELLS_PER_REFERENCE * references).saturating_pow(2);
-    (0..).take_while(|levels| 8u64.checked_pow(2 * levels + 1).is_some_and(|cells| cells <= squared)).count() as u32
+    squared.checked_ilog2().map_or(0, |log| (log + 3) / 6)
 }
