@@ -183,12 +183,14 @@ impl<R: Precision> CpuExecutor<R> {
     /// # Errors
     /// If the run has found more elements than fit.
     pub fn run(&mut self, kernel: Kernel, scene: &SceneData) -> Result<PassResult, CpuError> {
-        while let Some(unknown) = self.sizes.unknown(&self.plan, kernel) {
-            let count = self.rows_of(unknown.stream).and_then(|(rows, first)| rows.texels.get(first).copied());
-            let mut sizes = self.sizes.clone();
+        let mut sizes = self.sizes.clone();
+        sizes.renew(self.plan.program, kernel);
+        while let Some(unknown) = sizes.unknown(&self.plan, kernel) {
+            let count = |(rows, first): (&Rows<R>, usize)| rows.texels.get(first + unknown.layer).copied();
+            let count = self.rows_of(unknown.stream).and_then(count);
             sizes.found(self.plan.program, unknown, count.map_or(0, R::bits_to_u32))?;
-            self.resize(sizes)?;
         }
+        self.resize(sizes)?;
         let begin_ns = self.clock.map(|now| now());
         let threads_launched = match kernel.info().twin {
             Twin::Element { f32, f64 } => self.run_elements(kernel, R::twin(f32, f64), scene),
@@ -259,7 +261,7 @@ impl<R: Precision> CpuExecutor<R> {
     /// Number of elements in each state.
     #[must_use]
     pub fn counts(&self) -> StateCounts {
-        let mut sum = StateCounts::default();
+        let mut sum = self.sizes.counted(self.plan.program);
         for counts in &self.counts {
             sum.iter_mut().zip(counts).for_each(|(s, n)| *s += n);
         }

@@ -4,6 +4,7 @@ use crate::plan::Plan;
 use crate::program::sizes::derive;
 use crate::program::{Kernel, Program};
 use crate::tables::elements::{Count, Elements, Size};
+use crate::tables::state::StateCounts;
 use crate::tables::stream::Stream;
 
 pub use crate::program::sizes::TooMany;
@@ -22,6 +23,8 @@ pub(crate) struct Unknown {
     index: usize,
     /// The stream whose first texel holds the number.
     pub(crate) stream: Stream,
+    /// The layer.
+    pub(crate) layer: usize,
 }
 
 impl Sizes {
@@ -39,7 +42,9 @@ impl Sizes {
     /// The first set without a size that this kernel is launched over or binds a stream of.
     pub(crate) fn unknown(&self, plan: &Plan, kernel: Kernel) -> Option<Unknown> {
         let streams = plan.variant(kernel).into_iter().flat_map(|variant| variant.streams());
-        let mut needed = streams.map(|(stream, _)| stream.info().elements).chain([kernel.instance().over]);
+        let instance = kernel.instance();
+        let renewed = instance.renews.iter().copied();
+        let mut needed = streams.map(|(stream, _)| stream.info().elements).chain([instance.over]).chain(renewed);
         needed.find_map(|elements| self.root(plan.program, elements))
     }
 
@@ -50,10 +55,35 @@ impl Sizes {
             return None;
         }
         match elements.count {
-            Count::Found { in_stream } => program.stream(in_stream).map(|stream| Unknown { index, stream }),
+            Count::Found { in_stream, layer } => {
+                program.stream(in_stream).map(|stream| Unknown { index, stream, layer })
+            }
             Count::Per { of, .. } => self.root(program, program.elements(of)?),
             Count::Image | Count::Given => None,
         }
+    }
+
+    /// Forgets the sizes of the sets that a kernel renews, and of those whose sizes follow from them.
+    pub(crate) fn renew(&mut self, program: &Program, kernel: Kernel) {
+        let mut forgotten: Vec<&str> = kernel.instance().renews.iter().map(|elements| elements.name).collect();
+        while let Some(name) = forgotten.pop() {
+            for (elements, known) in program.elements.iter().zip(&mut self.known) {
+                if elements.name == name {
+                    *known = None;
+                }
+            }
+            let follows = |elements: &&&Elements| matches!(elements.count, Count::Per { of, .. } if of == name);
+            forgotten.extend(program.elements.iter().filter(follows).map(|elements| elements.name));
+        }
+    }
+
+    /// The numbers of elements on which the schedule's repetitions depend.
+    pub(crate) fn counted(&self, program: &Program) -> StateCounts {
+        let mut counts = StateCounts::default();
+        for (count, elements) in counts.iter_mut().zip(program.counted) {
+            *count = self.of(program, elements).map_or(0, |size| size.count);
+        }
+        counts
     }
 
     /// Sets the size of a counted set, and of those whose sizes follow from it.

@@ -7,7 +7,7 @@ use crate::options::Accelerator;
 use crate::options::keep::Item;
 use crate::plan::display::element;
 use crate::plan::{Plan, Planned, Structure};
-use crate::program::Kernel;
+use crate::program::{Kernel, Program};
 use crate::program::schedule::Step;
 use crate::scene_data::SceneData;
 use crate::shader::{Resource, Variant};
@@ -56,6 +56,13 @@ pub enum StepSummary {
     LoopWhileActive {
         /// The kernels.
         kernels: Vec<&'static str>,
+        /// The steps.
+        steps: Vec<StepSummary>,
+    },
+    /// Run the steps, and repeat them while a set has elements.
+    RepeatWhileAny {
+        /// The set.
+        elements: &'static str,
         /// The steps.
         steps: Vec<StepSummary>,
     },
@@ -153,7 +160,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         triangles: plan.triangles,
         structure: Structure::of(asked, plan, data),
         scene_units_per_stream_unit: data.units.scene_units_per_stream_unit(),
-        schedule: steps(&plan.schedule.steps),
+        schedule: steps(&plan.schedule.steps, plan.program),
         kernels: plan.variants.iter().map(kernel).collect(),
         streams: plan.streams.iter().map(|s| stream(s.what, texels)).collect(),
         buffers: plan.buffers.iter().map(buffer).collect(),
@@ -162,14 +169,17 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
     }
 }
 
-fn steps(all: &[Step]) -> Vec<StepSummary> {
+fn steps(all: &[Step], program: &Program) -> Vec<StepSummary> {
     let names = |kernels: &[Kernel]| kernels.iter().map(|k| k.name()).collect();
     all.iter()
         .map(|step| match step {
             Step::Run(kernel) => StepSummary::Run(kernel.name()),
             Step::RunUntilIdle(kernel) => StepSummary::RunUntilIdle(kernel.name()),
             Step::LoopWhileActive(kernels, body) => {
-                StepSummary::LoopWhileActive { kernels: names(kernels), steps: steps(body) }
+                StepSummary::LoopWhileActive { kernels: names(kernels), steps: steps(body, program) }
+            }
+            Step::RepeatWhileAny(counted, body) => {
+                StepSummary::RepeatWhileAny { elements: program.counted[*counted].name, steps: steps(body, program) }
             }
         })
         .collect()

@@ -8,14 +8,16 @@ use super::check::{PlanError, check_buffer, check_rays, check_scene};
 use super::{Limits, Plan, Planned, PlannedSet, housekeeping, planned_buffers, planned_streams, variants};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
-use crate::options::{Accelerator, Options, Rule};
+use crate::options::{Accelerator, GridSize, MOST_LISTED_IN_ONE_LEVEL, Numerics, Options, Rule, Skip};
 use crate::program::sizes::derive;
-use crate::programs::grid_build::elements::{CELLS, TRIANGLES};
+use crate::programs::grid_build::elements::{CELLS, TRIANGLES, WHOLE};
+use crate::programs::grid_build::schedule::Kind;
 use crate::programs::grid_build::{PROGRAM, schedule};
 use crate::scene_data::{SceneData, origins, traced_vertices};
 use crate::shared::build::Build;
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid;
+use crate::structures::irregular::{Layout, Site};
 use crate::tables::elements::Size;
 use crate::tables::sizes::fill_bytes;
 
@@ -29,36 +31,74 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
     check_buffer("vertices", 36 * scene.triangles.len() as u64, limits)?;
     let vertices = traced_vertices(scene, units);
     let is_grown = options.without != Some(Rule::CellGrowth);
-    let reach = grid::reach(grid::bounds(&vertices), origins(options, units));
-    let (grid, growth) = grid::planes(&vertices, options.grid, reach, is_grown, limits.storage_bytes / 4)?;
-    of(grid, growth, vertices, units, options, limits)
+    let most_words = limits.storage_bytes / 4;
+    let origins = origins(options, units);
+    if options.accelerator == Accelerator::Irregular {
+        let Site { vertices, aside, extent, layout, .. } = Site::new(&vertices, origins, is_grown, most_words)?;
+        let (plan, data) = of(&What::Irregular(layout), vertices.into_owned(), units, options, limits)?;
+        return Ok((plan, SceneData { set_aside: aside, bounds: extent.0, reach: extent.1, ..data }));
+    }
+    let bounds = grid::bounds(&vertices);
+    let reach = grid::reach(bounds, origins);
+    let counted = grid::count_lists(&vertices, options.grid, reach, is_grown, most_words)?;
+    let (cells, growth, grid) = (counted.cells(), counted.growth(), *counted.grid());
+    let is_automatic = (options.grid, options.skip) == (GridSize::Auto, Skip::Auto);
+    let is_crowded = counted.weighted_list() > MOST_LISTED_IN_ONE_LEVEL;
+    let what = if is_automatic && is_crowded && options.numerics == Numerics::Robust && options.without.is_none() {
+        What::TwoLevels(Layout::below(&vertices, reach, is_grown, cells))
+    } else {
+        What::Uniform(grid, growth)
+    };
+    let (plan, data) = of(&what, vertices, units, options, limits)?;
+    Ok((plan, SceneData { bounds, reach, ..data }))
 }
 
-/// Plans the build of the lists of a grid over these triangles.
+/// A grid before its lists are filled.
+pub(crate) enum What {
+    /// A uniform grid, and the growth of its cells.
+    Uniform(Grid, f32),
+    /// A uniform grid whose crowded cells hold finer ones.
+    TwoLevels(Layout),
+    /// An irregular grid.
+    Irregular(Layout),
+}
+
+impl What {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Uniform(..) => Kind::Uniform,
+            Self::TwoLevels(_) => Kind::TwoLevels,
+            Self::Irregular(_) => Kind::Irregular,
+        }
+    }
+}
+
+/// Plans the build of a grid over these triangles.
 pub(crate) fn of(
-    grid: Grid,
-    growth: f32,
+    what: &What,
     vertices: Vec<f32>,
     units: Units,
     options: &Options,
     limits: &Limits,
 ) -> Result<(Plan, SceneData), PlanError> {
     let triangles = (vertices.len() / 9) as u64;
-    let features = Features { grid: true, robust: true, ..Features::default() };
-    let build = Build::new(&grid, growth, triangles as u32);
+    let (grid, growth, build) = match what {
+        What::Uniform(grid, growth) => (*grid, *growth, Build::new(grid, *growth, triangles as u32)),
+        What::TwoLevels(layout) => (layout.at(0), layout.growth, layout.build(triangles as u32, false)),
+        What::Irregular(layout) => (layout.at(0), layout.growth, layout.build(triangles as u32, true)),
+    };
+    let is_uniform = matches!(what, What::Uniform(..));
+    let features = Features { grid: is_uniform, irregular: !is_uniform, robust: true, ..Features::default() };
     let data = SceneData { features, units, grid, growth, build, vertices, ..SceneData::default() };
 
     let cells: u64 = build.cells.iter().map(|&n| u64::from(n)).product();
-    let fold = |elements: &str, count: u64| {
-        let fits = Size::folded(count, limits.image_side);
-        fits.ok_or_else(|| PlanError::TooMany { elements: elements.to_owned(), count, side: limits.image_side })
-    };
+    let given = [(&TRIANGLES, triangles), (&CELLS, cells), (&WHOLE, 1)];
     let mut known = vec![None; PROGRAM.elements.len()];
     for (size, elements) in known.iter_mut().zip(PROGRAM.elements) {
-        if elements.name == TRIANGLES.name {
-            *size = Some(fold(elements.name, triangles)?);
-        } else if elements.name == CELLS.name {
-            *size = Some(fold(elements.name, cells)?);
+        if let Some(&(_, count)) = given.iter().find(|(set, _)| set.name == elements.name) {
+            let too_many =
+                || PlanError::TooMany { elements: elements.name.to_owned(), count, side: limits.image_side };
+            *size = Some(Size::folded(count, limits.image_side).ok_or_else(too_many)?);
         }
     }
     derive(&PROGRAM, &mut known, limits.image_side).map_err(|error| PlanError::TooMany {
@@ -67,7 +107,7 @@ pub(crate) fn of(
         side: limits.image_side,
     })?;
     let sets: Vec<_> = PROGRAM.elements.iter().zip(known).map(|(&what, size)| PlannedSet { what, size }).collect();
-    let schedule = schedule::of(cells as u32);
+    let schedule = schedule::of(what.kind(), cells as u32);
     let variants = variants(&PROGRAM, &schedule, &features)?;
     let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
     let size = sets[0].size.unwrap_or(Size { width: 1, height: 1, count: 0 });
@@ -84,7 +124,7 @@ pub(crate) fn of(
         height: size.height,
         rays: triangles,
         triangles,
-        accelerator: Accelerator::Grid,
+        accelerator: if is_uniform { Accelerator::Grid } else { Accelerator::Irregular },
         features,
         pass_bound: schedule.steps.len() as u64,
         schedule,

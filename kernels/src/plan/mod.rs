@@ -220,7 +220,7 @@ impl Plan {
             Step::Run(_) => runs_once(step),
             // Shading that runs as long as the ray with the most work is not part of the walk.
             Step::RunUntilIdle(kernel) => kernel.is_walk(),
-            Step::LoopWhileActive(_, body) => body.iter().all(runs_once),
+            Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) => body.iter().all(runs_once),
         };
         self.program.course.is_some() && !self.features.samples && self.schedule.steps.iter().all(is_the_same_for_all)
     }

@@ -151,7 +151,7 @@ impl Program {
         }
         for elements in self.elements {
             let missing = match elements.count {
-                Count::Found { in_stream } if self.stream(in_stream).is_none() => format!("stream {in_stream:?}"),
+                Count::Found { in_stream, .. } if self.stream(in_stream).is_none() => format!("stream {in_stream:?}"),
                 Count::Per { of, .. } if !has(of) => format!("elements {of:?}"),
                 _ => continue,
             };

@@ -136,6 +136,9 @@ pub struct Instance {
     pub parameter: u32,
     /// Streams bound under other names: pairs of a name in the WGSL and a stream.
     pub binds: &'static [(&'static str, &'static str)],
+    /// Sets whose numbers of elements are read again before it runs. Their streams are unwritten then, unless the number
+    /// is the same.
+    pub renews: &'static [&'static Elements],
 }
 
 /// An instance of a kernel in a program: a row of the program's table.
@@ -281,6 +284,7 @@ macro_rules! kernels {
                 over: &$over,
                 parameter: 0,
                 binds: &[],
+                renews: &[],
             }),*];
 
         $($(#[doc = $doc])* pub const $kernel: Kernel = Kernel::of(&KERNELS[Index::$kernel as usize]);)*

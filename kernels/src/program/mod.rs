@@ -34,6 +34,9 @@ pub struct Program {
     pub elements: &'static [&'static Elements],
     /// Its streams.
     pub streams: &'static [StreamInfo],
+    /// Sets on whose numbers of elements the schedule's repetitions depend; only for a program without states, whose
+    /// [`StateCounts`](crate::tables::state::StateCounts) they are.
+    pub counted: &'static [&'static Elements],
     /// Its states; empty if every kernel works on every element.
     pub states: States,
     /// The states in which elements begin and end; `None` without states.

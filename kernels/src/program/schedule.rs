@@ -13,13 +13,16 @@ pub enum Step {
     RunUntilIdle(Kernel),
     /// Repeat the steps while any ray is active in one of the kernels.
     LoopWhileActive(Vec<Kernel>, Vec<Step>),
+    /// Run the steps, and repeat them while one of the program's [counted sets](crate::program::Program::counted), named
+    /// by its index, has elements. In a program without states.
+    RepeatWhileAny(usize, Vec<Step>),
 }
 
 impl Step {
     /// Whether it is the walk: the steps that move rays until their hits are found.
     fn is_walk(&self) -> bool {
         match self {
-            Self::Run(_) => false,
+            Self::Run(_) | Self::RepeatWhileAny(..) => false,
             Self::RunUntilIdle(kernel) => kernel.is_walk(),
             Self::LoopWhileActive(kernels, _) => kernels.iter().all(|k| k.is_walk()),
         }
@@ -45,7 +48,7 @@ impl Schedule {
                             kernels.push(*k);
                         }
                     }
-                    Step::LoopWhileActive(_, body) => collect(body, kernels),
+                    Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) => collect(body, kernels),
                 }
             }
         }
@@ -108,8 +111,14 @@ impl Cursor {
             let index = *self.path.last()?;
             let Some(step) = steps.get(index) else {
                 // End of a loop's body: back to the loop's condition; else the end of the schedule.
-                parent?;
-                self.path.pop();
+                match parent? {
+                    Step::RepeatWhileAny(counted, _) if counts[*counted] > 0 => *self.path.last_mut()? = 0,
+                    Step::RepeatWhileAny(..) => {
+                        self.path.pop();
+                        *self.path.last_mut()? += 1;
+                    }
+                    _ => _ = self.path.pop(),
+                }
                 continue;
             };
             match step {
@@ -136,8 +145,15 @@ impl Cursor {
                         *self.path.last_mut()? += 1;
                     }
                 }
+                Step::RepeatWhileAny(..) => self.path.push(0),
             }
         }
+    }
+
+    /// Whether it is not known without the latest counts which kernel is next: repeated steps have come to their end.
+    fn may_repeat(&self, schedule: &Schedule) -> bool {
+        let (steps, parent) = self.steps(schedule);
+        matches!(parent, Some(Step::RepeatWhileAny(..))) && self.path.last().is_some_and(|&index| index >= steps.len())
     }
 
     /// The position right before the last step it advanced past, as far as counts tell.
@@ -173,7 +189,7 @@ impl Cursor {
         let mut counts = *counts;
         let mut last = first;
         // These kernels run once, whatever they find, so the next pass is known.
-        while last.role() == Role::Once && kernels.len() < most {
+        while last.role() == Role::Once && kernels.len() < most && !cursor.may_repeat(schedule) {
             match cursor.next(schedule, &counts) {
                 Some(next) if next.role() == Role::Once => {
                     kernels.push(next);
@@ -231,7 +247,7 @@ impl Cursor {
         for (depth, &index) in self.path.iter().enumerate() {
             match steps.get(index)? {
                 step if step.is_walk() => return Some(depth),
-                Step::LoopWhileActive(_, body) => steps = body,
+                Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) => steps = body,
                 _ => return None,
             }
         }
@@ -242,8 +258,9 @@ impl Cursor {
     fn steps<'a>(&self, schedule: &'a Schedule) -> (&'a [Step], Option<&'a Step>) {
         let (mut steps, mut parent) = (schedule.steps.as_slice(), None);
         for &index in &self.path[..self.path.len() - 1] {
-            let Step::LoopWhileActive(_, body) = &steps[index] else { break };
-            (steps, parent) = (body, Some(&steps[index]));
+            let step = &steps[index];
+            let (Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body)) = step else { break };
+            (steps, parent) = (body, Some(step));
         }
         (steps, parent)
     }

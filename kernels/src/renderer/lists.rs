@@ -1,9 +1,12 @@
-//! The lists of a grid that a run has built.
+//! The grid that a run has built.
 
 use super::{RenderError, Renderer};
 use crate::programs::grid_build::elements::REFERENCES;
 use crate::programs::grid_build::radix::digits_of;
-use crate::programs::grid_build::streams::{START, STARTS_IN_ALL, TRIANGLE_EVEN, TRIANGLE_ODD};
+use crate::programs::grid_build::streams::{
+    CELL, ITEM, LIST, MAP_BELOW, MAP_TOP, START, STARTS_IN_ALL, TRIANGLE_EVEN, TRIANGLE_ODD,
+};
+use crate::structures::irregular::{IrregularCell, IrregularData, LAST_ITEM, Layout};
 use crate::tables::elements::Elements;
 use crate::tables::stream::Stream;
 
@@ -32,13 +35,45 @@ impl Lists {
     }
 }
 
+impl IrregularData {
+    /// The irregular grid, or that of two levels, that a run of the build has made, once it is complete.
+    ///
+    /// # Errors
+    /// If the run builds no such grid, is not complete, or the device fails.
+    pub async fn of(renderer: &Renderer) -> Result<Self, RenderError> {
+        let data = renderer.data();
+        let layout = Layout::of(&data.build, &data.grid);
+        let mut map = values(renderer, MAP_TOP).await?;
+        map.extend(values(renderer, MAP_BELOW).await?);
+        let lengths = layer(renderer, LIST, 1).await?;
+        let records = renderer.values(CELL).await?;
+        let cells = (0..count(renderer, CELL.info().elements)).map(|i| {
+            let [xy, zx, yz, first] = [0, 1, 2, 3].map(|layer| records.get(layer, i));
+            let halves = |word: u32| [word as u16, (word >> 16) as u16];
+            let ([low_x, low_y], [low_z, high_x], [high_y, high_z]) = (halves(xy), halves(zx), halves(yz));
+            IrregularCell { low: [low_x, low_y, low_z], high: [high_x, high_y, high_z], first }
+        });
+        let mut items = values(renderer, ITEM).await?;
+        if items.is_empty() {
+            items.push(LAST_ITEM);
+        }
+        let built = Self::of_buffers(&layout, map, cells.collect(), items, lengths);
+        Ok(Self { bounds: data.bounds, reach: data.reach, ..built }.with_aside(&data.set_aside))
+    }
+}
+
 fn count(renderer: &Renderer, elements: &Elements) -> usize {
     renderer.size(elements).map_or(0, |size| size.count as usize)
 }
 
 /// The values of a stream with one layer, one per element.
 async fn values(renderer: &Renderer, stream: Stream) -> Result<Vec<u32>, RenderError> {
-    let mut values = renderer.values(stream).await?.bits;
+    layer(renderer, stream, 0).await
+}
+
+/// The values of a layer of a stream, one per element.
+async fn layer(renderer: &Renderer, stream: Stream, layer: usize) -> Result<Vec<u32>, RenderError> {
+    let mut values = renderer.values(stream).await?.layer(layer).to_vec();
     values.truncate(count(renderer, stream.info().elements));
     Ok(values)
 }

@@ -61,6 +61,8 @@ pub struct SceneData {
     pub grid_items: Vec<u32>,
     /// One byte per cell, four cells per word: see [`crate::structures::grid::distances`].
     pub grid_distances: Vec<u32>,
+    /// Triangles that an irregular grid which is being built sets aside; the other vertices are left out.
+    pub set_aside: Vec<u32>,
     /// The voxel map of an irregular grid: see [`crate::structures::irregular`].
     pub irregular_map: Vec<u32>,
     /// The cells of an irregular grid.

@@ -16,9 +16,14 @@ pub struct Build {
     pub width: [f32; 3],
     /// Number of triangles.
     pub triangles: u32,
-    /// Cells along each axis.
+    /// Cells along each axis; of an irregular grid, those of its top level, as above.
     pub cells: [u32; 3],
-    _pad: u32,
+    /// Most halvings of such a cell.
+    pub levels: u32,
+    /// Proportions of a cell's sides, at most 255.
+    pub weights: [u32; 3],
+    /// Whether cells are divided as their content asks for, else only crowded ones.
+    pub by_content: u32,
 }
 
 impl Build {
@@ -26,6 +31,6 @@ impl Build {
     #[must_use]
     pub fn new(grid: &Grid, growth: f32, triangles: u32) -> Self {
         let cells = grid.cells.map(|n| n as u32);
-        Self { corner: grid.corner, growth, width: grid.width, triangles, cells, _pad: 0 }
+        Self { corner: grid.corner, growth, width: grid.width, triangles, cells, ..Self::default() }
     }
 }

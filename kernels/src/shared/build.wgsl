@@ -8,9 +8,14 @@ struct Build {
     // Size of a cell, f32 bits.
     width: vec3u,
     triangles: u32,
-    // Cells along each axis.
+    // Cells along each axis; of an irregular grid, those of its top level, as above.
     cells: vec3u,
-    _pad: u32,
+    // Most halvings of such a cell.
+    levels: u32,
+    // Proportions of a cell's sides, at most 255.
+    weights: vec3u,
+    // Whether cells are divided as their content asks for, else only crowded ones.
+    by_content: u32,
 }
 
 @group(1) @binding(0) var<uniform> build: Build;

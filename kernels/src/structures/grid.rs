@@ -130,6 +130,18 @@ impl CountedGrid {
         if sum > 0.0 { squares / sum } else { 0.0 }
     }
 
+    /// The grid.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Growth of its cells, in traced units.
+    #[must_use]
+    pub fn growth(&self) -> f32 {
+        self.growth
+    }
+
     /// Cells along x, y and z.
     #[must_use]
     pub fn cells(&self) -> [u32; 3] {
@@ -223,7 +235,7 @@ pub fn lists(grid: &Grid, growth: f32, vertices: &[f32], most_words: u64) -> Res
 }
 
 /// Counts the lists of a grid, with at most `limit` entries.
-fn counted(grid: Grid, growth: f32, vertices: &[f32], limit: u64) -> Result<CountedGrid, GridError> {
+pub(super) fn counted(grid: Grid, growth: f32, vertices: &[f32], limit: u64) -> Result<CountedGrid, GridError> {
     let too_many = || GridError::TooManyReferences { cells: grid.cells.map(|n| n as u32), limit };
     let counts = count(vertices, &grid, growth, limit).ok_or_else(too_many)?;
     Ok(CountedGrid { grid, growth, counts })

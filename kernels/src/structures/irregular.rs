@@ -30,11 +30,11 @@
 //! threads nor on how a compiler rounds.
 
 mod aside;
-mod expand;
-mod layout;
+pub(crate) mod expand;
+pub(crate) mod layout;
 mod map;
-mod merge;
-mod refine;
+pub(crate) mod merge;
+pub(crate) mod refine;
 #[cfg(test)]
 mod tests;
 
@@ -44,6 +44,7 @@ use super::grid::{self, Corners, GridError};
 pub use crate::shared::constants::{LAST_ITEM, NO_LIST, OUTSIDE};
 use crate::shared::grid_walk::Grid;
 pub use crate::shared::irregular_walk::{IrregularCell, block_entry, cell_entry};
+pub(crate) use layout::Layout;
 
 /// An irregular grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,6 +84,50 @@ struct Draft {
     lists: Vec<Vec<u32>>,
 }
 
+/// What an irregular grid is laid out for, before any list is filled.
+pub(crate) struct Site<'a> {
+    /// The triangles that it lists.
+    pub(crate) vertices: Cow<'a, [f32]>,
+    /// The others, ascending.
+    pub(crate) aside: Vec<u32>,
+    /// See [`IrregularData::bounds`] and [`IrregularData::reach`].
+    pub(crate) extent: (Corners, f32),
+    pub(crate) layout: Layout,
+    /// The top level, its lists counted.
+    top: grid::CountedGrid,
+}
+
+impl<'a> Site<'a> {
+    /// See [`build`].
+    pub(crate) fn new(
+        vertices: &'a [f32],
+        origins: Option<Corners>,
+        is_grown: bool,
+        most_words: u64,
+    ) -> Result<Self, GridError> {
+        let aside = aside::far_away(vertices);
+        let vertices: Cow<'a, [f32]> = match aside.is_empty() {
+            true => Cow::Borrowed(vertices),
+            false => Cow::Owned(aside::without(vertices, &aside)),
+        };
+        let bounds = grid::bounds(&vertices);
+        let reach = grid::reach(bounds, origins);
+        let mut coarser = 0;
+        loop {
+            let layout = Layout::new(&vertices, reach, is_grown, coarser);
+            match refine::count_top_lists(&vertices, &layout, most_words) {
+                Ok(top) => return Ok(Self { vertices, aside, extent: (bounds, reach), layout, top }),
+                Err(_) if layout.is_one_cell() => return Err(too_many(&vertices, most_words)),
+                Err(_) => coarser += 1,
+            }
+        }
+    }
+}
+
+fn too_many(vertices: &[f32], limit: u64) -> GridError {
+    GridError::TooManyCells { triangles: vertices.len() / 9, limit }
+}
+
 /// Builds the irregular grid over `vertices` (nine floats per triangle, traced units). `origins` is the box of
 /// ray origins, if they are known; `most_words` is the size of the executor's largest buffer.
 ///
@@ -94,39 +139,13 @@ pub fn build(
     is_grown: bool,
     most_words: u64,
 ) -> Result<IrregularData, GridError> {
-    let too_many = |limit| GridError::TooManyCells { triangles: vertices.len() / 9, limit };
-    let aside = aside::far_away(vertices);
-    let (vertices, ids) = match aside.is_empty() {
-        true => (Cow::Borrowed(vertices), None),
-        false => {
-            let (corners, ids) = aside::without(vertices, &aside);
-            (Cow::Owned(corners), Some(ids))
-        }
-    };
-    let vertices = &*vertices;
-    let bounds = grid::bounds(vertices);
-    let reach = grid::reach(bounds, origins);
-    let mut coarser = 0;
-    let (plan, lists) = loop {
-        let plan = layout::Layout::new(vertices, reach, is_grown, coarser);
-        match refine::top_lists(vertices, &plan, most_words) {
-            Ok(lists) => break (plan, lists),
-            Err(_) if plan.is_one_cell() => return Err(too_many(most_words)),
-            Err(_) => coarser += 1,
-        }
-    };
-    let (mut map, draft) = refine::refine(vertices, &plan, &lists, Division::ByContent);
-    let mut draft = merge::merge(draft, &mut map, &plan);
+    let Site { vertices, aside, extent, layout, top } = Site::new(vertices, origins, is_grown, most_words)?;
+    let lists = top.fill(&vertices);
+    let (mut map, draft) = refine::refine(&vertices, &layout, &lists, Division::ByContent);
+    let mut draft = merge::merge(draft, &mut map, &layout);
     draft.spans = expand::expand(&draft, &map);
-    if let Some(ids) = ids {
-        // Cell 0 is the space around the grid.
-        map.rename(|cell| cell + 1);
-        draft.spans.insert(0, Span { low: [0; 3], high: plan.grid.cells });
-        draft.lists.iter_mut().flatten().for_each(|triangle| *triangle = ids[*triangle as usize]);
-        draft.lists.insert(0, aside.clone());
-    }
-    let data = laid_out(&plan, map, draft, most_words).ok_or_else(|| too_many(most_words))?;
-    Ok(IrregularData { bounds, reach, aside: aside.len() as u32, ..data })
+    let data = laid_out(&layout, map, draft, most_words).ok_or_else(|| too_many(&vertices, most_words))?;
+    Ok(IrregularData { bounds: extent.0, reach: extent.1, ..data }.with_aside(&aside))
 }
 
 /// Builds a uniform grid of `cells` over `vertices`, each of whose crowded cells holds a finer grid (as the two-level grids
@@ -142,11 +161,10 @@ pub fn build_two_levels(
     is_grown: bool,
     most_words: u64,
 ) -> Result<IrregularData, GridError> {
-    let plan = layout::Layout::below(vertices, reach, is_grown, cells);
-    let lists = grid::lists(&plan.at(0), plan.growth, vertices, most_words)?;
-    let (map, draft) = refine::refine(vertices, &plan, &lists, Division::OfCrowded);
-    let too_many = || GridError::TooManyCells { triangles: vertices.len() / 9, limit: most_words };
-    let data = laid_out(&plan, map, draft, most_words).ok_or_else(too_many)?;
+    let layout = Layout::below(vertices, reach, is_grown, cells);
+    let lists = grid::lists(&layout.at(0), layout.growth, vertices, most_words)?;
+    let (map, draft) = refine::refine(vertices, &layout, &lists, Division::OfCrowded);
+    let data = laid_out(&layout, map, draft, most_words).ok_or_else(|| too_many(vertices, most_words))?;
     Ok(IrregularData { bounds: grid::bounds(vertices), reach, ..data })
 }
 
@@ -160,7 +178,7 @@ enum Division {
 }
 
 /// The buffers; `None` if one would be larger than `most_words`.
-fn laid_out(plan: &layout::Layout, map: map::Map, draft: Draft, most_words: u64) -> Option<IrregularData> {
+fn laid_out(layout: &Layout, map: map::Map, draft: Draft, most_words: u64) -> Option<IrregularData> {
     let references: u64 = draft.lists.iter().map(|list| list.len() as u64).sum();
     if references.max(4 * draft.spans.len() as u64).max(map.entries.len() as u64) > most_words {
         return None;
@@ -182,20 +200,7 @@ fn laid_out(plan: &layout::Layout, map: map::Map, draft: Draft, most_words: u64)
     if items.is_empty() {
         items.push(LAST_ITEM);
     }
-    // One more for the space around the grid.
-    let most_visited = crossings(&cells) + 2;
-    Some(IrregularData {
-        grid: plan.grid,
-        map: map.entries,
-        cells,
-        items,
-        lengths,
-        growth: plan.growth,
-        bounds: [[0.0; 3]; 2],
-        reach: 0.0,
-        aside: 0,
-        most_visited,
-    })
+    Some(IrregularData::of_buffers(layout, map.entries, cells, items, lengths))
 }
 
 /// Number of planes on which boxes end, over all axes.
@@ -210,6 +215,53 @@ fn crossings(cells: &[IrregularCell]) -> u64 {
 }
 
 impl IrregularData {
+    /// A grid whose buffers are given, without triangles set aside; its extent is not known yet.
+    pub(crate) fn of_buffers(
+        layout: &Layout,
+        map: Vec<u32>,
+        cells: Vec<IrregularCell>,
+        items: Vec<u32>,
+        lengths: Vec<u32>,
+    ) -> Self {
+        // One more for the space around the grid.
+        let most_visited = crossings(&cells) + 2;
+        let (grid, growth) = (layout.grid, layout.growth);
+        let (bounds, reach) = ([[0.0; 3]; 2], 0.0);
+        Self { grid, map, cells, items, lengths, growth, bounds, reach, aside: 0, most_visited }
+    }
+
+    /// The same with the triangles that were set aside, ascending: they are listed by cell [`OUTSIDE`], the space around
+    /// the grid, before all others, and the triangles of the other lists get the ids that they have among all.
+    pub(crate) fn with_aside(mut self, aside: &[u32]) -> Self {
+        if aside.is_empty() {
+            return self;
+        }
+        // The number of those set aside before each of the others, added to its id among these.
+        let before: Vec<u32> = (0..).zip(aside).map(|(k, id)| id - k).collect();
+        let count = aside.len() as u32;
+        let is_empty = self.lengths.iter().all(|&length| length == 0);
+        let listed = self.items.iter().filter(|_| !is_empty).map(|item| {
+            let id = item & !LAST_ITEM;
+            (id + before.partition_point(|&first| first <= id) as u32) | item & LAST_ITEM
+        });
+        let mut items: Vec<u32> = aside.iter().copied().chain(listed).collect();
+        items[aside.len() - 1] |= LAST_ITEM;
+        self.items = items;
+        for cell in self.cells.iter_mut().filter(|cell| cell.first != NO_LIST) {
+            cell.first += count;
+        }
+        let whole = IrregularCell { low: [0; 3], high: self.grid.cells.map(|n| n as u16), first: 0 };
+        self.cells.insert(OUTSIDE as usize, whole);
+        self.lengths.insert(OUTSIDE as usize, count);
+        // Entries of cells have a depth of 0.
+        for entry in self.map.iter_mut().filter(|entry| **entry & 3 == 0) {
+            *entry = cell_entry((*entry >> 2) + 1);
+        }
+        self.aside = count;
+        self.most_visited = crossings(&self.cells) + 2;
+        self
+    }
+
     /// The triangles that a cell, which must exist, lists.
     pub fn list(&self, cell: u32) -> impl Iterator<Item = u32> + '_ {
         let (first, length) = (self.cells[cell as usize].first, self.lengths[cell as usize]);

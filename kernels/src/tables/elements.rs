@@ -19,10 +19,12 @@ pub enum Count {
     /// A number given before the first pass; the rows of the texture are filled one after the other.
     Given,
     /// A number found on the device: a kernel stores it in the first texel of this stream. Until then the set has no
-    /// streams.
+    /// streams. If an instance of a kernel [renews](crate::program::Instance::renews) the set, its number is read again.
     Found {
         /// Name of the stream.
         in_stream: &'static str,
+        /// Layer of the stream.
+        layer: usize,
     },
     /// `each` elements for every block of `per` elements of another set; the last block may have fewer. For example,
     /// totals of blocks.

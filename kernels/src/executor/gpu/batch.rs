@@ -10,6 +10,7 @@ use crate::executor::gpu::readback::Readback;
 use crate::program::Kernel;
 use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
+use crate::tables::stream::Stream;
 use crate::tables::kernel::{Launch, Role};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
 use crate::tables::state::StateCounts;
@@ -81,6 +82,9 @@ impl GpuExecutor {
             let threads_launched = place.threads(kernel, &now, size);
             let elements = size.count;
             now = if is_counted_anew { sent } else { counts_after(kernel, &now, &sent) };
+            if !self.plan.program.counted.is_empty() {
+                now = self.sizes.counted(self.plan.program);
+            }
             results.push(PassResult { kernel, counts: now, elements, threads_launched, begin_ns, duration_ns });
         }
         Ok(results)
@@ -163,18 +167,34 @@ impl GpuExecutor {
     /// first of a batch, and their number is read back before it.
     async fn sized<'a>(&mut self, passes: &'a [Kernel]) -> Result<&'a [Kernel], GpuError> {
         let Some(&first) = passes.first() else { return Ok(passes) };
-        while let Some(unknown) = self.sizes.unknown(&self.plan, first) {
-            let found = self.read_texels(&[unknown.stream], 0, 0).await?;
-            let count = found.and_then(|texels| texels.first()?.first().copied());
-            let mut sizes = self.sizes.clone();
-            sizes.found(self.plan.program, unknown, count.ok_or(GpuError::Missing(unknown.stream.name()))?)?;
+        let mut sizes = self.sizes.clone();
+        sizes.renew(self.plan.program, first);
+        // Several numbers may be in one stream.
+        let mut texels: Vec<(Stream, Vec<u32>)> = Vec::new();
+        while let Some(unknown) = sizes.unknown(&self.plan, first) {
+            let missing = GpuError::Missing(unknown.stream.name());
+            let count = match texels.iter().find(|(stream, _)| *stream == unknown.stream) {
+                Some((_, layers)) => layers.get(unknown.layer).copied(),
+                None => {
+                    let found = self.read_texels(&[unknown.stream], 0, 0).await?.and_then(|mut found| found.pop());
+                    let layers = found.unwrap_or_default();
+                    let count = layers.get(unknown.layer).copied();
+                    texels.push((unknown.stream, layers));
+                    count
+                }
+            };
+            sizes.found(self.plan.program, unknown, count.ok_or(missing)?)?;
+        }
+        if sizes != self.sizes {
             let scopes = self.gpu.push_scopes();
             let resized = self.resize(sizes);
             self.gpu.pop_scopes(scopes).await?;
             resized?;
         }
-        let known = passes.iter().take_while(|&&kernel| self.sizes.unknown(&self.plan, kernel).is_none()).count();
-        Ok(&passes[..known])
+        let is_ready =
+            |kernel: Kernel| kernel.instance().renews.is_empty() && self.sizes.unknown(&self.plan, kernel).is_none();
+        let others = passes[1..].iter().take_while(|&&kernel| is_ready(kernel)).count();
+        Ok(&passes[..1 + others])
     }
 
     fn dispatch(

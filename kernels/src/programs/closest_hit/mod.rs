@@ -45,6 +45,7 @@ pub static PROGRAM: Program = Program {
     summary: "every ray to its closest hit, and its colour from there",
     elements: &[&elements::RAYS],
     streams: &streams::STREAMS,
+    counted: &[],
     states: states::STATES,
     course: Some(Course {
         stream: streams::STATE,

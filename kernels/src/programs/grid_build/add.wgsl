@@ -20,6 +20,9 @@ fn add(
         return;
     }
     let at = texel(i, textureDimensions(values).x);
-    let before = textureLoad(sums, texel(i / SCAN_BLOCK, textureDimensions(sums).x), 0, 0).x;
-    textureStore(values, at, 0, vec4u(saturating_add(before, textureLoad(values, at, 0).x)));
+    let block = texel(i / SCAN_BLOCK, textureDimensions(sums).x);
+    for (var layer = 0u; layer < textureNumLayers(values); layer++) {
+        let before = textureLoad(sums, block, layer, 0).x;
+        textureStore(values, at, layer, vec4u(saturating_add(before, textureLoad(values, at, layer).x)));
+    }
 }

@@ -1,16 +1,13 @@
-//! The kernels of the build, and their instances in the program.
+//! The kernels of the build.
 
-use super::elements::{
-    CELL_BLOCKS, CELLS, REFERENCES, SPAN_BLOCKS, SPANS, TALLIES, TALLY_BLOCKS, TRIANGLE_BLOCKS, TRIANGLES,
-};
+use super::irregular::{finish, map, merge, refine};
+use super::passes;
 use super::scan::EACH;
-use super::{PROGRAM, passes};
-use crate::options::reasons::Because;
-use crate::options::{GridSize, Options};
+use crate::options::reasons::{Because, Reason, Run};
+use crate::options::{Accelerator, GridSize, Options};
 use crate::program::breaks::{Break, as_it_is};
-use crate::program::kernel::{Instance, Kernel, KernelInfo, PassTwin, Proof, Twin};
+use crate::program::kernel::{KernelInfo, PassTwin, Proof, Twin};
 use crate::shared::launch::BLOCK;
-use crate::tables::elements::Elements;
 use crate::tables::kernel::{Counts, Launch, Role};
 
 /// The row of a kernel; all other fields are the same for every kernel.
@@ -42,6 +39,29 @@ const fn row(
     }
 }
 
+/// The row of a kernel that only builds irregular grids.
+const fn irregular_row(
+    source: (&'static str, &'static str),
+    twin: PassTwin,
+    colour: [u8; 3],
+    summary: &'static str,
+    breaks: &'static [Break],
+) -> KernelInfo {
+    KernelInfo { why_absent: not_irregular, ..row(source, twin, 1, colour, summary, breaks) }
+}
+
+fn not_irregular(run: &Run<'_>) -> Reason {
+    let reason = match run.accelerator {
+        Accelerator::Irregular => "the lists are in the other streams, or the grid has two levels only",
+        _ => "the cells of a uniform grid are not divided",
+    };
+    (Because::Options, reason)
+}
+
+fn irregular(options: &mut Options) {
+    options.accelerator = Accelerator::Irregular;
+}
+
 /// More cells than a block of a scan has.
 fn fine(options: &mut Options) {
     options.grid = GridSize::Cells([32; 3]);
@@ -53,7 +73,7 @@ macro_rules! wgsl {
     };
 }
 
-const BOUND: KernelInfo = row(
+pub(super) const BOUND: KernelInfo = row(
     wgsl!("bound"),
     passes::bound,
     1,
@@ -61,7 +81,7 @@ const BOUND: KernelInfo = row(
     "finds which cells each triangle's own box touches",
     &[Break::new(as_it_is, "high - low + 1u", "high - low + 2u")],
 );
-const SCAN: KernelInfo = row(
+pub(super) const SCAN: KernelInfo = row(
     wgsl!("scan"),
     passes::scan,
     EACH,
@@ -69,7 +89,7 @@ const SCAN: KernelInfo = row(
     "sums the values before each one, in blocks",
     &[Break::new(as_it_is, "from_side][lane - 1u]", "from_side][lane]")],
 );
-const ADD: KernelInfo = row(
+pub(super) const ADD: KernelInfo = row(
     wgsl!("add"),
     passes::add,
     1,
@@ -77,7 +97,7 @@ const ADD: KernelInfo = row(
     "adds the sum of all blocks before its own",
     &[Break::new(fine, "saturating_add(before,", "saturating_add(0u,")],
 );
-const SPAN: KernelInfo = row(
+pub(super) const SPAN: KernelInfo = row(
     wgsl!("span"),
     passes::span,
     1,
@@ -85,7 +105,7 @@ const SPAN: KernelInfo = row(
     "tests up to 32 cells of a row against their triangle",
     &[Break::new(as_it_is, "u32(meets(x))", "1u")],
 );
-const EMIT: KernelInfo = row(
+pub(super) const EMIT: KernelInfo = row(
     wgsl!("emit"),
     passes::emit,
     1,
@@ -93,7 +113,7 @@ const EMIT: KernelInfo = row(
     "writes a reference for each cell that a span overlaps",
     &[Break::new(as_it_is, "first + firstTrailingBit(left)", "first + firstTrailingBit(left) + 1u")],
 );
-const HISTOGRAM: KernelInfo = row(
+pub(super) const HISTOGRAM: KernelInfo = row(
     wgsl!("histogram"),
     passes::histogram,
     1,
@@ -101,7 +121,7 @@ const HISTOGRAM: KernelInfo = row(
     "counts a digit of the cell in each block",
     &[Break::new(as_it_is, "counts[digit_of(cell)], 1u", "counts[digit_of(cell)], 2u")],
 );
-const SCATTER: KernelInfo = row(
+pub(super) const SCATTER: KernelInfo = row(
     wgsl!("scatter"),
     passes::scatter,
     1,
@@ -109,7 +129,7 @@ const SCATTER: KernelInfo = row(
     "moves each reference to its place by a digit",
     &[Break::new(as_it_is, "(bit - 1u)", "(bit | (bit - 1u))")],
 );
-const MARK: KernelInfo = row(
+pub(super) const MARK: KernelInfo = row(
     wgsl!("mark"),
     passes::mark,
     1,
@@ -117,7 +137,7 @@ const MARK: KernelInfo = row(
     "finds where the references to each cell begin and end",
     &[Break::new(as_it_is, "vec4u(i + 1u)", "vec4u(i)")],
 );
-const MEASURE: KernelInfo = row(
+pub(super) const MEASURE: KernelInfo = row(
     wgsl!("measure"),
     passes::measure,
     1,
@@ -126,115 +146,207 @@ const MEASURE: KernelInfo = row(
     &[Break::new(as_it_is, "vec4u(length)", "vec4u(length + 1u)")],
 );
 
+macro_rules! of_irregular {
+    ($name:literal) => {
+        ($name, include_str!(concat!("irregular/", $name, ".wgsl")))
+    };
+}
+
+pub(super) const COUNT_TOP: KernelInfo = irregular_row(
+    of_irregular!("count_top"),
+    refine::count_top,
+    [120, 130, 140],
+    "notes how many leaves and references there are at first",
+    &[Break::new(irregular, "load(references_in_all, 0u, 0u)", "load(references_in_all, 0u, 0u) + 1u")],
+);
+pub(super) const MAKE_LEAVES: KernelInfo = irregular_row(
+    of_irregular!("make_leaves"),
+    refine::make_leaves,
+    [90, 165, 90],
+    "makes every cell of the top level a leaf, the root of an octree",
+    &[Break::new(irregular, "(log2_of_square(CELLS_PER_REFERENCE * length) + 3u)", "(log2_of_square(length) + 3u)")],
+);
+pub(super) const ADOPT_PAIRS: KernelInfo = irregular_row(
+    of_irregular!("adopt_pairs"),
+    refine::adopt_pairs,
+    [150, 150, 150],
+    "copies two streams of references",
+    &[Break::new(irregular, "load(second_in, i, 0u)", "load(first_in, i, 0u)")],
+);
+pub(super) const HALVE: KernelInfo = irregular_row(
+    of_irregular!("halve"),
+    refine::halve,
+    [232, 140, 60],
+    "finds in which halves of its leaf each triangle lies",
+    &[Break::new(irregular, "let found = atomicLoad(&lying_in[lane]);", "let found = atomicLoad(&lying_in[lane]) | 1u;")],
+);
+pub(super) const DECIDE: KernelInfo = irregular_row(
+    of_irregular!("decide"),
+    refine::decide,
+    [190, 150, 30],
+    "decides which leaves are divided",
+    &[Break::new(irregular, "< 4u * length", "< 2u * length")],
+);
+pub(super) const DIVIDE: KernelInfo = irregular_row(
+    of_irregular!("divide"),
+    refine::divide,
+    [200, 80, 140],
+    "replaces leaves by their halves",
+    &[Break::new(irregular, "levels + 1u));", "levels));")],
+);
+pub(super) const HAND_DOWN: KernelInfo = irregular_row(
+    of_irregular!("hand_down"),
+    refine::hand_down,
+    [66, 124, 200],
+    "moves each reference to every half in which it lies",
+    &[Break::new(irregular, "- rank(half, first);", "- rank(half, first) + 1u;")],
+);
+pub(super) const ADOPT_LEAVES: KernelInfo = irregular_row(
+    of_irregular!("adopt_leaves"),
+    refine::adopt_leaves,
+    [150, 150, 150],
+    "makes the next leaves the leaves",
+    &[Break::new(irregular, "load(next_list, i, 1u)", "load(next_list, i, 0u)")],
+);
+pub(super) const ADOPT_DIVISION: KernelInfo = irregular_row(
+    of_irregular!("adopt_division"),
+    refine::adopt_division,
+    [150, 150, 150],
+    "makes what is left of the next leaves' budgets that of the leaves",
+    &[Break::new(irregular, "load(next_division, i, 0u)", "load(next_division, i, 1u)")],
+);
+pub(super) const OPEN_NODES: KernelInfo = irregular_row(
+    of_irregular!("open_nodes"),
+    map::open_nodes,
+    [23, 150, 160],
+    "counts the nodes of octrees, each at its first leaf",
+    &[Break::new(irregular, "vec4u(i))", "vec4u(i + 1u))")],
+);
+pub(super) const LINK_NODES: KernelInfo = irregular_row(
+    of_irregular!("link_nodes"),
+    map::link_nodes,
+    [150, 120, 190],
+    "links nodes and leaves with their parents",
+    &[Break::new(irregular, "octant_of(voxel, shift), width", "0u, width")],
+);
+pub(super) const SIZE_BLOCKS: KernelInfo = irregular_row(
+    of_irregular!("size_blocks"),
+    map::size_blocks,
+    [190, 150, 30],
+    "finds the nodes with which a block of the voxel map begins",
+    &[Break::new(irregular, "grandchildren < 4u", "grandchildren < 8u")],
+);
+pub(super) const MAP_TOP_LEVEL: KernelInfo = irregular_row(
+    of_irregular!("map_top_level"),
+    map::map_top_level,
+    [90, 165, 90],
+    "writes the voxel map's entries for the top level",
+    &[Break::new(irregular, "load(tree_top, i, 0u)", "load(tree_top, 0u, 0u)")],
+);
+pub(super) const MAP_BLOCKS: KernelInfo = irregular_row(
+    of_irregular!("map_blocks"),
+    map::map_blocks,
+    [90, 165, 90],
+    "writes the entries of the voxel map's blocks",
+    &[Break::new(irregular, "octant_of(voxel, k - 1u)", "octant_of(voxel, k)")],
+);
+pub(super) const START_MERGING: KernelInfo = irregular_row(
+    of_irregular!("start_merging"),
+    merge::start_merging,
+    [120, 130, 140],
+    "begins merging along the x axis",
+    &[Break::new(irregular, "4, vec4u(leaves)", "4, vec4u(0u)")],
+);
+pub(super) const PAIR: KernelInfo = irregular_row(
+    of_irregular!("pair"),
+    merge::pair,
+    [23, 150, 160],
+    "finds the neighbours with which each leaf forms a box",
+    &[Break::new(irregular, "voxel[axis] = end;", "voxel[axis] = end - 1u;")],
+);
+pub(super) const SHARE_LISTS: KernelInfo = irregular_row(
+    of_irregular!("share_lists"),
+    merge::share_lists,
+    [232, 140, 60],
+    "finds which triangles the neighbour before lists, too",
+    &[Break::new(irregular, "countOneBits(found)", "countOneBits(found) + 1u")],
+);
+pub(super) const WISH: KernelInfo = irregular_row(
+    of_irregular!("wish"),
+    merge::wish,
+    [190, 150, 30],
+    "finds which leaves cost no more together with the next one",
+    &[Break::new(irregular, "listed + STEP_COST", "listed")],
+);
+pub(super) const UNITE: KernelInfo = irregular_row(
+    of_irregular!("unite"),
+    merge::unite,
+    [190, 110, 70],
+    "decides which leaves are merged",
+    &[Break::new(irregular, "vec4u(u32(!is_gone))", "vec4u(1u)")],
+);
+pub(super) const GATHER: KernelInfo = irregular_row(
+    of_irregular!("gather"),
+    merge::gather,
+    [200, 80, 140],
+    "moves the leaves that remain, with the boxes of those merged into them",
+    &[Break::new(irregular, "| (other[axis] & 0xffff0000u)", "| (extent[axis] & 0xffff0000u)")],
+);
+pub(super) const DEAL: KernelInfo = irregular_row(
+    of_irregular!("deal"),
+    merge::deal,
+    [66, 124, 200],
+    "moves each reference to its place in the merged list",
+    &[Break::new(irregular, "place += lower_there", "place += 0u")],
+);
+pub(super) const FOLLOW: KernelInfo = irregular_row(
+    of_irregular!("follow"),
+    merge::follow,
+    [150, 120, 190],
+    "follows leaves to the cells that they became part of",
+    &[Break::new(irregular, "leaf = load(neighbor, leaf, 1u);", "leaf = leaf;")],
+);
+pub(super) const NEXT_AXIS: KernelInfo = irregular_row(
+    of_irregular!("next_axis"),
+    merge::next_axis,
+    [120, 130, 140],
+    "turns to the next axis or round, or ends merging",
+    &[Break::new(irregular, "axis < 3u", "axis < 2u")],
+);
+pub(super) const EXPAND: KernelInfo = irregular_row(
+    of_irregular!("expand"),
+    finish::expand,
+    [23, 150, 160],
+    "expands each cell over neighbours that list nothing else",
+    &[Break::new(irregular, "is_listed(first, listed,", "!is_listed(first, listed,")],
+);
+pub(super) const NAME_CELLS: KernelInfo = irregular_row(
+    of_irregular!("name_cells"),
+    finish::name_cells,
+    [90, 165, 90],
+    "makes the voxel map lead to cells",
+    &[Break::new(irregular, "(entry & 3u) == 0u", "(entry & 3u) == 1u")],
+);
+pub(super) const FINISH_CELLS: KernelInfo = irregular_row(
+    of_irregular!("finish_cells"),
+    finish::finish_cells,
+    [90, 165, 90],
+    "writes the records of cells that rays read",
+    &[Break::new(irregular, "vec4u(low.x | (low.y << 16u))", "vec4u(low.y | (low.x << 16u))")],
+);
+pub(super) const FINISH_ITEMS: KernelInfo = irregular_row(
+    of_irregular!("finish_items"),
+    finish::finish_items,
+    [120, 130, 140],
+    "marks the last triangle of each list",
+    &[Break::new(irregular, "if (i + 1u == load", "if (i == load")],
+);
+
 /// The kernels, without their instances.
 #[cfg(test)]
-pub(super) const ROWS: [&KernelInfo; 9] = [&BOUND, &SCAN, &ADD, &SPAN, &EMIT, &HISTOGRAM, &SCATTER, &MARK, &MEASURE];
-
-type Binds = &'static [(&'static str, &'static str)];
-
-const fn place(
-    index: usize,
-    name: &'static str,
-    kernel: KernelInfo,
-    over: &'static Elements,
-    parameter: u32,
-    binds: Binds,
-) -> Instance {
-    Instance { index, name, program: &PROGRAM, kernel, over, parameter, binds }
-}
-
-macro_rules! places {
-    ($($index:literal $name:literal: $row:ident over $over:ident $(by $parameter:literal)? $(binds $binds:ident)?;)*) => {
-        /// All instances, in the order of the build.
-        pub static KERNELS: [Instance; [$($index),*].len()] =
-            [$(place($index, $name, $row, &$over, 0 $(+ $parameter)?, places!(@binds $($binds)?))),*];
-    };
-    (@binds) => { &[] };
-    (@binds $binds:ident) => { $binds };
-}
-
-const SPAN_SUMS: Binds = &[("values", "first_span"), ("sums", "spans_of_block")];
-const ALL_SPAN_SUMS: Binds = &[("values", "spans_of_block"), ("sums", "spans_in_all")];
-const OF_SPAN: Binds = &[("triangle", "span_triangle"), ("cells_at", "span_cell")];
-const EMITTED: Binds = &[
-    ("triangle", "span_triangle"),
-    ("cells_at", "span_cell"),
-    ("cell_out", "cell_even"),
-    ("triangle_out", "triangle_even"),
+pub(super) const ROWS: [&KernelInfo; 36] = [
+    &BOUND, &SCAN, &ADD, &SPAN, &EMIT, &HISTOGRAM, &SCATTER, &MARK, &MEASURE, &COUNT_TOP, &MAKE_LEAVES, &ADOPT_PAIRS,
+    &HALVE, &DECIDE, &DIVIDE, &HAND_DOWN, &ADOPT_LEAVES, &ADOPT_DIVISION, &OPEN_NODES, &LINK_NODES, &SIZE_BLOCKS,
+    &MAP_TOP_LEVEL, &MAP_BLOCKS, &START_MERGING, &PAIR, &SHARE_LISTS, &WISH, &UNITE, &GATHER, &DEAL, &FOLLOW, &NEXT_AXIS,
+    &EXPAND, &NAME_CELLS, &FINISH_CELLS, &FINISH_ITEMS,
 ];
-const REFERENCE_SUMS: Binds = &[("values", "first_reference"), ("sums", "references_of_block")];
-const ALL_REFERENCE_SUMS: Binds = &[("values", "references_of_block"), ("sums", "references_in_all")];
-const TALLY_SUMS: Binds = &[("values", "tally"), ("sums", "tally_of_block")];
-const ALL_TALLY_SUMS: Binds = &[("values", "tally_of_block"), ("sums", "tally_in_all")];
-const START_SUMS: Binds = &[("values", "start"), ("sums", "starts_of_block")];
-const ALL_START_SUMS: Binds = &[("values", "starts_of_block"), ("sums", "starts_in_all")];
-const FROM_EVEN: Binds = &[
-    ("cell_in", "cell_even"),
-    ("triangle_in", "triangle_even"),
-    ("cell_out", "cell_odd"),
-    ("triangle_out", "triangle_odd"),
-];
-const FROM_ODD: Binds = &[
-    ("cell_in", "cell_odd"),
-    ("triangle_in", "triangle_odd"),
-    ("cell_out", "cell_even"),
-    ("triangle_out", "triangle_even"),
-];
-
-places! {
-    0 "bound": BOUND over TRIANGLES;
-    1 "scan_spans": SCAN over TRIANGLES binds SPAN_SUMS;
-    2 "scan_span_blocks": SCAN over TRIANGLE_BLOCKS binds ALL_SPAN_SUMS;
-    3 "add_spans": ADD over TRIANGLES binds SPAN_SUMS;
-    4 "span": SPAN over SPANS binds OF_SPAN;
-    5 "scan_references": SCAN over SPANS binds REFERENCE_SUMS;
-    6 "scan_reference_blocks": SCAN over SPAN_BLOCKS binds ALL_REFERENCE_SUMS;
-    7 "add_references": ADD over SPANS binds REFERENCE_SUMS;
-    8 "emit": EMIT over SPANS binds EMITTED;
-    9 "histogram_0": HISTOGRAM over REFERENCES by 0 binds FROM_EVEN;
-    10 "scan_tallies": SCAN over TALLIES binds TALLY_SUMS;
-    11 "scan_tally_blocks": SCAN over TALLY_BLOCKS binds ALL_TALLY_SUMS;
-    12 "add_tallies": ADD over TALLIES binds TALLY_SUMS;
-    13 "scatter_0": SCATTER over REFERENCES by 0 binds FROM_EVEN;
-    14 "histogram_1": HISTOGRAM over REFERENCES by 1 binds FROM_ODD;
-    15 "scatter_1": SCATTER over REFERENCES by 1 binds FROM_ODD;
-    16 "histogram_2": HISTOGRAM over REFERENCES by 2 binds FROM_EVEN;
-    17 "scatter_2": SCATTER over REFERENCES by 2 binds FROM_EVEN;
-    18 "histogram_3": HISTOGRAM over REFERENCES by 3 binds FROM_ODD;
-    19 "scatter_3": SCATTER over REFERENCES by 3 binds FROM_ODD;
-    20 "histogram_4": HISTOGRAM over REFERENCES by 4 binds FROM_EVEN;
-    21 "scatter_4": SCATTER over REFERENCES by 4 binds FROM_EVEN;
-    22 "histogram_5": HISTOGRAM over REFERENCES by 5 binds FROM_ODD;
-    23 "scatter_5": SCATTER over REFERENCES by 5 binds FROM_ODD;
-    24 "histogram_6": HISTOGRAM over REFERENCES by 6 binds FROM_EVEN;
-    25 "scatter_6": SCATTER over REFERENCES by 6 binds FROM_EVEN;
-    26 "mark_even": MARK over REFERENCES binds FROM_EVEN;
-    27 "mark_odd": MARK over REFERENCES binds FROM_ODD;
-    28 "measure": MEASURE over CELLS;
-    29 "scan_starts": SCAN over CELLS binds START_SUMS;
-    30 "scan_start_blocks": SCAN over CELL_BLOCKS binds ALL_START_SUMS;
-    31 "add_starts": ADD over CELLS binds START_SUMS;
-}
-
-const fn at(index: usize) -> Kernel {
-    Kernel::of(&KERNELS[index])
-}
-
-/// Instances up to the references, which are in the order of their triangles.
-pub(super) const COUNTED: [Kernel; 9] = [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)];
-/// Instances that compute the prefix sums of tallies.
-pub(super) const TALLIED: [Kernel; 3] = [at(10), at(11), at(12)];
-/// Instances that count and move references, for each digit.
-pub(super) const SORTED: [[Kernel; 2]; 7] = [
-    [at(9), at(13)],
-    [at(14), at(15)],
-    [at(16), at(17)],
-    [at(18), at(19)],
-    [at(20), at(21)],
-    [at(22), at(23)],
-    [at(24), at(25)],
-];
-/// Instances that find the lists, after an even and after an odd number of digits.
-pub(super) const MARKED: [Kernel; 2] = [at(26), at(27)];
-/// Instances that compute the lists' starts.
-pub(super) const STARTED: [Kernel; 4] = [at(28), at(29), at(30), at(31)];

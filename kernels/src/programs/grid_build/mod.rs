@@ -28,6 +28,8 @@ pub mod buffers;
 pub mod elements;
 pub mod emit;
 pub mod histogram;
+pub mod instances;
+mod irregular;
 pub mod kernels;
 pub mod mark;
 pub mod measure;
@@ -52,12 +54,13 @@ pub static PROGRAM: Program = Program {
     summary: "the uniform grid, counted, scanned and filled",
     elements: &elements::ELEMENTS,
     streams: &streams::STREAMS,
+    counted: &[&elements::CHANGED, &elements::ROUNDS_AHEAD],
     states: States(&[]),
     course: None,
     results: None,
     buffers: &buffers::BUFFERS,
     lists: &[],
-    kernels: &kernels::KERNELS,
+    kernels: &instances::KERNELS,
     modules,
 };
 
@@ -68,6 +71,17 @@ fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("overlap", include_str!("overlap.wgsl")),
         ("saturating", include_str!("saturating.wgsl")),
         ("radix", include_str!("radix.wgsl")),
+        ("candidate", include_str!("irregular/candidate.wgsl")),
+        ("halves", include_str!("irregular/halves.wgsl")),
+        ("in_list", include_str!("irregular/in_list.wgsl")),
+        ("leaf", include_str!("irregular/leaf.wgsl")),
+        ("leaf_level", include_str!("irregular/leaf_level.wgsl")),
+        ("map_entry", include_str!("irregular/map_entry.wgsl")),
+        ("merging", include_str!("irregular/merging.wgsl")),
+        ("ranks", include_str!("irregular/ranks.wgsl")),
+        ("tree", include_str!("irregular/tree.wgsl")),
+        ("u64", include_str!("irregular/u64.wgsl")),
+        ("voxel_map", include_str!("irregular/voxel_map.wgsl")),
     ];
     shared::MODULES.iter().chain(&own).map(|&(name, source)| (name, Cow::Borrowed(source))).collect()
 }

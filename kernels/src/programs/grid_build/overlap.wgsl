@@ -24,6 +24,14 @@ struct Side {
     offset: F64,
 }
 
+// How often the grid's cells are halved along each axis to get those of the tests.
+var<private> halvings: u32;
+
+// Width of a cell. Halving is exact: it lowers the exponent.
+fn width_at(axis: u32) -> F64 {
+    return f64_from_f32(build.width[axis]) - vec2u(halvings << 20u, 0u);
+}
+
 var<private> plane_row: F64;
 var<private> sides: array<Side, 6>;
 
@@ -43,7 +51,7 @@ fn prepare(triangle: u32) {
     var extent: array<vec2u, 3>;
     var edge: array<array<vec2u, 3>, 3>;
     for (var a = 0u; a < 3u; a++) {
-        extent[a] = f64_add(f64_mul(f64_from_f32(build.width[a]), F64_HALF), growth);
+        extent[a] = f64_add(f64_mul(width_at(a), F64_HALF), growth);
         for (var e = 0u; e < 3u; e++) {
             edge[e][a] = f64_sub(p[(e + 1u) % 3u][a], p[e][a]);
         }
@@ -74,7 +82,7 @@ fn prepare(triangle: u32) {
 // Centre of a cell.
 fn center(axis: u32, cell: u32) -> F64 {
     let cells = f64_add(f64_from_i32(i32(cell)), F64_HALF);
-    return f64_add(f64_from_f32(build.corner[axis]), f64_mul(cells, f64_from_f32(build.width[axis])));
+    return f64_add(f64_from_f32(build.corner[axis]), f64_mul(cells, width_at(axis)));
 }
 
 // Whether any cell of a row may overlap: the projection along x is the same for all of them.

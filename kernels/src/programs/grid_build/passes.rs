@@ -12,6 +12,10 @@ fn stream(kernel: Kernel, name: &str) -> Option<Stream> {
     kernel.program().stream(kernel.bound(name))
 }
 
+fn layers(kernel: Kernel, name: &str) -> usize {
+    stream(kernel, name).map_or(0, Stream::layers)
+}
+
 /// All values of a layer.
 fn load(columns: &dyn Columns, kernel: Kernel, name: &str, layer: usize) -> Vec<u32> {
     let Some(stream) = stream(kernel, name) else { return Vec::new() };
@@ -36,16 +40,20 @@ pub(super) fn bound(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData)
 }
 
 pub(super) fn scan(columns: &mut dyn Columns, kernel: Kernel, _: &SceneData) {
-    let (mut values, mut sums) = (load(columns, kernel, "values", 0), load(columns, kernel, "sums", 0));
-    super::scan::scan(&mut values, &mut sums);
-    store(columns, kernel, "values", 0, values);
-    store(columns, kernel, "sums", 0, sums);
+    for layer in 0..layers(kernel, "values") {
+        let (mut values, mut sums) = (load(columns, kernel, "values", layer), load(columns, kernel, "sums", layer));
+        super::scan::scan(&mut values, &mut sums);
+        store(columns, kernel, "values", layer, values);
+        store(columns, kernel, "sums", layer, sums);
+    }
 }
 
 pub(super) fn add(columns: &mut dyn Columns, kernel: Kernel, _: &SceneData) {
-    let mut values = load(columns, kernel, "values", 0);
-    super::add::add(&mut values, &load(columns, kernel, "sums", 0));
-    store(columns, kernel, "values", 0, values);
+    for layer in 0..layers(kernel, "values") {
+        let mut values = load(columns, kernel, "values", layer);
+        super::add::add(&mut values, &load(columns, kernel, "sums", layer));
+        store(columns, kernel, "values", layer, values);
+    }
 }
 
 /// The coordinates in three layers.

@@ -1,4 +1,5 @@
-// Replaces the values in each block of 16,384 by the sums of those before them, and stores the block's own sum.
+// Replaces the values in each block of 16,384 by the sums of those before them, and stores the block's own sum; each
+// layer of a stream for itself.
 //
 // Two levels of scan and one of add give the sums of a whole set: reduce-then-scan in passes (Sengupta, Harris, Zhang,
 // Owens 2007). No block waits for another, so nothing is assumed about how a device schedules workgroups, unlike the
@@ -28,33 +29,36 @@ fn scan(
     // A dispatch may have blocks past the last one: with at most 2^26 elements, none begins beyond 2^32.
     let first = (block * BLOCK + lane) * EACH;
     let end = min(first + EACH, launch.elements);
-    var own = 0u;
-    for (var i = first; i < end; i++) {
-        own = saturating_add(own, textureLoad(values, texel(i, width), 0).x);
-    }
-    partial[0][lane] = own;
-    workgroupBarrier();
-    var from_side = 0u;
-    for (var distance = 1u; distance < BLOCK; distance *= 2u) {
-        var sum = partial[from_side][lane];
-        if (lane >= distance) {
-            sum = saturating_add(sum, partial[from_side][lane - distance]);
+    for (var layer = 0u; layer < textureNumLayers(values); layer++) {
+        var own = 0u;
+        for (var i = first; i < end; i++) {
+            own = saturating_add(own, textureLoad(values, texel(i, width), layer).x);
         }
-        from_side = 1u - from_side;
-        partial[from_side][lane] = sum;
+        partial[0][lane] = own;
         workgroupBarrier();
-    }
-    var before = 0u;
-    if (lane > 0u) {
-        before = partial[from_side][lane - 1u];
-    }
-    for (var i = first; i < end; i++) {
-        let at = texel(i, width);
-        let value = textureLoad(values, at, 0).x;
-        textureStore(values, at, 0, vec4u(before));
-        before = saturating_add(before, value);
-    }
-    if (lane == 0u && first < launch.elements) {
-        textureStore(sums, texel(block, textureDimensions(sums).x), 0, vec4u(partial[from_side][BLOCK - 1u]));
+        var from_side = 0u;
+        for (var distance = 1u; distance < BLOCK; distance *= 2u) {
+            var sum = partial[from_side][lane];
+            if (lane >= distance) {
+                sum = saturating_add(sum, partial[from_side][lane - distance]);
+            }
+            from_side = 1u - from_side;
+            partial[from_side][lane] = sum;
+            workgroupBarrier();
+        }
+        var before = 0u;
+        if (lane > 0u) {
+            before = partial[from_side][lane - 1u];
+        }
+        for (var i = first; i < end; i++) {
+            let at = texel(i, width);
+            let value = textureLoad(values, at, layer).x;
+            textureStore(values, at, layer, vec4u(before));
+            before = saturating_add(before, value);
+        }
+        if (lane == 0u && first < launch.elements) {
+            textureStore(sums, texel(block, textureDimensions(sums).x), layer, vec4u(partial[from_side][BLOCK - 1u]));
+        }
+        workgroupBarrier();
     }
 }

@@ -1,21 +1,128 @@
-//! The order of the build's kernels: each runs once, except those of the sort.
+//! The order of the build's kernels.
 
-use super::kernels::{COUNTED, MARKED, SORTED, STARTED, TALLIED};
+use super::instances::*;
 use super::radix::digits_of;
 use crate::program::Kernel;
 use crate::program::schedule::{Schedule, Step};
 
-/// The schedule for a grid with this many cells.
+/// What is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A uniform grid.
+    Uniform,
+    /// A uniform grid whose crowded cells hold finer ones.
+    TwoLevels,
+    /// An irregular grid.
+    Irregular,
+}
+
+/// Up to the references, which are in the order of their triangles.
+const COUNTED: [Kernel; 9] = [
+    FIND_BOUNDS,
+    SCAN_SPANS,
+    SCAN_SPAN_BLOCKS,
+    ADD_SPANS,
+    TEST_SPANS,
+    SCAN_REFERENCES,
+    SCAN_REFERENCE_BLOCKS,
+    ADD_REFERENCES,
+    EMIT_REFERENCES,
+];
+const TALLIED: [Kernel; 3] = [SCAN_TALLIES, SCAN_TALLY_BLOCKS, ADD_TALLIES];
+/// For each digit.
+const SORTED: [[Kernel; 2]; 7] = [
+    [HISTOGRAM_0, SCATTER_0],
+    [HISTOGRAM_1, SCATTER_1],
+    [HISTOGRAM_2, SCATTER_2],
+    [HISTOGRAM_3, SCATTER_3],
+    [HISTOGRAM_4, SCATTER_4],
+    [HISTOGRAM_5, SCATTER_5],
+    [HISTOGRAM_6, SCATTER_6],
+];
+/// After an even and after an odd number of digits.
+const MARKED: [Kernel; 2] = [MARK_EVEN, MARK_ODD];
+const STARTED: [Kernel; 4] = [MEASURE_LISTS, SCAN_STARTS, SCAN_START_BLOCKS, ADD_STARTS];
+const TAKEN: [Kernel; 2] = [TAKE_EVEN, TAKE_ODD];
+/// Halves leaves once.
+const REFINED: [Kernel; 13] = [
+    FIND_HALVES,
+    SCAN_HALVES,
+    SCAN_HALF_BLOCKS,
+    ADD_HALVES,
+    DECIDE_DIVISION,
+    SCAN_PLACES,
+    SCAN_PLACE_BLOCKS,
+    ADD_PLACES,
+    DIVIDE_LEAVES,
+    HAND_DOWN_LISTS,
+    ADOPT_NEXT_LEAVES,
+    ADOPT_NEXT_DIVISION,
+    ADOPT_LISTS,
+];
+const MAPPED: [Kernel; 11] = [
+    COUNT_NODES,
+    SCAN_OPENED,
+    SCAN_OPENED_BLOCKS,
+    ADD_OPENED,
+    LINK_TREES,
+    FIND_BLOCKS,
+    SCAN_ENTRIES,
+    SCAN_ENTRY_BLOCKS,
+    ADD_ENTRIES,
+    MAP_TOP_CELLS,
+    MAP_ALL_BLOCKS,
+];
+/// Merges leaves along one axis.
+const MERGED: [Kernel; 16] = [
+    FIND_PAIRS,
+    FIND_SHARED,
+    SCAN_KNOWN,
+    SCAN_KNOWN_BLOCKS,
+    ADD_KNOWN,
+    FIND_WISHES,
+    UNITE_LEAVES,
+    SCAN_PLACES,
+    SCAN_PLACE_BLOCKS,
+    ADD_PLACES,
+    GATHER_LEAVES,
+    DEAL_LISTS,
+    FOLLOW_LEAVES,
+    TURN_TO_NEXT_AXIS,
+    ADOPT_NEXT_LEAVES,
+    ADOPT_MERGED,
+];
+const EXPANDED: [Kernel; 5] = [EXPAND_CELLS, NAME_TOP, NAME_BLOCKS, FINISH_EXPANDED, FINISH_LISTS];
+
+/// The sets on which repetitions depend, by their index in the program's table.
+const WHILE_CHANGED: usize = 0;
+const WHILE_ROUNDS_ARE_AHEAD: usize = 1;
+
+/// The schedule for a grid whose top level, or only one, has so many cells.
 #[must_use]
-pub fn of(cells: u32) -> Schedule {
+pub fn of(kind: Kind, cells: u32) -> Schedule {
     let digits = digits_of(cells) as usize;
-    let mut kernels: Vec<Kernel> = COUNTED.into();
+    let run = |kernels: &[Kernel]| kernels.iter().copied().map(Step::Run).collect::<Vec<_>>();
+    let mut steps = run(&COUNTED);
     for [count, scatter] in SORTED.into_iter().take(digits) {
-        kernels.push(count);
-        kernels.extend(TALLIED);
-        kernels.push(scatter);
+        steps.extend(run(&[count]));
+        steps.extend(run(&TALLIED));
+        steps.extend(run(&[scatter]));
     }
-    kernels.push(MARKED[digits % 2]);
-    kernels.extend(STARTED);
-    Schedule { steps: kernels.into_iter().map(Step::Run).collect() }
+    steps.extend(run(&[MARKED[digits % 2]]));
+    steps.extend(run(&STARTED));
+    if kind != Kind::Uniform {
+        steps.extend(run(&[COUNT_TOP_LEVEL, MAKE_FIRST_LEAVES, TAKEN[digits % 2]]));
+        steps.push(Step::RepeatWhileAny(WHILE_CHANGED, run(&REFINED)));
+        steps.extend(run(&MAPPED));
+    }
+    match kind {
+        Kind::Uniform => {}
+        Kind::TwoLevels => steps.extend(run(&[FINISH_LEAVES, FINISH_LISTS])),
+        Kind::Irregular => {
+            steps.extend(run(&[BEGIN_MERGING]));
+            steps.push(Step::RepeatWhileAny(WHILE_ROUNDS_ARE_AHEAD, run(&MERGED)));
+            steps.extend(run(&EXPANDED));
+        }
+    }
+    Schedule { steps }
 }

@@ -12,14 +12,36 @@
 //! of tallies     tally                   how often a digit occurs in a block, then where its references go
 //! of cells       begin  end              where its references are
 //!                start                   number of these, then where its list starts
+//!
+//! of leaves      space  list             its box, and which references it has
+//!                division                how far it may be divided
+//!                places                  what replaces it, then what replaces all before it
+//!                opened                  nodes that begin with it, then with all before it
+//!                neighbor  wished        with which leaves it could be, and had better be, merged
+//!                expanded  cell          its expanded box, and the record that rays read
+//! of listed      owner  item             a reference's leaf and triangle
+//! of groups      bits  in_halves         in which halves of their leaf 32 references lie
+//!                known  known_before     which of them the neighbour before lists, too
+//! of nodes       node                    a divided cell: its first leaf and its level
+//!                first_entry             entries of the map's block that begins there, then before it
+//!                block_levels            levels of that block
+//! of branches    tree                    a child of a node
+//! of cells       tree_top  map_top       the same for the top level; its entries of the voxel map
+//! of entries     map_below               the voxel map's blocks
+//! of refined     cell_of                 to which cell a leaf of the octrees belongs
+//! of whole       totals  round           numbers of leaves and references; how far merging has got
 //! ```
+//!
+//! What begins with `next_` replaces the stream of this name after a step.
 //!
 //! The other streams hold sums of blocks of 16,384 elements, and the sum of all.
 
 use super::elements::{
-    ALL_CELLS, ALL_SPANS, ALL_TALLIES, ALL_TRIANGLES, CELL_BLOCKS, CELLS, REFERENCES, SPAN_BLOCKS, SPANS, TALLIES,
-    TALLY_BLOCKS, TRIANGLE_BLOCKS, TRIANGLES,
+    ALL_CELLS, ALL_GROUPS, ALL_LEAVES, ALL_NODES, ALL_SPANS, ALL_TALLIES, ALL_TRIANGLES, BRANCHES, CELL_BLOCKS, CELLS, ENTRIES,
+    GROUP_BLOCKS, GROUPS, LEAF_BLOCKS, LEAVES, LISTED, NEXT_LEAVES, NEXT_LISTED, NODE_BLOCKS, NODES, REFERENCES, REFINED,
+    SPAN_BLOCKS, SPANS, TALLIES, TALLY_BLOCKS, TRIANGLE_BLOCKS, TRIANGLES, WHOLE,
 };
+use crate::options::Accelerator;
 use crate::options::reasons::{Because, Reason, Run};
 use crate::tables::stream::Meaning::{Count, Id};
 use crate::tables::stream::{Stream, streams};
@@ -27,6 +49,20 @@ use crate::tables::stream::{Stream, streams};
 fn always(_: &Run<'_>) -> Reason {
     (Because::Options, "the cells have too few digits to sort by")
 }
+
+fn one_level(_: &Run<'_>) -> Reason {
+    (Because::Options, "the cells of a uniform grid are not divided")
+}
+
+fn not_merged(run: &Run<'_>) -> Reason {
+    if run.accelerator == Accelerator::Irregular {
+        return (Because::Options, "the cells of a grid of two levels are neither merged nor expanded");
+    }
+    one_level(run)
+}
+
+/// The halves of a cell, x fastest.
+const HALVES: [&str; 8] = ["half_0", "half_1", "half_2", "half_3", "half_4", "half_5", "half_6", "half_7"];
 
 streams! {
     /// First and last cell that a triangle's bounding box touches.
@@ -96,4 +132,119 @@ streams! {
     /// Number of references of all cells.
     STARTS_IN_ALL of ALL_CELLS: "starts_in_all" U32 &["references"], meaning: &[Count], unit: "count of references",
         unwritten: &[0], why_absent: always;
+    /// Numbers of leaves and references after the last step, and of leaves that it changed.
+    TOTALS of WHOLE: "totals" U32 &["leaves", "references", "changed"], meaning: &[Count; 3], unit: "count", unwritten: &[0; 3],
+        why_absent: one_level;
+    /// A leaf's box, along each axis: its first virtual cell in the lower half of a word, the one after its last in the upper.
+    SPACE of LEAVES: "space" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "virtual cells, 16 bits each", unwritten: &[0; 3],
+        why_absent: one_level;
+    /// A leaf's list: its first reference, and how many it has.
+    LIST of LEAVES: "list" U32 &["first", "length"], meaning: &[Id, Count], unit: "references", unwritten: &[0; 2],
+        why_absent: one_level;
+    /// References to which those of a leaf may grow; its level in the lower byte, and the level down to which it is divided
+    /// anyway above.
+    DIVISION of LEAVES: "division" U32 &["budget", "levels"], meaning: &[Count, Id], unit: "references; levels",
+        unwritten: &[0; 2], why_absent: one_level;
+    /// Numbers of leaves and references that replace a leaf, and 1 if it changes; after the scan, of all leaves before it.
+    PLACES of LEAVES: "places" U32 &["leaves", "references", "changed"], meaning: &[Count; 3], unit: "count",
+        unwritten: &[0; 3], why_absent: one_level;
+    /// Sums of blocks of leaves.
+    PLACES_OF_BLOCK of LEAF_BLOCKS: "places_of_block" U32 &["leaves", "references", "changed"], meaning: &[Count; 3],
+        unit: "count", unwritten: &[0; 3], why_absent: one_level;
+    /// As `space`, of what replaces the leaves.
+    NEXT_SPACE of NEXT_LEAVES: "next_space" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "virtual cells, 16 bits each",
+        unwritten: &[0; 3], why_absent: one_level;
+    /// As `list`.
+    NEXT_LIST of NEXT_LEAVES: "next_list" U32 &["first", "length"], meaning: &[Id, Count], unit: "references",
+        unwritten: &[0; 2], why_absent: one_level;
+    /// As `division`.
+    NEXT_DIVISION of NEXT_LEAVES: "next_division" U32 &["budget", "levels"], meaning: &[Count, Id],
+        unit: "references; levels", unwritten: &[0; 2], why_absent: one_level;
+    /// The leaf that a reference belongs to.
+    OWNER of LISTED: "owner" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[0], why_absent: one_level;
+    /// Its triangle; at the end, bit 31 marks the last one of a list.
+    ITEM of LISTED: "item" U32 &["triangle"], meaning: &[Id], unit: "triangle id", unwritten: &[0], why_absent: one_level;
+    /// As `owner`, of what replaces the references.
+    NEXT_OWNER of NEXT_LISTED: "next_owner" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[0],
+        why_absent: one_level;
+    /// As `item`.
+    NEXT_ITEM of NEXT_LISTED: "next_item" U32 &["triangle"], meaning: &[Id], unit: "triangle id", unwritten: &[0],
+        why_absent: one_level;
+    /// For each half of their leaf, which of 32 references lie in it.
+    BITS of GROUPS: "bits" U32 &HALVES, meaning: &[Id; 8], unit: "a bit for each reference", unwritten: &[0; 8],
+        why_absent: one_level;
+    /// How many these are; after the scan, those of all groups before.
+    IN_HALVES of GROUPS: "in_halves" U32 &HALVES, meaning: &[Count; 8], unit: "count of references", unwritten: &[0; 8],
+        why_absent: one_level;
+    /// Sums of blocks of groups.
+    IN_HALVES_OF_BLOCK of GROUP_BLOCKS: "in_halves_of_block" U32 &HALVES, meaning: &[Count; 8], unit: "count of references",
+        unwritten: &[0; 8], why_absent: one_level;
+    /// Sums of all groups.
+    IN_HALVES_IN_ALL of ALL_GROUPS: "in_halves_in_all" U32 &HALVES, meaning: &[Count; 8], unit: "count of references",
+        unwritten: &[0; 8], why_absent: one_level;
+    /// Number of nodes whose first leaf this is; after the scan, of all leaves before it.
+    OPENED of LEAVES: "opened" U32 &["nodes"], meaning: &[Count], unit: "count of nodes", unwritten: &[0],
+        why_absent: one_level;
+    /// Sums of blocks of leaves.
+    OPENED_OF_BLOCK of LEAF_BLOCKS: "opened_of_block" U32 &["nodes"], meaning: &[Count], unit: "count of nodes",
+        unwritten: &[0], why_absent: one_level;
+    /// Number of all nodes.
+    NODES_IN_ALL of ALL_LEAVES: "nodes_in_all" U32 &["nodes"], meaning: &[Count], unit: "count of nodes", unwritten: &[0],
+        why_absent: one_level;
+    /// A node's first leaf, and its level.
+    NODE of NODES: "node" U32 &["leaf", "level"], meaning: &[Id, Count], unit: "index of a leaf; halvings", unwritten: &[0; 2],
+        why_absent: one_level;
+    /// A child of a node: twice the index of a leaf, or twice that of a node and 1.
+    TREE of BRANCHES: "tree" U32 &["child"], meaning: &[Id], unit: "leaf or node", unwritten: &[0], why_absent: one_level;
+    /// The same for a cell of the top level.
+    TREE_TOP of CELLS: "tree_top" U32 &["child"], meaning: &[Id], unit: "leaf or node", unwritten: &[0],
+        why_absent: one_level;
+    /// Number of entries of the map's block that begins with a node; after the scan, of all nodes before it.
+    FIRST_ENTRY of NODES: "first_entry" U32 &["entries"], meaning: &[Count], unit: "count of entries", unwritten: &[0],
+        why_absent: one_level;
+    /// Levels that the block covers; 0 if none begins there.
+    BLOCK_LEVELS of NODES: "block_levels" U32 &["levels"], meaning: &[Count], unit: "levels", unwritten: &[0],
+        why_absent: one_level;
+    /// Sums of blocks of nodes.
+    ENTRIES_OF_BLOCK of NODE_BLOCKS: "entries_of_block" U32 &["entries"], meaning: &[Count], unit: "count of entries",
+        unwritten: &[0], why_absent: one_level;
+    /// Number of all entries.
+    ENTRIES_IN_ALL of ALL_NODES: "entries_in_all" U32 &["entries"], meaning: &[Count], unit: "count of entries",
+        unwritten: &[0], why_absent: one_level;
+    /// The voxel map of the top level.
+    MAP_TOP of CELLS: "map_top" U32 &["entry"], meaning: &[Id], unit: "entry of the voxel map", unwritten: &[0],
+        why_absent: one_level;
+    /// The voxel map's blocks.
+    MAP_BELOW of ENTRIES: "map_below" U32 &["entry"], meaning: &[Id], unit: "entry of the voxel map", unwritten: &[0],
+        why_absent: one_level;
+    /// To which cell each leaf of the octrees belongs.
+    CELL_OF of REFINED: "cell_of" U32 &["cell"], meaning: &[Id], unit: "index of a cell", unwritten: &[0],
+        why_absent: one_level;
+    /// Of merging: the axis, rounds that are over, leaves before this round, whether another one follows, leaves at first.
+    ROUND of WHOLE: "round" U32 &["axis", "rounds", "leaves", "goes_on", "refined"], meaning: &[Id, Count, Count, Id, Count],
+        unit: "see the layers' names", unwritten: &[0; 5], why_absent: not_merged;
+    /// The neighbours along the axis with which a leaf could be merged; the largest number if there is none.
+    NEIGHBOR of LEAVES: "neighbor" U32 &["after", "before"], meaning: &[Id; 2], unit: "index of a leaf", unwritten: &[0; 2],
+        why_absent: not_merged;
+    /// Which of 32 references the neighbour before their leaf lists, too.
+    KNOWN of GROUPS: "known" U32 &["known"], meaning: &[Id], unit: "a bit for each reference", unwritten: &[0],
+        why_absent: not_merged;
+    /// How many these are; after the scan, those of all groups before.
+    KNOWN_BEFORE of GROUPS: "known_before" U32 &["references"], meaning: &[Count], unit: "count of references",
+        unwritten: &[0], why_absent: not_merged;
+    /// Sums of blocks of groups.
+    KNOWN_OF_BLOCK of GROUP_BLOCKS: "known_of_block" U32 &["references"], meaning: &[Count], unit: "count of references",
+        unwritten: &[0], why_absent: not_merged;
+    /// Sums of all groups.
+    KNOWN_IN_ALL of ALL_GROUPS: "known_in_all" U32 &["references"], meaning: &[Count], unit: "count of references",
+        unwritten: &[0], why_absent: not_merged;
+    /// The neighbour with which a leaf had better be merged; the largest number if there is none.
+    WISHED of LEAVES: "wished" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[0],
+        why_absent: not_merged;
+    /// As `space`, of the expanded box.
+    EXPANDED of LEAVES: "expanded" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "virtual cells, 16 bits each",
+        unwritten: &[0; 3], why_absent: not_merged;
+    /// A cell as rays read it: the corners of its box, 16 bits each, and its first item.
+    CELL of LEAVES: "cell" U32 &["low_xy", "low_z_high_x", "high_yz", "first"], meaning: &[Id; 4],
+        unit: "virtual cells, 16 bits each; index of an item", unwritten: &[0; 4], why_absent: one_level;
 }

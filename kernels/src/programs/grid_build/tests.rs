@@ -21,7 +21,7 @@ use crate::shared::launch::{BLOCK, Launch};
 use crate::structures::grid::{self, GridData, GridSize};
 
 /// Scenes whose lists are easy or hard to decide.
-fn scenes() -> Vec<(&'static str, Vec<f32>)> {
+pub(super) fn scenes() -> Vec<(&'static str, Vec<f32>)> {
     let of = |scene: raystep_scenes::Scene| scene.triangles.as_flattened().as_flattened().to_vec();
     let soup = of(generate::soup(700, 1).expect("soup"));
     let mut random = fastrand::Rng::with_seed(3);

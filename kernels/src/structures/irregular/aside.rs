@@ -43,17 +43,16 @@ fn median_along(vertices: &[f32], axis: usize) -> f32 {
     *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// The corners of all triangles but those set aside, and their ids.
-pub(super) fn without(vertices: &[f32], aside: &[u32]) -> (Vec<f32>, Vec<u32>) {
-    let mut ids: Vec<u32> = (0..(vertices.len() / 9) as u32).collect();
-    ids.retain(|id| aside.binary_search(id).is_err());
-    let corners = ids.iter().flat_map(|&id| &vertices[9 * id as usize..][..9]).copied().collect();
-    (corners, ids)
+/// The corners of all triangles but those set aside.
+pub(super) fn without(vertices: &[f32], aside: &[u32]) -> Vec<f32> {
+    let others = (0..).zip(vertices.chunks_exact(9)).filter(|(id, _)| aside.binary_search(id).is_err());
+    others.flat_map(|(_, corners)| corners).copied().collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::irregular::{IrregularCell, IrregularData, LAST_ITEM, Layout, OUTSIDE, cell_entry};
 
     /// Small triangles in a cube of side 2, and one for each of `corners` far away.
     fn cloud(small: usize, corners: &[f32]) -> Vec<f32> {
@@ -90,8 +89,19 @@ mod tests {
     #[test]
     fn the_others_keep_their_ids() {
         let vertices = cloud(20, &[1000.0, 2000.0]);
-        let (corners, ids) = without(&vertices, &far_away(&vertices));
-        assert_eq!(ids, [&[0, 2][..], &(4..22).collect::<Vec<_>>()].concat());
-        assert_eq!(corners[9..18], vertices[18..27]);
+        let aside = far_away(&vertices);
+        assert_eq!(aside, [1, 3]);
+        let others = without(&vertices, &aside);
+        let layout = Layout::below(&others, 1.0, true, [1; 3]);
+        let items: Vec<u32> = (0..20).map(|id| if id == 19 { id | LAST_ITEM } else { id }).collect();
+        let cell = IrregularCell { low: [0; 3], high: [1; 3], first: 0 };
+        let inside = IrregularData::of_buffers(&layout, vec![cell_entry(0)], vec![cell], items, vec![20]);
+        let data = inside.with_aside(&aside);
+        assert_eq!(data.list(OUTSIDE).collect::<Vec<_>>(), aside);
+        let listed: Vec<u32> = data.list(data.find([0; 3])).collect();
+        assert_eq!(listed, [&[0, 2][..], &(4..22).collect::<Vec<_>>()].concat());
+        for (corners, id) in others.chunks_exact(9).zip(listed) {
+            assert_eq!(corners, &vertices[9 * id as usize..][..9]);
+        }
     }
 }

@@ -6,13 +6,13 @@ use super::{Draft, Span};
 use crate::numbers::parallel::map_ranges;
 
 /// Cost of a step from cell to cell, in triangle tests.
-const STEP_COST: u64 = 1;
+pub(crate) const STEP_COST: u64 = 1;
 
 /// Most rounds; each merges pairs along x, y and z.
-const ROUNDS: u32 = 8;
+pub(crate) const ROUNDS: u32 = 8;
 
 /// Longest list that costs count; longer ones are never merged.
-const LONGEST: usize = 1 << 14;
+pub(crate) const LONGEST: usize = 1 << 14;
 
 /// Merges until hardly any pair is left, and numbers the remaining cells anew.
 pub(super) fn merge(mut draft: Draft, map: &mut Map, layout: &Layout) -> Draft {

@@ -6,28 +6,28 @@ use super::{Division, Draft, Span};
 use crate::numbers::parallel::map_ranges;
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid::overlap;
-use crate::structures::grid::{self, GridData, GridError};
+use crate::structures::grid::{self, CountedGrid, GridData, GridError};
 
 /// Cells into which a top-level cell is divided for each of its triangles, all of the same size, except that those with
 /// at most one triangle are left whole.
 const CELLS_PER_REFERENCE: u64 = 10;
 
 /// Longer lists are divided even then only if rays gain by it: they may be of triangles that no division separates.
-const LONG: usize = 64;
+pub(crate) const LONG: usize = 64;
 
 /// Beyond that, cells with longer lists than this are divided further where rays gain by it.
-const SHORT: usize = 8;
+pub(crate) const SHORT: usize = 8;
 
 /// References to which those of a top-level cell may grow, for each, and for all together. Where lists hardly become
 /// shorter (many triangles at one place, slivers aslant), the budget ends the division.
-const GROWTH: u64 = 12;
-const GROWTH_OF_ALL: u64 = 64;
+pub(crate) const GROWTH: u64 = 12;
+pub(crate) const GROWTH_OF_ALL: u64 = 64;
 
 /// A cell of a uniform grid with a longer list than this is crowded.
-const CROWDED: u64 = 16;
+pub(crate) const CROWDED: u64 = 16;
 
 /// Cost of a step from cell to cell, in quarters of a triangle test.
-const STEP_COST: usize = 2;
+pub(crate) const STEP_COST: usize = 2;
 
 /// Trees of consecutive top-level cells, and their leaves.
 struct Part {
@@ -46,15 +46,15 @@ struct Refiner<'a> {
 const MOST_AT_TOP: u64 = 16;
 const MOST_AT_TOP_OF_ALL: u64 = 1 << 16;
 
-/// The lists of the top level.
+/// Counts the lists of the top level.
 ///
 /// # Errors
 /// If they are longer than triangles much larger than its cells should make them, or than the executor can hold.
-pub(super) fn top_lists(vertices: &[f32], layout: &Layout, most_words: u64) -> Result<GridData, GridError> {
+pub(super) fn count_top_lists(vertices: &[f32], layout: &Layout, most_words: u64) -> Result<CountedGrid, GridError> {
     let triangles = (vertices.len() / 9) as u64;
     let most =
         if layout.is_one_cell() { most_words } else { most_words.min(MOST_AT_TOP * triangles + MOST_AT_TOP_OF_ALL) };
-    grid::lists(&layout.at(0), layout.growth, vertices, most)
+    grid::counted(layout.at(0), layout.growth, vertices, most.min(u64::from(u32::MAX)))
 }
 
 /// The cells of all octrees, and the map that leads to them.

@@ -76,7 +76,7 @@ fn only_crowded_cells_have_a_second_level() {
     let mut divided = 0;
     for (name, vertices) in scenes() {
         let built = build_two_levels(&vertices, [4, 5, 6], 4.0, true, u64::MAX).expect("a grid");
-        let plan = layout::Layout::below(&vertices, 4.0, true, [4, 5, 6]);
+        let plan = Layout::below(&vertices, 4.0, true, [4, 5, 6]);
         let top = grid::lists(&plan.at(0), plan.growth, &vertices, u64::MAX).expect("lists");
         for cell in 0..4 * 5 * 6 {
             let is_divided = built.map[cell] & 3 != 0;

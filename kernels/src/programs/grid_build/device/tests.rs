@@ -10,12 +10,13 @@ use crate::executor::gpu::{AdapterChoice, Gpu};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Options, RaySource};
-use crate::plan::grid_build;
+use crate::plan::grid_build::{self, What};
 use crate::programs::grid_build::modules;
 use crate::programs::grid_build::streams::FIRST_SPAN;
-use crate::programs::grid_build::tests::cases;
+use crate::programs::grid_build::tests::{cases, scenes};
 use crate::renderer::{Device, Lists, Renderer};
 use crate::structures::grid::GridData;
+use crate::structures::irregular::{self, IrregularData, Layout, Site};
 
 /// A kernel and its imports, as one text.
 pub(crate) fn composed(root: &str, wgsl: &str) -> String {
@@ -48,7 +49,7 @@ pub(crate) fn gpu() -> Option<Arc<Gpu>> {
 fn renderer(vertices: &[f32], wanted: &GridData, device: &Device) -> Renderer {
     let options = Options::new(RaySource::Given(Vec::new()));
     let units = Units::default();
-    let planned = grid_build::of(wanted.grid, wanted.growth, vertices.to_vec(), units, &options, &device.limits());
+    let planned = grid_build::of(&What::Uniform(wanted.grid, wanted.growth), vertices.to_vec(), units, &options, &device.limits());
     let (plan, data) = planned.expect("a plan");
     pollster::block_on(Renderer::from_plan(plan, data, &options, device)).expect("a run")
 }
@@ -99,4 +100,53 @@ fn more_than_fits_is_refused_with_its_number() {
         let lists = pollster::block_on(Lists::of(&renderer)).expect("lists");
         assert_eq!((lists.cells, lists.items), (wanted.cells.clone(), wanted.items.clone()));
     }
+}
+
+/// Irregular grids and grids of two levels, as the host builds them, and what they are planned from.
+fn irregular_cases() -> Vec<(String, Vec<f32>, What, IrregularData)> {
+    let mut all = Vec::new();
+    for (name, vertices) in scenes() {
+        if vertices.iter().any(|v| !v.is_finite() || v.abs() > 1e20 || (*v != 0.0 && v.abs() < 1e-20)) {
+            continue;
+        }
+        let site = Site::new(&vertices, None, true, u64::MAX).expect("a grid");
+        let host = irregular::build(&vertices, None, true, u64::MAX).expect("a grid");
+        assert!(site.aside.is_empty(), "{name}");
+        all.push((format!("{name}, irregular"), vertices.clone(), What::Irregular(site.layout), host));
+        let reach = site.extent.1;
+        let host = irregular::build_two_levels(&vertices, [5, 6, 7], reach, true, u64::MAX).expect("a grid");
+        let layout = Layout::below(&vertices, reach, true, [5, 6, 7]);
+        all.push((format!("{name}, two levels"), vertices.clone(), What::TwoLevels(layout), host));
+    }
+    all
+}
+
+fn compare_irregular(device: &Device) {
+    for (name, vertices, what, wanted) in irregular_cases() {
+        let options = Options::new(RaySource::Given(Vec::new()));
+        let planned = grid_build::of(&what, vertices, Units::default(), &options, &device.limits());
+        let (plan, data) = planned.expect("a plan");
+        let mut renderer = pollster::block_on(Renderer::from_plan(plan, data, &options, device)).expect("a run");
+        pollster::block_on(renderer.run(|_| ControlFlow::Continue(()))).expect("a build");
+        let built = pollster::block_on(IrregularData::of(&renderer)).expect("a grid");
+        println!("{name}: {} passes, {} cells, {} items", renderer.pass_count(), built.cells.len(), built.items.len());
+        assert!(built.map.len() == wanted.map.len(), "{name}: {} entries, not {}", built.map.len(), wanted.map.len());
+        assert!(built.lengths == wanted.lengths, "{name}: other lists");
+        assert!(built.items == wanted.items, "{name}: other items");
+        assert!(built.cells == wanted.cells, "{name}: other cells");
+        assert!(built.map == wanted.map, "{name}: another map");
+        assert_eq!(IrregularData { bounds: wanted.bounds, reach: wanted.reach, ..built }, wanted, "{name}");
+    }
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn a_device_builds_the_irregular_grids_that_the_host_builds() {
+    let Some(gpu) = gpu() else { return };
+    compare_irregular(&Device::Gpu(gpu));
+}
+
+#[test]
+fn the_twins_build_the_irregular_grids_that_the_host_builds() {
+    compare_irregular(&Device::Cpu(None));
 }

@@ -1,0 +1,173 @@
+//! The instances of the kernels in the program: what each is launched over, and which streams it gets.
+
+use super::PROGRAM;
+use super::elements::*;
+use super::kernels::*;
+use crate::program::kernel::{Instance, Kernel};
+use crate::tables::elements::Elements;
+
+type Binds = &'static [(&'static str, &'static str)];
+
+macro_rules! instances {
+    ($($id:ident $name:literal: $row:ident over $over:ident $(by $parameter:literal)? $(binds $binds:ident)? $(renews $renews:ident)?;)*) => {
+        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+        enum Index { $($id),* }
+
+        /// All instances, in the order of the build.
+        pub static KERNELS: [Instance; [$(Index::$id as usize),*].len()] = [$(Instance {
+            index: Index::$id as usize,
+            name: $name,
+            program: &PROGRAM,
+            kernel: $row,
+            over: &$over,
+            parameter: 0 $(+ $parameter)?,
+            binds: instances!(@list $($binds)?),
+            renews: instances!(@list $($renews)?),
+        }),*];
+
+        $(pub(super) const $id: Kernel = Kernel::of(&KERNELS[Index::$id as usize]);)*
+    };
+    (@list) => { &[] };
+    (@list $list:ident) => { $list };
+}
+
+const SPAN_SUMS: Binds = &[("values", "first_span"), ("sums", "spans_of_block")];
+const ALL_SPAN_SUMS: Binds = &[("values", "spans_of_block"), ("sums", "spans_in_all")];
+const OF_SPAN: Binds = &[("triangle", "span_triangle"), ("cells_at", "span_cell")];
+const EMITTED: Binds = &[
+    ("triangle", "span_triangle"),
+    ("cells_at", "span_cell"),
+    ("cell_out", "cell_even"),
+    ("triangle_out", "triangle_even"),
+];
+const REFERENCE_SUMS: Binds = &[("values", "first_reference"), ("sums", "references_of_block")];
+const ALL_REFERENCE_SUMS: Binds = &[("values", "references_of_block"), ("sums", "references_in_all")];
+const TALLY_SUMS: Binds = &[("values", "tally"), ("sums", "tally_of_block")];
+const ALL_TALLY_SUMS: Binds = &[("values", "tally_of_block"), ("sums", "tally_in_all")];
+const START_SUMS: Binds = &[("values", "start"), ("sums", "starts_of_block")];
+const ALL_START_SUMS: Binds = &[("values", "starts_of_block"), ("sums", "starts_in_all")];
+const FROM_EVEN: Binds = &[
+    ("cell_in", "cell_even"),
+    ("triangle_in", "triangle_even"),
+    ("cell_out", "cell_odd"),
+    ("triangle_out", "triangle_odd"),
+];
+const FROM_ODD: Binds = &[
+    ("cell_in", "cell_odd"),
+    ("triangle_in", "triangle_odd"),
+    ("cell_out", "cell_even"),
+    ("triangle_out", "triangle_even"),
+];
+const TAKEN_EVEN: Binds =
+    &[("first_in", "cell_even"), ("second_in", "triangle_even"), ("first_out", "owner"), ("second_out", "item")];
+const TAKEN_ODD: Binds =
+    &[("first_in", "cell_odd"), ("second_in", "triangle_odd"), ("first_out", "owner"), ("second_out", "item")];
+const TAKEN_NEXT: Binds =
+    &[("first_in", "next_owner"), ("second_in", "next_item"), ("first_out", "owner"), ("second_out", "item")];
+const IN_HALVES: Binds = &[("tally", "in_halves")];
+const HALF_SUMS: Binds = &[("values", "in_halves"), ("sums", "in_halves_of_block")];
+const ALL_HALF_SUMS: Binds = &[("values", "in_halves_of_block"), ("sums", "in_halves_in_all")];
+const PLACE_SUMS: Binds = &[("values", "places"), ("sums", "places_of_block")];
+const ALL_PLACE_SUMS: Binds = &[("values", "places_of_block"), ("sums", "totals")];
+const OPENED_SUMS: Binds = &[("values", "opened"), ("sums", "opened_of_block")];
+const ALL_OPENED_SUMS: Binds = &[("values", "opened_of_block"), ("sums", "nodes_in_all")];
+const ENTRY_SUMS: Binds = &[("values", "first_entry"), ("sums", "entries_of_block")];
+const ALL_ENTRY_SUMS: Binds = &[("values", "entries_of_block"), ("sums", "entries_in_all")];
+const KNOWN: Binds = &[("bits", "known"), ("tally", "known_before")];
+const KNOWN_SUMS: Binds = &[("values", "known_before"), ("sums", "known_of_block")];
+const ALL_KNOWN_SUMS: Binds = &[("values", "known_of_block"), ("sums", "known_in_all")];
+const OF_TOP: Binds = &[("map_entries", "map_top")];
+const OF_BLOCKS: Binds = &[("map_entries", "map_below")];
+const AS_EXPANDED: Binds = &[("box", "expanded")];
+const AS_IT_IS: Binds = &[("box", "space")];
+
+type Renews = &'static [&'static Elements];
+
+const FIRST_LEAVES: Renews = &[&LEAVES, &LISTED];
+const REPLACED: Renews = &[&NEXT_LEAVES, &NEXT_LISTED, &CHANGED];
+const MERGED: Renews = &[&NEXT_LEAVES, &NEXT_LISTED];
+const OF_LEAVES: Renews = &[&LEAVES];
+const OF_LISTS: Renews = &[&LISTED];
+const OF_LISTS_AND_ROUNDS: Renews = &[&LISTED, &ROUNDS_AHEAD];
+
+instances! {
+    FIND_BOUNDS "bound": BOUND over TRIANGLES;
+    SCAN_SPANS "scan_spans": SCAN over TRIANGLES binds SPAN_SUMS;
+    SCAN_SPAN_BLOCKS "scan_span_blocks": SCAN over TRIANGLE_BLOCKS binds ALL_SPAN_SUMS;
+    ADD_SPANS "add_spans": ADD over TRIANGLES binds SPAN_SUMS;
+    TEST_SPANS "span": SPAN over SPANS binds OF_SPAN;
+    SCAN_REFERENCES "scan_references": SCAN over SPANS binds REFERENCE_SUMS;
+    SCAN_REFERENCE_BLOCKS "scan_reference_blocks": SCAN over SPAN_BLOCKS binds ALL_REFERENCE_SUMS;
+    ADD_REFERENCES "add_references": ADD over SPANS binds REFERENCE_SUMS;
+    EMIT_REFERENCES "emit": EMIT over SPANS binds EMITTED;
+    HISTOGRAM_0 "histogram_0": HISTOGRAM over REFERENCES by 0 binds FROM_EVEN;
+    SCAN_TALLIES "scan_tallies": SCAN over TALLIES binds TALLY_SUMS;
+    SCAN_TALLY_BLOCKS "scan_tally_blocks": SCAN over TALLY_BLOCKS binds ALL_TALLY_SUMS;
+    ADD_TALLIES "add_tallies": ADD over TALLIES binds TALLY_SUMS;
+    SCATTER_0 "scatter_0": SCATTER over REFERENCES by 0 binds FROM_EVEN;
+    HISTOGRAM_1 "histogram_1": HISTOGRAM over REFERENCES by 1 binds FROM_ODD;
+    SCATTER_1 "scatter_1": SCATTER over REFERENCES by 1 binds FROM_ODD;
+    HISTOGRAM_2 "histogram_2": HISTOGRAM over REFERENCES by 2 binds FROM_EVEN;
+    SCATTER_2 "scatter_2": SCATTER over REFERENCES by 2 binds FROM_EVEN;
+    HISTOGRAM_3 "histogram_3": HISTOGRAM over REFERENCES by 3 binds FROM_ODD;
+    SCATTER_3 "scatter_3": SCATTER over REFERENCES by 3 binds FROM_ODD;
+    HISTOGRAM_4 "histogram_4": HISTOGRAM over REFERENCES by 4 binds FROM_EVEN;
+    SCATTER_4 "scatter_4": SCATTER over REFERENCES by 4 binds FROM_EVEN;
+    HISTOGRAM_5 "histogram_5": HISTOGRAM over REFERENCES by 5 binds FROM_ODD;
+    SCATTER_5 "scatter_5": SCATTER over REFERENCES by 5 binds FROM_ODD;
+    HISTOGRAM_6 "histogram_6": HISTOGRAM over REFERENCES by 6 binds FROM_EVEN;
+    SCATTER_6 "scatter_6": SCATTER over REFERENCES by 6 binds FROM_EVEN;
+    MARK_EVEN "mark_even": MARK over REFERENCES binds FROM_EVEN;
+    MARK_ODD "mark_odd": MARK over REFERENCES binds FROM_ODD;
+    MEASURE_LISTS "measure": MEASURE over CELLS;
+    SCAN_STARTS "scan_starts": SCAN over CELLS binds START_SUMS;
+    SCAN_START_BLOCKS "scan_start_blocks": SCAN over CELL_BLOCKS binds ALL_START_SUMS;
+    ADD_STARTS "add_starts": ADD over CELLS binds START_SUMS;
+    COUNT_TOP_LEVEL "count_top": COUNT_TOP over WHOLE;
+    MAKE_FIRST_LEAVES "make_leaves": MAKE_LEAVES over CELLS renews FIRST_LEAVES;
+    TAKE_EVEN "take_even": ADOPT_PAIRS over REFERENCES binds TAKEN_EVEN;
+    TAKE_ODD "take_odd": ADOPT_PAIRS over REFERENCES binds TAKEN_ODD;
+    FIND_HALVES "halve": HALVE over LISTED binds IN_HALVES;
+    SCAN_HALVES "scan_halves": SCAN over GROUPS binds HALF_SUMS;
+    SCAN_HALF_BLOCKS "scan_half_blocks": SCAN over GROUP_BLOCKS binds ALL_HALF_SUMS;
+    ADD_HALVES "add_halves": ADD over GROUPS binds HALF_SUMS;
+    DECIDE_DIVISION "decide": DECIDE over LEAVES binds IN_HALVES;
+    SCAN_PLACES "scan_places": SCAN over LEAVES binds PLACE_SUMS;
+    SCAN_PLACE_BLOCKS "scan_place_blocks": SCAN over LEAF_BLOCKS binds ALL_PLACE_SUMS;
+    ADD_PLACES "add_places": ADD over LEAVES binds PLACE_SUMS;
+    DIVIDE_LEAVES "divide": DIVIDE over LEAVES binds IN_HALVES renews REPLACED;
+    HAND_DOWN_LISTS "hand_down": HAND_DOWN over LISTED binds IN_HALVES;
+    ADOPT_NEXT_LEAVES "adopt_leaves": ADOPT_LEAVES over NEXT_LEAVES renews OF_LEAVES;
+    ADOPT_NEXT_DIVISION "adopt_division": ADOPT_DIVISION over NEXT_LEAVES;
+    ADOPT_LISTS "adopt_lists": ADOPT_PAIRS over NEXT_LISTED binds TAKEN_NEXT renews OF_LISTS;
+    COUNT_NODES "open_nodes": OPEN_NODES over LEAVES;
+    SCAN_OPENED "scan_opened": SCAN over LEAVES binds OPENED_SUMS;
+    SCAN_OPENED_BLOCKS "scan_opened_blocks": SCAN over LEAF_BLOCKS binds ALL_OPENED_SUMS;
+    ADD_OPENED "add_opened": ADD over LEAVES binds OPENED_SUMS;
+    LINK_TREES "link_nodes": LINK_NODES over LEAVES;
+    FIND_BLOCKS "size_blocks": SIZE_BLOCKS over NODES;
+    SCAN_ENTRIES "scan_entries": SCAN over NODES binds ENTRY_SUMS;
+    SCAN_ENTRY_BLOCKS "scan_entry_blocks": SCAN over NODE_BLOCKS binds ALL_ENTRY_SUMS;
+    ADD_ENTRIES "add_entries": ADD over NODES binds ENTRY_SUMS;
+    MAP_TOP_CELLS "map_top_level": MAP_TOP_LEVEL over CELLS;
+    MAP_ALL_BLOCKS "map_blocks": MAP_BLOCKS over ENTRIES;
+    BEGIN_MERGING "start_merging": START_MERGING over WHOLE;
+    FIND_PAIRS "pair": PAIR over LEAVES;
+    FIND_SHARED "share_lists": SHARE_LISTS over LISTED binds KNOWN;
+    SCAN_KNOWN "scan_known": SCAN over GROUPS binds KNOWN_SUMS;
+    SCAN_KNOWN_BLOCKS "scan_known_blocks": SCAN over GROUP_BLOCKS binds ALL_KNOWN_SUMS;
+    ADD_KNOWN "add_known": ADD over GROUPS binds KNOWN_SUMS;
+    FIND_WISHES "wish": WISH over LEAVES binds KNOWN;
+    UNITE_LEAVES "unite": UNITE over LEAVES binds KNOWN;
+    GATHER_LEAVES "gather": GATHER over LEAVES renews MERGED;
+    DEAL_LISTS "deal": DEAL over LISTED binds KNOWN;
+    FOLLOW_LEAVES "follow": FOLLOW over REFINED;
+    TURN_TO_NEXT_AXIS "next_axis": NEXT_AXIS over WHOLE;
+    ADOPT_MERGED "adopt_merged": ADOPT_PAIRS over NEXT_LISTED binds TAKEN_NEXT renews OF_LISTS_AND_ROUNDS;
+    EXPAND_CELLS "expand": EXPAND over LEAVES;
+    NAME_TOP "name_top": NAME_CELLS over CELLS binds OF_TOP;
+    NAME_BLOCKS "name_blocks": NAME_CELLS over ENTRIES binds OF_BLOCKS;
+    FINISH_EXPANDED "finish_cells": FINISH_CELLS over LEAVES binds AS_EXPANDED;
+    FINISH_LEAVES "finish_leaves": FINISH_CELLS over LEAVES binds AS_IT_IS;
+    FINISH_LISTS "finish_items": FINISH_ITEMS over LISTED;
+}

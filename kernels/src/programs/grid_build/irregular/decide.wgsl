@@ -1,0 +1,41 @@
+import package::launch::{BLOCK, launch, element, texel};
+import package::leaf::{load, level_of, even_of};
+import package::candidate::{may_be_divided};
+import package::ranks::{count};
+
+@group(0) @binding(0) var list: texture_2d_array<u32>;
+@group(0) @binding(1) var division: texture_2d_array<u32>;
+@group(0) @binding(2) var places: texture_storage_2d_array<r32uint, write>;
+
+// Cost of a step from cell to cell, in quarters of a triangle test.
+const STEP_COST: u32 = 2u;
+const LONG: u32 = 64u;
+
+// Decides which leaves are divided: how many leaves and references replace each.
+@compute @workgroup_size(BLOCK)
+fn decide(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = element(group, groups, lane);
+    if (i >= launch.elements) {
+        return;
+    }
+    let first = load(list, i, 0u);
+    let length = load(list, i, 1u);
+    let levels = load(division, i, 1u);
+    var is_divided = false;
+    var after = 0u;
+    if (may_be_divided(levels, length)) {
+        for (var half = 0u; half < 8u; half++) {
+            after += count(half, first, length);
+        }
+        let is_gain = after + STEP_COST < 4u * length && after <= load(division, i, 0u);
+        is_divided = is_gain || (level_of(levels) < even_of(levels) && length <= LONG);
+    }
+    let at = texel(i, textureDimensions(places).x);
+    textureStore(places, at, 0, vec4u(select(1u, 8u, is_divided)));
+    textureStore(places, at, 1, vec4u(select(length, after, is_divided)));
+    textureStore(places, at, 2, vec4u(u32(is_divided)));
+}

@@ -1,0 +1,25 @@
+import package::launch::{BLOCK, launch, element, texel};
+import package::leaf::{load};
+import package::merging::{neighbor, is_absorbed};
+
+@group(0) @binding(0) var places: texture_2d_array<u32>;
+@group(0) @binding(1) var cell_of: texture_storage_2d_array<r32uint, read_write>;
+
+// Follows the leaves of the octrees to where they were moved.
+@compute @workgroup_size(BLOCK)
+fn follow(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = element(group, groups, lane);
+    if (i >= launch.elements) {
+        return;
+    }
+    let at = texel(i, textureDimensions(cell_of).x);
+    var leaf = textureLoad(cell_of, at, 0).x;
+    if (is_absorbed(leaf)) {
+        leaf = load(neighbor, leaf, 1u);
+    }
+    textureStore(cell_of, at, 0, vec4u(load(places, leaf, 0u)));
+}

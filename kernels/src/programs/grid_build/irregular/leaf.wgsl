@@ -1,0 +1,30 @@
+// Records of the leaves of octrees, which are the cells before and after they are merged, and of their references.
+
+import package::launch::{texel};
+
+// A component of an element in a stream.
+fn load(stream: texture_2d_array<u32>, i: u32, layer: u32) -> u32 {
+    return textureLoad(stream, texel(i, textureDimensions(stream).x), layer, 0).x;
+}
+
+// A leaf's box along an axis: its first virtual cell in the lower half of a word, the one after its last in the upper.
+fn low_of(extent: u32) -> u32 {
+    return extent & 0xffffu;
+}
+
+fn high_of(extent: u32) -> u32 {
+    return extent >> 16u;
+}
+
+fn load_space(space: texture_2d_array<u32>, i: u32) -> vec3u {
+    return vec3u(load(space, i, 0u), load(space, i, 1u), load(space, i, 2u));
+}
+
+// A leaf's level, and the one down to which its octree is divided anyway, share a word.
+fn level_of(levels: u32) -> u32 {
+    return levels & 0xffu;
+}
+
+fn even_of(levels: u32) -> u32 {
+    return levels >> 8u;
+}

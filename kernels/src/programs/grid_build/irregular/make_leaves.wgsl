@@ -1,0 +1,49 @@
+import package::launch::{BLOCK, launch, element, texel};
+import package::build::{build};
+import package::leaf::{load};
+import package::u64::{log2_of_square};
+
+@group(0) @binding(0) var start: texture_2d_array<u32>;
+@group(0) @binding(1) var totals: texture_2d_array<u32>;
+@group(0) @binding(2) var space: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(3) var list: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(4) var division: texture_storage_2d_array<r32uint, write>;
+
+const CELLS_PER_REFERENCE: u32 = 10u;
+const GROWTH: u32 = 12u;
+const GROWTH_OF_ALL: u32 = 64u;
+const CROWDED: u32 = 16u;
+
+// Makes every cell of the top level a leaf: the root of its octree.
+@compute @workgroup_size(BLOCK)
+fn make_leaves(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = element(group, groups, lane);
+    if (i >= launch.elements) {
+        return;
+    }
+    let first = load(start, i, 0u);
+    var end = load(totals, 0u, 1u);
+    if (i + 1u < launch.elements) {
+        end = load(start, i + 1u, 0u);
+    }
+    let length = end - first;
+    var even = 0u;
+    if (length > 0u && (build.by_content != 0u || length > CROWDED)) {
+        even = (log2_of_square(CELLS_PER_REFERENCE * length) + 3u) / 6u;
+    }
+    let cell = vec3u(i, i / build.cells.x, i / (build.cells.x * build.cells.y)) % build.cells;
+    let low = cell << vec3u(build.levels);
+    let extent = low | ((low + (1u << build.levels)) << vec3u(16u));
+    let at = texel(i, textureDimensions(space).x);
+    textureStore(space, at, 0, vec4u(extent.x));
+    textureStore(space, at, 1, vec4u(extent.y));
+    textureStore(space, at, 2, vec4u(extent.z));
+    textureStore(list, at, 0, vec4u(first));
+    textureStore(list, at, 1, vec4u(length));
+    textureStore(division, at, 0, vec4u(GROWTH * length + GROWTH_OF_ALL));
+    textureStore(division, at, 1, vec4u(even << 8u));
+}

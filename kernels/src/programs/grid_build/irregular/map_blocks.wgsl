@@ -1,0 +1,39 @@
+import package::launch::{BLOCK, launch, element, texel};
+import package::leaf::{load};
+import package::map_entry::{entry_of, first_entry, block_levels};
+import package::tree::{NODE, child, octant_of};
+
+@group(0) @binding(0) var nodes_in_all: texture_2d_array<u32>;
+@group(0) @binding(1) var map_below: texture_storage_2d_array<r32uint, write>;
+
+// Writes the entries of the voxel map's blocks: each goes down from the node with which its block begins.
+@compute @workgroup_size(BLOCK)
+fn map_blocks(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = element(group, groups, lane);
+    if (i >= launch.elements) {
+        return;
+    }
+    // The last node whose entries begin at or before this one: nodes without entries begin where the next ones do.
+    var low = 0u;
+    var high = load(nodes_in_all, 0u, 0u);
+    while (high - low > 1u) {
+        let middle = low + (high - low) / 2u;
+        if (load(first_entry, middle, 0u) <= i) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let levels = load(block_levels, low, 0u);
+    let place = i - load(first_entry, low, 0u);
+    let voxel = vec3u(place, place >> levels, place >> (2u * levels)) & vec3u((1u << levels) - 1u);
+    var below = (low << 1u) | NODE;
+    for (var k = levels; k > 0u && (below & NODE) != 0u; k--) {
+        below = child(below >> 1u, octant_of(voxel, k - 1u));
+    }
+    textureStore(map_below, texel(i, textureDimensions(map_below).x), 0, vec4u(entry_of(below)));
+}

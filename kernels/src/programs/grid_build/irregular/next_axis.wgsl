@@ -1,0 +1,35 @@
+import package::launch::{BLOCK, launch, element, texel};
+import package::leaf::{load};
+
+@group(0) @binding(0) var totals: texture_2d_array<u32>;
+@group(0) @binding(1) var round: texture_storage_2d_array<r32uint, read_write>;
+
+const ROUNDS: u32 = 8u;
+
+// Turns to the next axis; after the third, to the next round, unless the last one merged hardly any leaves.
+@compute @workgroup_size(BLOCK)
+fn next_axis(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = element(group, groups, lane);
+    if (i >= launch.elements) {
+        return;
+    }
+    let axis = textureLoad(round, vec2u(0u), 0).x + 1u;
+    if (axis < 3u) {
+        textureStore(round, vec2u(0u), 0, vec4u(axis));
+        return;
+    }
+    let rounds = textureLoad(round, vec2u(0u), 1).x + 1u;
+    let before = textureLoad(round, vec2u(0u), 2).x;
+    let refined = textureLoad(round, vec2u(0u), 4).x;
+    let leaves = load(totals, 0u, 0u);
+    // At least a 64th, rounded up: the product could be too large.
+    let goes_on = rounds < ROUNDS && before - leaves >= (refined + 63u) / 64u;
+    textureStore(round, vec2u(0u), 0, vec4u(0u));
+    textureStore(round, vec2u(0u), 1, vec4u(rounds));
+    textureStore(round, vec2u(0u), 2, vec4u(leaves));
+    textureStore(round, vec2u(0u), 3, vec4u(u32(goes_on)));
+}

@@ -1,0 +1,183 @@
+//! Twins of the kernels that divide the cells of the top level.
+
+use super::pass::{Pass, Ranks, low_of};
+use crate::numbers::parallel::map_ranges;
+use crate::program::Kernel;
+use crate::scene_data::SceneData;
+use crate::shared::build::Build;
+use crate::shared::grid_walk::Grid;
+use crate::structures::grid::overlap::halves;
+use crate::structures::irregular::refine::{
+    CROWDED, GROWTH, GROWTH_OF_ALL, LONG, SHORT, STEP_COST, even_levels,
+};
+use crate::tables::texels::Columns;
+
+pub(crate) fn count_top(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    let mut pass = Pass::new(columns, kernel, &data.build);
+    let (totals, references) = (pass.of("totals"), pass.of("references_in_all"));
+    let listed = pass.get(references, 0, 0);
+    pass.set_all(totals, 0, [pass.top_cells(), listed, 0]);
+}
+
+pub(crate) fn make_leaves(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    let mut pass = Pass::new(columns, kernel, &data.build);
+    let [start, totals] = ["start", "totals"].map(|name| pass.of(name));
+    let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
+    let Build { cells, levels, by_content, .. } = data.build;
+    let count = pass.len(start);
+    for i in 0..count {
+        let first = pass.get(start, 0, i);
+        let end = if i + 1 < count { pass.get(start, 0, i + 1) } else { pass.get(totals, 1, 0) };
+        let length = end.wrapping_sub(first);
+        let is_even = by_content != 0 || u64::from(length) > CROWDED;
+        let even = if is_even { even_levels(length.into()) } else { 0 };
+        let cell = [i % cells[0], i / cells[0] % cells[1], i / (cells[0] * cells[1])];
+        pass.set_all(space, i, cell.map(|v| v << levels | (v + 1) << levels << 16));
+        pass.set_all(list, i, [first, length]);
+        pass.set_all(division, i, [length.wrapping_mul(GROWTH as u32).wrapping_add(GROWTH_OF_ALL as u32), even << 8]);
+    }
+}
+
+/// Whether a leaf may be divided: `candidate.wgsl`.
+fn may_be_divided(build: &Build, levels: u32, length: u32) -> bool {
+    let (level, even) = (levels & 0xff, levels >> 8);
+    match level < even {
+        _ if level >= build.levels => false,
+        true => length > 1,
+        false => build.by_content != 0 && length as usize > SHORT,
+    }
+}
+
+pub(crate) fn halve(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    let mut pass = Pass::new(columns, kernel, &data.build);
+    let [owner, item] = ["owner", "item"].map(|name| pass.of(name));
+    let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
+    let inputs: Vec<_> = (0..pass.len(owner))
+        .map(|i| {
+            let leaf = pass.get(owner, 0, i);
+            let levels = pass.get(division, 1, leaf);
+            let may_be = may_be_divided(&data.build, levels, pass.get(list, 1, leaf));
+            may_be.then(|| (levels & 0xff, pass.all::<3>(space, leaf), pass.get(item, 0, i) as usize))
+        })
+        .collect();
+    let mask = |&(level, extent, triangle): &(u32, [u32; 3], usize)| {
+        let corners = data.vertices.get(9 * triangle..9 * triangle + 9)?;
+        let cell = extent.map(|extent| (low_of(extent) >> (data.build.levels - level)) as i32);
+        Some(halves(&grid_of(&data.build, level + 1), f64::from(data.growth), corners, cell))
+    };
+    let of_range = |range: std::ops::Range<usize>| {
+        inputs[range].iter().map(|input| input.as_ref().and_then(mask).unwrap_or(0)).collect::<Vec<_>>()
+    };
+    let masks = map_ranges(inputs.len(), 1 << 10, of_range);
+    Ranks::new(&pass).store(&mut pass, masks.into_iter().flatten(), 8);
+}
+
+/// The grid of the cells of a level.
+fn grid_of(build: &Build, level: u32) -> Grid {
+    let width = build.width.map(|width| width / (1u32 << level) as f32);
+    Grid { corner: build.corner, width, ..Grid::default() }
+}
+
+pub(crate) fn decide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    let mut pass = Pass::new(columns, kernel, &data.build);
+    let [list, division, places] = ["list", "division", "places"].map(|name| pass.of(name));
+    let ranks = Ranks::new(&pass);
+    for i in 0..pass.len(list) {
+        let ([first, length], [budget, levels]) = (pass.all(list, i), pass.all(division, i));
+        let (mut is_divided, mut after) = (false, 0);
+        if may_be_divided(&data.build, levels, length) {
+            after = (0..8).map(|half| ranks.count(&pass, half, first, length)).sum();
+            let is_gain = after + (STEP_COST as u32) < 4 * length && after <= budget;
+            is_divided = is_gain || levels & 0xff < levels >> 8 && length as usize <= LONG;
+        }
+        let (leaves, listed) = if is_divided { (8, after) } else { (1, length) };
+        pass.set_all(places, i, [leaves, listed, is_divided.into()]);
+    }
+}
+
+pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    let mut pass = Pass::new(columns, kernel, &data.build);
+    let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
+    let [places, totals] = ["places", "totals"].map(|name| pass.of(name));
+    let [next_space, next_list, next_division] =
+        ["next_space", "next_list", "next_division"].map(|name| pass.of(name));
+    let ranks = Ranks::new(&pass);
+    let count = pass.len(list);
+    for i in 0..count {
+        let [to, mut reference] = pass.all(places, i);
+        let end = if i + 1 < count { pass.get(places, 0, i + 1) } else { pass.get(totals, 0, 0) };
+        let (extent, [first, length], [budget, levels]) =
+            (pass.all::<3>(space, i), pass.all(list, i), pass.all(division, i));
+        if end.wrapping_sub(to) != 8 {
+            pass.set_all(next_space, to, extent);
+            pass.set_all(next_list, to, [reference, length]);
+            pass.set_all(next_division, to, [budget, levels]);
+            continue;
+        }
+        let listed: [u32; 8] = std::array::from_fn(|half| ranks.count(&pass, half, first, length));
+        let after: u32 = listed.iter().sum();
+        let width = (1 << data.build.levels) >> ((levels & 0xff) + 1);
+        for (half, listed) in (0..).zip(listed) {
+            let low = [0, 1, 2].map(|a| low_of(extent[a]) + width * (half >> a & 1));
+            let share = u64::from(budget) * u64::from(listed) / u64::from(after.max(1));
+            pass.set_all(next_space, to + half, low.map(|low| low | (low + width) << 16));
+            pass.set_all(next_list, to + half, [reference, listed]);
+            pass.set_all(next_division, to + half, [share as u32, levels + 1]);
+            reference += listed;
+        }
+    }
+}
+
+pub(crate) fn hand_down(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    let mut pass = Pass::new(columns, kernel, &data.build);
+    let [owner, item, list, places] = ["owner", "item", "list", "places"].map(|name| pass.of(name));
+    let [division, next_division, next_list] =
+        ["division", "next_division", "next_list"].map(|name| pass.of(name));
+    let [next_owner, next_item] = ["next_owner", "next_item"].map(|name| pass.of(name));
+    let ranks = Ranks::new(&pass);
+    for i in 0..pass.len(owner) {
+        let (leaf, triangle) = (pass.get(owner, 0, i), pass.get(item, 0, i));
+        let (first, to) = (pass.get(list, 0, leaf), pass.get(places, 0, leaf));
+        if pass.get(next_division, 1, to) == pass.get(division, 1, leaf) {
+            let place = pass.get(next_list, 0, to).wrapping_add(i).wrapping_sub(first);
+            pass.set(next_owner, 0, place, to);
+            pass.set(next_item, 0, place, triangle);
+            continue;
+        }
+        for half in 0..8 {
+            if !ranks.has(&pass, half, i) {
+                continue;
+            }
+            let before = ranks.rank(&pass, half, i).wrapping_sub(ranks.rank(&pass, half, first));
+            let its_leaf = to + half as u32;
+            let place = pass.get(next_list, 0, its_leaf).wrapping_add(before);
+            pass.set(next_owner, 0, place, its_leaf);
+            pass.set(next_item, 0, place, triangle);
+        }
+    }
+}
+
+/// Copies the layers of streams that are bound to pairs of names: from, to.
+fn copy(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData, pairs: &[(&str, &str, usize)]) {
+    let mut pass = Pass::new(columns, kernel, &data.build);
+    for &(from, to, layers) in pairs {
+        let (from, to) = (pass.of(from), pass.of(to));
+        for i in 0..pass.len(from) {
+            for layer in 0..layers {
+                pass.set(to, layer, i, pass.get(from, layer, i));
+            }
+        }
+    }
+}
+
+pub(crate) fn adopt_leaves(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    copy(columns, kernel, data, &[("next_space", "space", 3), ("next_list", "list", 2)]);
+}
+
+pub(crate) fn adopt_pairs(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    copy(columns, kernel, data, &[("first_in", "first_out", 1), ("second_in", "second_out", 1)]);
+}
+
+pub(crate) fn adopt_division(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    copy(columns, kernel, data, &[("next_division", "division", 2)]);
+}

@@ -1,0 +1,24 @@
+// The leaf to which a virtual cell belongs, by the voxel map.
+
+import package::leaf::{load};
+import package::build::{build};
+
+@group(0) @binding(12) var map_top: texture_2d_array<u32>;
+@group(0) @binding(13) var map_below: texture_2d_array<u32>;
+// The leaf's current number.
+@group(0) @binding(14) var cell_of: texture_2d_array<u32>;
+
+fn find(voxel: vec3u) -> u32 {
+    var shift = build.levels;
+    let top = voxel >> vec3u(shift);
+    let cells = build.cells.x * build.cells.y * build.cells.z;
+    var entry = load(map_top, top.x + build.cells.x * (top.y + build.cells.y * top.z), 0u);
+    // At most one turn per level.
+    while ((entry & 3u) != 0u && shift > 0u) {
+        let depth = entry & 3u;
+        shift -= min(depth, shift);
+        let at = (voxel >> vec3u(shift)) & vec3u((1u << depth) - 1u);
+        entry = load(map_below, (entry >> 2u) - cells + at.x + ((at.y + (at.z << depth)) << depth), 0u);
+    }
+    return load(cell_of, entry >> 2u, 0u);
+}
