@@ -5,10 +5,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use raystep_kernels::export::csv::PassesCsv;
+use raystep_kernels::Accelerator;
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::programs::grid_build::elements::{REFERENCES, SPANS};
+use raystep_kernels::programs::grid_build::elements::{REFERENCES, REFINED, SPANS};
 use raystep_kernels::renderer::Lists;
 use raystep_kernels::structures::grid::{self, GridData};
+use raystep_kernels::structures::irregular::{self, IrregularData};
 use raystep_lab::machine::now_ns;
 use raystep_lab::statistics::median;
 
@@ -18,14 +20,15 @@ use crate::output::{Target, refuse_inputs, write};
 use crate::session::{Running, Session};
 use crate::terminal::{Progress, print};
 
-/// Build a scene's uniform grid pass by pass: count, scan, sort and list
+/// Build a scene's grid pass by pass: count, scan, sort and list; divide, merge and expand cells
 ///
 /// The program grid-build runs on any device, with the same result as the build on the host, bit for bit. It is the
-/// grid that rays of this view would be traced through.
+/// grid that rays of this view would be traced through: a uniform one, or with --accelerator irregular an irregular one.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep build scenes/teapot.glb
+  raystep build scenes/teapot.glb --accelerator irregular --check
   raystep build scenes/terrain.glb --grid 64 --device gpu --check
   raystep build scenes/terrain.glb --device gpu --repeats 15 --passes-csv build.csv
   raystep dump scenes/cornell-box.gltf --program grid-build --pass all -o build
@@ -37,7 +40,7 @@ pub(crate) struct BuildArgs {
     #[arg(long)]
     check: bool,
     /// Build this many times, on the device and on the host in turn, and report the medians. On a GPU, times are those
-    /// of its kernels, by its own clock, without reading the two numbers by which streams are allocated
+    /// of its kernels, by its own clock, without reading the numbers by which streams are allocated
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1, 10_000),
           allow_negative_numbers = true)]
     repeats: u32,
@@ -85,23 +88,83 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Error> {
         // Without a device clock, the time until the last pass is known to be over.
         device_ns.push(running.renderer.device_ns().unwrap_or_else(|| now_ns() - begin) as f64);
         if args.check || args.repeats > 1 {
-            let data = running.renderer.data();
             let begin = now_ns();
-            host = Some(grid::lists(&data.grid, data.growth, &data.vertices, most_words).map_err(failed)?);
+            host = Some(Built::on_host(&running, most_words).map_err(failed)?);
             host_ns.push((now_ns() - begin) as f64);
         }
     }
-    let lists = running.chosen.wait(Lists::of(&running.renderer))?;
-    let is_same = host.as_ref().map(|host: &GridData| host.cells == lists.cells && host.items == lists.items);
+    let built = Built::of(&running)?;
+    let is_same = host.map(|host| host == built);
     if let Some(target) = target {
         write(vec![(target, passes_csv(&running)?)])?;
     }
     progress.finish();
-    let text = report(&running, &lists, median(&device_ns).unwrap_or_default(), median(&host_ns), is_same);
+    let text = report(&running, &built, median(&device_ns).unwrap_or_default(), median(&host_ns), is_same);
     print(&text)?;
     match is_same {
-        Some(false) => Err(Error::failed("the lists differ from those of the build on the host: a defect of raystep")),
+        Some(false) => Err(Error::failed("the grid differs from that of the build on the host: a defect of raystep")),
         _ => Ok(()),
+    }
+}
+
+/// A grid that was built.
+#[derive(PartialEq)]
+enum Built {
+    Uniform(Lists),
+    /// Irregular, or of two levels.
+    Irregular(Box<IrregularData>),
+}
+
+impl Built {
+    fn of(running: &Running) -> Result<Self, Error> {
+        let renderer = &running.renderer;
+        Ok(match renderer.plan().accelerator {
+            Accelerator::Irregular => Self::Irregular(Box::new(running.chosen.wait(IrregularData::of(renderer))?)),
+            _ => Self::Uniform(running.chosen.wait(Lists::of(renderer))?),
+        })
+    }
+
+    fn on_host(running: &Running, most_words: u64) -> Result<Self, grid::GridError> {
+        let data = running.renderer.data();
+        if running.renderer.plan().accelerator == Accelerator::Irregular {
+            return Ok(Self::Irregular(Box::new(irregular::build_as_planned(data, most_words)?)));
+        }
+        let GridData { cells, items, .. } = grid::lists(&data.grid, data.growth, &data.vertices, most_words)?;
+        Ok(Self::Uniform(Lists { cells, items }))
+    }
+
+    /// The grid and its lists, in words.
+    fn lines(&self, running: &Running) -> Vec<(&'static str, String)> {
+        let (renderer, data) = (&running.renderer, running.renderer.data());
+        let of = |elements| renderer.size(elements).map_or(0, |size| u64::from(size.count));
+        let [x, y, z] = data.build.cells;
+        let lists = |lengths: &[u32], rest: String| {
+            let references: u64 = lengths.iter().map(|&length| u64::from(length)).sum();
+            format!("{references} references, longest list {}{rest}", lengths.iter().max().unwrap_or(&0))
+        };
+        let empty = |lengths: &[u32]| lengths.iter().filter(|&&length| length == 0).count();
+        match self {
+            Self::Uniform(built) => {
+                let lengths: Vec<u32> = built.cells.windows(2).map(|list| list[1] - list[0]).collect();
+                let tested = format!("; {} spans of up to 32 cells tested", of(&SPANS));
+                vec![
+                    ("grid", format!("{x} x {y} x {z} cells, {} empty", empty(&lengths))),
+                    ("lists", lists(&lengths, tested)),
+                ]
+            }
+            Self::Irregular(built) => {
+                let (leaves, levels) = (of(&REFINED), data.build.levels);
+                let made = if !data.build.by_content() { "of two levels" } else { "after merging" };
+                let cells = format!("{} cells {made}, {} empty", built.cells.len(), empty(&built.lengths));
+                let below = format!("{leaves} leaves up to {levels} levels below, {} map entries", built.map.len());
+                vec![
+                    ("top level", format!("{x} x {y} x {z} cells, {} references", of(&REFERENCES))),
+                    ("octrees", below),
+                    ("grid", cells),
+                    ("lists", lists(&built.lengths, String::new())),
+                ]
+            }
+        }
     }
 }
 
@@ -121,36 +184,29 @@ fn passes_csv(running: &Running) -> Result<Vec<u8>, Error> {
     Ok(file)
 }
 
-fn report(running: &Running, lists: &Lists, device_ns: f64, host_ns: Option<f64>, is_same: Option<bool>) -> String {
+fn report(running: &Running, built: &Built, device_ns: f64, host_ns: Option<f64>, is_same: Option<bool>) -> String {
     let (renderer, data) = (&running.renderer, running.renderer.data());
-    let [x, y, z] = data.build.cells;
-    let lengths = || lists.cells.windows(2).map(|list| list[1] - list[0]);
-    let empty = lengths().filter(|&length| length == 0).count();
-    let of = |elements| renderer.size(elements).map_or(0, |size| u64::from(size.count));
     let device = running.chosen.gpu().map_or("CPU".into(), |gpu| gpu.info.name.clone());
+    let aside = match data.set_aside.len() {
+        0 => String::new(),
+        far => format!(", and {far} far away that are set aside"),
+    };
     let mut lines = vec![
         ("device", format!("{device}: {}", running.chosen.reason)),
-        ("triangles", data.build.triangles.to_string()),
-        ("grid", format!("{x} x {y} x {z} cells, {empty} empty")),
-        (
-            "lists",
-            format!(
-                "{} references, longest list {}; {} spans of up to 32 cells tested",
-                of(&REFERENCES),
-                lengths().max().unwrap_or(0),
-                of(&SPANS)
-            ),
-        ),
+        ("triangles", format!("{}{aside}", data.build.triangles)),
+    ];
+    lines.extend(built.lines(running));
+    lines.extend([
         ("passes", renderer.pass_count().to_string()),
         ("time", format!("{:.3} ms", device_ns / 1e6)),
-    ];
+    ]);
     if let Some(host_ns) = host_ns {
         let ratio = device_ns / host_ns;
         lines.push(("host", format!("{:.3} ms; device time by host time {ratio:.2}", host_ns / 1e6)));
     }
     if let Some(is_same) = is_same {
-        let said = if is_same { "the same lists as the host's build, bit for bit" } else { "lists differ" };
+        let said = if is_same { "the same grid as the host's build, bit for bit" } else { "the grids differ" };
         lines.push(("check", said.into()));
     }
-    lines.into_iter().map(|(name, value)| format!("{name:<9} {value}\n")).collect()
+    lines.into_iter().map(|(name, value)| format!("{name:<10}{value}\n")).collect()
 }

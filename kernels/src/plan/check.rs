@@ -6,7 +6,7 @@ use super::limits::Limits;
 use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
 use crate::options::samples::Samples;
-use crate::options::{Options, Ray, RaySource};
+use crate::options::{Accelerator, Options, Ray, RaySource};
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
 use crate::structures::bvh::BvhError;
@@ -55,6 +55,9 @@ pub enum PlanError {
     /// The paper does not know the structure.
     #[error("the paper has no rules for an irregular grid: use --numerics robust, or --accelerator grid")]
     NoPaperRules,
+    /// The program builds grids only.
+    #[error("the program grid-build builds grids: use --accelerator grid or irregular, not {0}")]
+    NotBuilt(Accelerator),
     /// The camera cannot generate rays.
     #[error("the camera cannot generate rays: {0}")]
     Camera(String),

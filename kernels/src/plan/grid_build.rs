@@ -24,6 +24,9 @@ use crate::tables::sizes::fill_bytes;
 /// Plans the build of the grid that the same options would trace rays through. Its resolution is decided here; the
 /// length of its lists is found by the build.
 pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Plan, SceneData), PlanError> {
+    if matches!(options.accelerator, Accelerator::Bvh | Accelerator::None) {
+        return Err(PlanError::NotBuilt(options.accelerator));
+    }
     let units = Units::of(&scene.bounds());
     check_scene(scene, units)?;
     // The growth of cells depends on where rays begin.

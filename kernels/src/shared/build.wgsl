@@ -14,8 +14,9 @@ struct Build {
     levels: u32,
     // Proportions of a cell's sides, at most 255.
     weights: vec3u,
-    // Whether cells are divided as their content asks for, else only crowded ones.
-    by_content: u32,
+    // Bit 0: cells are divided as their content asks for, else only crowded ones. Bits 1 to 3: all planes and centres of an
+    // axis are exact in f32.
+    flags: u32,
 }
 
 @group(1) @binding(0) var<uniform> build: Build;

@@ -42,6 +42,7 @@ use std::borrow::Cow;
 
 use super::grid::{self, Corners, GridError};
 pub use crate::shared::constants::{LAST_ITEM, NO_LIST, OUTSIDE};
+use crate::scene_data::SceneData;
 use crate::shared::grid_walk::Grid;
 pub use crate::shared::irregular_walk::{IrregularCell, block_entry, cell_entry};
 pub(crate) use layout::Layout;
@@ -140,12 +141,20 @@ pub fn build(
     most_words: u64,
 ) -> Result<IrregularData, GridError> {
     let Site { vertices, aside, extent, layout, top } = Site::new(vertices, origins, is_grown, most_words)?;
-    let lists = top.fill(&vertices);
-    let (mut map, draft) = refine::refine(&vertices, &layout, &lists, Division::ByContent);
-    let mut draft = merge::merge(draft, &mut map, &layout);
-    draft.spans = expand::expand(&draft, &map);
-    let data = laid_out(&layout, map, draft, most_words).ok_or_else(|| too_many(&vertices, most_words))?;
+    let data = below(&vertices, &layout, &top.fill(&vertices), Division::ByContent, most_words)?;
     Ok(IrregularData { bounds: extent.0, reach: extent.1, ..data }.with_aside(&aside))
+}
+
+/// Builds the irregular grid, or that of two levels, whose build pass by pass this data is for.
+///
+/// # Errors
+/// If a buffer would be larger than `most_words`.
+pub fn build_as_planned(data: &SceneData, most_words: u64) -> Result<IrregularData, GridError> {
+    let layout = Layout::of(&data.build, &data.grid);
+    let lists = grid::lists(&data.grid, data.growth, &data.vertices, most_words)?;
+    let division = if !data.build.by_content() { Division::OfCrowded } else { Division::ByContent };
+    let built = below(&data.vertices, &layout, &lists, division, most_words)?;
+    Ok(IrregularData { bounds: data.bounds, reach: data.reach, ..built }.with_aside(&data.set_aside))
 }
 
 /// Builds a uniform grid of `cells` over `vertices`, each of whose crowded cells holds a finer grid (as the two-level grids
@@ -163,9 +172,24 @@ pub fn build_two_levels(
 ) -> Result<IrregularData, GridError> {
     let layout = Layout::below(vertices, reach, is_grown, cells);
     let lists = grid::lists(&layout.at(0), layout.growth, vertices, most_words)?;
-    let (map, draft) = refine::refine(vertices, &layout, &lists, Division::OfCrowded);
-    let data = laid_out(&layout, map, draft, most_words).ok_or_else(|| too_many(vertices, most_words))?;
+    let data = below(vertices, &layout, &lists, Division::OfCrowded, most_words)?;
     Ok(IrregularData { bounds: grid::bounds(vertices), reach, ..data })
+}
+
+/// Everything below the top level, whose lists are given.
+fn below(
+    vertices: &[f32],
+    layout: &Layout,
+    lists: &grid::GridData,
+    division: Division,
+    most_words: u64,
+) -> Result<IrregularData, GridError> {
+    let (mut map, mut draft) = refine::refine(vertices, layout, lists, division);
+    if division == Division::ByContent {
+        draft = merge::merge(draft, &mut map, layout);
+        draft.spans = expand::expand(&draft, &map);
+    }
+    laid_out(layout, map, draft, most_words).ok_or_else(|| too_many(vertices, most_words))
 }
 
 /// Which cells of the top level are divided, and how far.

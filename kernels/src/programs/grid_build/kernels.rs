@@ -103,7 +103,7 @@ pub(super) const SPAN: KernelInfo = row(
     1,
     [232, 140, 60],
     "tests up to 32 cells of a row against their triangle",
-    &[Break::new(as_it_is, "u32(meets(x))", "1u")],
+    &[Break::new(as_it_is, "cells |= overlaps <<", "cells |= 1u <<")],
 );
 pub(super) const EMIT: KernelInfo = row(
     wgsl!("emit"),

@@ -91,7 +91,7 @@ const MERGED: [Kernel; 16] = [
     ADOPT_NEXT_LEAVES,
     ADOPT_MERGED,
 ];
-const EXPANDED: [Kernel; 5] = [EXPAND_CELLS, NAME_TOP, NAME_BLOCKS, FINISH_EXPANDED, FINISH_LISTS];
+const EXPANDED: [Kernel; 5] = [NAME_TOP, NAME_BLOCKS, EXPAND_CELLS, FINISH_EXPANDED, FINISH_LISTS];
 
 /// The sets on which repetitions depend, by their index in the program's table.
 const WHILE_CHANGED: usize = 0;

@@ -197,9 +197,10 @@ fn every_kernel_is_valid_and_agrees_with_the_host_about_sizes() {
             }
             structs += 1;
         }
-        // No float is used, or even named.
+        // Only a filter, which leaves to integers what it cannot decide for certain, uses floats.
         let is_float = |ty: &naga::Type| ty.inner.scalar_kind() == Some(naga::ScalarKind::Float);
-        assert!(!module.types.iter().any(|(_, ty)| is_float(ty)), "{name} has floats");
+        let is_filtered = ["bound", "span", "halve"].contains(&name);
+        assert_eq!(module.types.iter().any(|(_, ty)| is_float(ty)), is_filtered, "{name}: floats");
     }
     assert!(faults.is_empty(), "{faults}");
     assert!(structs > ROWS.len(), "Launch in all, Build in some");

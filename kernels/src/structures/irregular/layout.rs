@@ -1,7 +1,7 @@
 //! The virtual grid and its levels.
 
 use super::Span;
-use crate::shared::build::Build;
+use crate::shared::build::{BY_CONTENT, Build, exact_axes};
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid::resolution::cubes;
 use crate::structures::grid::{bounds, growth, layout as planes};
@@ -72,7 +72,8 @@ impl Layout {
         Build {
             levels,
             weights: self.weights,
-            by_content: by_content.into(),
+            // Those of the finest cells.
+            flags: exact_axes(&self.grid) | if by_content { BY_CONTENT } else { 0 },
             ..Build::new(&self.at(0), self.growth, triangles)
         }
     }

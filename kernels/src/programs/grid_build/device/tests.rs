@@ -109,6 +109,10 @@ fn irregular_cases() -> Vec<(String, Vec<f32>, What, IrregularData)> {
         if vertices.iter().any(|v| !v.is_finite() || v.abs() > 1e20 || (*v != 0.0 && v.abs() < 1e-20)) {
             continue;
         }
+        // A million references tell nothing more.
+        if name == "corners on those of cells" {
+            continue;
+        }
         let site = Site::new(&vertices, None, true, u64::MAX).expect("a grid");
         let host = irregular::build(&vertices, None, true, u64::MAX).expect("a grid");
         assert!(site.aside.is_empty(), "{name}");

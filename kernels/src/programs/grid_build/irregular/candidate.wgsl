@@ -14,5 +14,5 @@ fn may_be_divided(levels: u32, length: u32) -> bool {
     if (level < even_of(levels)) {
         return length > 1u;
     }
-    return build.by_content != 0u && length > SHORT;
+    return (build.flags & 1u) != 0u && length > SHORT;
 }

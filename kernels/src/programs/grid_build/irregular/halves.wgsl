@@ -1,8 +1,9 @@
-// Which halves of a cell a triangle overlaps. The CPU reference is `halves` in structures/grid/overlap.rs, operation by
+// Which halves of a cell a triangle overlaps: where f32 is certain, and exactly. The CPU reference is `halves` in structures/grid/overlap.rs, operation by
 // operation.
 
 import package::build::{build, vertices};
 import package::overlap::{halvings, prepare, enter_row, meets, width_at};
+import package::filter::{NO, YES, UNCERTAIN, filter_box, filter_triangle, grown, is_above, off, p0, p1, p2, width_after};
 import package::soft_f64::{F64, f64_add, f64_sub, f64_mul, f64_ge, f64_min, f64_max, f64_from_f32, f64_from_i32};
 
 // A coordinate's plane at the lower end of a half.
@@ -43,6 +44,49 @@ fn halves(triangle: u32, cell: vec3u, level: u32) -> u32 {
                 }
             }
         }
+    }
+    return mask;
+}
+
+// The mask stands for nothing: the halves are not certain.
+const NOT_CERTAIN: u32 = 0x100u;
+
+// As `halves`, where all of them are certain.
+fn certain_halves(triangle: u32, cell: vec3u, level: u32) -> u32 {
+    if (!filter_triangle(triangle)) {
+        return NOT_CERTAIN;
+    }
+    let low = min(min(p0, p1), p2);
+    let high = max(max(p0, p1), p2);
+    let width = width_after(level);
+    let corner = bitcast<vec3f>(build.corner);
+    var near: array<u32, 6>;
+    for (var a = 0u; a < 3u; a++) {
+        for (var half = 0u; half < 2u; half++) {
+            let plane = corner[a] + f32(2u * cell[a] + half) * width[a];
+            let next = corner[a] + f32(2u * cell[a] + half + 1u) * width[a];
+            let is_below_end = is_above(high[a], grown, plane, off[a]);
+            // A coordinate that is certainly above is certainly not at the plane or below it.
+            let is_over = is_above(low[a], -grown, next, off[a]);
+            let reaches = select(select(UNCERTAIN, NO, is_over == YES), YES, is_over == NO);
+            near[2u * a + half] = select(max(is_below_end, reaches), NO, is_below_end == NO || reaches == NO);
+        }
+    }
+    var mask = 0u;
+    for (var i = 0u; i < 8u; i++) {
+        let half = (vec3u(i) >> vec3u(0u, 1u, 2u)) & vec3u(1u);
+        let touches = vec3u(near[half.x], near[2u + half.y], near[4u + half.z]);
+        if (any(touches == vec3u(NO))) {
+            continue;
+        }
+        var overlaps = filter_box(corner + (vec3f(2u * cell + half) + 0.5) * width, 0.5 * width);
+        if (overlaps != NO && any(touches == vec3u(UNCERTAIN))) {
+            overlaps = UNCERTAIN;
+        }
+        if (overlaps == UNCERTAIN) {
+            return NOT_CERTAIN;
+        }
+        mask |= overlaps << i;
     }
     return mask;
 }

@@ -32,7 +32,7 @@ fn make_leaves(
     }
     let length = end - first;
     var even = 0u;
-    if (length > 0u && (build.by_content != 0u || length > CROWDED)) {
+    if (length > 0u && ((build.flags & 1u) != 0u || length > CROWDED)) {
         even = (log2_of_square(CELLS_PER_REFERENCE * length) + 3u) / 6u;
     }
     let cell = vec3u(i, i / build.cells.x, i / (build.cells.x * build.cells.y)) % build.cells;

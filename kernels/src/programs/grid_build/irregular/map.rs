@@ -182,20 +182,19 @@ pub(crate) fn map_blocks(columns: &mut dyn Columns, kernel: Kernel, data: &Scene
     }
 }
 
-/// The voxel map while cells are merged: `voxel_map.wgsl`.
+/// The voxel map: `voxel_map.wgsl`.
 pub(super) struct VoxelMap {
     top: View,
     below: View,
-    cell_of: View,
 }
 
 impl VoxelMap {
     pub(super) fn new(pass: &Pass<'_>) -> Self {
-        let [top, below, cell_of] = ["map_top", "map_below", "cell_of"].map(|name| pass.of(name));
-        Self { top, below, cell_of }
+        let [top, below] = ["map_top", "map_below"].map(|name| pass.of(name));
+        Self { top, below }
     }
 
-    /// The current number of the leaf to which a virtual cell belongs.
+    /// The leaf of the octrees, or at the end the cell, to which a virtual cell belongs.
     pub(super) fn find(&self, pass: &Pass<'_>, voxel: [u32; 3]) -> u32 {
         let mut shift = pass.build.levels;
         let mut entry = pass.get(self.top, 0, top_of(pass.build, voxel));
@@ -206,6 +205,6 @@ impl VoxelMap {
             let place = (entry >> 2).wrapping_sub(pass.top_cells()).wrapping_add(x + ((y + (z << depth)) << depth));
             entry = pass.get(self.below, 0, place);
         }
-        pass.get(self.cell_of, 0, entry >> 2)
+        entry >> 2
     }
 }

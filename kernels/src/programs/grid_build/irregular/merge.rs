@@ -19,7 +19,8 @@ pub(crate) fn start_merging(columns: &mut dyn Columns, kernel: Kernel, data: &Sc
 
 pub(crate) fn pair(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
-    let [space, list, round, neighbor] = ["space", "list", "round", "neighbor"].map(|name| pass.of(name));
+    let [space, list, round, neighbor, cell_of] =
+        ["space", "list", "round", "neighbor", "cell_of"].map(|name| pass.of(name));
     let map = VoxelMap::new(&pass);
     let axis = pass.get(round, 0, 0).min(2) as usize;
     let end = data.build.cells[axis] << data.build.levels;
@@ -28,7 +29,7 @@ pub(crate) fn pair(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) 
         let partner = |at: u32| {
             let mut voxel = extent.map(low_of);
             voxel[axis] = at;
-            let other = map.find(&pass, voxel);
+            let other = pass.get(cell_of, 0, map.find(&pass, voxel));
             let theirs = pass.all::<3>(space, other);
             let is_box = (0..3).all(|a| a == axis || extent[a] == theirs[a]);
             let listed = pass.get(list, 1, i).wrapping_add(pass.get(list, 1, other));

@@ -6,7 +6,8 @@ import package::voxel_map::{find};
 @group(0) @binding(0) var space: texture_2d_array<u32>;
 @group(0) @binding(1) var list: texture_2d_array<u32>;
 @group(0) @binding(2) var round: texture_2d_array<u32>;
-@group(0) @binding(3) var neighbor: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(3) var cell_of: texture_2d_array<u32>;
+@group(0) @binding(4) var neighbor: texture_storage_2d_array<r32uint, write>;
 
 const NOBODY: u32 = 0xffffffffu;
 // Longer lists are never merged.
@@ -14,7 +15,7 @@ const LONGEST: u32 = 16384u;
 
 // The neighbour in which a virtual cell lies, if it forms a box with the leaf.
 fn partner(i: u32, axis: u32, voxel: vec3u) -> u32 {
-    let other = find(voxel);
+    let other = load(cell_of, find(voxel), 0u);
     var differs = load_space(space, i) ^ load_space(space, other);
     differs[axis] = 0u;
     let is_box = all(differs == vec3u(0u));

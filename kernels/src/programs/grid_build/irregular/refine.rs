@@ -23,13 +23,13 @@ pub(crate) fn make_leaves(columns: &mut dyn Columns, kernel: Kernel, data: &Scen
     let mut pass = Pass::new(columns, kernel, &data.build);
     let [start, totals] = ["start", "totals"].map(|name| pass.of(name));
     let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
-    let Build { cells, levels, by_content, .. } = data.build;
+    let Build { cells, levels, .. } = data.build;
     let count = pass.len(start);
     for i in 0..count {
         let first = pass.get(start, 0, i);
         let end = if i + 1 < count { pass.get(start, 0, i + 1) } else { pass.get(totals, 1, 0) };
         let length = end.wrapping_sub(first);
-        let is_even = by_content != 0 || u64::from(length) > CROWDED;
+        let is_even = data.build.by_content() || u64::from(length) > CROWDED;
         let even = if is_even { even_levels(length.into()) } else { 0 };
         let cell = [i % cells[0], i / cells[0] % cells[1], i / (cells[0] * cells[1])];
         pass.set_all(space, i, cell.map(|v| v << levels | (v + 1) << levels << 16));
@@ -44,7 +44,7 @@ fn may_be_divided(build: &Build, levels: u32, length: u32) -> bool {
     match level < even {
         _ if level >= build.levels => false,
         true => length > 1,
-        false => build.by_content != 0 && length as usize > SHORT,
+        false => build.by_content() && length as usize > SHORT,
     }
 }
 

@@ -1,12 +1,10 @@
-// The leaf to which a virtual cell belongs, by the voxel map.
+// Where the voxel map leads: to a leaf of the octrees, or, at the end, to a cell.
 
 import package::leaf::{load};
 import package::build::{build};
 
 @group(0) @binding(12) var map_top: texture_2d_array<u32>;
 @group(0) @binding(13) var map_below: texture_2d_array<u32>;
-// The leaf's current number.
-@group(0) @binding(14) var cell_of: texture_2d_array<u32>;
 
 fn find(voxel: vec3u) -> u32 {
     var shift = build.levels;
@@ -20,5 +18,5 @@ fn find(voxel: vec3u) -> u32 {
         let at = (voxel >> vec3u(shift)) & vec3u((1u << depth) - 1u);
         entry = load(map_below, (entry >> 2u) - cells + at.x + ((at.y + (at.z << depth)) << depth), 0u);
     }
-    return load(cell_of, entry >> 2u, 0u);
+    return entry >> 2u;
 }
