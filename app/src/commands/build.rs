@@ -39,7 +39,7 @@ pub(crate) struct BuildArgs {
     /// Compare with the build on the host, and fail if a list differs
     #[arg(long)]
     check: bool,
-    /// Build this many times, on the device and on the host in turn, and report the medians. On a GPU, times are those
+    /// Build this many times on the device, then on the host, and report the medians. On a GPU, times are those
     /// of its kernels, by its own clock, without reading the numbers by which streams are allocated
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1, 10_000),
           allow_negative_numbers = true)]
@@ -70,8 +70,8 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Error> {
     let most_words = session.chosen.limits().storage_bytes / 4;
     let mut running = session.start(&progress)?;
 
-    let (mut device_ns, mut host_ns) = (Vec::new(), Vec::new());
-    let mut host = None;
+    // One after the other: a device that waits in between lowers its clocks.
+    let mut device_ns = Vec::new();
     for repeat in 0..args.repeats {
         if repeat > 0 {
             running.renderer.restart();
@@ -87,11 +87,13 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Error> {
         running.chosen.wait(running.renderer.run(show))?;
         // Without a device clock, the time until the last pass is known to be over.
         device_ns.push(running.renderer.device_ns().unwrap_or_else(|| now_ns() - begin) as f64);
-        if args.check || args.repeats > 1 {
-            let begin = now_ns();
-            host = Some(Built::on_host(&running, most_words).map_err(failed)?);
-            host_ns.push((now_ns() - begin) as f64);
-        }
+    }
+    let (mut host, mut host_ns) = (None, Vec::new());
+    for repeat in 0..if args.check || args.repeats > 1 { args.repeats } else { 0 } {
+        progress.part("building on the host", repeat.into(), args.repeats.into());
+        let begin = now_ns();
+        host = Some(Built::on_host(&running, most_words).map_err(failed)?);
+        host_ns.push((now_ns() - begin) as f64);
     }
     let built = Built::of(&running)?;
     let is_same = host.map(|host| host == built);
