@@ -7,7 +7,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::{
-    Accelerator, GridSize, Keep, Numerics, Options, RaySource, Sampler, Samples, ScheduleKind, Skip,
+    Accelerator, BuiltBy, GridSize, Keep, Numerics, Options, RaySource, Sampler, Samples, ScheduleKind, Skip,
 };
 use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
@@ -179,6 +179,10 @@ pub(crate) struct TuningArgs {
     /// Maximum steps per ray and pass with schedule compact [default: 8; for trace and dump 1, as in the paper]
     #[arg(long, value_name = "K", value_parser = whole::<u32>(1, 4096), allow_negative_numbers = true)]
     pub(crate) steps_per_pass: Option<u32>,
+    /// Who builds the grid, with --accelerator grid or irregular: the host, or the device that traces the rays, with the
+    /// same result; on a GPU much faster, in software slower
+    #[arg(long, default_value = "host", value_parser = named(BuiltBy::ALL, BuiltBy::name))]
+    pub(crate) build: BuiltBy,
     /// Omit nothing from the plan, to measure what omitting saves
     #[arg(long)]
     pub(crate) keep_all: bool,
@@ -206,6 +210,10 @@ impl TuningArgs {
                 "--accelerator irregular: the paper has no rules for it; use --numerics robust, or --accelerator grid",
             ));
         }
+        let is_grid = |a: &Accelerator| matches!(a, Accelerator::Grid | Accelerator::Irregular);
+        if self.build == BuiltBy::Device && !accelerators.iter().any(is_grid) {
+            return Err(Error::usage("--build device builds grids: use --accelerator grid or irregular"));
+        }
         if self.skip == Skip::On && self.numerics == Numerics::Paper {
             return Err(Error::usage("--skip on: the paper's rules visit every cell; use --numerics robust"));
         }
@@ -228,6 +236,7 @@ impl TuningArgs {
             numerics: self.numerics,
             grid: self.grid,
             skip: self.skip,
+            build: self.build,
             steps_per_pass: self.steps_per_pass.unwrap_or(defaults.steps_per_pass),
             keep: Keep::all_if(self.keep_all),
             ..defaults

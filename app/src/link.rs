@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use raystep_inspector::link::{Link, LinkCamera, LinkDevice, LinkRay};
+use raystep_kernels::BuiltBy;
 use raystep_lab::Size;
 
 use crate::args::{
@@ -101,6 +102,8 @@ fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, E
                 numerics: link.numerics,
                 grid: link.grid,
                 skip: link.skip,
+                // Both build the same grid.
+                build: BuiltBy::Host,
                 steps_per_pass: Some(link.steps_per_pass),
                 keep_all: link.keep_all,
             },

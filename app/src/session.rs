@@ -91,7 +91,7 @@ impl Session {
         options.samples = view.samples.into();
         adjust(&mut options);
         progress.stage("planning and building");
-        let (plan, data) = Plan::new(&scene, &options, &chosen.limits())?;
+        let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;
         watch.lap("plan_and_grid");
         if misses_all(&scene, &options, &plan) {
             progress.say(format_args!("note: {MISSES_ALL}"));

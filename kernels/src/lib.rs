@@ -62,7 +62,7 @@ pub mod tables;
 pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, HostPolls, Load, adapters};
 pub use options::keep::{Item, Keep};
 pub use options::samples::Samples;
-pub use options::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
+pub use options::{Accelerator, BuiltBy, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
 pub use plan::{Limits, Loops, Plan, PlanError};
 pub use program::{Kernel, Program};
 pub use renderer::cast::{CastHit, Caster};

@@ -7,17 +7,27 @@ use raystep_inspector::{Session, Target, Watch, Way, go_on};
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs::grid_build::PROGRAM;
 use raystep_kernels::programs::grid_build::elements::{REFERENCES, SPANS};
-use raystep_kernels::programs::grid_build::streams::{BOX, FIRST_SPAN};
+use raystep_kernels::programs::grid_build::streams::{
+    BOX, CELL, FIRST_SPAN, ITEM, MAP_BELOW, MAP_TOP, START, TRIANGLE_EVEN,
+};
 use raystep_kernels::renderer::Lists;
+use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::structures::grid;
-use raystep_kernels::{Device, GridSize, Limits, Options, Plan, RenderError, Renderer, StreamData};
+use raystep_kernels::structures::irregular::{self, IrregularData};
+use raystep_kernels::{
+    Accelerator, BuiltBy, Device, GridSize, Limits, Options, Plan, RenderError, Renderer, StreamData,
+};
 use raystep_lab::lockstep::lockstep;
-use raystep_scenes::Scene;
+use raystep_scenes::{Scene, generate};
 use raystep_tests::sessions::go;
 use raystep_tests::{block_on, devices, gpu, gpu_of, options, parity, scene, streams_of};
 
 fn build(scene: &Scene, grid: GridSize) -> Options {
     Options { program: ProgramName::GridBuild, grid, ..options(scene, 8, 8) }
+}
+
+fn irregular(scene: &Scene) -> Options {
+    Options { accelerator: Accelerator::Irregular, ..build(scene, GridSize::Auto) }
 }
 
 /// All streams whose number of elements is known.
@@ -32,21 +42,48 @@ async fn known_streams(renderer: &Renderer) -> Vec<StreamData> {
     all
 }
 
-fn scenes() -> Vec<(Scene, GridSize)> {
+fn scenes() -> Vec<(Scene, Options)> {
+    let soup = generate::soup(300, 4).expect("soup");
+    let nothing = Scene { materials: scene("cornell-box.gltf").materials, ..Scene::default() };
+    let sized = |scene: Scene, grid| {
+        let options = build(&scene, grid);
+        (scene, options)
+    };
+    let irregular = |scene: Scene| {
+        let options = irregular(&scene);
+        (scene, options)
+    };
     vec![
-        (scene("cornell-box.gltf"), GridSize::Auto),
-        (scene("teapot.glb"), GridSize::Auto),
-        (scene("teapot.glb"), GridSize::Cells([70, 3, 40])),
-        (raystep_scenes::generate::soup(300, 4).expect("soup"), GridSize::Cells([16, 16, 17])),
-        (Scene { materials: scene("cornell-box.gltf").materials, ..Scene::default() }, GridSize::Auto),
+        sized(scene("cornell-box.gltf"), GridSize::Auto),
+        sized(scene("teapot.glb"), GridSize::Auto),
+        sized(scene("teapot.glb"), GridSize::Cells([70, 3, 40])),
+        sized(soup.clone(), GridSize::Cells([16, 16, 17])),
+        sized(nothing.clone(), GridSize::Auto),
+        // Half of its triangles are in one cell, which is divided.
+        sized(crowd(), GridSize::Auto),
+        irregular(scene("cornell-box.gltf")),
+        irregular(generate::soup(60, 4).expect("soup")),
+        irregular(nothing),
+        // Twelve triangles are set aside.
+        irregular(generate::tiny_in_room(200, 100).expect("a room")),
     ]
 }
 
+/// Triangles all over a cube, and as many at one place in it.
+fn crowd() -> Scene {
+    let mut scene = generate::soup(600, 4).expect("soup");
+    let mut knot = scene.triangles.clone();
+    knot.iter_mut().flatten().flatten().for_each(|v| *v = 0.3 + 0.01 * *v);
+    scene.triangles.extend(knot);
+    scene.triangle_materials.extend(scene.triangle_materials.clone());
+    scene
+}
+
 #[test]
-fn every_pass_of_a_build_leaves_the_same_on_gpu_and_twins_and_the_lists_are_the_hosts() {
+fn every_pass_of_a_build_leaves_the_same_on_gpu_and_twins_and_the_grid_is_the_hosts() {
     let gpu = Device::Gpu(gpu());
-    for (scene, size) in scenes() {
-        let options = build(&scene, size);
+    let (mut divided, mut aside) = (0, 0);
+    for (scene, options) in scenes() {
         block_on(gpu_of(&gpu), async {
             let mut ours = Renderer::new(&scene, &options, &gpu).await?;
             let mut twins = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
@@ -55,14 +92,92 @@ fn every_pass_of_a_build_leaves_the_same_on_gpu_and_twins_and_the_lists_are_the_
             assert!(found.passes >= 14 && ours.next_kernel().is_none() && twins.next_kernel().is_none(), "{found:?}");
             assert_eq!(known_streams(&ours).await, known_streams(&twins).await);
             let data = ours.data();
-            let host = grid::lists(&data.grid, data.growth, &data.vertices, u64::MAX).expect("lists");
-            let lists = Lists::of(&ours).await?;
-            assert_eq!((&lists.cells, &lists.items), (&host.cells, &host.items), "{}", scene.name);
-            let references = ours.size(&REFERENCES).map(|size| size.count as usize);
-            assert_eq!(references, Some(lists.items.len()));
+            if ours.plan().accelerator == Accelerator::Irregular {
+                let host = irregular::build_as_planned(data, u64::MAX).expect("a grid");
+                let built = IrregularData::of(&ours).await?;
+                assert!(built == host, "{}", scene.name);
+                divided += usize::from(options.accelerator == Accelerator::Grid);
+                aside += built.aside;
+            } else {
+                let host = grid::lists(&data.grid, data.growth, &data.vertices, u64::MAX).expect("lists");
+                let lists = Lists::of(&ours).await?;
+                assert_eq!((&lists.cells, &lists.items), (&host.cells, &host.items), "{}", scene.name);
+                let references = ours.size(&REFERENCES).map(|size| size.count as usize);
+                assert_eq!(references, Some(lists.items.len()));
+            }
             Ok::<(), RenderError>(())
         })
         .expect("both builds");
+    }
+    assert_eq!((divided, aside), (1, 12));
+}
+
+/// What is traced through a grid that the device has built is what is traced through that of the host.
+#[test]
+fn a_grid_built_on_the_device_is_traced_like_that_of_the_host() {
+    for (_, device) in devices() {
+        for (scene, options) in scenes() {
+            let options = Options { program: ProgramName::ClosestHit, ..options };
+            block_on(gpu_of(&device), async {
+                let (host_plan, host) = Plan::on(&scene, &options, &device).await?;
+                let on_device = Options { build: BuiltBy::Device, ..options.clone() };
+                let (plan, data) = Plan::on(&scene, &on_device, &device).await?;
+                assert_eq!(plan.features, host_plan.features, "{}", scene.name);
+                let sources = |plan: &Plan| plan.variants.iter().map(|v| v.source.clone()).collect::<Vec<_>>();
+                assert!(sources(&plan) == sources(&host_plan), "{}", scene.name);
+                assert_eq!((data.grid, data.growth, data.bounds), (host.grid, host.growth, host.bounds));
+                assert_eq!((data.reach, plan.pass_bound), (host.reach, host_plan.pass_bound), "{}", scene.name);
+                let words = |data: &SceneData| {
+                    let SceneData { grid_cells, grid_items, grid_distances, .. } = data;
+                    let SceneData { irregular_map, irregular_items, irregular_lengths, .. } = data;
+                    let all =
+                        [grid_cells, grid_items, grid_distances, irregular_map, irregular_items, irregular_lengths];
+                    all.map(Clone::clone)
+                };
+                assert!(words(&data) == words(&host), "{}", scene.name);
+                assert!(data.irregular_cells == host.irregular_cells, "{}", scene.name);
+                Ok::<(), RenderError>(())
+            })
+            .expect("both plans");
+        }
+    }
+}
+
+/// A grid in which something is wrong is not used.
+#[test]
+fn a_grid_with_a_fault_is_refused() {
+    for (_, device) in devices() {
+        let scene = scene("cornell-box.gltf");
+        // In each of what is checked, before it is checked.
+        let faults = [
+            (build(&scene, GridSize::Auto), START, 0, u32::MAX, "check_starts"),
+            (build(&scene, GridSize::Auto), TRIANGLE_EVEN, 0, 36, "check_even"),
+            (irregular(&scene), ITEM, 0, 36, "check_items"),
+            (irregular(&scene), CELL, 3, 1 << 20, "check_cells"),
+            (irregular(&scene), CELL, 0, u32::MAX, "check_cells"),
+            (irregular(&scene), MAP_TOP, 0, u32::MAX, "check_top"),
+            (irregular(&scene), MAP_BELOW, 0, 1, "check_blocks"),
+        ];
+        for (options, stream, layer, value, kernel) in faults {
+            block_on(gpu_of(&device), async {
+                let mut renderer = Renderer::new(&scene, &options, &device).await?;
+                while renderer.next_kernel().is_some_and(|next| next.name() != kernel) {
+                    renderer.step().await?;
+                }
+                let mut values = renderer.values(stream).await?;
+                let texels = values.layer(layer).len();
+                values.bits[layer * texels + 1] = value;
+                assert!(renderer.write(&values));
+                renderer.run(|_| ControlFlow::Continue(())).await?;
+                let refused = match renderer.plan().accelerator {
+                    Accelerator::Irregular => IrregularData::of(&renderer).await.err(),
+                    _ => Lists::of(&renderer).await.err(),
+                };
+                assert!(matches!(refused, Some(RenderError::Faulty(_))), "{kernel}: {refused:?}");
+                Ok::<(), RenderError>(())
+            })
+            .expect("a build");
+        }
     }
 }
 
@@ -93,13 +208,29 @@ fn a_broken_kernel_of_a_build_is_named() {
             .expect("both builds");
         }
     }
-    assert_eq!(rows.len(), 9);
+    assert_eq!(rows.len(), 40);
 }
 
 #[test]
 fn a_build_goes_back_and_forth_as_it_went() {
     let scene = scene("teapot.glb");
+    // Its loops run a few times each, and its sets of elements change their sizes.
+    let small = generate::soup(20, 4).expect("soup");
     for (_, device) in devices() {
+        block_on(gpu_of(&device), async {
+            let mut session = Session::new(&small, &irregular(&small), &device).await?;
+            let mut after = vec![known_streams(session.renderer()).await];
+            while go(&mut session, Target::Next).await == after.len() {
+                after.push(known_streams(session.renderer()).await);
+            }
+            let last = after.len() - 1;
+            for place in [last - 1, 60, 80, 40, 100, last, 35, 36] {
+                assert_eq!(go(&mut session, Target::Pass(place)).await, place);
+                assert!(known_streams(session.renderer()).await == after[place], "{place} of {last}");
+            }
+            Ok::<(), RenderError>(())
+        })
+        .expect("a session");
         block_on(gpu_of(&device), async {
             let mut session = Session::new(&scene, &build(&scene, GridSize::Auto), &device).await?;
             let mut after = vec![known_streams(session.renderer()).await];

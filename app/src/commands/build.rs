@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
-use raystep_kernels::export::csv::PassesCsv;
 use raystep_kernels::Accelerator;
+use raystep_kernels::export::csv::PassesCsv;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs::grid_build::elements::{REFERENCES, REFINED, SPANS};
 use raystep_kernels::renderer::Lists;
@@ -198,10 +198,7 @@ fn report(running: &Running, built: &Built, device_ns: f64, host_ns: Option<f64>
         ("triangles", format!("{}{aside}", data.build.triangles)),
     ];
     lines.extend(built.lines(running));
-    lines.extend([
-        ("passes", renderer.pass_count().to_string()),
-        ("time", format!("{:.3} ms", device_ns / 1e6)),
-    ]);
+    lines.extend([("passes", renderer.pass_count().to_string()), ("time", format!("{:.3} ms", device_ns / 1e6))]);
     if let Some(host_ns) = host_ns {
         let ratio = device_ns / host_ns;
         lines.push(("host", format!("{:.3} ms; device time by host time {ratio:.2}", host_ns / 1e6)));

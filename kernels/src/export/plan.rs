@@ -7,8 +7,8 @@ use crate::options::Accelerator;
 use crate::options::keep::Item;
 use crate::plan::display::element;
 use crate::plan::{Plan, Planned, Structure};
-use crate::program::{Kernel, Program};
 use crate::program::schedule::Step;
+use crate::program::{Kernel, Program};
 use crate::scene_data::SceneData;
 use crate::shader::{Resource, Variant};
 

@@ -83,6 +83,16 @@ pub enum Skip {
     Off,
 }
 
+/// Who builds a grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BuiltBy {
+    /// The host.
+    #[default]
+    Host,
+    /// The device that traces the rays, by the program `grid-build`: the same grid, bit for bit.
+    Device,
+}
+
 /// The rules for planes, steps and hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Numerics {
@@ -122,6 +132,7 @@ named!(
 );
 named!(ProgramName, "closest-hit, grid-build", ClosestHit "closest-hit", GridBuild "grid-build");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
+named!(BuiltBy, "host, device", Host "host", Device "device");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
 named!(
     Rule,
@@ -261,6 +272,8 @@ pub struct Options {
     pub grid: GridSize,
     /// `--skip`
     pub skip: Skip,
+    /// `--build`: who builds a grid that [`accelerator`](Self::accelerator) names.
+    pub build: BuiltBy,
     /// `--steps-per-pass`: most steps of a ray per pass of the compact schedule; the paper takes 1.
     pub steps_per_pass: u32,
     /// A ray ends at the first hit found, nearest or not: for shadow rays, from a point to a light. Not with
@@ -297,6 +310,7 @@ impl Options {
             contracted: false,
             grid: GridSize::default(),
             skip: Skip::default(),
+            build: BuiltBy::default(),
             steps_per_pass: STEPS_PER_PASS,
             any_hit: false,
             rays,

@@ -5,10 +5,12 @@ use std::collections::BTreeSet;
 use raystep_scenes::Scene;
 
 use super::check::{PlanError, check_buffer, check_rays, check_scene};
+use super::decide;
+use super::resolve::{self, ChosenGrid};
 use super::{Limits, Plan, Planned, PlannedSet, housekeeping, planned_buffers, planned_streams, variants};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
-use crate::options::{Accelerator, GridSize, MOST_LISTED_IN_ONE_LEVEL, Numerics, Options, Rule, Skip};
+use crate::options::{Accelerator, Options, Rule};
 use crate::program::sizes::derive;
 use crate::programs::grid_build::elements::{CELLS, TRIANGLES, WHOLE};
 use crate::programs::grid_build::schedule::Kind;
@@ -43,14 +45,17 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
     }
     let bounds = grid::bounds(&vertices);
     let reach = grid::reach(bounds, origins);
-    let counted = grid::count_lists(&vertices, options.grid, reach, is_grown, most_words)?;
-    let (cells, growth, grid) = (counted.cells(), counted.growth(), *counted.grid());
-    let is_automatic = (options.grid, options.skip) == (GridSize::Auto, Skip::Auto);
-    let is_crowded = counted.weighted_list() > MOST_LISTED_IN_ONE_LEVEL;
-    let what = if is_automatic && is_crowded && options.numerics == Numerics::Robust && options.without.is_none() {
-        What::TwoLevels(Layout::below(&vertices, reach, is_grown, cells))
-    } else {
-        What::Uniform(grid, growth)
+    let site = resolve::Site { options, vertices: &vertices, origins, reach, most_words };
+    let features = decide::features(scene, options, Accelerator::Grid, units);
+    // The last candidate is always suited.
+    let what = match site.choose(&features, true)? {
+        Some(ChosenGrid::TwoLevels(counted)) => {
+            What::TwoLevels(Layout::below(&vertices, reach, is_grown, counted.cells()))
+        }
+        Some(ChosenGrid::Uniform { counted, leaps }) => {
+            What::Uniform { grid: *counted.grid(), growth: counted.growth(), leaps }
+        }
+        None => return Err(PlanError::NotBuilt(options.accelerator)),
     };
     let (plan, data) = of(&what, vertices, units, options, limits)?;
     Ok((plan, SceneData { bounds, reach, ..data }))
@@ -58,8 +63,8 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
 
 /// A grid before its lists are filled.
 pub(crate) enum What {
-    /// A uniform grid, and the growth of its cells.
-    Uniform(Grid, f32),
+    /// A uniform grid, the growth of its cells, and whether rays leap over empty ones.
+    Uniform { grid: Grid, growth: f32, leaps: bool },
     /// A uniform grid whose crowded cells hold finer ones.
     TwoLevels(Layout),
     /// An irregular grid.
@@ -69,7 +74,7 @@ pub(crate) enum What {
 impl What {
     fn kind(&self) -> Kind {
         match self {
-            Self::Uniform(..) => Kind::Uniform,
+            Self::Uniform { .. } => Kind::Uniform,
             Self::TwoLevels(_) => Kind::TwoLevels,
             Self::Irregular(_) => Kind::Irregular,
         }
@@ -86,12 +91,13 @@ pub(crate) fn of(
 ) -> Result<(Plan, SceneData), PlanError> {
     let triangles = (vertices.len() / 9) as u64;
     let (grid, growth, build) = match what {
-        What::Uniform(grid, growth) => (*grid, *growth, Build::new(grid, *growth, triangles as u32)),
+        What::Uniform { grid, growth, .. } => (*grid, *growth, Build::new(grid, *growth, triangles as u32)),
         What::TwoLevels(layout) => (layout.at(0), layout.growth, layout.build(triangles as u32, false)),
         What::Irregular(layout) => (layout.at(0), layout.growth, layout.build(triangles as u32, true)),
     };
-    let is_uniform = matches!(what, What::Uniform(..));
-    let features = Features { grid: is_uniform, irregular: !is_uniform, robust: true, ..Features::default() };
+    let is_uniform = what.kind() == Kind::Uniform;
+    let skip = matches!(what, What::Uniform { leaps: true, .. });
+    let features = Features { grid: is_uniform, irregular: !is_uniform, skip, robust: true, ..Features::default() };
     let data = SceneData { features, units, grid, growth, build, vertices, ..SceneData::default() };
 
     let cells: u64 = build.cells.iter().map(|&n| u64::from(n)).product();
@@ -99,8 +105,7 @@ pub(crate) fn of(
     let mut known = vec![None; PROGRAM.elements.len()];
     for (size, elements) in known.iter_mut().zip(PROGRAM.elements) {
         if let Some(&(_, count)) = given.iter().find(|(set, _)| set.name == elements.name) {
-            let too_many =
-                || PlanError::TooMany { elements: elements.name.to_owned(), count, side: limits.image_side };
+            let too_many = || PlanError::TooMany { elements: elements.name.to_owned(), count, side: limits.image_side };
             *size = Some(Size::folded(count, limits.image_side).ok_or_else(too_many)?);
         }
     }
@@ -136,6 +141,6 @@ pub(crate) fn of(
         buffers,
         left_out: Vec::new(),
     };
-    plan.left_out = super::decide::absent(&plan, options);
+    plan.left_out = decide::absent(&plan, options);
     Ok((plan, data))
 }

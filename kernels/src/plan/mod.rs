@@ -42,6 +42,7 @@ use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, 
 use decide::left_out;
 pub use display::PlanText;
 pub use limits::{Limits, Loops};
+pub(crate) use resolve::Built;
 use resolve::{Resolved, resolve};
 pub use structure::{BvhSummary, GridSummary, IrregularSummary, Structure, structure_bytes};
 use turns::{Resumes, Walk};
@@ -236,6 +237,16 @@ impl Plan {
     /// # Errors
     /// If the scene or the options do not fit `limits`, with the numbers.
     pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
+        Self::with(scene, options, limits, None)
+    }
+
+    /// As [`new`](Self::new), with the grid that the options ask for, if it is built already.
+    pub(crate) fn with(
+        scene: &Scene,
+        options: &Options,
+        limits: &Limits,
+        built: Option<Built>,
+    ) -> Result<(Self, SceneData), PlanError> {
         if options.program == ProgramName::GridBuild {
             return grid_build::plan(scene, options, limits);
         }
@@ -249,7 +260,7 @@ impl Plan {
         }
         let given = matches!(options.rays, RaySource::Given(_));
         let Resolved { accelerator, mut features, structure, vertices, extent } =
-            resolve(scene, options, units, limits, (width, height))?;
+            resolve(scene, options, units, limits, (width, height), built)?;
 
         // The last options of the kernels to be decided are those that depend on iterations of loops.
         let is_fused = options.schedule == ScheduleKind::Fused;

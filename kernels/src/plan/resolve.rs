@@ -10,7 +10,8 @@ use crate::options::features::Features;
 use crate::options::{Accelerator, GridSize, MOST_LISTED, MOST_LISTED_IN_ONE_LEVEL, Options, Rule, ScheduleKind, Skip};
 use crate::scene_data::{bvh_growth, origins, traced_vertices};
 use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
-use crate::structures::grid::Corners;
+use crate::structures::grid::{Corners, CountedGrid, GridData};
+use crate::structures::irregular::IrregularData;
 use crate::structures::{Structure, grid, irregular};
 use crate::tables::sizes::LIVE_REGIONS;
 
@@ -38,18 +39,52 @@ pub(super) struct Extent {
 }
 
 /// The input of building a structure.
-struct Site<'a> {
-    options: &'a Options,
-    vertices: &'a [f32],
+pub(super) struct Site<'a> {
+    pub(super) options: &'a Options,
+    pub(super) vertices: &'a [f32],
     /// The box of all ray origins.
-    origins: Option<Corners>,
+    pub(super) origins: Option<Corners>,
     /// Bounds distances, see [`grid::reach`].
-    reach: f32,
+    pub(super) reach: f32,
     /// Size of the executor's largest buffer, in 32-bit words.
-    most_words: u64,
+    pub(super) most_words: u64,
 }
 
-/// Builds the first of the requested accelerators that suits the scene.
+/// A grid whose resolution is chosen, with its lists counted.
+pub(super) enum ChosenGrid {
+    /// A uniform one, with or without distances for empty-space skipping.
+    Uniform { counted: CountedGrid, leaps: bool },
+    /// One whose crowded cells are divided. It is walked as an irregular one.
+    TwoLevels(CountedGrid),
+}
+
+/// A grid that is built.
+pub(crate) enum Built {
+    /// A uniform one, with or without distances for empty-space skipping.
+    Uniform { data: GridData, leaps: bool },
+    /// An irregular one, or one of two levels.
+    Irregular(Box<IrregularData>),
+}
+
+/// The structure of a grid, and the features that follow from it.
+fn adopt(mut features: Features, built: Built) -> (Features, Structure) {
+    match built {
+        Built::Uniform { data, leaps } => {
+            features.skip = leaps;
+            let distances = if leaps { grid::distances(&data.grid, &data.cells) } else { Vec::new() };
+            (features, Structure::Grid { data, distances })
+        }
+        Built::Irregular(data) => {
+            (features.grid, features.irregular) = (false, true);
+            features.aside = data.aside > 0;
+            // The grid is smaller than the scene, so rays may start outside of it.
+            features.clip |= features.aside;
+            (features, Structure::Irregular(*data))
+        }
+    }
+}
+
+/// Builds the first of the requested accelerators that suits the scene. `built` stands for the first one.
 ///
 /// # Errors
 /// If none of them can be built, or the scene does not fit `limits`.
@@ -59,6 +94,7 @@ pub(super) fn resolve(
     units: Units,
     limits: &Limits,
     (width, height): (u32, u32),
+    mut built: Option<Built>,
 ) -> Result<Resolved, PlanError> {
     let mut corners = None;
     let mut candidates = options.accelerator.candidates(scene.triangles.len()).iter();
@@ -74,7 +110,11 @@ pub(super) fn resolve(
                 (vertices, origins, Extent { bounds, reach: grid::reach(bounds, origins) })
             });
             let most_words = limits.storage_bytes / 4;
-            Site { options, vertices, origins: *origins, reach: extent.reach, most_words }.build(features, is_last)
+            let site = Site { options, vertices, origins: *origins, reach: extent.reach, most_words };
+            match built.take() {
+                Some(built) => Ok(Some(adopt(features, built))),
+                None => site.build(features, is_last),
+            }
         });
         match attempt {
             Ok(Some((features, structure))) => {
@@ -136,12 +176,8 @@ impl Site<'_> {
                 None => return Ok(None),
             }
         } else if features.irregular {
-            let is_grown = self.options.without != Some(Rule::CellGrowth);
-            let data = irregular::build(self.vertices, self.origins, is_grown, self.most_words)?;
-            features.aside = data.aside > 0;
-            // The grid is smaller than the scene, so rays may start outside of it.
-            features.clip |= features.aside;
-            Structure::Irregular(data)
+            let data = irregular::build(self.vertices, self.origins, self.is_grown(), self.most_words)?;
+            return Ok(Some(adopt(features, Built::Irregular(Box::new(data)))));
         } else if features.bvh {
             self.tree(&mut features)?
         } else {
@@ -154,12 +190,34 @@ impl Site<'_> {
         Ok(Some((features, structure)))
     }
 
-    /// Builds the grid: the counts of its lists tell whether most of its cells are empty, or a few of them crowded,
-    /// before they are filled. A grid with crowded cells gets a second level in them, and is walked as an irregular one.
+    fn is_grown(&self) -> bool {
+        self.options.without != Some(Rule::CellGrowth)
+    }
+
+    /// Builds the grid.
     fn grid(&self, features: &mut Features, is_last: bool) -> Result<Option<Structure>, PlanError> {
+        let Self { vertices, reach, most_words, .. } = *self;
+        let Some(chosen) = self.choose(features, is_last)? else { return Ok(None) };
+        let built = match chosen {
+            ChosenGrid::TwoLevels(counted) => {
+                match irregular::build_two_levels(vertices, counted.cells(), reach, self.is_grown(), most_words) {
+                    Ok(data) => Built::Irregular(Box::new(data)),
+                    // If it does not fit, one level does.
+                    Err(_) => Built::Uniform { data: counted.fill(vertices), leaps: false },
+                }
+            }
+            ChosenGrid::Uniform { counted, leaps } => Built::Uniform { data: counted.fill(vertices), leaps },
+        };
+        let (adopted, structure) = adopt(*features, built);
+        *features = adopted;
+        Ok(Some(structure))
+    }
+
+    /// Chooses a grid's resolution: the counts of its lists tell whether most of its cells are empty, or a few of them
+    /// crowded, before they are filled. `None` if another accelerator suits the scene better.
+    pub(super) fn choose(&self, features: &Features, is_last: bool) -> Result<Option<ChosenGrid>, PlanError> {
         let Self { options, vertices, reach, most_words, .. } = *self;
-        let is_grown = options.without != Some(Rule::CellGrowth);
-        let counted = grid::count_lists(vertices, options.grid, reach, is_grown, most_words)?;
+        let counted = grid::count_lists(vertices, options.grid, reach, self.is_grown(), most_words)?;
         let is_sparse = counted.is_sparse();
         let listed = counted.weighted_list();
         if !is_last && (is_sparse || listed > MOST_LISTED) {
@@ -168,13 +226,9 @@ impl Site<'_> {
         let is_automatic = (options.grid, options.skip) == (GridSize::Auto, Skip::Auto);
         let may_divide = is_automatic && features.keeps_no_tmax() && !features.in_cell;
         if may_divide && listed > MOST_LISTED_IN_ONE_LEVEL {
-            // If it does not fit, one level does.
-            if let Ok(data) = irregular::build_two_levels(vertices, counted.cells(), reach, is_grown, most_words) {
-                (features.grid, features.irregular) = (false, true);
-                return Ok(Some(Structure::Irregular(data)));
-            }
+            return Ok(Some(ChosenGrid::TwoLevels(counted)));
         }
-        features.skip = features.keeps_no_tmax()
+        let leaps = features.keeps_no_tmax()
             && match options.skip {
                 Skip::On => true,
                 Skip::Off => false,
@@ -182,15 +236,13 @@ impl Site<'_> {
             };
         // Empty-space skipping is faster through a finer grid, if the resolution is automatic.
         let counted = match options.grid {
-            GridSize::Auto if features.skip => {
+            GridSize::Auto if leaps => {
                 drop(counted);
                 grid::count_lists_for_leaps(vertices, reach, most_words)?
             }
             _ => counted,
         };
-        let data = counted.fill(vertices);
-        let distances = if features.skip { grid::distances(&data.grid, &data.cells) } else { Vec::new() };
-        Ok(Some(Structure::Grid { data, distances }))
+        Ok(Some(ChosenGrid::Uniform { counted, leaps }))
     }
 
     fn tree(&self, features: &mut Features) -> Result<Structure, PlanError> {

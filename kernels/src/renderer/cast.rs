@@ -121,7 +121,8 @@ impl Caster {
             ..options.clone()
         };
         let units = Units::of(&scene.bounds());
-        let (plan, data, farthest_origin) = planned(&scene, &options, device, ORIGINS * reach_of(&scene, units))?;
+        let (plan, data, farthest_origin) =
+            planned(&scene, &options, device, ORIGINS * reach_of(&scene, units)).await?;
         let batch = if device.is_gpu() { RAYS_A_BATCH_GPU } else { RAYS_A_BATCH_CPU };
         let batch = batch.min(device.limits().rays);
         let (device, runs) = (device.clone(), Vec::new());
@@ -182,7 +183,7 @@ impl Caster {
                 return Err(PlanError::Ray { index, reason }.into());
             }
         }
-        self.make_room_for(rays)?;
+        self.make_room_for(rays).await?;
         hits.reserve(rays.len());
         for batch in rays.chunks(usize::try_from(self.batch).unwrap_or(usize::MAX)) {
             self.cast_batch(batch, hits).await?;
@@ -191,7 +192,7 @@ impl Caster {
     }
 
     /// Builds the structure or composes the kernels anew if these rays need it.
-    fn make_room_for(&mut self, rays: &[Ray]) -> Result<(), RenderError> {
+    async fn make_room_for(&mut self, rays: &[Ray]) -> Result<(), RenderError> {
         let units = self.data.units;
         let farthest = rays.iter().flat_map(|ray| ray.origin).fold(0.0, |m: f32, v| m.max(units.to_traced(v).abs()));
         let has_intervals = self.plan.features.intervals;
@@ -199,7 +200,8 @@ impl Caster {
         let serves_all = self.plan.features.bvh && self.plan.features.ray_padding;
         if farthest > self.farthest_origin && !serves_all {
             self.runs.clear();
-            (self.plan, self.data, self.farthest_origin) = planned(&self.scene, &self.options, &self.device, farthest)?;
+            (self.plan, self.data, self.farthest_origin) =
+                planned(&self.scene, &self.options, &self.device, farthest).await?;
             if has_intervals {
                 self.plan.read_intervals(Arc::make_mut(&mut self.data))?;
             }
@@ -262,7 +264,7 @@ fn reach_of(scene: &Scene, units: Units) -> f32 {
 
 /// Plans runs of rays whose origins have coordinates of at most `farthest` traced units. Also returns the largest
 /// coordinate that the structure is built for, which may be larger.
-fn planned(
+async fn planned(
     scene: &Scene,
     options: &Options,
     device: &Device,
@@ -273,7 +275,7 @@ fn planned(
     let origin = most.min(f64::from(f32::MAX)) as f32;
     let farthest = units.to_traced(origin);
     let rays = RaySource::Given([-origin, origin].map(|v| Ray::new([v; 3], [1.0, 0.0, 0.0])).to_vec());
-    let (plan, data) = Plan::new(scene, &Options { rays, ..options.clone() }, &device.limits())?;
+    let (plan, data) = Plan::on(scene, &Options { rays, ..options.clone() }, device).await?;
     // What a structure is grown for is a power of two, so there may be room for farther origins.
     let [low, high] = data.bounds;
     let room = data.reach - (0..3).map(|axis| high[axis].max(-low[axis])).fold(0.0, f32::max);

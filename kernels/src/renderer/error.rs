@@ -61,6 +61,11 @@ pub enum RenderError {
         /// The requested layer.
         layer: usize,
     },
+    /// The grid that the device has built is checked, and wrong. This is a bug in raystep or in the driver.
+    #[error(
+        "the grid that the device has built has {0} faults: a defect of raystep or of the driver; use --build host"
+    )]
+    Faulty(u64),
     /// The streams to take over belong to another plan or device.
     #[error("streams of another run do not fit this one")]
     OtherRun,

@@ -1,11 +1,19 @@
 //! The grid that a run has built.
 
-use super::{RenderError, Renderer};
+use std::ops::ControlFlow;
+
+use raystep_scenes::Scene;
+
+use super::{Device, RenderError, Renderer};
+use crate::options::{Accelerator, BuiltBy, Options, ProgramName};
+use crate::plan::{Built, Plan};
 use crate::programs::grid_build::elements::REFERENCES;
 use crate::programs::grid_build::radix::digits_of;
 use crate::programs::grid_build::streams::{
-    CELL, ITEM, LIST, MAP_BELOW, MAP_TOP, START, STARTS_IN_ALL, TRIANGLE_EVEN, TRIANGLE_ODD,
+    CELL, FAULTS, ITEM, LIST, MAP_BELOW, MAP_TOP, START, STARTS_IN_ALL, TRIANGLE_EVEN, TRIANGLE_ODD,
 };
+use crate::scene_data::SceneData;
+use crate::structures::grid::GridData;
 use crate::structures::irregular::{IrregularCell, IrregularData, LAST_ITEM, Layout};
 use crate::tables::elements::Elements;
 use crate::tables::stream::Stream;
@@ -25,6 +33,7 @@ impl Lists {
     /// # Errors
     /// If the run builds no grid, is not complete, or the device fails.
     pub async fn of(renderer: &Renderer) -> Result<Self, RenderError> {
+        check(renderer).await?;
         let data = renderer.data();
         let mut cells = values(renderer, START).await?;
         cells.extend(values(renderer, STARTS_IN_ALL).await?);
@@ -41,6 +50,7 @@ impl IrregularData {
     /// # Errors
     /// If the run builds no such grid, is not complete, or the device fails.
     pub async fn of(renderer: &Renderer) -> Result<Self, RenderError> {
+        check(renderer).await?;
         let data = renderer.data();
         let layout = Layout::of(&data.build, &data.grid);
         let mut map = values(renderer, MAP_TOP).await?;
@@ -59,6 +69,44 @@ impl IrregularData {
         }
         let built = Self::of_buffers(&layout, map, cells.collect(), items, lengths);
         Ok(Self { bounds: data.bounds, reach: data.reach, ..built }.with_aside(&data.set_aside))
+    }
+}
+
+/// What the last passes found wrong with the grid: nothing, or it must not be used.
+async fn check(renderer: &Renderer) -> Result<(), RenderError> {
+    let mut faults = 0;
+    for stream in FAULTS.into_iter().filter(|&stream| renderer.plan().has_stream(stream)) {
+        faults += values(renderer, stream).await?.into_iter().map(u64::from).sum::<u64>();
+    }
+    if faults > 0 { Err(RenderError::Faulty(faults)) } else { Ok(()) }
+}
+
+impl Plan {
+    /// Plans a run and prepares the data that it binds, as [`new`](Self::new); a grid is built on the device if the
+    /// options say so ([`Options::build`]).
+    ///
+    /// # Errors
+    /// If the scene or the options do not fit the device, or it fails.
+    pub async fn on(scene: &Scene, options: &Options, device: &Device) -> Result<(Self, SceneData), RenderError> {
+        let limits = device.limits();
+        let is_grid = matches!(options.accelerator, Accelerator::Grid | Accelerator::Irregular);
+        if options.build == BuiltBy::Host || !is_grid || options.program != ProgramName::ClosestHit {
+            return Ok(Self::new(scene, options, &limits)?);
+        }
+        let building =
+            Options { program: ProgramName::GridBuild, timings: false, keep_passes: false, ..options.clone() };
+        let mut renderer = Renderer::new(scene, &building, device).await?;
+        renderer.run(|_| ControlFlow::Continue(())).await?;
+        let built = match renderer.plan().accelerator {
+            Accelerator::Irregular => Built::Irregular(Box::new(IrregularData::of(&renderer).await?)),
+            _ => {
+                let Lists { cells, items } = Lists::of(&renderer).await?;
+                let &SceneData { grid, growth, features, .. } = renderer.data();
+                Built::Uniform { data: GridData { grid, cells, items, growth }, leaps: features.skip }
+            }
+        };
+        drop(renderer);
+        Ok(Self::with(scene, options, &limits, Some(built))?)
     }
 }
 

@@ -102,7 +102,8 @@ impl Renderer {
     /// # Errors
     /// If the scene or options do not fit the device, or the device fails.
     pub async fn new(scene: &Scene, options: &Options, device: &Device) -> Result<Self, RenderError> {
-        let (plan, data) = Plan::new(scene, options, &device.limits())?;
+        // Boxed: a build is a run, too.
+        let (plan, data) = Box::pin(Plan::on(scene, options, device)).await?;
         Self::from_plan(plan, data, options, device).await
     }
 

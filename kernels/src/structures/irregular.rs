@@ -41,8 +41,8 @@ mod tests;
 use std::borrow::Cow;
 
 use super::grid::{self, Corners, GridError};
-pub use crate::shared::constants::{LAST_ITEM, NO_LIST, OUTSIDE};
 use crate::scene_data::SceneData;
+pub use crate::shared::constants::{LAST_ITEM, NO_LIST, OUTSIDE};
 use crate::shared::grid_walk::Grid;
 pub use crate::shared::irregular_walk::{IrregularCell, block_entry, cell_entry};
 pub(crate) use layout::Layout;

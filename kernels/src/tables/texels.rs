@@ -4,7 +4,7 @@ use crate::numbers::real::{Real, Vec3};
 use crate::tables::stream::Stream;
 
 /// Most streams of a program.
-pub const MOST_STREAMS: usize = 64;
+pub const MOST_STREAMS: usize = 96;
 
 /// Layout of the streams' components in a ray's row of texels.
 #[derive(Clone, Copy, Debug)]

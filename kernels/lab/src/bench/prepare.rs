@@ -91,7 +91,7 @@ impl<'a> Builder<'a> {
         (options.counters, options.timings, options.keep_passes) = (false, true, true);
         machine.forget_kernels();
         let start = Instant::now();
-        let (plan, data) = Plan::new(&subject.scene, options, &machine.limits())?;
+        let (plan, data) = machine.wait(Plan::on(&subject.scene, options, &machine.device))?;
         let build_s = start.elapsed().as_secs_f64();
         if misses_all(&subject.scene, options, &plan) {
             note(MISSES_ALL);

@@ -10,10 +10,10 @@ use crate::executor::gpu::readback::Readback;
 use crate::program::Kernel;
 use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
-use crate::tables::stream::Stream;
 use crate::tables::kernel::{Launch, Role};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
 use crate::tables::state::StateCounts;
+use crate::tables::stream::Stream;
 
 /// Byte offset of `first_row` in the uniform `scene`.
 const FIRST_ROW: u64 = offset_of!(SceneInfo, first_row) as u64;

@@ -38,7 +38,6 @@ pub static CELL_BLOCKS: Elements = blocks("cell_blocks", "cells");
 /// All cells.
 pub static ALL_CELLS: Elements = blocks("all_cells", "cell_blocks");
 
-
 const fn found(name: &'static str, in_stream: &'static str, layer: usize) -> Elements {
     Elements { name, count: Count::Found { in_stream, layer } }
 }
@@ -77,11 +76,17 @@ pub static NODE_BLOCKS: Elements = blocks("node_blocks", "nodes");
 pub static ALL_NODES: Elements = blocks("all_nodes", "node_blocks");
 /// Entries of the voxel map's blocks.
 pub static ENTRIES: Elements = found("entries", "entries_in_all", 0);
+/// Blocks of these entries.
+pub static ENTRY_BLOCKS: Elements = blocks("entry_blocks", "entries");
+/// Blocks of references.
+pub static REFERENCE_BLOCKS: Elements = blocks("reference_blocks", "references");
+/// Blocks of references to leaves.
+pub static LISTED_BLOCKS: Elements = blocks("listed_blocks", "listed");
 /// One element if another round of merging follows.
 pub static ROUNDS_AHEAD: Elements = found("rounds_ahead", "round", 3);
 
 /// Every set.
-pub static ELEMENTS: [&Elements; 31] = [
+pub static ELEMENTS: [&Elements; 34] = [
     &TRIANGLES,
     &TRIANGLE_BLOCKS,
     &ALL_TRIANGLES,
@@ -112,5 +117,8 @@ pub static ELEMENTS: [&Elements; 31] = [
     &NODE_BLOCKS,
     &ALL_NODES,
     &ENTRIES,
+    &ENTRY_BLOCKS,
+    &REFERENCE_BLOCKS,
+    &LISTED_BLOCKS,
     &ROUNDS_AHEAD,
 ];

@@ -76,8 +76,13 @@ const ALL_ENTRY_SUMS: Binds = &[("values", "entries_of_block"), ("sums", "entrie
 const KNOWN: Binds = &[("bits", "known"), ("tally", "known_before")];
 const KNOWN_SUMS: Binds = &[("values", "known_before"), ("sums", "known_of_block")];
 const ALL_KNOWN_SUMS: Binds = &[("values", "known_of_block"), ("sums", "known_in_all")];
-const OF_TOP: Binds = &[("map_entries", "map_top")];
-const OF_BLOCKS: Binds = &[("map_entries", "map_below")];
+const OF_TOP: Binds = &[("map_entries", "map_top"), ("faults", "top_faults")];
+const OF_BLOCKS: Binds = &[("map_entries", "map_below"), ("faults", "entry_faults")];
+const OF_STARTS: Binds = &[("faults", "start_faults")];
+const ITEMS_EVEN: Binds = &[("item", "triangle_even"), ("faults", "reference_faults")];
+const ITEMS_ODD: Binds = &[("item", "triangle_odd"), ("faults", "reference_faults")];
+const OF_CELLS: Binds = &[("faults", "cell_faults")];
+const OF_ITEMS: Binds = &[("faults", "item_faults")];
 const AS_EXPANDED: Binds = &[("box", "expanded")];
 const AS_IT_IS: Binds = &[("box", "space")];
 
@@ -170,4 +175,11 @@ instances! {
     FINISH_EXPANDED "finish_cells": FINISH_CELLS over LEAVES binds AS_EXPANDED;
     FINISH_LEAVES "finish_leaves": FINISH_CELLS over LEAVES binds AS_IT_IS;
     FINISH_LISTS "finish_items": FINISH_ITEMS over LISTED;
+    CHECK_LIST_STARTS "check_starts": CHECK_STARTS over CELLS binds OF_STARTS;
+    CHECK_EVEN "check_even": CHECK_ITEMS over REFERENCES binds ITEMS_EVEN;
+    CHECK_ODD "check_odd": CHECK_ITEMS over REFERENCES binds ITEMS_ODD;
+    CHECK_LISTS "check_items": CHECK_ITEMS over LISTED binds OF_ITEMS;
+    CHECK_ALL_CELLS "check_cells": CHECK_CELLS over LEAVES binds OF_CELLS;
+    CHECK_TOP "check_top": CHECK_MAP over CELLS by 0 binds OF_TOP;
+    CHECK_BLOCKS "check_blocks": CHECK_MAP over ENTRIES by 1 binds OF_BLOCKS;
 }

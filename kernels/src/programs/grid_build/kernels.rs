@@ -1,8 +1,8 @@
 //! The kernels of the build.
 
 use super::irregular::{finish, map, merge, refine};
-use super::passes;
 use super::scan::EACH;
+use super::{checks, passes};
 use crate::options::reasons::{Because, Reason, Run};
 use crate::options::{Accelerator, GridSize, Options};
 use crate::program::breaks::{Break, as_it_is};
@@ -178,7 +178,11 @@ pub(super) const HALVE: KernelInfo = irregular_row(
     refine::halve,
     [232, 140, 60],
     "finds in which halves of its leaf each triangle lies",
-    &[Break::new(irregular, "let found = atomicLoad(&lying_in[lane]);", "let found = atomicLoad(&lying_in[lane]) | 1u;")],
+    &[Break::new(
+        irregular,
+        "let found = atomicLoad(&lying_in[lane]);",
+        "let found = atomicLoad(&lying_in[lane]) | 1u;",
+    )],
 );
 pub(super) const DECIDE: KernelInfo = irregular_row(
     of_irregular!("decide"),
@@ -234,7 +238,7 @@ pub(super) const SIZE_BLOCKS: KernelInfo = irregular_row(
     map::size_blocks,
     [190, 150, 30],
     "finds the nodes with which a block of the voxel map begins",
-    &[Break::new(irregular, "grandchildren < 4u", "grandchildren < 8u")],
+    &[Break::new(irregular, "if (children == 0u)", "if (children == 9u)")],
 );
 pub(super) const MAP_TOP_LEVEL: KernelInfo = irregular_row(
     of_irregular!("map_top_level"),
@@ -342,11 +346,92 @@ pub(super) const FINISH_ITEMS: KernelInfo = irregular_row(
     &[Break::new(irregular, "if (i + 1u == load", "if (i == load")],
 );
 
+macro_rules! of_checks {
+    ($name:literal) => {
+        ($name, include_str!(concat!("checks/", $name, ".wgsl")))
+    };
+}
+
+pub(super) const CHECK_STARTS: KernelInfo = row(
+    of_checks!("check_starts"),
+    checks::check_starts,
+    EACH,
+    [120, 130, 140],
+    "counts lists that end before they start",
+    &[Break::new(as_it_is, "0u) > end ||", "0u) >= end ||")],
+);
+pub(super) const CHECK_ITEMS: KernelInfo = row(
+    of_checks!("check_items"),
+    checks::check_items,
+    EACH,
+    [120, 130, 140],
+    "counts references to triangles that do not exist",
+    &[Break::new(as_it_is, ">= build.triangles", "< build.triangles")],
+);
+pub(super) const CHECK_CELLS: KernelInfo = KernelInfo {
+    why_absent: not_irregular,
+    ..row(
+        of_checks!("check_cells"),
+        checks::check_cells,
+        EACH,
+        [120, 130, 140],
+        "counts cells whose box or list cannot be",
+        &[Break::new(irregular, "return load(list, i, 1u) != 0u;", "return true;")],
+    )
+};
+pub(super) const CHECK_MAP: KernelInfo = KernelInfo {
+    why_absent: not_irregular,
+    ..row(
+        of_checks!("check_map"),
+        checks::check_map,
+        EACH,
+        [120, 130, 140],
+        "counts entries of the voxel map that lead nowhere or back",
+        &[Break::new(irregular, "begin <= own", "begin > own")],
+    )
+};
+
 /// The kernels, without their instances.
 #[cfg(test)]
-pub(super) const ROWS: [&KernelInfo; 36] = [
-    &BOUND, &SCAN, &ADD, &SPAN, &EMIT, &HISTOGRAM, &SCATTER, &MARK, &MEASURE, &COUNT_TOP, &MAKE_LEAVES, &ADOPT_PAIRS,
-    &HALVE, &DECIDE, &DIVIDE, &HAND_DOWN, &ADOPT_LEAVES, &ADOPT_DIVISION, &OPEN_NODES, &LINK_NODES, &SIZE_BLOCKS,
-    &MAP_TOP_LEVEL, &MAP_BLOCKS, &START_MERGING, &PAIR, &SHARE_LISTS, &WISH, &UNITE, &GATHER, &DEAL, &FOLLOW, &NEXT_AXIS,
-    &EXPAND, &NAME_CELLS, &FINISH_CELLS, &FINISH_ITEMS,
+pub(super) const ROWS: [&KernelInfo; 40] = [
+    &BOUND,
+    &SCAN,
+    &ADD,
+    &SPAN,
+    &EMIT,
+    &HISTOGRAM,
+    &SCATTER,
+    &MARK,
+    &MEASURE,
+    &COUNT_TOP,
+    &MAKE_LEAVES,
+    &ADOPT_PAIRS,
+    &HALVE,
+    &DECIDE,
+    &DIVIDE,
+    &HAND_DOWN,
+    &ADOPT_LEAVES,
+    &ADOPT_DIVISION,
+    &OPEN_NODES,
+    &LINK_NODES,
+    &SIZE_BLOCKS,
+    &MAP_TOP_LEVEL,
+    &MAP_BLOCKS,
+    &START_MERGING,
+    &PAIR,
+    &SHARE_LISTS,
+    &WISH,
+    &UNITE,
+    &GATHER,
+    &DEAL,
+    &FOLLOW,
+    &NEXT_AXIS,
+    &EXPAND,
+    &NAME_CELLS,
+    &FINISH_CELLS,
+    &FINISH_ITEMS,
+    &CHECK_STARTS,
+    &CHECK_ITEMS,
+    &CHECK_CELLS,
+    &CHECK_MAP,
 ];

@@ -25,6 +25,7 @@
 pub mod add;
 pub mod bound;
 pub mod buffers;
+mod checks;
 pub mod elements;
 pub mod emit;
 pub mod histogram;

@@ -93,6 +93,9 @@ const MERGED: [Kernel; 16] = [
 ];
 const EXPANDED: [Kernel; 5] = [NAME_TOP, NAME_BLOCKS, EXPAND_CELLS, FINISH_EXPANDED, FINISH_LISTS];
 
+const CHECKED: [Kernel; 4] = [CHECK_LISTS, CHECK_ALL_CELLS, CHECK_TOP, CHECK_BLOCKS];
+const CHECKED_ITEMS: [Kernel; 2] = [CHECK_EVEN, CHECK_ODD];
+
 /// The sets on which repetitions depend, by their index in the program's table.
 const WHILE_CHANGED: usize = 0;
 const WHILE_ROUNDS_ARE_AHEAD: usize = 1;
@@ -116,13 +119,16 @@ pub fn of(kind: Kind, cells: u32) -> Schedule {
         steps.extend(run(&MAPPED));
     }
     match kind {
-        Kind::Uniform => {}
+        Kind::Uniform => steps.extend(run(&[CHECK_LIST_STARTS, CHECKED_ITEMS[digits % 2]])),
         Kind::TwoLevels => steps.extend(run(&[FINISH_LEAVES, FINISH_LISTS])),
         Kind::Irregular => {
             steps.extend(run(&[BEGIN_MERGING]));
             steps.push(Step::RepeatWhileAny(WHILE_ROUNDS_ARE_AHEAD, run(&MERGED)));
             steps.extend(run(&EXPANDED));
         }
+    }
+    if kind != Kind::Uniform {
+        steps.extend(run(&CHECKED));
     }
     Schedule { steps }
 }

@@ -30,6 +30,7 @@
 //! of entries     map_below               the voxel map's blocks
 //! of refined     cell_of                 to which cell a leaf of the octrees belongs
 //! of whole       totals  round           numbers of leaves and references; how far merging has got
+//! of blocks      …_faults                what is wrong with the result: nothing
 //! ```
 //!
 //! What begins with `next_` replaces the stream of this name after a step.
@@ -37,9 +38,10 @@
 //! The other streams hold sums of blocks of 16,384 elements, and the sum of all.
 
 use super::elements::{
-    ALL_CELLS, ALL_GROUPS, ALL_LEAVES, ALL_NODES, ALL_SPANS, ALL_TALLIES, ALL_TRIANGLES, BRANCHES, CELL_BLOCKS, CELLS, ENTRIES,
-    GROUP_BLOCKS, GROUPS, LEAF_BLOCKS, LEAVES, LISTED, NEXT_LEAVES, NEXT_LISTED, NODE_BLOCKS, NODES, REFERENCES, REFINED,
-    SPAN_BLOCKS, SPANS, TALLIES, TALLY_BLOCKS, TRIANGLE_BLOCKS, TRIANGLES, WHOLE,
+    ALL_CELLS, ALL_GROUPS, ALL_LEAVES, ALL_NODES, ALL_SPANS, ALL_TALLIES, ALL_TRIANGLES, BRANCHES, CELL_BLOCKS, CELLS,
+    ENTRIES, ENTRY_BLOCKS, GROUP_BLOCKS, GROUPS, LEAF_BLOCKS, LEAVES, LISTED, LISTED_BLOCKS, NEXT_LEAVES, NEXT_LISTED,
+    NODE_BLOCKS, NODES, REFERENCE_BLOCKS, REFERENCES, REFINED, SPAN_BLOCKS, SPANS, TALLIES, TALLY_BLOCKS,
+    TRIANGLE_BLOCKS, TRIANGLES, WHOLE,
 };
 use crate::options::Accelerator;
 use crate::options::reasons::{Because, Reason, Run};
@@ -52,6 +54,10 @@ fn always(_: &Run<'_>) -> Reason {
 
 fn one_level(_: &Run<'_>) -> Reason {
     (Because::Options, "the cells of a uniform grid are not divided")
+}
+
+fn not_uniform(_: &Run<'_>) -> Reason {
+    (Because::Options, "the lists of an irregular grid, or of one with two levels, are checked instead")
 }
 
 fn not_merged(run: &Run<'_>) -> Reason {
@@ -247,4 +253,25 @@ streams! {
     /// A cell as rays read it: the corners of its box, 16 bits each, and its first item.
     CELL of LEAVES: "cell" U32 &["low_xy", "low_z_high_x", "high_yz", "first"], meaning: &[Id; 4],
         unit: "virtual cells, 16 bits each; index of an item", unwritten: &[0; 4], why_absent: one_level;
+    /// Lists that end before they start.
+    START_FAULTS of CELL_BLOCKS: "start_faults" U32 &["faults"], meaning: &[Count], unit: "count of lists", unwritten: &[0],
+        why_absent: not_uniform;
+    /// References to triangles that do not exist.
+    REFERENCE_FAULTS of REFERENCE_BLOCKS: "reference_faults" U32 &["faults"], meaning: &[Count], unit: "count of references",
+        unwritten: &[0], why_absent: not_uniform;
+    /// Cells whose box or list cannot be.
+    CELL_FAULTS of LEAF_BLOCKS: "cell_faults" U32 &["faults"], meaning: &[Count], unit: "count of cells", unwritten: &[0],
+        why_absent: one_level;
+    /// Items that are triangles which do not exist.
+    ITEM_FAULTS of LISTED_BLOCKS: "item_faults" U32 &["faults"], meaning: &[Count], unit: "count of items", unwritten: &[0],
+        why_absent: one_level;
+    /// Entries of the voxel map's top level that lead nowhere or back.
+    TOP_FAULTS of CELL_BLOCKS: "top_faults" U32 &["faults"], meaning: &[Count], unit: "count of entries", unwritten: &[0],
+        why_absent: one_level;
+    /// Entries of its blocks that do.
+    ENTRY_FAULTS of ENTRY_BLOCKS: "entry_faults" U32 &["faults"], meaning: &[Count], unit: "count of entries",
+        unwritten: &[0], why_absent: one_level;
 }
+
+/// Faults that the last passes of a build count in what was built; there must be none.
+pub const FAULTS: [Stream; 6] = [START_FAULTS, REFERENCE_FAULTS, CELL_FAULTS, ITEM_FAULTS, TOP_FAULTS, ENTRY_FAULTS];

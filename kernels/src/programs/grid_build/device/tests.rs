@@ -49,7 +49,13 @@ pub(crate) fn gpu() -> Option<Arc<Gpu>> {
 fn renderer(vertices: &[f32], wanted: &GridData, device: &Device) -> Renderer {
     let options = Options::new(RaySource::Given(Vec::new()));
     let units = Units::default();
-    let planned = grid_build::of(&What::Uniform(wanted.grid, wanted.growth), vertices.to_vec(), units, &options, &device.limits());
+    let planned = grid_build::of(
+        &What::Uniform { grid: wanted.grid, growth: wanted.growth, leaps: false },
+        vertices.to_vec(),
+        units,
+        &options,
+        &device.limits(),
+    );
     let (plan, data) = planned.expect("a plan");
     pollster::block_on(Renderer::from_plan(plan, data, &options, device)).expect("a run")
 }

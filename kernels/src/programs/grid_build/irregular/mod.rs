@@ -3,5 +3,5 @@
 pub(super) mod finish;
 pub(super) mod map;
 pub(super) mod merge;
-mod pass;
+pub(super) mod pass;
 pub(super) mod refine;

@@ -7,9 +7,7 @@ use crate::scene_data::SceneData;
 use crate::shared::build::Build;
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid::overlap::halves;
-use crate::structures::irregular::refine::{
-    CROWDED, GROWTH, GROWTH_OF_ALL, LONG, SHORT, STEP_COST, even_levels,
-};
+use crate::structures::irregular::refine::{CROWDED, GROWTH, GROWTH_OF_ALL, LONG, SHORT, STEP_COST, even_levels};
 use crate::tables::texels::Columns;
 
 pub(crate) fn count_top(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
@@ -99,8 +97,7 @@ pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
     let mut pass = Pass::new(columns, kernel, &data.build);
     let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
     let [places, totals] = ["places", "totals"].map(|name| pass.of(name));
-    let [next_space, next_list, next_division] =
-        ["next_space", "next_list", "next_division"].map(|name| pass.of(name));
+    let [next_space, next_list, next_division] = ["next_space", "next_list", "next_division"].map(|name| pass.of(name));
     let ranks = Ranks::new(&pass);
     let count = pass.len(list);
     for i in 0..count {
@@ -131,8 +128,7 @@ pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
 pub(crate) fn hand_down(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
     let [owner, item, list, places] = ["owner", "item", "list", "places"].map(|name| pass.of(name));
-    let [division, next_division, next_list] =
-        ["division", "next_division", "next_list"].map(|name| pass.of(name));
+    let [division, next_division, next_list] = ["division", "next_division", "next_list"].map(|name| pass.of(name));
     let [next_owner, next_item] = ["next_owner", "next_item"].map(|name| pass.of(name));
     let ranks = Ranks::new(&pass);
     for i in 0..pass.len(owner) {

@@ -1,0 +1,46 @@
+// Counts references to triangles that do not exist.
+
+import package::launch::{BLOCK, launch, block_index, texel};
+import package::build::{build};
+import package::leaf::{load};
+
+@group(0) @binding(0) var item: texture_2d_array<u32>;
+@group(0) @binding(1) var faults: texture_storage_2d_array<r32uint, write>;
+
+// Bit 31 marks the last one of a list.
+const TRIANGLE: u32 = 0x7fffffffu;
+
+// Elements per thread.
+const EACH: u32 = 64u;
+
+var<workgroup> found: atomic<u32>;
+
+fn is_wrong(i: u32) -> bool {
+    return (load(item, i, 0u) & TRIANGLE) >= build.triangles;
+}
+
+@compute @workgroup_size(BLOCK)
+fn check_items(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let block = block_index(group, groups);
+    if (lane == 0u) {
+        atomicStore(&found, 0u);
+    }
+    workgroupBarrier();
+    let first = block * BLOCK * EACH;
+    let end = min(first + BLOCK * EACH, launch.elements);
+    var own = 0u;
+    for (var i = first + lane; i < end; i += BLOCK) {
+        own += u32(is_wrong(i));
+    }
+    if (own > 0u) {
+        atomicAdd(&found, own);
+    }
+    workgroupBarrier();
+    if (lane == 0u && first < launch.elements) {
+        textureStore(faults, texel(block, textureDimensions(faults).x), 0, vec4u(atomicLoad(&found)));
+    }
+}

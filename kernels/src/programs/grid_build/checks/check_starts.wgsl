@@ -1,0 +1,47 @@
+// Counts lists that end before they start, or beyond the references.
+
+import package::launch::{BLOCK, launch, block_index, texel};
+import package::leaf::{load};
+
+@group(0) @binding(0) var start: texture_2d_array<u32>;
+@group(0) @binding(1) var references_in_all: texture_2d_array<u32>;
+@group(0) @binding(2) var faults: texture_storage_2d_array<r32uint, write>;
+
+// Elements per thread.
+const EACH: u32 = 64u;
+
+var<workgroup> found: atomic<u32>;
+
+fn is_wrong(i: u32) -> bool {
+    var end = load(references_in_all, 0u, 0u);
+    if (i + 1u < launch.elements) {
+        end = load(start, i + 1u, 0u);
+    }
+    return load(start, i, 0u) > end || end > load(references_in_all, 0u, 0u);
+}
+
+@compute @workgroup_size(BLOCK)
+fn check_starts(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let block = block_index(group, groups);
+    if (lane == 0u) {
+        atomicStore(&found, 0u);
+    }
+    workgroupBarrier();
+    let first = block * BLOCK * EACH;
+    let end = min(first + BLOCK * EACH, launch.elements);
+    var own = 0u;
+    for (var i = first + lane; i < end; i += BLOCK) {
+        own += u32(is_wrong(i));
+    }
+    if (own > 0u) {
+        atomicAdd(&found, own);
+    }
+    workgroupBarrier();
+    if (lane == 0u && first < launch.elements) {
+        textureStore(faults, texel(block, textureDimensions(faults).x), 0, vec4u(atomicLoad(&found)));
+    }
+}
