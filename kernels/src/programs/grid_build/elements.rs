@@ -56,8 +56,8 @@ pub static ALL_LEAVES: Elements = blocks("all_leaves", "leaf_blocks");
 pub static LISTED: Elements = found("listed", "totals", 1);
 /// What these are replaced by.
 pub static NEXT_LISTED: Elements = found("next_listed", "totals", 1);
-/// Leaves that the last step divided or merged into others.
-pub static CHANGED: Elements = found("changed", "totals", 2);
+/// Leaves that may still be divided.
+pub static LEFT: Elements = found("left", "totals", 2);
 /// Groups of 32 references to leaves.
 pub static GROUPS: Elements = Elements { name: "groups", count: Count::Per { of: "listed", per: 32, each: 1 } };
 /// Blocks of groups.
@@ -107,7 +107,7 @@ pub static ELEMENTS: [&Elements; 34] = [
     &ALL_LEAVES,
     &LISTED,
     &NEXT_LISTED,
-    &CHANGED,
+    &LEFT,
     &GROUPS,
     &GROUP_BLOCKS,
     &ALL_GROUPS,

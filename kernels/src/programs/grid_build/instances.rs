@@ -89,7 +89,7 @@ const AS_IT_IS: Binds = &[("box", "space")];
 type Renews = &'static [&'static Elements];
 
 const FIRST_LEAVES: Renews = &[&LEAVES, &LISTED];
-const REPLACED: Renews = &[&NEXT_LEAVES, &NEXT_LISTED, &CHANGED];
+const REPLACED: Renews = &[&NEXT_LEAVES, &NEXT_LISTED, &LEFT];
 const MERGED: Renews = &[&NEXT_LEAVES, &NEXT_LISTED];
 const OF_LEAVES: Renews = &[&LEAVES];
 const OF_LISTS: Renews = &[&LISTED];

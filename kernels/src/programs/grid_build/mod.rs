@@ -55,7 +55,7 @@ pub static PROGRAM: Program = Program {
     summary: "the uniform grid, counted, scanned and filled",
     elements: &elements::ELEMENTS,
     streams: &streams::STREAMS,
-    counted: &[&elements::CHANGED, &elements::ROUNDS_AHEAD],
+    counted: &[&elements::LEFT, &elements::ROUNDS_AHEAD],
     states: States(&[]),
     course: None,
     results: None,

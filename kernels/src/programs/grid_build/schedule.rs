@@ -97,7 +97,7 @@ const CHECKED: [Kernel; 4] = [CHECK_LISTS, CHECK_ALL_CELLS, CHECK_TOP, CHECK_BLO
 const CHECKED_ITEMS: [Kernel; 2] = [CHECK_EVEN, CHECK_ODD];
 
 /// The sets on which repetitions depend, by their index in the program's table.
-const WHILE_CHANGED: usize = 0;
+const WHILE_SOME_ARE_LEFT: usize = 0;
 const WHILE_ROUNDS_ARE_AHEAD: usize = 1;
 
 /// The schedule for a grid whose top level, or only one, has so many cells.
@@ -115,7 +115,7 @@ pub fn of(kind: Kind, cells: u32) -> Schedule {
     steps.extend(run(&STARTED));
     if kind != Kind::Uniform {
         steps.extend(run(&[COUNT_TOP_LEVEL, MAKE_FIRST_LEAVES, TAKEN[digits % 2]]));
-        steps.push(Step::RepeatWhileAny(WHILE_CHANGED, run(&REFINED)));
+        steps.push(Step::RepeatWhileAny(WHILE_SOME_ARE_LEFT, run(&REFINED)));
         steps.extend(run(&MAPPED));
     }
     match kind {

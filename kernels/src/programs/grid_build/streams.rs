@@ -138,8 +138,8 @@ streams! {
     /// Number of references of all cells.
     STARTS_IN_ALL of ALL_CELLS: "starts_in_all" U32 &["references"], meaning: &[Count], unit: "count of references",
         unwritten: &[0], why_absent: always;
-    /// Numbers of leaves and references after the last step, and of leaves that it changed.
-    TOTALS of WHOLE: "totals" U32 &["leaves", "references", "changed"], meaning: &[Count; 3], unit: "count", unwritten: &[0; 3],
+    /// Numbers of leaves and references after the last step, and of leaves that may still be divided.
+    TOTALS of WHOLE: "totals" U32 &["leaves", "references", "left"], meaning: &[Count; 3], unit: "count", unwritten: &[0; 3],
         why_absent: one_level;
     /// A leaf's box, along each axis: its first virtual cell in the lower half of a word, the one after its last in the upper.
     SPACE of LEAVES: "space" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "virtual cells, 16 bits each", unwritten: &[0; 3],
@@ -147,15 +147,16 @@ streams! {
     /// A leaf's list: its first reference, and how many it has.
     LIST of LEAVES: "list" U32 &["first", "length"], meaning: &[Id, Count], unit: "references", unwritten: &[0; 2],
         why_absent: one_level;
-    /// References to which those of a leaf may grow; its level in the lower byte, and the level down to which it is divided
-    /// anyway above.
+    /// References to which those of a leaf may grow; its level in the lowest byte, the level down to which it is divided
+    /// anyway in the next one, and bit 16 if it stays as it is.
     DIVISION of LEAVES: "division" U32 &["budget", "levels"], meaning: &[Count, Id], unit: "references; levels",
         unwritten: &[0; 2], why_absent: one_level;
-    /// Numbers of leaves and references that replace a leaf, and 1 if it changes; after the scan, of all leaves before it.
-    PLACES of LEAVES: "places" U32 &["leaves", "references", "changed"], meaning: &[Count; 3], unit: "count",
+    /// Numbers of leaves and references that replace a leaf, and of those leaves that may be divided in turn; after the scan, of
+    /// all leaves before it.
+    PLACES of LEAVES: "places" U32 &["leaves", "references", "left"], meaning: &[Count; 3], unit: "count",
         unwritten: &[0; 3], why_absent: one_level;
     /// Sums of blocks of leaves.
-    PLACES_OF_BLOCK of LEAF_BLOCKS: "places_of_block" U32 &["leaves", "references", "changed"], meaning: &[Count; 3],
+    PLACES_OF_BLOCK of LEAF_BLOCKS: "places_of_block" U32 &["leaves", "references", "left"], meaning: &[Count; 3],
         unit: "count", unwritten: &[0; 3], why_absent: one_level;
     /// As `space`, of what replaces the leaves.
     NEXT_SPACE of NEXT_LEAVES: "next_space" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "virtual cells, 16 bits each",

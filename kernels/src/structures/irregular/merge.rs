@@ -11,6 +11,9 @@ pub(crate) const STEP_COST: u64 = 1;
 /// Most rounds; each merges pairs along x, y and z.
 pub(crate) const ROUNDS: u32 = 8;
 
+/// A round that merges less than this part of all cells is the last one. Later ones save memory, and rays no steps.
+pub(crate) const LEAST_MERGED: usize = 16;
+
 /// Longest list that costs count; longer ones are never merged.
 pub(crate) const LONGEST: usize = 1 << 14;
 
@@ -22,7 +25,7 @@ pub(super) fn merge(mut draft: Draft, map: &mut Map, layout: &Layout) -> Draft {
         for axis in 0..3 {
             merged += merge_along(axis, &mut draft, &mut current, map, layout);
         }
-        if merged * 64 < draft.spans.len() {
+        if merged * LEAST_MERGED < draft.spans.len() {
             break;
         }
     }

@@ -11,7 +11,8 @@ import package::ranks::{count};
 const STEP_COST: u32 = 2u;
 const LONG: u32 = 64u;
 
-// Decides which leaves are divided: how many leaves and references replace each.
+// Decides which leaves are divided: how many leaves and references replace each, and how many of these may be divided in
+// turn.
 @compute @workgroup_size(BLOCK)
 fn decide(
     @builtin(workgroup_id) group: vec3u,
@@ -27,9 +28,12 @@ fn decide(
     let levels = load(division, i, 1u);
     var is_divided = false;
     var after = 0u;
+    var left = 0u;
     if (may_be_divided(levels, length)) {
         for (var half = 0u; half < 8u; half++) {
-            after += count(half, first, length);
+            let listed = count(half, first, length);
+            after += listed;
+            left += u32(may_be_divided(levels + 1u, listed));
         }
         let is_gain = after + STEP_COST < 4u * length && after <= load(division, i, 0u);
         is_divided = is_gain || (level_of(levels) < even_of(levels) && length <= LONG);
@@ -37,5 +41,5 @@ fn decide(
     let at = texel(i, textureDimensions(places).x);
     textureStore(places, at, 0, vec4u(select(1u, 8u, is_divided)));
     textureStore(places, at, 1, vec4u(select(length, after, is_divided)));
-    textureStore(places, at, 2, vec4u(u32(is_divided)));
+    textureStore(places, at, 2, vec4u(select(0u, left, is_divided)));
 }

@@ -1,6 +1,6 @@
 import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build};
-import package::leaf::{load, load_space, level_of, low_of};
+import package::leaf::{STAYS, load, load_space, level_of};
 import package::ranks::{count};
 import package::u64::{share};
 
@@ -24,7 +24,7 @@ fn store(i: u32, extent: vec3u, list: vec2u, division: vec2u) {
     textureStore(next_division, at, 1, vec4u(division.y));
 }
 
-// Replaces each leaf that is divided by its eight halves, and moves the others.
+// Replaces each leaf that is divided by its eight halves, and moves the others, which stay as they are from now on.
 @compute @workgroup_size(BLOCK)
 fn divide(
     @builtin(workgroup_id) group: vec3u,
@@ -47,7 +47,7 @@ fn divide(
     let budget = load(division, i, 0u);
     let levels = load(division, i, 1u);
     if (end - to != 8u) {
-        store(to, extent, vec2u(reference, length), vec2u(budget, levels));
+        store(to, extent, vec2u(reference, length), vec2u(budget, levels | STAYS));
         return;
     }
     var after = 0u;

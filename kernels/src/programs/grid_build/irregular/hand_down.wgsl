@@ -1,5 +1,5 @@
 import package::launch::{BLOCK, launch, element, texel};
-import package::leaf::{load};
+import package::leaf::{load, level_of};
 import package::ranks::{bits, rank};
 
 @group(0) @binding(0) var owner: texture_2d_array<u32>;
@@ -29,7 +29,7 @@ fn hand_down(
     let to = load(places, leaf, 0u);
     let width = textureDimensions(next_owner).x;
     // A half is a level deeper than what it is a half of.
-    if (load(next_division, to, 1u) == load(division, leaf, 1u)) {
+    if (level_of(load(next_division, to, 1u)) == level_of(load(division, leaf, 1u))) {
         let at = texel(load(next_list, to, 0u) + i - first, width);
         textureStore(next_owner, at, 0, vec4u(to));
         textureStore(next_item, at, 0, vec4u(triangle));

@@ -20,11 +20,13 @@ fn load_space(space: texture_2d_array<u32>, i: u32) -> vec3u {
     return vec3u(load(space, i, 0u), load(space, i, 1u), load(space, i, 2u));
 }
 
-// A leaf's level, and the one down to which its octree is divided anyway, share a word.
+// A leaf's level, and the one down to which its octree is divided anyway, share a word; bit 16 marks a leaf that stays.
+const STAYS: u32 = 0x10000u;
+
 fn level_of(levels: u32) -> u32 {
     return levels & 0xffu;
 }
 
 fn even_of(levels: u32) -> u32 {
-    return levels >> 8u;
+    return (levels >> 8u) & 0xffu;
 }

@@ -4,7 +4,7 @@ use super::map::VoxelMap;
 use super::pass::{Pass, Ranks, View, high_of, low_of};
 use crate::program::Kernel;
 use crate::scene_data::SceneData;
-use crate::structures::irregular::merge::{LONGEST, ROUNDS, STEP_COST};
+use crate::structures::irregular::merge::{LEAST_MERGED, LONGEST, ROUNDS, STEP_COST};
 use crate::tables::texels::Columns;
 
 /// Stands for no leaf.
@@ -137,7 +137,7 @@ pub(crate) fn unite(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData)
             let [first, theirs] = pass.all(list, next);
             length += theirs.wrapping_sub(ranks.count(&pass, 0, first, theirs));
         }
-        pass.set_all(places, i, [u32::from(!is_gone), length, u32::from(is_gone)]);
+        pass.set_all(places, i, [u32::from(!is_gone), length, 0]);
     }
 }
 
@@ -212,6 +212,6 @@ pub(crate) fn next_axis(columns: &mut dyn Columns, kernel: Kernel, data: &SceneD
         return;
     }
     let leaves = pass.get(totals, 0, 0);
-    let goes_on = rounds + 1 < ROUNDS && before.wrapping_sub(leaves) >= refined.div_ceil(64);
+    let goes_on = rounds + 1 < ROUNDS && before.wrapping_sub(leaves) >= refined.div_ceil(LEAST_MERGED as u32);
     pass.set_all(round, 0, [0, rounds + 1, leaves, goes_on.into()]);
 }

@@ -5,6 +5,8 @@ import package::leaf::{load};
 @group(0) @binding(1) var round: texture_storage_2d_array<r32uint, read_write>;
 
 const ROUNDS: u32 = 8u;
+// The last round merges less than this part of all leaves.
+const LEAST_MERGED: u32 = 16u;
 
 // Turns to the next axis; after the third, to the next round, unless the last one merged hardly any leaves.
 @compute @workgroup_size(BLOCK)
@@ -26,8 +28,8 @@ fn next_axis(
     let before = textureLoad(round, vec2u(0u), 2).x;
     let refined = textureLoad(round, vec2u(0u), 4).x;
     let leaves = load(totals, 0u, 0u);
-    // At least a 64th, rounded up: the product could be too large.
-    let goes_on = rounds < ROUNDS && before - leaves >= (refined + 63u) / 64u;
+    // Rounded up: the product could be too large.
+    let goes_on = rounds < ROUNDS && before - leaves >= (refined + LEAST_MERGED - 1u) / LEAST_MERGED;
     textureStore(round, vec2u(0u), 0, vec4u(0u));
     textureStore(round, vec2u(0u), 1, vec4u(rounds));
     textureStore(round, vec2u(0u), 2, vec4u(leaves));

@@ -36,11 +36,14 @@ pub(crate) fn make_leaves(columns: &mut dyn Columns, kernel: Kernel, data: &Scen
     }
 }
 
+/// Marks a leaf that stays as it is.
+const STAYS: u32 = 1 << 16;
+
 /// Whether a leaf may be divided: `candidate.wgsl`.
 fn may_be_divided(build: &Build, levels: u32, length: u32) -> bool {
-    let (level, even) = (levels & 0xff, levels >> 8);
+    let (level, even) = (levels & 0xff, levels >> 8 & 0xff);
     match level < even {
-        _ if level >= build.levels => false,
+        _ if level >= build.levels || levels & STAYS != 0 => false,
         true => length > 1,
         false => build.by_content() && length as usize > SHORT,
     }
@@ -82,14 +85,18 @@ pub(crate) fn decide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
     let ranks = Ranks::new(&pass);
     for i in 0..pass.len(list) {
         let ([first, length], [budget, levels]) = (pass.all(list, i), pass.all(division, i));
-        let (mut is_divided, mut after) = (false, 0);
+        let (mut is_divided, mut after, mut left) = (false, 0, 0);
         if may_be_divided(&data.build, levels, length) {
-            after = (0..8).map(|half| ranks.count(&pass, half, first, length)).sum();
+            for half in 0..8 {
+                let listed = ranks.count(&pass, half, first, length);
+                after += listed;
+                left += u32::from(may_be_divided(&data.build, levels + 1, listed));
+            }
             let is_gain = after + (STEP_COST as u32) < 4 * length && after <= budget;
             is_divided = is_gain || levels & 0xff < levels >> 8 && length as usize <= LONG;
         }
-        let (leaves, listed) = if is_divided { (8, after) } else { (1, length) };
-        pass.set_all(places, i, [leaves, listed, is_divided.into()]);
+        let values = if is_divided { [8, after, left] } else { [1, length, 0] };
+        pass.set_all(places, i, values);
     }
 }
 
@@ -108,7 +115,7 @@ pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
         if end.wrapping_sub(to) != 8 {
             pass.set_all(next_space, to, extent);
             pass.set_all(next_list, to, [reference, length]);
-            pass.set_all(next_division, to, [budget, levels]);
+            pass.set_all(next_division, to, [budget, levels | STAYS]);
             continue;
         }
         let listed: [u32; 8] = std::array::from_fn(|half| ranks.count(&pass, half, first, length));
@@ -134,7 +141,7 @@ pub(crate) fn hand_down(columns: &mut dyn Columns, kernel: Kernel, data: &SceneD
     for i in 0..pass.len(owner) {
         let (leaf, triangle) = (pass.get(owner, 0, i), pass.get(item, 0, i));
         let (first, to) = (pass.get(list, 0, leaf), pass.get(places, 0, leaf));
-        if pass.get(next_division, 1, to) == pass.get(division, 1, leaf) {
+        if (pass.get(next_division, 1, to) ^ pass.get(division, 1, leaf)) & 0xff == 0 {
             let place = pass.get(next_list, 0, to).wrapping_add(i).wrapping_sub(first);
             pass.set(next_owner, 0, place, to);
             pass.set(next_item, 0, place, triangle);

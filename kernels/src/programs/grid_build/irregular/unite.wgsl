@@ -29,5 +29,5 @@ fn unite(
     let at = texel(i, textureDimensions(places).x);
     textureStore(places, at, 0, vec4u(u32(!is_gone)));
     textureStore(places, at, 1, vec4u(length));
-    textureStore(places, at, 2, vec4u(u32(is_gone)));
+    textureStore(places, at, 2, vec4u(0u));
 }
