@@ -134,8 +134,8 @@ impl CameraArgs {
 /// What runs.
 #[derive(Args, Debug)]
 pub(crate) struct ProgramArgs {
-    /// The stream program: trace rays (closest-hit), or build the uniform grid that they would be traced through
-    /// (grid-build)
+    /// The stream program: trace rays (closest-hit), or build the grid that they would be traced through, uniform or
+    /// irregular (grid-build)
     #[arg(long, default_value = "closest-hit", value_parser = named(ProgramName::ALL, ProgramName::name))]
     pub(crate) program: ProgramName,
 }

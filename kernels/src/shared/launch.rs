@@ -15,13 +15,14 @@ pub struct Launch {
     pub parameter: u32,
     /// Workgroups that the elements fill, the last one perhaps only partly.
     pub blocks: u32,
-    _pad: u32,
+    /// The first of them that this dispatch runs.
+    pub first_block: u32,
 }
 
 impl Launch {
     /// The parameters of a launch over a set.
     #[must_use]
     pub fn new(elements: u32, parameter: u32) -> Self {
-        Self { elements, parameter, blocks: elements.div_ceil(BLOCK as u32), _pad: 0 }
+        Self { elements, parameter, blocks: elements.div_ceil(BLOCK as u32), first_block: 0 }
     }
 }

@@ -7,7 +7,8 @@ struct Launch {
     parameter: u32,
     // Workgroups that the elements fill with one per thread, the last one perhaps only partly.
     blocks: u32,
-    _pad: u32,
+    // The first workgroup of this dispatch, if there are several.
+    first_block: u32,
 }
 
 @group(2) @binding(0) var<uniform> launch: Launch;
@@ -17,7 +18,7 @@ const BLOCK: u32 = 256u;
 
 // The index of a workgroup: those that do not fit along x continue along y.
 fn block_index(group: vec3u, groups: vec3u) -> u32 {
-    return group.x + group.y * groups.x;
+    return launch.first_block + group.x + group.y * groups.x;
 }
 
 // The element of a thread, if there is one per thread.
@@ -25,7 +26,7 @@ fn element(group: vec3u, groups: vec3u, lane: u32) -> u32 {
     return block_index(group, groups) * BLOCK + lane;
 }
 
-// The texel of element i in a texture that is filled row by row.
+// The texel of element i in a texture that is filled row by row, whose width is a power of two.
 fn texel(i: u32, width: u32) -> vec2u {
-    return vec2u(i % width, i / width);
+    return vec2u(i & (width - 1u), i >> firstTrailingBit(width));
 }

@@ -27,7 +27,7 @@
 //!
 //! **Decisions are made in integers**: lengths of lists, and areas in units of the virtual cells. Only whether a
 //! triangle meets a cell is computed in f64, as for the uniform grid. So the result depends neither on the number of
-//! threads nor on how a compiler rounds.
+//! threads nor on how a compiler rounds, and the program `grid-build` builds the same grid on any device.
 
 mod aside;
 pub(crate) mod expand;

@@ -56,11 +56,12 @@ pub fn folded_width(count: u64) -> u64 {
 }
 
 impl Size {
-    /// The size for this many elements, stored row by row in a nearly square texture; `None` if a side would be longer
-    /// than `side`. Without elements, the texture has one texel.
+    /// The size for this many elements, stored row by row in a nearly square texture whose width is a power of two, by
+    /// which kernels divide fast; `None` if a side would be longer than `side`. Without elements, the texture has one texel.
     #[must_use]
     pub fn folded(count: u64, side: u32) -> Option<Self> {
-        let width = folded_width(count).min(u64::from(side).max(1));
+        let widest = 1 << u64::from(side).max(1).ilog2();
+        let width = folded_width(count).next_power_of_two().min(widest);
         let height = count.div_ceil(width).max(1);
         let fits = height <= u64::from(side) && count <= u64::from(u32::MAX);
         fits.then_some(Self { width: width as u32, height: height as u32, count: count as u32 })

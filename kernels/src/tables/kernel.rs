@@ -54,10 +54,13 @@ pub enum Launch {
     /// In bands of rows, each a dispatch and a submission of its own: a ray may take long, and systems reset the GPU
     /// when a dispatch takes too long. Not submitted together with other passes.
     Bands,
-    /// In one dispatch, over elements that are stored one after the other.
+    /// Over elements that are stored one after the other, in one dispatch, unless it would take too long.
     List {
         /// Elements per thread.
         each: u32,
+        /// About how many times as long an element takes as in a kernel that moves a few values: where the device is slow,
+        /// or the elements are many, there are several dispatches, each a submission of its own.
+        weight: u32,
     },
 }
 

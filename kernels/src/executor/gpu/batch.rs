@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use super::books::{Place, counts_after, groups, read_sent};
+use super::books::{Place, blocks_a_dispatch, counts_after, groups, read_sent};
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
@@ -43,6 +43,9 @@ impl GpuExecutor {
         match passes {
             &[kernel] if kernel.info().launch == Launch::Bands => {
                 encoder = self.encode_bands(encoder, kernel, &places[0])?;
+            }
+            &[kernel] if self.blocks_a_dispatch(kernel).is_some() => {
+                encoder = self.encode_list(encoder, kernel, &places[0])?;
             }
             _ => self.encode_all(&mut encoder, passes, &places)?,
         }
@@ -154,6 +157,41 @@ impl GpuExecutor {
         Ok(encoder)
     }
 
+    fn blocks_a_dispatch(&self, kernel: Kernel) -> Option<u32> {
+        blocks_a_dispatch(kernel, self.launched_over(kernel), self.work_a_dispatch)
+    }
+
+    /// Runs a kernel over a list in as many submissions as it takes to keep each of them short.
+    fn encode_list(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        kernel: Kernel,
+        place: &Place,
+    ) -> Result<wgpu::CommandEncoder, GpuError> {
+        let size = self.launched_over(kernel);
+        let [x, y] = groups(kernel, size);
+        let blocks = x * y;
+        let a_dispatch = self.blocks_a_dispatch(kernel).unwrap_or(blocks);
+        let pipeline = self.pipelines.get(kernel).ok_or(GpuError::Missing(kernel.name()))?;
+        for first in (0..blocks).step_by(a_dispatch as usize) {
+            let last = first + a_dispatch >= blocks;
+            let timestamp_writes =
+                self.timers.as_ref().and_then(|t| t.writes((first == 0).then_some(0), last.then_some(1)));
+            let descriptor = wgpu::ComputePassDescriptor { label: Some(&pipeline.label), timestamp_writes };
+            let mut pass = encoder.begin_compute_pass(&descriptor);
+            pipeline.set(&mut pass, place)?;
+            pass.dispatch_workgroups(a_dispatch.min(blocks - first), 1, 1);
+            drop(pass);
+            // A value written to a uniform takes effect with the next submission.
+            self.books.begin_at(&self.gpu.queue, kernel, size, first);
+            if !last {
+                self.gpu.submit([encoder.finish()]);
+                encoder = self.gpu.device.create_command_encoder(&Default::default());
+            }
+        }
+        Ok(encoder)
+    }
+
     /// Counts the elements in each state, after the batch's only pass.
     fn encode_count(&self, encoder: &mut wgpu::CommandEncoder) -> Result<(), GpuError> {
         let counter = self.plan.program.kernels().find(|kernel| kernel.role() == Role::Count);
@@ -191,8 +229,13 @@ impl GpuExecutor {
             self.gpu.pop_scopes(scopes).await?;
             resized?;
         }
-        let is_ready =
-            |kernel: Kernel| kernel.instance().renews.is_empty() && self.sizes.unknown(&self.plan, kernel).is_none();
+        if self.blocks_a_dispatch(first).is_some() {
+            return Ok(&passes[..1]);
+        }
+        let is_ready = |kernel: Kernel| {
+            let is_known = kernel.instance().renews.is_empty() && self.sizes.unknown(&self.plan, kernel).is_none();
+            is_known && self.blocks_a_dispatch(kernel).is_none()
+        };
         let others = passes[1..].iter().take_while(|&&kernel| is_ready(kernel)).count();
         Ok(&passes[..1 + others])
     }

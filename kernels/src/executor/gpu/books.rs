@@ -271,6 +271,14 @@ impl Books {
         places
     }
 
+    /// Writes the parameters of the next dispatch of the only pass of a batch.
+    pub(super) fn begin_at(&self, queue: &wgpu::Queue, kernel: Kernel, size: Size, first_block: u32) {
+        if let Some(launches) = &self.launches {
+            let launch = shared::launch::Launch::new(size.count, kernel.instance().parameter);
+            queue.write_buffer(launches, 0, bytemuck::bytes_of(&shared::launch::Launch { first_block, ..launch }));
+        }
+    }
+
     /// The indirect arguments of a pass: buffer and offset.
     pub(super) fn arguments(&self, place: &Place) -> Option<(&wgpu::Buffer, u64)> {
         let list = self.lists[place.list?].as_ref()?;
@@ -299,13 +307,23 @@ pub(super) fn groups(kernel: Kernel, size: Size) -> [u32; 2] {
     let workgroup = kernel.workgroup();
     match kernel.info().launch {
         // As many workgroups as cover the elements; a few more if they do not fit in one row.
-        Launch::List { each } => {
+        Launch::List { each, .. } => {
             let blocks = size.count.div_ceil(workgroup * each);
             let rows = blocks.div_ceil(MOST).max(1);
             [blocks.div_ceil(rows), rows]
         }
         Launch::Whole | Launch::Bands => [size.width, size.height].map(|side| side.div_ceil(workgroup)),
     }
+}
+
+/// Workgroups of each dispatch of a kernel that is launched over a list, if one dispatch may take so much work: none if a
+/// single one does.
+pub(super) fn blocks_a_dispatch(kernel: Kernel, size: Size, work_a_dispatch: u64) -> Option<u32> {
+    let Launch::List { each, weight } = kernel.info().launch else { return None };
+    let most = work_a_dispatch / u64::from(weight);
+    let a_block = u64::from(kernel.workgroup()) * u64::from(each);
+    // Along one axis, so that no dispatch has a workgroup of the next one.
+    (u64::from(size.count) > most).then(|| (most / a_block).clamp(1, 65_535) as u32)
 }
 
 /// Threads per workgroup of a kernel.

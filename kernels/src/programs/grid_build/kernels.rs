@@ -27,7 +27,7 @@ const fn row(
         sends: &[],
         role: Role::Once,
         workgroup: BLOCK as u32,
-        launch: Launch::List { each },
+        launch: Launch::List { each, weight: 1 },
         counts: Counts::None,
         resumes: |_| false,
         list: None,
@@ -37,6 +37,11 @@ const fn row(
         summary,
         breaks,
     }
+}
+
+/// A kernel whose elements take long: tests of boxes, or of many neighbours.
+const fn heavy(kernel: KernelInfo) -> KernelInfo {
+    KernelInfo { launch: Launch::List { each: 1, weight: 32 }, ..kernel }
 }
 
 /// The row of a kernel that only builds irregular grids.
@@ -73,14 +78,14 @@ macro_rules! wgsl {
     };
 }
 
-pub(super) const BOUND: KernelInfo = row(
+pub(super) const BOUND: KernelInfo = heavy(row(
     wgsl!("bound"),
     passes::bound,
     1,
     [23, 150, 160],
     "finds which cells each triangle's own box touches",
     &[Break::new(as_it_is, "high - low + 1u", "high - low + 2u")],
-);
+));
 pub(super) const SCAN: KernelInfo = row(
     wgsl!("scan"),
     passes::scan,
@@ -97,14 +102,14 @@ pub(super) const ADD: KernelInfo = row(
     "adds the sum of all blocks before its own",
     &[Break::new(fine, "saturating_add(before,", "saturating_add(0u,")],
 );
-pub(super) const SPAN: KernelInfo = row(
+pub(super) const SPAN: KernelInfo = heavy(row(
     wgsl!("span"),
     passes::span,
     1,
     [232, 140, 60],
     "tests up to 32 cells of a row against their triangle",
     &[Break::new(as_it_is, "cells |= overlaps <<", "cells |= 1u <<")],
-);
+));
 pub(super) const EMIT: KernelInfo = row(
     wgsl!("emit"),
     passes::emit,
@@ -173,7 +178,7 @@ pub(super) const ADOPT_PAIRS: KernelInfo = irregular_row(
     "copies two streams of references",
     &[Break::new(irregular, "load(second_in, i, 0u)", "load(first_in, i, 0u)")],
 );
-pub(super) const HALVE: KernelInfo = irregular_row(
+pub(super) const HALVE: KernelInfo = heavy(irregular_row(
     of_irregular!("halve"),
     refine::halve,
     [232, 140, 60],
@@ -183,7 +188,7 @@ pub(super) const HALVE: KernelInfo = irregular_row(
         "let found = atomicLoad(&lying_in[lane]);",
         "let found = atomicLoad(&lying_in[lane]) | 1u;",
     )],
-);
+));
 pub(super) const DECIDE: KernelInfo = irregular_row(
     of_irregular!("decide"),
     refine::decide,
@@ -317,13 +322,13 @@ pub(super) const NEXT_AXIS: KernelInfo = irregular_row(
     "turns to the next axis or round, or ends merging",
     &[Break::new(irregular, "axis < 3u", "axis < 2u")],
 );
-pub(super) const EXPAND: KernelInfo = irregular_row(
+pub(super) const EXPAND: KernelInfo = heavy(irregular_row(
     of_irregular!("expand"),
     finish::expand,
     [23, 150, 160],
     "expands each cell over neighbours that list nothing else",
     &[Break::new(irregular, "is_listed(first, listed,", "!is_listed(first, listed,")],
-);
+));
 pub(super) const NAME_CELLS: KernelInfo = irregular_row(
     of_irregular!("name_cells"),
     finish::name_cells,

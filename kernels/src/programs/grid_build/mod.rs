@@ -1,5 +1,5 @@
-//! The uniform grid, built on a device: counted, scanned and filled, bit for bit equal to the result of
-//! [`grid::build`].
+//! Grids, built on a device: bit for bit equal to the results of [`grid::build`], and of
+//! [`irregular::build`](crate::structures::irregular::build).
 //!
 //! | step | kernel | over | what it does |
 //! |---|---|---|---|
@@ -11,14 +11,17 @@
 //! | 6 | `mark` | references | finds where the references to each cell begin and end |
 //! | 7 | `measure`, `scan`, `add` | cells | finds where each list starts |
 //!
-//! No kernel computes with floats: a device may contract a product and a sum, may flush subnormals, and may lack f64.
-//! What the host decides in f64 is therefore decided in u32 here (`soft_f64.wgsl`), with the same result on every
-//! device.
+//! An irregular grid, or one of two levels, goes on (`irregular/`): its cells are divided, mapped, merged and expanded. The
+//! last passes count faults (`checks/`): there must be none.
+//!
+//! Whether a triangle overlaps a cell is decided in f32 where that is certain whatever a device contracts, flushes or
+//! rounds (`filter.wgsl`). What the host decides in f64 else is decided in u32 (`soft_f64.wgsl`), with the same result on
+//! every device. All other decisions are made in integers.
 //!
 //! Spans ascend by triangle, references of a span by x, and the sort is stable: each list is ascending. No workgroup
 //! waits for another, and atomics only count or set bits within one, so nothing depends on the order in which they run.
 //!
-//! A kernel is `x.wgsl` and its CPU reference function, in `x.rs`.
+//! A kernel is `x.wgsl` and its CPU reference function, in `x.rs` or, for several kernels, in a file of their folder.
 //!
 //! [`grid::build`]: crate::structures::grid::build
 
@@ -52,7 +55,7 @@ use crate::tables::state::States;
 /// The program.
 pub static PROGRAM: Program = Program {
     name: "grid_build",
-    summary: "the uniform grid, counted, scanned and filled",
+    summary: "a uniform or irregular grid, counted, sorted, divided, merged and checked",
     elements: &elements::ELEMENTS,
     streams: &streams::STREAMS,
     counted: &[&elements::LEFT, &elements::ROUNDS_AHEAD],
