@@ -102,8 +102,8 @@ fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, E
                 numerics: link.numerics,
                 grid: link.grid,
                 skip: link.skip,
-                // Both build the same grid.
-                build: BuiltBy::Host,
+                // Whoever builds it, the grid is the same.
+                build: BuiltBy::Auto,
                 steps_per_pass: Some(link.steps_per_pass),
                 keep_all: link.keep_all,
             },

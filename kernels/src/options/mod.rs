@@ -86,8 +86,11 @@ pub enum Skip {
 /// Who builds a grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BuiltBy {
-    /// The host.
+    /// The device, if that is a GPU and the grid an irregular one over [`LEAST_FOR_DEVICE`] triangles or more; else the
+    /// host.
     #[default]
+    Auto,
+    /// The host.
     Host,
     /// The device that traces the rays, by the program `grid-build`: the same grid, bit for bit.
     Device,
@@ -132,7 +135,7 @@ named!(
 );
 named!(ProgramName, "closest-hit, grid-build", ClosestHit "closest-hit", GridBuild "grid-build");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
-named!(BuiltBy, "host, device", Host "host", Device "device");
+named!(BuiltBy, "auto, host, device", Auto "auto", Host "host", Device "device");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
 named!(
     Rule,
@@ -165,6 +168,10 @@ pub const MOST_WITHOUT: usize = 6;
 
 /// Fewest triangles whose grid has enough cells to tell whether the scene is filled evenly.
 pub const LEAST_FOR_GRID: usize = 512;
+
+/// Fewest triangles over which the device builds an irregular grid sooner than the host, with the time to compile the
+/// kernels of the build.
+pub const LEAST_FOR_DEVICE: usize = 10_000;
 
 /// Longest mean list of a grid that `auto` takes, each list weighted by its length: about the number of triangles that a
 /// ray tests in the cell where it ends. Even scenes have 3 to 6, whatever their size.

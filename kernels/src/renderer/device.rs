@@ -45,6 +45,15 @@ impl Device {
         !matches!(self, Self::Cpu(_) | Self::CpuF64(_))
     }
 
+    /// Whether it is a GPU in hardware.
+    pub(crate) fn is_hardware(&self) -> bool {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => !gpu.is_software(),
+            Self::Cpu(_) | Self::CpuF64(_) => false,
+        }
+    }
+
     /// Its limits.
     pub(crate) fn limits(&self) -> Limits {
         match self {

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use raystep_scenes::Scene;
 
 use super::{Device, RenderError, Renderer};
-use crate::options::{Accelerator, BuiltBy, Options, ProgramName};
+use crate::options::{Accelerator, BuiltBy, LEAST_FOR_DEVICE, Options, ProgramName};
 use crate::plan::{Built, Plan};
 use crate::programs::grid_build::elements::REFERENCES;
 use crate::programs::grid_build::radix::digits_of;
@@ -82,15 +82,21 @@ async fn check(renderer: &Renderer) -> Result<(), RenderError> {
 }
 
 impl Plan {
-    /// Plans a run and prepares the data that it binds, as [`new`](Self::new); a grid is built on the device if the
-    /// options say so ([`Options::build`]).
+    /// Plans a run and prepares the data that it binds, as [`new`](Self::new); a grid is built by whom the options
+    /// say ([`Options::build`]).
     ///
     /// # Errors
     /// If the scene or the options do not fit the device, or it fails.
     pub async fn on(scene: &Scene, options: &Options, device: &Device) -> Result<(Self, SceneData), RenderError> {
         let limits = device.limits();
-        let is_grid = matches!(options.accelerator, Accelerator::Grid | Accelerator::Irregular);
-        if options.build == BuiltBy::Host || !is_grid || options.program != ProgramName::ClosestHit {
+        let is_for_device = match (options.build, options.accelerator) {
+            (BuiltBy::Auto, Accelerator::Irregular) => {
+                device.is_hardware() && scene.triangles.len() >= LEAST_FOR_DEVICE
+            }
+            (BuiltBy::Device, accelerator) => matches!(accelerator, Accelerator::Grid | Accelerator::Irregular),
+            _ => false,
+        };
+        if !is_for_device || options.program != ProgramName::ClosestHit {
             return Ok(Self::new(scene, options, &limits)?);
         }
         let building =
