@@ -40,11 +40,11 @@ impl GpuExecutor {
         let places = self.books.lay_out(&self.gpu.queue, passes, counts, &sizes);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.books.sent, 0, Some(count * COUNT_SLOT_BYTES));
-        match passes {
-            &[kernel] if kernel.info().launch == Launch::Bands => {
+        match *passes {
+            [kernel] if kernel.info().launch == Launch::Bands => {
                 encoder = self.encode_bands(encoder, kernel, &places[0])?;
             }
-            &[kernel] if self.blocks_a_dispatch(kernel).is_some() => {
+            [kernel] if self.blocks_a_dispatch(kernel).is_some() => {
                 encoder = self.encode_list(encoder, kernel, &places[0])?;
             }
             _ => self.encode_all(&mut encoder, passes, &places)?,
