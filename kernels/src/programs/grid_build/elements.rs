@@ -1,4 +1,4 @@
-//! The elements of this program: triangles, pieces of their boxes, references to cells, and cells.
+//! The sets of elements of this program. A set named `all_…` has one element, for the total of the whole set.
 
 use super::radix::DIGITS;
 use super::scan::SCAN_BLOCK;

@@ -1,8 +1,9 @@
-// Decides in f32 whether a triangle overlaps a box, where that is certain: whatever is contracted, flushed or rounded to
-// either side. What is not is left to soft_f64.wgsl (a floating-point filter: Fortune and Van Wyk, 1993).
+// A floating-point filter (Fortune and Van Wyk, 1993): decides in f32 whether a triangle overlaps a box where that is
+// certain, however a device contracts, flushes or rounds. Uncertain cases are left to soft_f64.wgsl.
 //
-// A test is certain if its value exceeds 2^-19 of the sum of its terms' magnitudes, and what the centre of the box and the
-// f64 of the exact test may be off by. The longest chain has nine operations, each with an error of 2^-23 or less.
+// A test is certain if the magnitude of its value exceeds 2^-19 times the sum of its terms' magnitudes, plus a bound on
+// the errors of the box's centre and of the exact test in f64. The longest chain has nine operations, each with a
+// relative error of at most 2^-23.
 
 import package::build::{build, vertices};
 
@@ -115,7 +116,7 @@ fn edge_tests(edge: vec3f, is_free: vec3<bool>, d: vec3f, half: vec3f) -> u32 {
     return select(UNCERTAIN, YES, all(is_free | (in_range & (value > bound))));
 }
 
-// Whether the triangle overlaps a box with this centre, of which `half` is half the size, before it is grown.
+// Whether the triangle overlaps the box with this centre and half size, grown by `grown` on every side.
 fn filter_box(centre: vec3f, half_size: vec3f) -> u32 {
     let half = half_size + grown;
     let d0 = centre - p0;

@@ -2,6 +2,7 @@
 
 use super::PROGRAM;
 use super::elements::*;
+use super::irregular::kernels::*;
 use super::kernels::*;
 use crate::program::kernel::{Instance, Kernel};
 use crate::tables::elements::Elements;

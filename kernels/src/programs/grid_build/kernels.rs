@@ -1,17 +1,19 @@
 //! The kernels of the build.
 
-use super::irregular::{finish, map, merge, refine};
+#[cfg(test)]
+use super::irregular::kernels::*;
+use super::irregular::kernels::{irregular, not_irregular};
 use super::scan::EACH;
 use super::{checks, passes};
-use crate::options::reasons::{Because, Reason, Run};
-use crate::options::{Accelerator, GridSize, Options};
+use crate::options::reasons::Because;
+use crate::options::{GridSize, Options};
 use crate::program::breaks::{Break, as_it_is};
 use crate::program::kernel::{KernelInfo, PassTwin, Proof, Twin};
 use crate::shared::launch::BLOCK;
 use crate::tables::kernel::{Counts, Launch, Role};
 
 /// The row of a kernel; all other fields are the same for every kernel.
-const fn row(
+pub(super) const fn row(
     (name, wgsl): (&'static str, &'static str),
     twin: PassTwin,
     each: u32,
@@ -40,31 +42,8 @@ const fn row(
 }
 
 /// A kernel whose elements take long: tests of boxes, or of many neighbours.
-const fn heavy(kernel: KernelInfo) -> KernelInfo {
+pub(super) const fn heavy(kernel: KernelInfo) -> KernelInfo {
     KernelInfo { launch: Launch::List { each: 1, weight: 32 }, ..kernel }
-}
-
-/// The row of a kernel that only builds irregular grids.
-const fn irregular_row(
-    source: (&'static str, &'static str),
-    twin: PassTwin,
-    colour: [u8; 3],
-    summary: &'static str,
-    breaks: &'static [Break],
-) -> KernelInfo {
-    KernelInfo { why_absent: not_irregular, ..row(source, twin, 1, colour, summary, breaks) }
-}
-
-fn not_irregular(run: &Run<'_>) -> Reason {
-    let reason = match run.accelerator {
-        Accelerator::Irregular => "the lists are in the other streams, or the grid has two levels only",
-        _ => "the cells of a uniform grid are not divided",
-    };
-    (Because::Options, reason)
-}
-
-fn irregular(options: &mut Options) {
-    options.accelerator = Accelerator::Irregular;
 }
 
 /// More cells than a block of a scan has.
@@ -149,206 +128,6 @@ pub(super) const MEASURE: KernelInfo = row(
     [120, 130, 140],
     "the length of each cell's list",
     &[Break::new(as_it_is, "vec4u(length)", "vec4u(length + 1u)")],
-);
-
-macro_rules! of_irregular {
-    ($name:literal) => {
-        ($name, include_str!(concat!("irregular/", $name, ".wgsl")))
-    };
-}
-
-pub(super) const COUNT_TOP: KernelInfo = irregular_row(
-    of_irregular!("count_top"),
-    refine::count_top,
-    [120, 130, 140],
-    "notes how many leaves and references there are at first",
-    &[Break::new(irregular, "load(references_in_all, 0u, 0u)", "load(references_in_all, 0u, 0u) + 1u")],
-);
-pub(super) const MAKE_LEAVES: KernelInfo = irregular_row(
-    of_irregular!("make_leaves"),
-    refine::make_leaves,
-    [90, 165, 90],
-    "makes every cell of the top level a leaf, the root of an octree",
-    &[Break::new(irregular, "(log2_of_square(CELLS_PER_REFERENCE * length) + 3u)", "(log2_of_square(length) + 3u)")],
-);
-pub(super) const ADOPT_PAIRS: KernelInfo = irregular_row(
-    of_irregular!("adopt_pairs"),
-    refine::adopt_pairs,
-    [150, 150, 150],
-    "copies two streams of references",
-    &[Break::new(irregular, "load(second_in, i, 0u)", "load(first_in, i, 0u)")],
-);
-pub(super) const HALVE: KernelInfo = heavy(irregular_row(
-    of_irregular!("halve"),
-    refine::halve,
-    [232, 140, 60],
-    "finds in which halves of its leaf each triangle lies",
-    &[Break::new(
-        irregular,
-        "let found = atomicLoad(&lying_in[lane]);",
-        "let found = atomicLoad(&lying_in[lane]) | 1u;",
-    )],
-));
-pub(super) const DECIDE: KernelInfo = irregular_row(
-    of_irregular!("decide"),
-    refine::decide,
-    [190, 150, 30],
-    "decides which leaves are divided",
-    &[Break::new(irregular, "< 4u * length", "< 2u * length")],
-);
-pub(super) const DIVIDE: KernelInfo = irregular_row(
-    of_irregular!("divide"),
-    refine::divide,
-    [200, 80, 140],
-    "replaces leaves by their halves",
-    &[Break::new(irregular, "levels + 1u));", "levels));")],
-);
-pub(super) const HAND_DOWN: KernelInfo = irregular_row(
-    of_irregular!("hand_down"),
-    refine::hand_down,
-    [66, 124, 200],
-    "moves each reference to every half in which it lies",
-    &[Break::new(irregular, "- rank(half, first);", "- rank(half, first) + 1u;")],
-);
-pub(super) const ADOPT_LEAVES: KernelInfo = irregular_row(
-    of_irregular!("adopt_leaves"),
-    refine::adopt_leaves,
-    [150, 150, 150],
-    "makes the next leaves the leaves",
-    &[Break::new(irregular, "load(next_list, i, 1u)", "load(next_list, i, 0u)")],
-);
-pub(super) const ADOPT_DIVISION: KernelInfo = irregular_row(
-    of_irregular!("adopt_division"),
-    refine::adopt_division,
-    [150, 150, 150],
-    "makes what is left of the next leaves' budgets that of the leaves",
-    &[Break::new(irregular, "load(next_division, i, 0u)", "load(next_division, i, 1u)")],
-);
-pub(super) const OPEN_NODES: KernelInfo = irregular_row(
-    of_irregular!("open_nodes"),
-    map::open_nodes,
-    [23, 150, 160],
-    "counts the nodes of octrees, each at its first leaf",
-    &[Break::new(irregular, "vec4u(i))", "vec4u(i + 1u))")],
-);
-pub(super) const LINK_NODES: KernelInfo = irregular_row(
-    of_irregular!("link_nodes"),
-    map::link_nodes,
-    [150, 120, 190],
-    "links nodes and leaves with their parents",
-    &[Break::new(irregular, "octant_of(voxel, shift), width", "0u, width")],
-);
-pub(super) const SIZE_BLOCKS: KernelInfo = irregular_row(
-    of_irregular!("size_blocks"),
-    map::size_blocks,
-    [190, 150, 30],
-    "finds the nodes with which a block of the voxel map begins",
-    &[Break::new(irregular, "if (children == 0u)", "if (children == 9u)")],
-);
-pub(super) const MAP_TOP_LEVEL: KernelInfo = irregular_row(
-    of_irregular!("map_top_level"),
-    map::map_top_level,
-    [90, 165, 90],
-    "writes the voxel map's entries for the top level",
-    &[Break::new(irregular, "load(tree_top, i, 0u)", "load(tree_top, 0u, 0u)")],
-);
-pub(super) const MAP_BLOCKS: KernelInfo = irregular_row(
-    of_irregular!("map_blocks"),
-    map::map_blocks,
-    [90, 165, 90],
-    "writes the entries of the voxel map's blocks",
-    &[Break::new(irregular, "octant_of(voxel, k - 1u)", "octant_of(voxel, k)")],
-);
-pub(super) const START_MERGING: KernelInfo = irregular_row(
-    of_irregular!("start_merging"),
-    merge::start_merging,
-    [120, 130, 140],
-    "begins merging along the x axis",
-    &[Break::new(irregular, "4, vec4u(leaves)", "4, vec4u(0u)")],
-);
-pub(super) const PAIR: KernelInfo = irregular_row(
-    of_irregular!("pair"),
-    merge::pair,
-    [23, 150, 160],
-    "finds the neighbours with which each leaf forms a box",
-    &[Break::new(irregular, "voxel[axis] = end;", "voxel[axis] = end - 1u;")],
-);
-pub(super) const SHARE_LISTS: KernelInfo = irregular_row(
-    of_irregular!("share_lists"),
-    merge::share_lists,
-    [232, 140, 60],
-    "finds which triangles the neighbour before lists, too",
-    &[Break::new(irregular, "countOneBits(found)", "countOneBits(found) + 1u")],
-);
-pub(super) const WISH: KernelInfo = irregular_row(
-    of_irregular!("wish"),
-    merge::wish,
-    [190, 150, 30],
-    "finds which leaves cost no more together with the next one",
-    &[Break::new(irregular, "listed + STEP_COST", "listed")],
-);
-pub(super) const UNITE: KernelInfo = irregular_row(
-    of_irregular!("unite"),
-    merge::unite,
-    [190, 110, 70],
-    "decides which leaves are merged",
-    &[Break::new(irregular, "vec4u(u32(!is_gone))", "vec4u(1u)")],
-);
-pub(super) const GATHER: KernelInfo = irregular_row(
-    of_irregular!("gather"),
-    merge::gather,
-    [200, 80, 140],
-    "moves the leaves that remain, with the boxes of those merged into them",
-    &[Break::new(irregular, "| (other[axis] & 0xffff0000u)", "| (extent[axis] & 0xffff0000u)")],
-);
-pub(super) const DEAL: KernelInfo = irregular_row(
-    of_irregular!("deal"),
-    merge::deal,
-    [66, 124, 200],
-    "moves each reference to its place in the merged list",
-    &[Break::new(irregular, "place += lower_there", "place += 0u")],
-);
-pub(super) const FOLLOW: KernelInfo = irregular_row(
-    of_irregular!("follow"),
-    merge::follow,
-    [150, 120, 190],
-    "follows leaves to the cells that they became part of",
-    &[Break::new(irregular, "leaf = load(neighbor, leaf, 1u);", "leaf = leaf;")],
-);
-pub(super) const NEXT_AXIS: KernelInfo = irregular_row(
-    of_irregular!("next_axis"),
-    merge::next_axis,
-    [120, 130, 140],
-    "turns to the next axis or round, or ends merging",
-    &[Break::new(irregular, "axis < 3u", "axis < 2u")],
-);
-pub(super) const EXPAND: KernelInfo = heavy(irregular_row(
-    of_irregular!("expand"),
-    finish::expand,
-    [23, 150, 160],
-    "expands each cell over neighbours that list nothing else",
-    &[Break::new(irregular, "is_listed(first, listed,", "!is_listed(first, listed,")],
-));
-pub(super) const NAME_CELLS: KernelInfo = irregular_row(
-    of_irregular!("name_cells"),
-    finish::name_cells,
-    [90, 165, 90],
-    "makes the voxel map lead to cells",
-    &[Break::new(irregular, "(entry & 3u) == 0u", "(entry & 3u) == 1u")],
-);
-pub(super) const FINISH_CELLS: KernelInfo = irregular_row(
-    of_irregular!("finish_cells"),
-    finish::finish_cells,
-    [90, 165, 90],
-    "writes the records of cells that rays read",
-    &[Break::new(irregular, "vec4u(low.x | (low.y << 16u))", "vec4u(low.y | (low.x << 16u))")],
-);
-pub(super) const FINISH_ITEMS: KernelInfo = irregular_row(
-    of_irregular!("finish_items"),
-    finish::finish_items,
-    [120, 130, 140],
-    "marks the last triangle of each list",
-    &[Break::new(irregular, "if (i + 1u == load", "if (i == load")],
 );
 
 macro_rules! of_checks {

@@ -11,12 +11,12 @@
 //! | 6 | `mark` | references | finds where the references to each cell begin and end |
 //! | 7 | `measure`, `scan`, `add` | cells | finds where each list starts |
 //!
-//! An irregular grid, or one of two levels, goes on (`irregular/`): its cells are divided, mapped, merged and expanded. The
-//! last passes count faults (`checks/`): there must be none.
+//! Further passes (`irregular/`) divide the cells of a two-level or irregular grid and write its voxel map; those of an
+//! irregular grid are then merged and expanded. The last passes count faults (`checks/`); a valid grid has none.
 //!
-//! Whether a triangle overlaps a cell is decided in f32 where that is certain whatever a device contracts, flushes or
-//! rounds (`filter.wgsl`). What the host decides in f64 else is decided in u32 (`soft_f64.wgsl`), with the same result on
-//! every device. All other decisions are made in integers.
+//! Whether a triangle overlaps a cell is decided in f32 where that is certain, however a device contracts, flushes or
+//! rounds (`filter.wgsl`), and otherwise in f64 emulated in u32 (`soft_f64.wgsl`), with the same result on every device
+//! and on the host. All other decisions are made in integers.
 //!
 //! Spans ascend by triangle, references of a span by x, and the sort is stable: each list is ascending. No workgroup
 //! waits for another, and atomics only count or set bits within one, so nothing depends on the order in which they run.

@@ -1,9 +1,9 @@
 // Replaces the values in each block of 16,384 by the sums of those before them, and stores the block's own sum; each
 // layer of a stream for itself.
 //
-// Two levels of scan and one of add give the sums of a whole set: reduce-then-scan in passes (Sengupta, Harris, Zhang,
-// Owens 2007). No block waits for another, so nothing is assumed about how a device schedules workgroups, unlike the
-// single pass of Merrill and Garland (2016).
+// Two levels of scan and one of add give the sums of a whole set: scan-then-propagate in passes (Sengupta, Harris,
+// Zhang, Owens 2007). No block waits for another, so nothing is assumed about how a device schedules workgroups, unlike
+// the single pass of Merrill and Garland (2016).
 
 import package::launch::{BLOCK, launch, block_index, texel};
 import package::saturating::{saturating_add};

@@ -17,7 +17,7 @@
 //!                division                how far it may be divided
 //!                places                  what replaces it, then what replaces all before it
 //!                opened                  nodes that begin with it, then with all before it
-//!                neighbor  wished        with which leaves it could be, and had better be, merged
+//!                neighbor  wished        its merge candidates, and the one to merge with if that pays
 //!                expanded  cell          its expanded box, and the record that rays read
 //! of listed      owner  item             a reference's leaf and triangle
 //! of groups      bits  in_halves         in which halves of their leaf 32 references lie
@@ -30,7 +30,7 @@
 //! of entries     map_below               the voxel map's blocks
 //! of refined     cell_of                 to which cell a leaf of the octrees belongs
 //! of whole       totals  round           numbers of leaves and references; how far merging has got
-//! of blocks      …_faults                what is wrong with the result: nothing
+//! of blocks      …_faults                numbers of faults in the result; all must be 0
 //! ```
 //!
 //! What begins with `next_` replaces the stream of this name after a step.

@@ -208,3 +208,42 @@ fn every_kernel_is_valid_and_agrees_with_the_host_about_sizes() {
     assert!(radix.contains(&format!("const DIGIT_BITS: u32 = {DIGIT_BITS}u;")), "{radix}");
     assert!(radix.contains(&format!("const DIGITS: u32 = {DIGITS}u;")), "{radix}");
 }
+
+/// Numbers that decide what is built are the same in both languages.
+#[test]
+fn constants_of_the_wgsl_are_those_of_the_host() {
+    use crate::shared::constants::{LAST_ITEM, NO_LIST};
+    use crate::structures::irregular::{expand, merge, refine};
+    let all = [
+        ("make_leaves", "CELLS_PER_REFERENCE", refine::CELLS_PER_REFERENCE),
+        ("make_leaves", "GROWTH", refine::GROWTH),
+        ("make_leaves", "GROWTH_OF_ALL", refine::GROWTH_OF_ALL),
+        ("make_leaves", "CROWDED", refine::CROWDED),
+        ("halve", "SHORT", refine::SHORT as u64),
+        ("decide", "LONG", refine::LONG as u64),
+        ("decide", "STEP_COST", refine::STEP_COST as u64),
+        ("pair", "LONGEST", merge::LONGEST as u64),
+        ("wish", "STEP_COST", merge::STEP_COST),
+        ("next_axis", "ROUNDS", merge::ROUNDS.into()),
+        ("next_axis", "LEAST_MERGED", merge::LEAST_MERGED as u64),
+        ("expand", "ROUNDS", expand::ROUNDS.into()),
+        ("expand", "MOST_LOOKED_AT", expand::MOST_LOOKED_AT.into()),
+        ("finish_cells", "NO_LIST", NO_LIST.into()),
+        ("finish_items", "LAST_ITEM", LAST_ITEM.into()),
+        ("check_cells", "NO_LIST", NO_LIST.into()),
+        ("check_cells", "LAST_ITEM", LAST_ITEM.into()),
+        ("scan", "EACH", super::scan::EACH.into()),
+        ("check_items", "EACH", super::scan::EACH.into()),
+    ];
+    for (kernel, name, value) in all {
+        let row = ROWS.iter().find(|row| row.name == kernel).expect("a kernel");
+        let source = composed(kernel, row.wgsl);
+        let line = source.lines().find(|line| line.starts_with(&format!("const {name}: u32 = "))).expect(name);
+        let number = line.split(" = ").nth(1).expect("a value").trim_end_matches("u;");
+        let number = match number.strip_prefix("0x") {
+            Some(hex) => u64::from_str_radix(hex, 16),
+            None => number.parse(),
+        };
+        assert_eq!(number, Ok(value), "{kernel}: {line}");
+    }
+}

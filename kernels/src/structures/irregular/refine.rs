@@ -10,7 +10,7 @@ use crate::structures::grid::{self, CountedGrid, GridData, GridError};
 
 /// Cells into which a top-level cell is divided for each of its triangles, all of the same size, except that those with
 /// at most one triangle are left whole.
-const CELLS_PER_REFERENCE: u64 = 10;
+pub(crate) const CELLS_PER_REFERENCE: u64 = 10;
 
 /// Longer lists are divided even then only if rays gain by it: they may be of triangles that no division separates.
 pub(crate) const LONG: usize = 64;

@@ -24,7 +24,7 @@ fn store(i: u32, extent: vec3u, list: vec2u, division: vec2u) {
     textureStore(next_division, at, 1, vec4u(division.y));
 }
 
-// Replaces each leaf that is divided by its eight halves, and moves the others, which stay as they are from now on.
+// Replaces each divided leaf by its eight octants, and moves the others, which are never divided later.
 @compute @workgroup_size(BLOCK)
 fn divide(
     @builtin(workgroup_id) group: vec3u,

@@ -57,7 +57,7 @@ fn layer(low: vec3u, high: vec3u, axis: u32, is_up: bool) -> u32 {
             let reach = select(at[axis] + 1u - low_of(extent[axis]), high_of(extent[axis]) - at[axis], is_up);
             depth = min(depth, reach);
             next_row = min(next_row, high_of(extent[v]));
-            // A box ends after where it is found; if somebody has edited it, there must be no endless loop.
+            // A box ends beyond the point where it is found; the max prevents an endless loop if a stream was edited.
             at[u] = max(at[u] + 1u, high_of(extent[u]));
         }
         at[v] = max(at[v] + 1u, next_row);

@@ -1,5 +1,5 @@
-// Which halves of a cell a triangle overlaps: where f32 is certain, and exactly. The CPU reference is `halves` in structures/grid/overlap.rs, operation by
-// operation.
+// Which of the eight octants of a cell ("halves" in names) a triangle overlaps: in f32 where that is certain, and
+// exactly. The exact test matches its CPU reference, `halves` in structures/grid/overlap.rs, operation by operation.
 
 import package::build::{build, vertices};
 import package::overlap::{halvings, prepare, enter_row, meets, width_at};

@@ -5,7 +5,7 @@ import package::leaf::{load};
 @group(0) @binding(1) var round: texture_storage_2d_array<r32uint, read_write>;
 
 const ROUNDS: u32 = 8u;
-// The last round merges less than this part of all leaves.
+// Merging stops after a round that removes fewer than 1 / LEAST_MERGED of the leaves that existed before merging.
 const LEAST_MERGED: u32 = 16u;
 
 // Turns to the next axis; after the third, to the next round, unless the last one merged hardly any leaves.

@@ -22,8 +22,8 @@ fn cost(extent: vec3u, listed: u32) -> vec2u {
     return times64(area, listed + STEP_COST);
 }
 
-// Whether a leaf costs no more together with the neighbour after it (the surface area heuristic, Goldsmith and Salmon,
-// 1987): then it wishes to be merged with it.
+// Proposes to merge a leaf with the neighbour after it if, by the surface area heuristic (Goldsmith and Salmon, 1987),
+// the merged leaf costs no more than the two.
 @compute @workgroup_size(BLOCK)
 fn wish(
     @builtin(workgroup_id) group: vec3u,
