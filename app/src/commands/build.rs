@@ -8,9 +8,9 @@ use raystep_kernels::Accelerator;
 use raystep_kernels::export::csv::PassesCsv;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs::grid_build::elements::{REFERENCES, REFINED, SPANS};
-use raystep_kernels::renderer::Lists;
+use raystep_kernels::renderer::{Lists, build_on_host};
 use raystep_kernels::structures::grid::{self, GridData};
-use raystep_kernels::structures::irregular::{self, IrregularData};
+use raystep_kernels::structures::irregular::IrregularData;
 use raystep_lab::machine::now_ns;
 use raystep_lab::statistics::median;
 
@@ -129,7 +129,7 @@ impl Built {
     fn on_host(running: &Running, most_words: u64) -> Result<Self, grid::GridError> {
         let data = running.renderer.data();
         if running.renderer.plan().accelerator == Accelerator::Irregular {
-            return Ok(Self::Irregular(Box::new(irregular::build_as_planned(data, most_words)?)));
+            return Ok(Self::Irregular(Box::new(build_on_host(data, most_words)?)));
         }
         let GridData { cells, items, .. } = grid::lists(&data.grid, data.growth, &data.vertices, most_words)?;
         Ok(Self::Uniform(Lists { cells, items }))

@@ -13,8 +13,8 @@ use crate::programs::grid_build::streams::{
     CELL, FAULTS, ITEM, LIST, MAP_BELOW, MAP_TOP, START, STARTS_IN_ALL, TRIANGLE_EVEN, TRIANGLE_ODD,
 };
 use crate::scene_data::SceneData;
-use crate::structures::grid::GridData;
-use crate::structures::irregular::{IrregularCell, IrregularData, LAST_ITEM, Layout};
+use crate::structures::grid::{GridData, GridError};
+use crate::structures::irregular::{self, IrregularCell, IrregularData, LAST_ITEM, Layout};
 use crate::tables::elements::Elements;
 use crate::tables::stream::Stream;
 
@@ -70,6 +70,16 @@ impl IrregularData {
         let built = Self::of_buffers(&layout, map, cells.collect(), items, lengths);
         Ok(Self { bounds: data.bounds, reach: data.reach, ..built }.with_aside(&data.set_aside))
     }
+}
+
+/// Builds on the host the irregular grid, or that of two levels, whose build pass by pass this data is for.
+///
+/// # Errors
+/// If a buffer would be larger than `most_words`.
+pub fn build_on_host(data: &SceneData, most_words: u64) -> Result<IrregularData, GridError> {
+    let layout = Layout::of(&data.build, &data.grid);
+    let built = irregular::build_laid_out(&data.vertices, &layout, data.build.by_content(), most_words)?;
+    Ok(IrregularData { bounds: data.bounds, reach: data.reach, ..built }.with_aside(&data.set_aside))
 }
 
 /// What the last passes found wrong with the grid: nothing, or it must not be used.

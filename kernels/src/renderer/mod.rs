@@ -33,7 +33,7 @@ pub use device::Device;
 use device::Executor;
 pub use error::RenderError;
 use given::GivenRays;
-pub use lists::Lists;
+pub use lists::{Lists, build_on_host};
 use records::Records;
 pub use records::{KernelSummary, PassTotals};
 pub use results::RayHit;

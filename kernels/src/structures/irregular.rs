@@ -41,7 +41,6 @@ mod tests;
 use std::borrow::Cow;
 
 use super::grid::{self, Corners, GridError};
-use crate::scene_data::SceneData;
 pub use crate::shared::constants::{LAST_ITEM, NO_LIST, OUTSIDE};
 use crate::shared::grid_walk::Grid;
 pub use crate::shared::irregular_walk::{IrregularCell, block_entry, cell_entry};
@@ -145,16 +144,19 @@ pub fn build(
     Ok(IrregularData { bounds: extent.0, reach: extent.1, ..data }.with_aside(&aside))
 }
 
-/// Builds the irregular grid, or that of two levels, whose build pass by pass this data is for.
+/// Builds the irregular grid, or that of two levels, of this layout, as far as triangles that are not set aside go.
 ///
 /// # Errors
 /// If a buffer would be larger than `most_words`.
-pub fn build_as_planned(data: &SceneData, most_words: u64) -> Result<IrregularData, GridError> {
-    let layout = Layout::of(&data.build, &data.grid);
-    let lists = grid::lists(&data.grid, data.growth, &data.vertices, most_words)?;
-    let division = if !data.build.by_content() { Division::OfCrowded } else { Division::ByContent };
-    let built = below(&data.vertices, &layout, &lists, division, most_words)?;
-    Ok(IrregularData { bounds: data.bounds, reach: data.reach, ..built }.with_aside(&data.set_aside))
+pub(crate) fn build_laid_out(
+    vertices: &[f32],
+    layout: &Layout,
+    by_content: bool,
+    most_words: u64,
+) -> Result<IrregularData, GridError> {
+    let lists = grid::lists(&layout.at(0), layout.growth, vertices, most_words)?;
+    let division = if by_content { Division::ByContent } else { Division::OfCrowded };
+    below(vertices, layout, &lists, division, most_words)
 }
 
 /// Builds a uniform grid of `cells` over `vertices`, each of whose crowded cells holds a finer grid (as the two-level grids
@@ -171,8 +173,7 @@ pub fn build_two_levels(
     most_words: u64,
 ) -> Result<IrregularData, GridError> {
     let layout = Layout::below(vertices, reach, is_grown, cells);
-    let lists = grid::lists(&layout.at(0), layout.growth, vertices, most_words)?;
-    let data = below(vertices, &layout, &lists, Division::OfCrowded, most_words)?;
+    let data = build_laid_out(vertices, &layout, false, most_words)?;
     Ok(IrregularData { bounds: grid::bounds(vertices), reach, ..data })
 }
 

@@ -1,50 +1,14 @@
 //! The kernels of the build.
 
+use super::checks;
 #[cfg(test)]
 use super::irregular::kernels::*;
-use super::irregular::kernels::{irregular, not_irregular};
+use super::passes;
+use super::rows::{heavy, irregular, not_irregular, row};
 use super::scan::EACH;
-use super::{checks, passes};
-use crate::options::reasons::Because;
 use crate::options::{GridSize, Options};
 use crate::program::breaks::{Break, as_it_is};
-use crate::program::kernel::{KernelInfo, PassTwin, Proof, Twin};
-use crate::shared::launch::BLOCK;
-use crate::tables::kernel::{Counts, Launch, Role};
-
-/// The row of a kernel; all other fields are the same for every kernel.
-pub(super) const fn row(
-    (name, wgsl): (&'static str, &'static str),
-    twin: PassTwin,
-    each: u32,
-    colour: [u8; 3],
-    summary: &'static str,
-    breaks: &'static [Break],
-) -> KernelInfo {
-    KernelInfo {
-        name,
-        wgsl,
-        twin: Twin::Pass(twin),
-        takes: &[],
-        sends: &[],
-        role: Role::Once,
-        workgroup: BLOCK as u32,
-        launch: Launch::List { each, weight: 1 },
-        counts: Counts::None,
-        resumes: |_| false,
-        list: None,
-        proof: Proof::NONE,
-        colour,
-        why_absent: |_| (Because::Scene, "the grid has too few cells to sort by so many digits"),
-        summary,
-        breaks,
-    }
-}
-
-/// A kernel whose elements take long: tests of boxes, or of many neighbours.
-pub(super) const fn heavy(kernel: KernelInfo) -> KernelInfo {
-    KernelInfo { launch: Launch::List { each: 1, weight: 32 }, ..kernel }
-}
+use crate::program::kernel::KernelInfo;
 
 /// More cells than a block of a scan has.
 fn fine(options: &mut Options) {

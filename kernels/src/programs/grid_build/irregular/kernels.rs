@@ -1,34 +1,9 @@
 //! The kernels that only build irregular grids.
 
 use super::{finish, map, merge, refine};
-use crate::options::reasons::{Because, Reason, Run};
-use crate::options::{Accelerator, Options};
 use crate::program::breaks::Break;
-use crate::program::kernel::{KernelInfo, PassTwin};
-use crate::programs::grid_build::kernels::{heavy, row};
-
-/// The row of a kernel that only builds irregular grids.
-const fn irregular_row(
-    source: (&'static str, &'static str),
-    twin: PassTwin,
-    colour: [u8; 3],
-    summary: &'static str,
-    breaks: &'static [Break],
-) -> KernelInfo {
-    KernelInfo { why_absent: not_irregular, ..row(source, twin, 1, colour, summary, breaks) }
-}
-
-pub(in super::super) fn not_irregular(run: &Run<'_>) -> Reason {
-    let reason = match run.accelerator {
-        Accelerator::Irregular => "the lists are in the other streams, or the grid has two levels only",
-        _ => "the cells of a uniform grid are not divided",
-    };
-    (Because::Options, reason)
-}
-
-pub(in super::super) fn irregular(options: &mut Options) {
-    options.accelerator = Accelerator::Irregular;
-}
+use crate::program::kernel::KernelInfo;
+use crate::programs::grid_build::rows::{heavy, irregular, irregular_row};
 
 macro_rules! of_irregular {
     ($name:literal) => {
@@ -73,7 +48,7 @@ pub(in super::super) const DECIDE: KernelInfo = irregular_row(
     refine::decide,
     [190, 150, 30],
     "decides which leaves are divided",
-    &[Break::new(irregular, "< 4u * length", "< 2u * length")],
+    &[Break::new(irregular, "select(length, after, is_divided)", "select(after, length, is_divided)")],
 );
 pub(in super::super) const DIVIDE: KernelInfo = irregular_row(
     of_irregular!("divide"),

@@ -1,0 +1,65 @@
+//! What the rows of kernels have in common.
+
+use crate::options::reasons::{Because, Reason, Run};
+use crate::options::{Accelerator, Options};
+use crate::program::breaks::Break;
+use crate::program::kernel::{KernelInfo, PassTwin, Proof, Twin};
+use crate::shared::launch::BLOCK;
+use crate::tables::kernel::{Counts, Launch, Role};
+
+/// The row of a kernel; all other fields are the same for every kernel.
+pub(super) const fn row(
+    (name, wgsl): (&'static str, &'static str),
+    twin: PassTwin,
+    each: u32,
+    colour: [u8; 3],
+    summary: &'static str,
+    breaks: &'static [Break],
+) -> KernelInfo {
+    KernelInfo {
+        name,
+        wgsl,
+        twin: Twin::Pass(twin),
+        takes: &[],
+        sends: &[],
+        role: Role::Once,
+        workgroup: BLOCK as u32,
+        launch: Launch::List { each, weight: 1 },
+        counts: Counts::None,
+        resumes: |_| false,
+        list: None,
+        proof: Proof::NONE,
+        colour,
+        why_absent: |_| (Because::Scene, "the grid has too few cells to sort by so many digits"),
+        summary,
+        breaks,
+    }
+}
+
+/// A kernel whose elements take long: tests of boxes, or of many neighbours.
+pub(super) const fn heavy(kernel: KernelInfo) -> KernelInfo {
+    KernelInfo { launch: Launch::List { each: 1, weight: 32 }, ..kernel }
+}
+
+/// The row of a kernel that only builds irregular grids.
+pub(super) const fn irregular_row(
+    source: (&'static str, &'static str),
+    twin: PassTwin,
+    colour: [u8; 3],
+    summary: &'static str,
+    breaks: &'static [Break],
+) -> KernelInfo {
+    KernelInfo { why_absent: not_irregular, ..row(source, twin, 1, colour, summary, breaks) }
+}
+
+pub(super) fn not_irregular(run: &Run<'_>) -> Reason {
+    let reason = match run.accelerator {
+        Accelerator::Irregular => "the lists are in the other streams, or the grid has two levels only",
+        _ => "the cells of a uniform grid are not divided",
+    };
+    (Because::Options, reason)
+}
+
+pub(super) fn irregular(options: &mut Options) {
+    options.accelerator = Accelerator::Irregular;
+}
