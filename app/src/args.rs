@@ -180,7 +180,7 @@ pub(crate) struct TuningArgs {
     #[arg(long, value_name = "K", value_parser = whole::<u32>(1, 4096), allow_negative_numbers = true)]
     pub(crate) steps_per_pass: Option<u32>,
     /// Who builds the grid, with --accelerator grid or irregular: the host, or the device that traces the rays, with the
-    /// same result; auto is the device if it is a GPU, and the grid an irregular one over 10,000 triangles or more
+    /// same result; auto is the device if it is a GPU, and the grid an irregular one over 200,000 triangles or more
     #[arg(long, default_value = "auto", value_parser = named(BuiltBy::ALL, BuiltBy::name))]
     pub(crate) build: BuiltBy,
     /// Omit nothing from the plan, to measure what omitting saves

@@ -169,9 +169,9 @@ pub const MOST_WITHOUT: usize = 6;
 /// Fewest triangles whose grid has enough cells to tell whether the scene is filled evenly.
 pub const LEAST_FOR_GRID: usize = 512;
 
-/// Fewest triangles over which the device builds an irregular grid sooner than the host, with the time to compile the
-/// kernels of the build.
-pub const LEAST_FOR_DEVICE: usize = 10_000;
+/// Fewest triangles over which the device builds an irregular grid by default. The host takes a second or more for them,
+/// and a driver that has not compiled the kernels of the build before takes some seconds for that.
+pub const LEAST_FOR_DEVICE: usize = 200_000;
 
 /// Longest mean list of a grid that `auto` takes, each list weighted by its length: about the number of triangles that a
 /// ray tests in the cell where it ends. Even scenes have 3 to 6, whatever their size.
