@@ -211,7 +211,7 @@ fn a_broken_kernel_of_a_build_is_named() {
             .expect("both builds");
         }
     }
-    assert_eq!(rows.len(), 40);
+    assert_eq!(rows.len(), 39);
 }
 
 #[test]

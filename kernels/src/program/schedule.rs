@@ -59,6 +59,20 @@ impl Schedule {
 }
 
 impl Schedule {
+    /// About how many passes a run of kernels that run once takes: steps that are repeated are mostly so a few times.
+    #[must_use]
+    pub fn passes_expected(&self) -> u64 {
+        const TIMES: u64 = 5;
+        fn of(steps: &[Step]) -> u64 {
+            let of_step = |step: &Step| match step {
+                Step::Run(_) | Step::RunUntilIdle(_) => 1,
+                Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) => TIMES * of(body),
+            };
+            steps.iter().map(of_step).sum()
+        }
+        of(&self.steps)
+    }
+
     /// Whether it repeats its steps for every sample.
     fn has_samples(&self) -> bool {
         let [Step::LoopWhileActive(kernels, _)] = self.steps.as_slice() else { return false };

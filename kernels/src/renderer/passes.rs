@@ -204,8 +204,10 @@ impl Renderer {
         if self.plan.program.course.is_some() {
             return self.plan.program.states.decided(&self.counts);
         }
-        let (done, all) = (self.pass_count() as u64, self.plan.schedule.steps.len().max(1) as u64);
-        self.plan.rays * done.min(all) / all
+        // Steps may be repeated, how often is not known: what is not complete never looks so.
+        let done = self.pass_count() as u64;
+        let left = u64::from(self.next_kernel().is_some());
+        self.plan.rays * done / self.plan.schedule.passes_expected().max(done + left).max(1)
     }
 
     /// Progress of the run.

@@ -65,6 +65,8 @@ const TAKEN_ODD: Binds =
     &[("first_in", "cell_odd"), ("second_in", "triangle_odd"), ("first_out", "owner"), ("second_out", "item")];
 const TAKEN_NEXT: Binds =
     &[("first_in", "next_owner"), ("second_in", "next_item"), ("first_out", "owner"), ("second_out", "item")];
+const LEAVES_NEXT: Binds =
+    &[("first_in", "next_space"), ("second_in", "next_list"), ("first_out", "space"), ("second_out", "list")];
 const IN_HALVES: Binds = &[("tally", "in_halves")];
 const HALF_SUMS: Binds = &[("values", "in_halves"), ("sums", "in_halves_of_block")];
 const ALL_HALF_SUMS: Binds = &[("values", "in_halves_of_block"), ("sums", "in_halves_in_all")];
@@ -131,8 +133,8 @@ instances! {
     ADD_STARTS "add_starts": ADD over CELLS binds START_SUMS;
     COUNT_TOP_LEVEL "count_top": COUNT_TOP over WHOLE;
     MAKE_FIRST_LEAVES "make_leaves": MAKE_LEAVES over CELLS renews FIRST_LEAVES;
-    TAKE_EVEN "take_even": ADOPT_PAIRS over REFERENCES binds TAKEN_EVEN;
-    TAKE_ODD "take_odd": ADOPT_PAIRS over REFERENCES binds TAKEN_ODD;
+    TAKE_EVEN "take_even": ADOPT over REFERENCES binds TAKEN_EVEN;
+    TAKE_ODD "take_odd": ADOPT over REFERENCES binds TAKEN_ODD;
     FIND_HALVES "halve": HALVE over LISTED binds IN_HALVES;
     SCAN_HALVES "scan_halves": SCAN over GROUPS binds HALF_SUMS;
     SCAN_HALF_BLOCKS "scan_half_blocks": SCAN over GROUP_BLOCKS binds ALL_HALF_SUMS;
@@ -143,9 +145,9 @@ instances! {
     ADD_PLACES "add_places": ADD over LEAVES binds PLACE_SUMS;
     DIVIDE_LEAVES "divide": DIVIDE over LEAVES binds IN_HALVES renews REPLACED;
     HAND_DOWN_LISTS "hand_down": HAND_DOWN over LISTED binds IN_HALVES;
-    ADOPT_NEXT_LEAVES "adopt_leaves": ADOPT_LEAVES over NEXT_LEAVES renews OF_LEAVES;
+    ADOPT_NEXT_LEAVES "adopt_leaves": ADOPT over NEXT_LEAVES binds LEAVES_NEXT renews OF_LEAVES;
     ADOPT_NEXT_DIVISION "adopt_division": ADOPT_DIVISION over NEXT_LEAVES;
-    ADOPT_LISTS "adopt_lists": ADOPT_PAIRS over NEXT_LISTED binds TAKEN_NEXT renews OF_LISTS;
+    ADOPT_LISTS "adopt_lists": ADOPT over NEXT_LISTED binds TAKEN_NEXT renews OF_LISTS;
     COUNT_NODES "open_nodes": OPEN_NODES over LEAVES;
     SCAN_OPENED "scan_opened": SCAN over LEAVES binds OPENED_SUMS;
     SCAN_OPENED_BLOCKS "scan_opened_blocks": SCAN over LEAF_BLOCKS binds ALL_OPENED_SUMS;
@@ -169,7 +171,7 @@ instances! {
     DEAL_LISTS "deal": DEAL over LISTED binds KNOWN;
     FOLLOW_LEAVES "follow": FOLLOW over REFINED;
     TURN_TO_NEXT_AXIS "next_axis": NEXT_AXIS over WHOLE;
-    ADOPT_MERGED "adopt_merged": ADOPT_PAIRS over NEXT_LISTED binds TAKEN_NEXT renews OF_LISTS_AND_ROUNDS;
+    ADOPT_MERGED "adopt_merged": ADOPT over NEXT_LISTED binds TAKEN_NEXT renews OF_LISTS_AND_ROUNDS;
     EXPAND_CELLS "expand": EXPAND over LEAVES;
     NAME_TOP "name_top": NAME_CELLS over CELLS binds OF_TOP;
     NAME_BLOCKS "name_blocks": NAME_CELLS over ENTRIES binds OF_BLOCKS;

@@ -141,7 +141,7 @@ pub(super) const CHECK_MAP: KernelInfo = KernelInfo {
 
 /// The kernels, without their instances.
 #[cfg(test)]
-pub(super) const ROWS: [&KernelInfo; 40] = [
+pub(super) const ROWS: [&KernelInfo; 39] = [
     &BOUND,
     &SCAN,
     &ADD,
@@ -153,12 +153,11 @@ pub(super) const ROWS: [&KernelInfo; 40] = [
     &MEASURE,
     &COUNT_TOP,
     &MAKE_LEAVES,
-    &ADOPT_PAIRS,
+    &ADOPT,
     &HALVE,
     &DECIDE,
     &DIVIDE,
     &HAND_DOWN,
-    &ADOPT_LEAVES,
     &ADOPT_DIVISION,
     &OPEN_NODES,
     &LINK_NODES,

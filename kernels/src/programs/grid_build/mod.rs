@@ -74,6 +74,7 @@ fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let own = [
         ("soft_f64", include_str!("soft_f64.wgsl")),
         ("overlap", include_str!("overlap.wgsl")),
+        ("counting", include_str!("checks/counting.wgsl")),
         ("filter", include_str!("filter.wgsl")),
         ("saturating", include_str!("saturating.wgsl")),
         ("radix", include_str!("radix.wgsl")),

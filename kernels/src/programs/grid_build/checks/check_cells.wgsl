@@ -1,6 +1,7 @@
 // Counts cells whose box is empty or leaves the grid, or whose list does not exist or has no end.
 
-import package::launch::{BLOCK, launch, block_index, texel};
+import package::counting::{end_of, first_of, store_faults};
+import package::launch::{BLOCK, block_index};
 import package::build::{build};
 import package::leaf::{load};
 
@@ -8,15 +9,9 @@ import package::leaf::{load};
 @group(0) @binding(1) var list: texture_2d_array<u32>;
 @group(0) @binding(2) var item: texture_2d_array<u32>;
 @group(0) @binding(3) var totals: texture_2d_array<u32>;
-@group(0) @binding(4) var faults: texture_storage_2d_array<r32uint, write>;
 
 const NO_LIST: u32 = 0xffffffffu;
 const LAST_ITEM: u32 = 0x80000000u;
-
-// Elements per thread.
-const EACH: u32 = 64u;
-
-var<workgroup> found: atomic<u32>;
 
 fn is_wrong(i: u32) -> bool {
     let a = load(cell, i, 0u);
@@ -44,21 +39,9 @@ fn check_cells(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let block = block_index(group, groups);
-    if (lane == 0u) {
-        atomicStore(&found, 0u);
-    }
-    workgroupBarrier();
-    let first = block * BLOCK * EACH;
-    let end = min(first + BLOCK * EACH, launch.elements);
     var own = 0u;
-    for (var i = first + lane; i < end; i += BLOCK) {
+    for (var i = first_of(block) + lane; i < end_of(block); i += BLOCK) {
         own += u32(is_wrong(i));
     }
-    if (own > 0u) {
-        atomicAdd(&found, own);
-    }
-    workgroupBarrier();
-    if (lane == 0u && first < launch.elements) {
-        textureStore(faults, texel(block, textureDimensions(faults).x), 0, vec4u(atomicLoad(&found)));
-    }
+    store_faults(block, lane, own);
 }

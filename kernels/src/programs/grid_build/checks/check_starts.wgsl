@@ -1,16 +1,11 @@
 // Counts lists that end before they start, or beyond the references.
 
-import package::launch::{BLOCK, launch, block_index, texel};
+import package::counting::{end_of, first_of, store_faults};
+import package::launch::{BLOCK, launch, block_index};
 import package::leaf::{load};
 
 @group(0) @binding(0) var start: texture_2d_array<u32>;
 @group(0) @binding(1) var references_in_all: texture_2d_array<u32>;
-@group(0) @binding(2) var faults: texture_storage_2d_array<r32uint, write>;
-
-// Elements per thread.
-const EACH: u32 = 64u;
-
-var<workgroup> found: atomic<u32>;
 
 fn is_wrong(i: u32) -> bool {
     var end = load(references_in_all, 0u, 0u);
@@ -27,21 +22,9 @@ fn check_starts(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let block = block_index(group, groups);
-    if (lane == 0u) {
-        atomicStore(&found, 0u);
-    }
-    workgroupBarrier();
-    let first = block * BLOCK * EACH;
-    let end = min(first + BLOCK * EACH, launch.elements);
     var own = 0u;
-    for (var i = first + lane; i < end; i += BLOCK) {
+    for (var i = first_of(block) + lane; i < end_of(block); i += BLOCK) {
         own += u32(is_wrong(i));
     }
-    if (own > 0u) {
-        atomicAdd(&found, own);
-    }
-    workgroupBarrier();
-    if (lane == 0u && first < launch.elements) {
-        textureStore(faults, texel(block, textureDimensions(faults).x), 0, vec4u(atomicLoad(&found)));
-    }
+    store_faults(block, lane, own);
 }

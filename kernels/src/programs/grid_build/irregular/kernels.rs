@@ -25,12 +25,12 @@ pub(in super::super) const MAKE_LEAVES: KernelInfo = irregular_row(
     "makes every cell of the top level a leaf, the root of an octree",
     &[Break::new(irregular, "(log2_of_square(CELLS_PER_REFERENCE * length) + 3u)", "(log2_of_square(length) + 3u)")],
 );
-pub(in super::super) const ADOPT_PAIRS: KernelInfo = irregular_row(
-    of_irregular!("adopt_pairs"),
-    refine::adopt_pairs,
+pub(in super::super) const ADOPT: KernelInfo = irregular_row(
+    of_irregular!("adopt"),
+    refine::adopt,
     [150, 150, 150],
-    "copies two streams of references",
-    &[Break::new(irregular, "load(second_in, i, 0u)", "load(first_in, i, 0u)")],
+    "makes what was computed next what is",
+    &[Break::new(irregular, "load(second_in, i, layer)", "load(first_in, i, layer)")],
 );
 pub(in super::super) const HALVE: KernelInfo = heavy(irregular_row(
     of_irregular!("halve"),
@@ -63,13 +63,6 @@ pub(in super::super) const HAND_DOWN: KernelInfo = irregular_row(
     [66, 124, 200],
     "moves each reference to every half in which it lies",
     &[Break::new(irregular, "- rank(half, first);", "- rank(half, first) + 1u;")],
-);
-pub(in super::super) const ADOPT_LEAVES: KernelInfo = irregular_row(
-    of_irregular!("adopt_leaves"),
-    refine::adopt_leaves,
-    [150, 150, 150],
-    "makes the next leaves the leaves",
-    &[Break::new(irregular, "load(next_list, i, 1u)", "load(next_list, i, 0u)")],
 );
 pub(in super::super) const ADOPT_DIVISION: KernelInfo = irregular_row(
     of_irregular!("adopt_division"),

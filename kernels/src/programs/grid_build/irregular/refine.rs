@@ -160,27 +160,23 @@ pub(crate) fn hand_down(columns: &mut dyn Columns, kernel: Kernel, data: &SceneD
     }
 }
 
-/// Copies the layers of streams that are bound to pairs of names: from, to.
-fn copy(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData, pairs: &[(&str, &str, usize)]) {
+/// Copies all layers of streams that are bound to pairs of names: from, to.
+fn copy(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData, pairs: &[(&str, &str)]) {
     let mut pass = Pass::new(columns, kernel, &data.build);
-    for &(from, to, layers) in pairs {
+    for &(from, to) in pairs {
         let (from, to) = (pass.of(from), pass.of(to));
         for i in 0..pass.len(from) {
-            for layer in 0..layers {
+            for layer in 0..from.layers() {
                 pass.set(to, layer, i, pass.get(from, layer, i));
             }
         }
     }
 }
 
-pub(crate) fn adopt_leaves(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    copy(columns, kernel, data, &[("next_space", "space", 3), ("next_list", "list", 2)]);
-}
-
-pub(crate) fn adopt_pairs(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    copy(columns, kernel, data, &[("first_in", "first_out", 1), ("second_in", "second_out", 1)]);
+pub(crate) fn adopt(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    copy(columns, kernel, data, &[("first_in", "first_out"), ("second_in", "second_out")]);
 }
 
 pub(crate) fn adopt_division(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    copy(columns, kernel, data, &[("next_division", "division", 2)]);
+    copy(columns, kernel, data, &[("next_division", "division")]);
 }

@@ -1,13 +1,9 @@
 // Products and quotients of numbers with up to 64 bits: vec2u(high, low).
 
-import package::soft_f64::{add64, less64, product64, sub64};
+import package::soft_f64::{less64, product64};
 
 fn times64(a: vec2u, b: u32) -> vec2u {
     return product64(a.y, b) + vec2u(a.x * b, 0u);
-}
-
-fn sum64(a: vec2u, b: vec2u) -> vec2u {
-    return add64(a, b);
 }
 
 fn is_at_most64(a: vec2u, b: vec2u) -> bool {

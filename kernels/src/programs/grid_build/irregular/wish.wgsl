@@ -2,8 +2,8 @@ import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build};
 import package::leaf::{load, load_space};
 import package::ranks::{count};
-import package::u64::{is_at_most64, sum64, times64};
-import package::soft_f64::{product64};
+import package::soft_f64::{add64, product64};
+import package::u64::{is_at_most64, times64};
 
 @group(0) @binding(0) var space: texture_2d_array<u32>;
 @group(0) @binding(1) var list: texture_2d_array<u32>;
@@ -18,7 +18,7 @@ const STEP_COST: u32 = 1u;
 // What rays pay for a box: half of its surface, for each test and step.
 fn cost(extent: vec3u, listed: u32) -> vec2u {
     let side = ((extent >> vec3u(16u)) - (extent & vec3u(0xffffu))) * build.weights;
-    let area = sum64(sum64(product64(side.x, side.y), product64(side.y, side.z)), product64(side.z, side.x));
+    let area = add64(add64(product64(side.x, side.y), product64(side.y, side.z)), product64(side.z, side.x));
     return times64(area, listed + STEP_COST);
 }
 
@@ -46,7 +46,7 @@ fn wish(
         let its_first = load(list, next, 0u);
         let its_listed = load(list, next, 1u);
         let in_all = listed + its_listed - count(0u, its_first, its_listed);
-        if (is_at_most64(cost(both, in_all), sum64(cost(extent, listed), cost(other, its_listed)))) {
+        if (is_at_most64(cost(both, in_all), add64(cost(extent, listed), cost(other, its_listed)))) {
             wish = next;
         }
     }

@@ -6,9 +6,9 @@ import package::leaf::{load};
 @group(0) @binding(2) var first_out: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(3) var second_out: texture_storage_2d_array<r32uint, write>;
 
-// Copies two streams of one component.
+// Copies two streams of a set: what was computed next becomes what is.
 @compute @workgroup_size(BLOCK)
-fn adopt_pairs(
+fn adopt(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
@@ -18,6 +18,10 @@ fn adopt_pairs(
         return;
     }
     let at = texel(i, textureDimensions(first_out).x);
-    textureStore(first_out, at, 0, vec4u(load(first_in, i, 0u)));
-    textureStore(second_out, at, 0, vec4u(load(second_in, i, 0u)));
+    for (var layer = 0u; layer < textureNumLayers(first_out); layer++) {
+        textureStore(first_out, at, layer, vec4u(load(first_in, i, layer)));
+    }
+    for (var layer = 0u; layer < textureNumLayers(second_out); layer++) {
+        textureStore(second_out, at, layer, vec4u(load(second_in, i, layer)));
+    }
 }
