@@ -124,6 +124,14 @@ impl DataFlow {
                     edges.push(Edge { kernel, data, access, at_kernel: [0.0; 2], at_data: [0.0; 2] });
                 }
             }
+            // It reads them under the names that they have then.
+            for (_, adopted) in variant.kernel.instance().adopts {
+                let is_it = |n: &Node| n.kind == NodeKind::Stream(*adopted);
+                if let Some(data) = nodes.iter().position(is_it) {
+                    let access = Access::Read;
+                    edges.push(Edge { kernel, data, access, at_kernel: [0.0; 2], at_data: [0.0; 2] });
+                }
+            }
         }
         layout::place(nodes, edges)
     }

@@ -178,6 +178,21 @@ impl<R: Precision> CpuExecutor<R> {
         rows.layout.first[stream.index()].map(|first| (rows, first))
     }
 
+    /// The rows of one stream.
+    fn rows_alone(&self, stream: Stream) -> Vec<R::Bits> {
+        let Some((rows, first)) = self.rows_of(stream) else { return Vec::new() };
+        let own = first..first + stream.layers();
+        rows.texels.chunks_exact(rows.layout.stride.max(1)).flat_map(|row| &row[own.clone()]).copied().collect()
+    }
+
+    fn put_rows(&mut self, stream: Stream, own: &[R::Bits]) {
+        let Some((rows, first)) = self.rows_of_mut(stream) else { return };
+        let stride = rows.layout.stride.max(1);
+        for (row, own) in rows.texels.chunks_exact_mut(stride).zip(own.chunks_exact(stream.layers())) {
+            row[first..first + own.len()].copy_from_slice(own);
+        }
+    }
+
     /// Runs one pass over every element that the kernel works on.
     ///
     /// # Errors
@@ -185,12 +200,15 @@ impl<R: Precision> CpuExecutor<R> {
     pub fn run(&mut self, kernel: Kernel, scene: &SceneData) -> Result<PassResult, CpuError> {
         let mut sizes = self.sizes.clone();
         sizes.renew(self.plan.program, kernel);
+        let adopted = sizes.adopt(self.plan.program, kernel)?;
         while let Some(unknown) = sizes.unknown(&self.plan, kernel) {
             let count = |(rows, first): (&Rows<R>, usize)| rows.texels.get(first + unknown.layer).copied();
             let count = self.rows_of(unknown.stream).and_then(count);
             sizes.found(self.plan.program, unknown, count.map_or(0, R::bits_to_u32))?;
         }
+        let adopted: Vec<_> = adopted.into_iter().map(|(to, from)| (to, self.rows_alone(from))).collect();
         self.resize(sizes)?;
+        adopted.into_iter().for_each(|(stream, rows)| self.put_rows(stream, &rows));
         let begin_ns = self.clock.map(|now| now());
         let threads_launched = match kernel.info().twin {
             Twin::Element { f32, f64 } => self.run_elements(kernel, R::twin(f32, f64), scene),

@@ -225,29 +225,46 @@ impl GpuExecutor {
 
     /// Resizes sets of elements; their streams are allocated again, unwritten.
     pub(crate) fn resize(&mut self, sizes: Sizes) -> Result<(), GpuError> {
+        self.resize_adopting(sizes, &[])
+    }
+
+    /// As [`resize`](Self::resize), but of each pair of streams the second one becomes the first one.
+    fn resize_adopting(&mut self, sizes: Sizes, adopted: &[(Stream, Stream)]) -> Result<(), GpuError> {
         if sizes == self.sizes {
             return Ok(());
         }
+        let mut moved = Vec::new();
+        for (to, from) in adopted {
+            if let Some(at) = self.streams.iter().position(|(stream, _)| stream == from) {
+                moved.push((*to, self.streams.swap_remove(at).1));
+            }
+        }
         let program = self.plan.program;
         let before = std::mem::replace(&mut self.sizes, sizes);
+        let is_moved = |stream: Stream| moved.iter().any(|(to, _)| *to == stream);
         let is_new = |stream: Stream| {
             let elements = stream.info().elements;
-            before.of(program, elements) != self.sizes.of(program, elements)
+            is_moved(stream) || before.of(program, elements) != self.sizes.of(program, elements)
         };
         self.streams.retain(|(stream, _)| !is_new(*stream));
         let mut new = Vec::new();
         for planned in self.plan.streams.iter().filter(|s| is_new(s.what)) {
             self.copies.forget(planned.what);
-            new.extend(
-                stream_texture(&self.gpu.device, &self.plan, &self.sizes, planned.what).map(|t| (planned.what, t)),
-            );
+            if !is_moved(planned.what) {
+                new.extend(
+                    stream_texture(&self.gpu.device, &self.plan, &self.sizes, planned.what).map(|t| (planned.what, t)),
+                );
+            }
         }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.fill.clear(&mut encoder, &new);
         self.gpu.submit([encoder.finish()]);
+        let changed: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).filter(|stream| is_new(*stream)).collect();
         self.streams.extend(new);
+        self.streams.extend(moved);
         let Self { gpu, streams, buffers, books, .. } = self;
-        self.pipelines.bind(&Bindable { device: &gpu.device, streams, buffers, books }, is_new)
+        let bindable = Bindable { device: &gpu.device, streams, buffers, books };
+        self.pipelines.bind(&bindable, |stream| changed.contains(&stream))
     }
 
     /// Resets every stream to its unwritten value, and forgets the sizes of all sets that the run has counted.

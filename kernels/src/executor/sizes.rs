@@ -65,7 +65,31 @@ impl Sizes {
 
     /// Forgets the sizes of the sets that a kernel renews, and of those whose sizes follow from them.
     pub(crate) fn renew(&mut self, program: &Program, kernel: Kernel) {
-        let mut forgotten: Vec<&str> = kernel.instance().renews.iter().map(|elements| elements.name).collect();
+        self.forget(program, kernel.instance().renews.iter().copied());
+    }
+
+    /// Resizes the sets of the streams that a kernel [adopts](crate::program::Instance::adopts). Returns the pairs of
+    /// streams; none if the sets of those that are adopted have no size.
+    pub(crate) fn adopt(&mut self, program: &Program, kernel: Kernel) -> Result<Vec<(Stream, Stream)>, TooMany> {
+        let size_of = |stream: Stream| self.of(program, stream.info().elements);
+        let adopted = kernel.instance().adopts.iter().filter_map(|&(to, from)| Some((to, from, size_of(from)?)));
+        let adopted: Vec<_> = adopted.collect();
+        if adopted.is_empty() {
+            return Ok(Vec::new());
+        }
+        let sets = adopted.iter().flat_map(|(to, from, _)| [to.info().elements, from.info().elements]);
+        self.forget(program, sets);
+        for (to, _, size) in &adopted {
+            if let Some(index) = program.elements.iter().position(|set| set.name == to.info().elements.name) {
+                self.known[index] = Some(*size);
+            }
+        }
+        derive(program, &mut self.known, self.side)?;
+        Ok(adopted.into_iter().map(|(to, from, _)| (to, from)).collect())
+    }
+
+    fn forget<'a>(&mut self, program: &Program, sets: impl Iterator<Item = &'a Elements>) {
+        let mut forgotten: Vec<&str> = sets.map(|elements| elements.name).collect();
         while let Some(name) = forgotten.pop() {
             for (elements, known) in program.elements.iter().zip(&mut self.known) {
                 if elements.name == name {

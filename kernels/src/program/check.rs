@@ -6,6 +6,7 @@ use super::Program;
 use crate::tables::elements::Count;
 use crate::tables::kernel::{Counts, Role};
 use crate::tables::state::{COUNT, StateRole, Tag};
+use crate::tables::stream::Stream;
 use crate::tables::texels::MOST_STREAMS;
 
 /// A problem with a program.
@@ -76,6 +77,18 @@ pub enum Fault {
         problem: &'static str,
         /// The state.
         state: &'static str,
+    },
+    /// A stream cannot become another one.
+    #[error("{program}: kernel {kernel} makes {adopted} the stream {stream}, which has other layers")]
+    Adoption {
+        /// The program.
+        program: &'static str,
+        /// The kernel.
+        kernel: &'static str,
+        /// The stream.
+        stream: &'static str,
+        /// What is to become it.
+        adopted: &'static str,
     },
     /// No kernel sends elements to a state.
     #[error("{program}: no element is ever in state {state}")]
@@ -175,9 +188,17 @@ impl Program {
                     missing(format!("{bound:?}"));
                 }
             }
+            let adopts = kernel.instance().adopts;
+            for stream in adopts.iter().flat_map(|(to, from)| [to, from]).filter(|s| self.stream(s.name()).is_none()) {
+                missing(format!("{:?}", stream.name()));
+            }
             let tags = info.takes.iter().chain(info.sends.iter().flat_map(|send| [&send.from, &send.to]));
             for tag in tags.filter(|&&tag| self.states.role(tag).is_none()) {
                 missing(format!("state {tag}"));
+            }
+            let format = |stream: Stream| (stream.layers(), stream.info().texel);
+            for &(to, from) in adopts.iter().filter(|(to, from)| format(*to) != format(*from)) {
+                faults.push(Fault::Adoption { program, kernel: of, stream: to.name(), adopted: from.name() });
             }
         }
     }

@@ -13,6 +13,7 @@ use crate::scene_data::SceneData;
 use crate::tables::elements::Elements;
 use crate::tables::kernel::{Counts, Launch, Role, Transition};
 use crate::tables::state::{StateCounts, Tag};
+use crate::tables::stream::Stream;
 use crate::tables::texels::{Columns, Texels};
 
 /// Processes one element on the CPU.
@@ -139,6 +140,9 @@ pub struct Instance {
     /// Sets whose numbers of elements are read again before it runs. Their streams are unwritten then, unless the number
     /// is the same.
     pub renews: &'static [&'static Elements],
+    /// Pairs of a stream and the one that becomes it before the kernel runs, without a copy: the set of the former then has
+    /// as many elements as that of the latter, which has none until it is renewed. Nothing happens if it has none already.
+    pub adopts: &'static [(Stream, Stream)],
 }
 
 /// An instance of a kernel in a program: a row of the program's table.
@@ -285,6 +289,7 @@ macro_rules! kernels {
                 parameter: 0,
                 binds: &[],
                 renews: &[],
+                adopts: &[],
             }),*];
 
         $($(#[doc = $doc])* pub const $kernel: Kernel = Kernel::of(&KERNELS[Index::$kernel as usize]);)*

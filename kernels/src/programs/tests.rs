@@ -52,7 +52,7 @@ fn with(kernel: Kernel, change: impl FnOnce(&mut Instance)) -> &'static [Instanc
 fn every_fault_is_found_and_said() {
     use closest_hit::kernels::{ACCUMULATE, GENERATE, INTERSECT, SHADE};
     use closest_hit::states::{SHADE as SHADED, STATES};
-    use closest_hit::streams::STREAMS;
+    use closest_hit::streams::{RAY_ORIGIN, STATE, STREAMS};
     static NOWHERE: Elements = Elements { name: "nowhere", count: Count::Image };
     static LOST: Elements = Elements { name: "lost", count: Count::Per { of: "nowhere", per: 2, each: 1 } };
     let state = |tag, name| StateInfo { tag, name, role: StateRole::Active, colour: [0; 3], meaning: "" };
@@ -83,6 +83,10 @@ fn every_fault_is_found_and_said() {
         ("intersect names state 99", changed(|p| p.kernels = with(INTERSECT, |k| k.kernel.takes = &[99]))),
         ("generate names elements \"nowhere\"", changed(|p| p.kernels = with(GENERATE, |k| k.over = &NOWHERE))),
         ("generate names \"nothing\"", changed(|p| p.kernels = with(GENERATE, |k| k.binds = &[("hit", "nothing")]))),
+        (
+            "shade makes state the stream ray_origin, which has other layers",
+            changed(|p| p.kernels = with(SHADE, |k| k.adopts = &[(RAY_ORIGIN, STATE)])),
+        ),
         ("shade sends nothing on from BACKGROUND", changed(|p| p.kernels = with(SHADE, |k| k.kernel.sends = &[]))),
         (
             "accumulate does not take what it sends on from DONE",

@@ -7,7 +7,7 @@ use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
 use crate::executor::gpu::readback::Readback;
-use crate::program::Kernel;
+use crate::program::{Instance, Kernel};
 use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
 use crate::tables::kernel::{Launch, Role};
@@ -207,6 +207,7 @@ impl GpuExecutor {
         let Some(&first) = passes.first() else { return Ok(passes) };
         let mut sizes = self.sizes.clone();
         sizes.renew(self.plan.program, first);
+        let adopted = sizes.adopt(self.plan.program, first)?;
         // Several numbers may be in one stream.
         let mut texels: Vec<(Stream, Vec<u32>)> = Vec::new();
         while let Some(unknown) = sizes.unknown(&self.plan, first) {
@@ -225,7 +226,7 @@ impl GpuExecutor {
         }
         if sizes != self.sizes {
             let scopes = self.gpu.push_scopes();
-            let resized = self.resize(sizes);
+            let resized = self.resize_adopting(sizes, &adopted);
             self.gpu.pop_scopes(scopes).await?;
             resized?;
         }
@@ -233,8 +234,9 @@ impl GpuExecutor {
             return Ok(&passes[..1]);
         }
         let is_ready = |kernel: Kernel| {
-            let is_known = kernel.instance().renews.is_empty() && self.sizes.unknown(&self.plan, kernel).is_none();
-            is_known && self.blocks_a_dispatch(kernel).is_none()
+            let Instance { renews, adopts, .. } = kernel.instance();
+            let keeps_sizes = renews.is_empty() && adopts.is_empty();
+            keeps_sizes && self.sizes.unknown(&self.plan, kernel).is_none() && self.blocks_a_dispatch(kernel).is_none()
         };
         let others = passes[1..].iter().take_while(|&&kernel| is_ready(kernel)).count();
         Ok(&passes[..1 + others])

@@ -4,13 +4,15 @@ use super::PROGRAM;
 use super::elements::*;
 use super::irregular::kernels::*;
 use super::kernels::*;
+use super::streams::*;
 use crate::program::kernel::{Instance, Kernel};
 use crate::tables::elements::Elements;
+use crate::tables::stream::Stream;
 
 type Binds = &'static [(&'static str, &'static str)];
 
 macro_rules! instances {
-    ($($id:ident $name:literal: $row:ident over $over:ident $(by $parameter:literal)? $(binds $binds:ident)? $(renews $renews:ident)?;)*) => {
+    ($($id:ident $name:literal: $row:ident over $over:ident $(by $parameter:literal)? $(binds $binds:ident)? $(renews $renews:ident)? $(adopts $adopts:ident)?;)*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Index { $($id),* }
 
@@ -24,6 +26,7 @@ macro_rules! instances {
             parameter: 0 $(+ $parameter)?,
             binds: instances!(@list $($binds)?),
             renews: instances!(@list $($renews)?),
+            adopts: instances!(@list $($adopts)?),
         }),*];
 
         $(pub(super) const $id: Kernel = Kernel::of(&KERNELS[Index::$id as usize]);)*
@@ -63,22 +66,17 @@ const TAKEN_EVEN: Binds =
     &[("first_in", "cell_even"), ("second_in", "triangle_even"), ("first_out", "owner"), ("second_out", "item")];
 const TAKEN_ODD: Binds =
     &[("first_in", "cell_odd"), ("second_in", "triangle_odd"), ("first_out", "owner"), ("second_out", "item")];
-const TAKEN_NEXT: Binds =
-    &[("first_in", "next_owner"), ("second_in", "next_item"), ("first_out", "owner"), ("second_out", "item")];
-const LEAVES_NEXT: Binds =
-    &[("first_in", "next_space"), ("second_in", "next_list"), ("first_out", "space"), ("second_out", "list")];
 const IN_HALVES: Binds = &[("tally", "in_halves")];
 const HALF_SUMS: Binds = &[("values", "in_halves"), ("sums", "in_halves_of_block")];
 const ALL_HALF_SUMS: Binds = &[("values", "in_halves_of_block"), ("sums", "in_halves_in_all")];
 const PLACE_SUMS: Binds = &[("values", "places"), ("sums", "places_of_block")];
 const ALL_PLACE_SUMS: Binds = &[("values", "places_of_block"), ("sums", "totals")];
+const KEPT_SUMS: Binds = &[("values", "kept"), ("sums", "kept_of_block")];
+const ALL_KEPT_SUMS: Binds = &[("values", "kept_of_block"), ("sums", "totals")];
 const OPENED_SUMS: Binds = &[("values", "opened"), ("sums", "opened_of_block")];
 const ALL_OPENED_SUMS: Binds = &[("values", "opened_of_block"), ("sums", "nodes_in_all")];
 const ENTRY_SUMS: Binds = &[("values", "first_entry"), ("sums", "entries_of_block")];
 const ALL_ENTRY_SUMS: Binds = &[("values", "entries_of_block"), ("sums", "entries_in_all")];
-const KNOWN: Binds = &[("bits", "known"), ("tally", "known_before")];
-const KNOWN_SUMS: Binds = &[("values", "known_before"), ("sums", "known_of_block")];
-const ALL_KNOWN_SUMS: Binds = &[("values", "known_of_block"), ("sums", "known_in_all")];
 const OF_TOP: Binds = &[("map_entries", "map_top"), ("faults", "top_faults")];
 const OF_BLOCKS: Binds = &[("map_entries", "map_below"), ("faults", "entry_faults")];
 const OF_STARTS: Binds = &[("faults", "start_faults")];
@@ -94,9 +92,13 @@ type Renews = &'static [&'static Elements];
 const FIRST_LEAVES: Renews = &[&LEAVES, &LISTED];
 const REPLACED: Renews = &[&NEXT_LEAVES, &NEXT_LISTED, &LEFT];
 const MERGED: Renews = &[&NEXT_LEAVES, &NEXT_LISTED];
-const OF_LEAVES: Renews = &[&LEAVES];
-const OF_LISTS: Renews = &[&LISTED];
-const OF_LISTS_AND_ROUNDS: Renews = &[&LISTED, &ROUNDS_AHEAD];
+const ROUNDS: Renews = &[&ROUNDS_AHEAD];
+
+type Adopts = &'static [(Stream, Stream)];
+
+const DIVIDED: Adopts =
+    &[(SPACE, NEXT_SPACE), (LIST, NEXT_LIST), (DIVISION, NEXT_DIVISION), (OWNER, NEXT_OWNER), (ITEM, NEXT_ITEM)];
+const GATHERED: Adopts = &[(SPACE, NEXT_SPACE), (LIST, NEXT_LIST), (ITEM, NEXT_ITEM)];
 
 instances! {
     FIND_BOUNDS "bound": BOUND over TRIANGLES;
@@ -135,7 +137,7 @@ instances! {
     MAKE_FIRST_LEAVES "make_leaves": MAKE_LEAVES over CELLS renews FIRST_LEAVES;
     TAKE_EVEN "take_even": ADOPT over REFERENCES binds TAKEN_EVEN;
     TAKE_ODD "take_odd": ADOPT over REFERENCES binds TAKEN_ODD;
-    FIND_HALVES "halve": HALVE over LISTED binds IN_HALVES;
+    FIND_HALVES "halve": HALVE over LISTED binds IN_HALVES adopts DIVIDED;
     SCAN_HALVES "scan_halves": SCAN over GROUPS binds HALF_SUMS;
     SCAN_HALF_BLOCKS "scan_half_blocks": SCAN over GROUP_BLOCKS binds ALL_HALF_SUMS;
     ADD_HALVES "add_halves": ADD over GROUPS binds HALF_SUMS;
@@ -145,10 +147,7 @@ instances! {
     ADD_PLACES "add_places": ADD over LEAVES binds PLACE_SUMS;
     DIVIDE_LEAVES "divide": DIVIDE over LEAVES binds IN_HALVES renews REPLACED;
     HAND_DOWN_LISTS "hand_down": HAND_DOWN over LISTED binds IN_HALVES;
-    ADOPT_NEXT_LEAVES "adopt_leaves": ADOPT over NEXT_LEAVES binds LEAVES_NEXT renews OF_LEAVES;
-    ADOPT_NEXT_DIVISION "adopt_division": ADOPT_DIVISION over NEXT_LEAVES;
-    ADOPT_LISTS "adopt_lists": ADOPT over NEXT_LISTED binds TAKEN_NEXT renews OF_LISTS;
-    COUNT_NODES "open_nodes": OPEN_NODES over LEAVES;
+    COUNT_NODES "open_nodes": OPEN_NODES over LEAVES adopts DIVIDED;
     SCAN_OPENED "scan_opened": SCAN over LEAVES binds OPENED_SUMS;
     SCAN_OPENED_BLOCKS "scan_opened_blocks": SCAN over LEAF_BLOCKS binds ALL_OPENED_SUMS;
     ADD_OPENED "add_opened": ADD over LEAVES binds OPENED_SUMS;
@@ -160,24 +159,21 @@ instances! {
     MAP_TOP_CELLS "map_top_level": MAP_TOP_LEVEL over CELLS;
     MAP_ALL_BLOCKS "map_blocks": MAP_BLOCKS over ENTRIES;
     BEGIN_MERGING "start_merging": START_MERGING over WHOLE;
-    FIND_PAIRS "pair": PAIR over LEAVES;
-    FIND_SHARED "share_lists": SHARE_LISTS over LISTED binds KNOWN;
-    SCAN_KNOWN "scan_known": SCAN over GROUPS binds KNOWN_SUMS;
-    SCAN_KNOWN_BLOCKS "scan_known_blocks": SCAN over GROUP_BLOCKS binds ALL_KNOWN_SUMS;
-    ADD_KNOWN "add_known": ADD over GROUPS binds KNOWN_SUMS;
-    FIND_WISHES "wish": WISH over LEAVES binds KNOWN;
-    UNITE_LEAVES "unite": UNITE over LEAVES binds KNOWN;
+    FIND_PAIRS "pair": PAIR over LEAVES adopts GATHERED;
+    FIND_WISHES "wish": WISH over LEAVES;
+    UNITE_LEAVES "unite": UNITE over LEAVES;
+    SCAN_KEPT "scan_kept": SCAN over LEAVES binds KEPT_SUMS;
+    SCAN_KEPT_BLOCKS "scan_kept_blocks": SCAN over LEAF_BLOCKS binds ALL_KEPT_SUMS;
+    ADD_KEPT "add_kept": ADD over LEAVES binds KEPT_SUMS;
     GATHER_LEAVES "gather": GATHER over LEAVES renews MERGED;
-    DEAL_LISTS "deal": DEAL over LISTED binds KNOWN;
-    FOLLOW_LEAVES "follow": FOLLOW over REFINED;
     TURN_TO_NEXT_AXIS "next_axis": NEXT_AXIS over WHOLE;
-    ADOPT_MERGED "adopt_merged": ADOPT over NEXT_LISTED binds TAKEN_NEXT renews OF_LISTS_AND_ROUNDS;
-    EXPAND_CELLS "expand": EXPAND over LEAVES;
+    FOLLOW_LEAVES "follow": FOLLOW over REFINED renews ROUNDS;
+    EXPAND_CELLS "expand": EXPAND over LEAVES adopts GATHERED;
     NAME_TOP "name_top": NAME_CELLS over CELLS binds OF_TOP;
     NAME_BLOCKS "name_blocks": NAME_CELLS over ENTRIES binds OF_BLOCKS;
     FINISH_EXPANDED "finish_cells": FINISH_CELLS over LEAVES binds AS_EXPANDED;
     FINISH_LEAVES "finish_leaves": FINISH_CELLS over LEAVES binds AS_IT_IS;
-    FINISH_LISTS "finish_items": FINISH_ITEMS over LISTED;
+    FINISH_LISTS "finish_items": FINISH_ITEMS over LEAVES;
     CHECK_LIST_STARTS "check_starts": CHECK_STARTS over CELLS binds OF_STARTS;
     CHECK_EVEN "check_even": CHECK_ITEMS over REFERENCES binds ITEMS_EVEN;
     CHECK_ODD "check_odd": CHECK_ITEMS over REFERENCES binds ITEMS_ODD;

@@ -141,7 +141,7 @@ pub(super) const CHECK_MAP: KernelInfo = KernelInfo {
 
 /// The kernels, without their instances.
 #[cfg(test)]
-pub(super) const ROWS: [&KernelInfo; 39] = [
+pub(super) const ROWS: [&KernelInfo; 36] = [
     &BOUND,
     &SCAN,
     &ADD,
@@ -158,7 +158,6 @@ pub(super) const ROWS: [&KernelInfo; 39] = [
     &DECIDE,
     &DIVIDE,
     &HAND_DOWN,
-    &ADOPT_DIVISION,
     &OPEN_NODES,
     &LINK_NODES,
     &SIZE_BLOCKS,
@@ -166,11 +165,9 @@ pub(super) const ROWS: [&KernelInfo; 39] = [
     &MAP_BLOCKS,
     &START_MERGING,
     &PAIR,
-    &SHARE_LISTS,
     &WISH,
     &UNITE,
     &GATHER,
-    &DEAL,
     &FOLLOW,
     &NEXT_AXIS,
     &EXPAND,

@@ -38,7 +38,12 @@ pub(super) const fn row(
 
 /// A kernel whose elements take long: tests of boxes, or of many neighbours.
 pub(super) const fn heavy(kernel: KernelInfo) -> KernelInfo {
-    KernelInfo { launch: Launch::List { each: 1, weight: 32 }, ..kernel }
+    in_portions(1, 32, kernel)
+}
+
+/// A kernel with so many elements per thread, each of which takes about so many times as long as moving a few values.
+pub(super) const fn in_portions(each: u32, weight: u32, kernel: KernelInfo) -> KernelInfo {
+    KernelInfo { launch: Launch::List { each, weight }, ..kernel }
 }
 
 /// The row of a kernel that only builds irregular grids.

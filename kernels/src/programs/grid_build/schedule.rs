@@ -44,7 +44,7 @@ const MARKED: [Kernel; 2] = [MARK_EVEN, MARK_ODD];
 const STARTED: [Kernel; 4] = [MEASURE_LISTS, SCAN_STARTS, SCAN_START_BLOCKS, ADD_STARTS];
 const TAKEN: [Kernel; 2] = [TAKE_EVEN, TAKE_ODD];
 /// Halves leaves once.
-const REFINED: [Kernel; 13] = [
+const REFINED: [Kernel; 10] = [
     FIND_HALVES,
     SCAN_HALVES,
     SCAN_HALF_BLOCKS,
@@ -55,9 +55,6 @@ const REFINED: [Kernel; 13] = [
     ADD_PLACES,
     DIVIDE_LEAVES,
     HAND_DOWN_LISTS,
-    ADOPT_NEXT_LEAVES,
-    ADOPT_NEXT_DIVISION,
-    ADOPT_LISTS,
 ];
 const MAPPED: [Kernel; 11] = [
     COUNT_NODES,
@@ -73,23 +70,16 @@ const MAPPED: [Kernel; 11] = [
     MAP_ALL_BLOCKS,
 ];
 /// Merges leaves along one axis.
-const MERGED: [Kernel; 16] = [
+const MERGED: [Kernel; 9] = [
     FIND_PAIRS,
-    FIND_SHARED,
-    SCAN_KNOWN,
-    SCAN_KNOWN_BLOCKS,
-    ADD_KNOWN,
     FIND_WISHES,
     UNITE_LEAVES,
-    SCAN_PLACES,
-    SCAN_PLACE_BLOCKS,
-    ADD_PLACES,
+    SCAN_KEPT,
+    SCAN_KEPT_BLOCKS,
+    ADD_KEPT,
     GATHER_LEAVES,
-    DEAL_LISTS,
-    FOLLOW_LEAVES,
     TURN_TO_NEXT_AXIS,
-    ADOPT_NEXT_LEAVES,
-    ADOPT_MERGED,
+    FOLLOW_LEAVES,
 ];
 const EXPANDED: [Kernel; 5] = [NAME_TOP, NAME_BLOCKS, EXPAND_CELLS, FINISH_EXPANDED, FINISH_LISTS];
 

@@ -15,13 +15,14 @@
 //!
 //! of leaves      space  list             its box, and which references it has
 //!                division                how far it may be divided
-//!                places                  what replaces it, then what replaces all before it
+//!                places                  what replaces it when leaves are divided, then all before it
+//!                kept                    the same when leaves are merged
 //!                opened                  nodes that begin with it, then with all before it
-//!                neighbor  wished        its merge candidates, and the one to merge with if that pays
+//!                neighbor  wished        with which leaf it forms a box, and that leaf if merging pays
+//!                wished_by               which leaf it had better be merged into
 //!                expanded  cell          its expanded box, and the record that rays read
 //! of listed      owner  item             a reference's leaf and triangle
 //! of groups      bits  in_halves         in which halves of their leaf 32 references lie
-//!                known  known_before     which of them the neighbour before lists, too
 //! of nodes       node                    a divided cell: its first leaf and its level
 //!                first_entry             entries of the map's block that begins there, then before it
 //!                block_levels            levels of that block
@@ -33,7 +34,7 @@
 //! of blocks      …_faults                numbers of faults in the result; all must be 0
 //! ```
 //!
-//! What begins with `next_` replaces the stream of this name after a step.
+//! What begins with `next_` becomes the stream of this name before the next step: nothing is copied.
 //!
 //! The other streams hold sums of blocks of 16,384 elements, and the sum of all.
 
@@ -230,24 +231,21 @@ streams! {
     /// Of merging: the axis, rounds that are over, leaves before this round, whether another one follows, leaves at first.
     ROUND of WHOLE: "round" U32 &["axis", "rounds", "leaves", "goes_on", "refined"], meaning: &[Id, Count, Count, Id, Count],
         unit: "see the layers' names", unwritten: &[0; 5], why_absent: not_merged;
-    /// The neighbours along the axis with which a leaf could be merged; the largest number if there is none.
-    NEIGHBOR of LEAVES: "neighbor" U32 &["after", "before"], meaning: &[Id; 2], unit: "index of a leaf", unwritten: &[0; 2],
+    /// The neighbour after a leaf, along the axis, if the two form a box; the largest number if not.
+    NEIGHBOR of LEAVES: "neighbor" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[0],
         why_absent: not_merged;
-    /// Which of 32 references the neighbour before their leaf lists, too.
-    KNOWN of GROUPS: "known" U32 &["known"], meaning: &[Id], unit: "a bit for each reference", unwritten: &[0],
+    /// This neighbour if a leaf had better be merged with it, else the largest number; how many triangles both list.
+    WISHED of LEAVES: "wished" U32 &["leaf", "shared"], meaning: &[Id, Count], unit: "index of a leaf; triangles",
+        unwritten: &[0; 2], why_absent: not_merged;
+    /// The leaf that had better be merged with this one, else the largest number.
+    WISHED_BY of LEAVES: "wished_by" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[0],
         why_absent: not_merged;
-    /// How many these are; after the scan, those of all groups before.
-    KNOWN_BEFORE of GROUPS: "known_before" U32 &["references"], meaning: &[Count], unit: "count of references",
-        unwritten: &[0], why_absent: not_merged;
-    /// Sums of blocks of groups.
-    KNOWN_OF_BLOCK of GROUP_BLOCKS: "known_of_block" U32 &["references"], meaning: &[Count], unit: "count of references",
-        unwritten: &[0], why_absent: not_merged;
-    /// Sums of all groups.
-    KNOWN_IN_ALL of ALL_GROUPS: "known_in_all" U32 &["references"], meaning: &[Count], unit: "count of references",
-        unwritten: &[0], why_absent: not_merged;
-    /// The neighbour with which a leaf had better be merged; the largest number if there is none.
-    WISHED of LEAVES: "wished" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[0],
+    /// Numbers of leaves and references that replace a leaf when leaves are merged; after the scan, of all leaves before it.
+    KEPT of LEAVES: "kept" U32 &["leaves", "references"], meaning: &[Count; 2], unit: "count", unwritten: &[0; 2],
         why_absent: not_merged;
+    /// Sums of blocks of leaves.
+    KEPT_OF_BLOCK of LEAF_BLOCKS: "kept_of_block" U32 &["leaves", "references"], meaning: &[Count; 2], unit: "count",
+        unwritten: &[0; 2], why_absent: not_merged;
     /// As `space`, of the expanded box.
     EXPANDED of LEAVES: "expanded" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "virtual cells, 16 bits each",
         unwritten: &[0; 3], why_absent: not_merged;

@@ -44,9 +44,20 @@ pub(super) fn scenes() -> Vec<(&'static str, Vec<f32>)> {
         ("corners on planes", whole),
         ("corners that are none", no_corners),
         ("points and lines", points),
+        ("a bundle", bundle()),
         ("corners on those of cells", touching()),
         ("nothing", vec![]),
     ]
+}
+
+/// Long triangles side by side: lists that are too long for one thread, and of which neighbours share most.
+fn bundle() -> Vec<f32> {
+    let mut random = fastrand::Rng::with_seed(7);
+    let triangle = |_| {
+        let end = random.f32() * 4.0 - 2.0;
+        [-2.0, 0.01 * random.f32(), 0.01 * random.f32(), end, 0.02, 0.01, end, 0.03 * random.f32(), 0.0]
+    };
+    (0..80).flat_map(triangle).collect()
 }
 
 /// Triangles with a corner exactly at the corner of a grown cell, for [`TOUCHED`]: whether they overlap depends on the

@@ -110,7 +110,8 @@ fn union_length(a: &[u32], b: &[u32]) -> usize {
     length + (a.len() - i) + (b.len() - k)
 }
 
-fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
+/// The triangles of two ascending lists, each once, in ascending order.
+pub(crate) fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
     let mut all = [a, b].concat();
     all.sort_unstable();
     all.dedup();

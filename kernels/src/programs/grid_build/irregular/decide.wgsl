@@ -1,5 +1,5 @@
-import package::launch::{BLOCK, launch, element, texel};
-import package::leaf::{load, level_of, even_of};
+import package::launch::{BLOCK, launch, element};
+import package::leaf::{load_at, place_in, level_of, even_of};
 import package::candidate::{may_be_divided};
 import package::ranks::{count};
 
@@ -23,9 +23,10 @@ fn decide(
     if (i >= launch.elements) {
         return;
     }
-    let first = load(list, i, 0u);
-    let length = load(list, i, 1u);
-    let levels = load(division, i, 1u);
+    let at = place_in(list, i);
+    let first = load_at(list, at, 0u);
+    let length = load_at(list, at, 1u);
+    let levels = load_at(division, at, 1u);
     var is_divided = false;
     var after = 0u;
     var left = 0u;
@@ -35,10 +36,9 @@ fn decide(
             after += listed;
             left += u32(may_be_divided(levels + 1u, listed));
         }
-        let is_gain = after + STEP_COST < 4u * length && after <= load(division, i, 0u);
+        let is_gain = after + STEP_COST < 4u * length && after <= load_at(division, at, 0u);
         is_divided = is_gain || (level_of(levels) < even_of(levels) && length <= LONG);
     }
-    let at = texel(i, textureDimensions(places).x);
     textureStore(places, at, 0, vec4u(select(1u, 8u, is_divided)));
     textureStore(places, at, 1, vec4u(select(length, after, is_divided)));
     textureStore(places, at, 2, vec4u(select(0u, left, is_divided)));

@@ -1,6 +1,6 @@
 import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build};
-import package::leaf::{STAYS, load, load_space, level_of};
+import package::leaf::{STAYS, load_at, place_in, space_at, level_of};
 import package::ranks::{count};
 import package::u64::{share};
 
@@ -35,17 +35,18 @@ fn divide(
     if (i >= launch.elements) {
         return;
     }
-    let to = load(places, i, 0u);
-    var reference = load(places, i, 1u);
-    var end = load(totals, 0u, 0u);
+    let at = place_in(places, i);
+    let to = load_at(places, at, 0u);
+    var reference = load_at(places, at, 1u);
+    var end = load_at(totals, vec2u(0u), 0u);
     if (i + 1u < launch.elements) {
-        end = load(places, i + 1u, 0u);
+        end = load_at(places, place_in(places, i + 1u), 0u);
     }
-    let extent = load_space(space, i);
-    let first = load(list, i, 0u);
-    let length = load(list, i, 1u);
-    let budget = load(division, i, 0u);
-    let levels = load(division, i, 1u);
+    let extent = space_at(space, at);
+    let first = load_at(list, at, 0u);
+    let length = load_at(list, at, 1u);
+    let budget = load_at(division, at, 0u);
+    let levels = load_at(division, at, 1u);
     if (end - to != 8u) {
         store(to, extent, vec2u(reference, length), vec2u(budget, levels | STAYS));
         return;

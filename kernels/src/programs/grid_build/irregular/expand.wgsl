@@ -1,6 +1,6 @@
-import package::launch::{BLOCK, launch, element, texel};
+import package::launch::{BLOCK, launch, element};
 import package::build::{build};
-import package::leaf::{load, load_space, low_of, high_of};
+import package::leaf::{load, load_at, place_in, space_at, low_of, high_of};
 import package::in_list::{item, is_listed};
 import package::voxel_map::{find};
 
@@ -18,8 +18,8 @@ var<private> first: u32;
 var<private> listed: u32;
 
 // Whether the leaf's list has every triangle of another one's.
-fn has_all_of(other: u32) -> bool {
-    let its_listed = load(list, other, 1u);
+fn has_all_of(other: vec2u) -> bool {
+    let its_listed = load_at(list, other, 1u);
     if (its_listed > listed) {
         seen += 1u;
         return false;
@@ -28,7 +28,7 @@ fn has_all_of(other: u32) -> bool {
     if (seen > MOST_LOOKED_AT) {
         return false;
     }
-    let its_first = load(list, other, 0u);
+    let its_first = load_at(list, other, 0u);
     for (var k = 0u; k < its_listed; k++) {
         if (!is_listed(first, listed, load(item, its_first + k, 0u))) {
             return false;
@@ -49,11 +49,11 @@ fn layer(low: vec3u, high: vec3u, axis: u32, is_up: bool) -> u32 {
         var next_row = high[v];
         at[u] = low[u];
         while (at[u] < high[u]) {
-            let other = find(at);
+            let other = place_in(space, find(at));
             if (!has_all_of(other)) {
                 return 0u;
             }
-            let extent = load_space(space, other);
+            let extent = space_at(space, other);
             let reach = select(at[axis] + 1u - low_of(extent[axis]), high_of(extent[axis]) - at[axis], is_up);
             depth = min(depth, reach);
             next_row = min(next_row, high_of(extent[v]));
@@ -77,12 +77,13 @@ fn expand(
     if (i >= launch.elements) {
         return;
     }
-    let extent = load_space(space, i);
+    let own = place_in(space, i);
+    let extent = space_at(space, own);
     var low = extent & vec3u(0xffffu);
     var high = extent >> vec3u(16u);
     let end = build.cells << vec3u(build.levels);
-    first = load(list, i, 0u);
-    listed = load(list, i, 1u);
+    first = load_at(list, own, 0u);
+    listed = load_at(list, own, 1u);
     seen = 0u;
     // Faces that a neighbour stops: bits 0 to 2 for lower ones, 3 to 5 for upper ones.
     var stopped = 0u;
@@ -106,8 +107,7 @@ fn expand(
             break;
         }
     }
-    let at = texel(i, textureDimensions(expanded).x);
-    textureStore(expanded, at, 0, vec4u(low.x | (high.x << 16u)));
-    textureStore(expanded, at, 1, vec4u(low.y | (high.y << 16u)));
-    textureStore(expanded, at, 2, vec4u(low.z | (high.z << 16u)));
+    textureStore(expanded, own, 0, vec4u(low.x | (high.x << 16u)));
+    textureStore(expanded, own, 1, vec4u(low.y | (high.y << 16u)));
+    textureStore(expanded, own, 2, vec4u(low.z | (high.z << 16u)));
 }

@@ -123,11 +123,12 @@ pub(crate) fn finish_cells(columns: &mut dyn Columns, kernel: Kernel, data: &Sce
 
 pub(crate) fn finish_items(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
-    let [owner, list, item] = ["owner", "list", "item"].map(|name| pass.of(name));
-    for i in 0..pass.len(owner) {
-        let [first, listed] = pass.all(list, pass.get(owner, 0, i));
-        if i + 1 == first.wrapping_add(listed) {
-            pass.set(item, 0, i, pass.get(item, 0, i) | LAST_ITEM);
+    let [list, item] = ["list", "item"].map(|name| pass.of(name));
+    for i in 0..pass.len(list) {
+        let [first, length] = pass.all(list, i);
+        if length > 0 {
+            let last = first.wrapping_add(length).wrapping_sub(1);
+            pass.set(item, 0, last, pass.get(item, 0, last) | LAST_ITEM);
         }
     }
 }

@@ -1,9 +1,8 @@
 import package::launch::{BLOCK, launch, element, texel};
 import package::leaf::{load};
 
-@group(0) @binding(0) var owner: texture_2d_array<u32>;
-@group(0) @binding(1) var list: texture_2d_array<u32>;
-@group(0) @binding(2) var item: texture_storage_2d_array<r32uint, read_write>;
+@group(0) @binding(0) var list: texture_2d_array<u32>;
+@group(0) @binding(1) var item: texture_storage_2d_array<r32uint, read_write>;
 
 const LAST_ITEM: u32 = 0x80000000u;
 
@@ -18,9 +17,9 @@ fn finish_items(
     if (i >= launch.elements) {
         return;
     }
-    let leaf = load(owner, i, 0u);
-    if (i + 1u == load(list, leaf, 0u) + load(list, leaf, 1u)) {
-        let at = texel(i, textureDimensions(item).x);
+    let length = load(list, i, 1u);
+    if (length > 0u) {
+        let at = texel(load(list, i, 0u) + length - 1u, textureDimensions(item).x);
         textureStore(item, at, 0, vec4u(textureLoad(item, at, 0).x | LAST_ITEM));
     }
 }

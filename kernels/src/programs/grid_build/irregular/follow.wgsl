@@ -1,8 +1,8 @@
 import package::launch::{BLOCK, launch, element, texel};
-import package::leaf::{load};
-import package::merging::{neighbor, is_absorbed};
+import package::leaf::{load_at};
+import package::merging::{is_absorbed, place, wished_by};
 
-@group(0) @binding(0) var places: texture_2d_array<u32>;
+@group(0) @binding(0) var kept: texture_2d_array<u32>;
 @group(0) @binding(1) var cell_of: texture_storage_2d_array<r32uint, read_write>;
 
 // Follows the leaves of the octrees to where they were moved.
@@ -17,9 +17,9 @@ fn follow(
         return;
     }
     let at = texel(i, textureDimensions(cell_of).x);
-    var leaf = textureLoad(cell_of, at, 0).x;
+    var leaf = place(textureLoad(cell_of, at, 0).x);
     if (is_absorbed(leaf)) {
-        leaf = load(neighbor, leaf, 1u);
+        leaf = place(load_at(wished_by, leaf, 0u));
     }
-    textureStore(cell_of, at, 0, vec4u(load(places, leaf, 0u)));
+    textureStore(cell_of, at, 0, vec4u(load_at(kept, leaf, 0u)));
 }

@@ -1,5 +1,5 @@
 import package::launch::{BLOCK, launch, element, texel};
-import package::leaf::{load, level_of};
+import package::leaf::{load_at, place_in, level_of};
 import package::ranks::{bits, rank};
 
 @group(0) @binding(0) var owner: texture_2d_array<u32>;
@@ -23,21 +23,25 @@ fn hand_down(
     if (i >= launch.elements) {
         return;
     }
-    let leaf = load(owner, i, 0u);
-    let triangle = load(item, i, 0u);
-    let first = load(list, leaf, 0u);
-    let to = load(places, leaf, 0u);
+    let its_place = place_in(owner, i);
+    let leaf = place_in(list, load_at(owner, its_place, 0u));
+    let triangle = load_at(item, its_place, 0u);
+    let first = load_at(list, leaf, 0u);
+    let to = load_at(places, leaf, 0u);
+    let to_place = place_in(next_list, to);
     let width = textureDimensions(next_owner).x;
     // A half is a level deeper than what it is a half of.
-    if (level_of(load(next_division, to, 1u)) == level_of(load(division, leaf, 1u))) {
-        let at = texel(load(next_list, to, 0u) + i - first, width);
+    if (level_of(load_at(next_division, to_place, 1u)) == level_of(load_at(division, leaf, 1u))) {
+        let at = texel(load_at(next_list, to_place, 0u) + i - first, width);
         textureStore(next_owner, at, 0, vec4u(to));
         textureStore(next_item, at, 0, vec4u(triangle));
         return;
     }
+    let its_group = place_in(bits, i / 32u);
     for (var half = 0u; half < 8u; half++) {
-        if (((load(bits, i / 32u, half) >> (i % 32u)) & 1u) != 0u) {
-            let place = load(next_list, to + half, 0u) + rank(half, i) - rank(half, first);
+        if (((load_at(bits, its_group, half) >> (i % 32u)) & 1u) != 0u) {
+            let before = rank(half, i) - rank(half, first);
+            let place = load_at(next_list, place_in(next_list, to + half), 0u) + before;
             let at = texel(place, width);
             textureStore(next_owner, at, 0, vec4u(to + half));
             textureStore(next_item, at, 0, vec4u(triangle));

@@ -3,7 +3,13 @@
 use super::{finish, map, merge, refine};
 use crate::program::breaks::Break;
 use crate::program::kernel::KernelInfo;
-use crate::programs::grid_build::rows::{heavy, irregular, irregular_row};
+use crate::programs::grid_build::rows::{heavy, in_portions, irregular, irregular_row};
+
+/// References per thread of `halve`.
+pub(in super::super) const HALVE_EACH: u32 = 8;
+
+/// Weight of a kernel that goes through the lists of two leaves.
+const TWO_LISTS: u32 = 4;
 
 macro_rules! of_irregular {
     ($name:literal) => {
@@ -32,17 +38,17 @@ pub(in super::super) const ADOPT: KernelInfo = irregular_row(
     "makes what was computed next what is",
     &[Break::new(irregular, "load(second_in, i, layer)", "load(first_in, i, layer)")],
 );
-pub(in super::super) const HALVE: KernelInfo = heavy(irregular_row(
-    of_irregular!("halve"),
-    refine::halve,
-    [232, 140, 60],
-    "finds in which halves of its leaf each triangle lies",
-    &[Break::new(
-        irregular,
-        "let found = atomicLoad(&lying_in[lane]);",
-        "let found = atomicLoad(&lying_in[lane]) | 1u;",
-    )],
-));
+pub(in super::super) const HALVE: KernelInfo = in_portions(
+    HALVE_EACH,
+    32,
+    irregular_row(
+        of_irregular!("halve"),
+        refine::halve,
+        [232, 140, 60],
+        "finds in which halves of its leaf each triangle lies",
+        &[Break::new(irregular, "let found = atomicLoad(&lying_in[k]);", "let found = atomicLoad(&lying_in[k]) | 1u;")],
+    ),
+);
 pub(in super::super) const DECIDE: KernelInfo = irregular_row(
     of_irregular!("decide"),
     refine::decide,
@@ -63,13 +69,6 @@ pub(in super::super) const HAND_DOWN: KernelInfo = irregular_row(
     [66, 124, 200],
     "moves each reference to every half in which it lies",
     &[Break::new(irregular, "- rank(half, first);", "- rank(half, first) + 1u;")],
-);
-pub(in super::super) const ADOPT_DIVISION: KernelInfo = irregular_row(
-    of_irregular!("adopt_division"),
-    refine::adopt_division,
-    [150, 150, 150],
-    "makes what is left of the next leaves' budgets that of the leaves",
-    &[Break::new(irregular, "load(next_division, i, 0u)", "load(next_division, i, 1u)")],
 );
 pub(in super::super) const OPEN_NODES: KernelInfo = irregular_row(
     of_irregular!("open_nodes"),
@@ -117,22 +116,19 @@ pub(in super::super) const PAIR: KernelInfo = irregular_row(
     of_irregular!("pair"),
     merge::pair,
     [23, 150, 160],
-    "finds the neighbours with which each leaf forms a box",
+    "finds the neighbour with which each leaf forms a box",
     &[Break::new(irregular, "voxel[axis] = end;", "voxel[axis] = end - 1u;")],
 );
-pub(in super::super) const SHARE_LISTS: KernelInfo = irregular_row(
-    of_irregular!("share_lists"),
-    merge::share_lists,
-    [232, 140, 60],
-    "finds which triangles the neighbour before lists, too",
-    &[Break::new(irregular, "countOneBits(found)", "countOneBits(found) + 1u")],
-);
-pub(in super::super) const WISH: KernelInfo = irregular_row(
-    of_irregular!("wish"),
-    merge::wish,
-    [190, 150, 30],
-    "finds which leaves cost no more together with the next one",
-    &[Break::new(irregular, "listed + STEP_COST", "listed")],
+pub(in super::super) const WISH: KernelInfo = in_portions(
+    1,
+    TWO_LISTS,
+    irregular_row(
+        of_irregular!("wish"),
+        merge::wish,
+        [190, 150, 30],
+        "finds which leaves cost no more together with the next one",
+        &[Break::new(irregular, "listed + STEP_COST", "listed"), Break::new(irregular, "in_both += u32(one == other)", "")],
+    ),
 );
 pub(in super::super) const UNITE: KernelInfo = irregular_row(
     of_irregular!("unite"),
@@ -141,26 +137,26 @@ pub(in super::super) const UNITE: KernelInfo = irregular_row(
     "decides which leaves are merged",
     &[Break::new(irregular, "vec4u(u32(!is_gone))", "vec4u(1u)")],
 );
-pub(in super::super) const GATHER: KernelInfo = irregular_row(
-    of_irregular!("gather"),
-    merge::gather,
-    [200, 80, 140],
-    "moves the leaves that remain, with the boxes of those merged into them",
-    &[Break::new(irregular, "| (other[axis] & 0xffff0000u)", "| (extent[axis] & 0xffff0000u)")],
-);
-pub(in super::super) const DEAL: KernelInfo = irregular_row(
-    of_irregular!("deal"),
-    merge::deal,
-    [66, 124, 200],
-    "moves each reference to its place in the merged list",
-    &[Break::new(irregular, "place += lower_there", "place += 0u")],
+pub(in super::super) const GATHER: KernelInfo = in_portions(
+    1,
+    TWO_LISTS,
+    irregular_row(
+        of_irregular!("gather"),
+        merge::gather,
+        [200, 80, 140],
+        "moves the leaves that remain, with the boxes and lists of those merged into them",
+        &[
+            Break::new(irregular, "(extent[axis] & 0xffffu) | upper", "extent[axis]"),
+            Break::new(irregular, "place += 1u;", "place += 2u;"),
+        ],
+    ),
 );
 pub(in super::super) const FOLLOW: KernelInfo = irregular_row(
     of_irregular!("follow"),
     merge::follow,
     [150, 120, 190],
     "follows leaves to the cells that they became part of",
-    &[Break::new(irregular, "leaf = load(neighbor, leaf, 1u);", "leaf = leaf;")],
+    &[Break::new(irregular, "leaf = place(load_at(wished_by, leaf, 0u));", "leaf = leaf;")],
 );
 pub(in super::super) const NEXT_AXIS: KernelInfo = irregular_row(
     of_irregular!("next_axis"),

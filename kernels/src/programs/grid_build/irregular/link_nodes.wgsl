@@ -38,8 +38,15 @@ fn is_higher(a: u32, b: u32) -> bool {
 
 // The node of a level whose lowest virtual cell is given; its first leaf is one of those before `end`.
 fn node_at(voxel: vec3u, level: u32, end: u32) -> u32 {
-    var low = 0u;
+    // Mostly it is only a few leaves before: the distance doubles until one is found that does not come after it.
     var high = end;
+    var low = end - min(end, 1u);
+    var distance = 2u;
+    while (low > 0u && is_before(voxel, low_corner(load_space(space, low)))) {
+        high = low;
+        low = end - min(end, distance);
+        distance *= 2u;
+    }
     while (high - low > 1u) {
         let middle = low + (high - low) / 2u;
         if (is_before(voxel, low_corner(load_space(space, middle)))) {

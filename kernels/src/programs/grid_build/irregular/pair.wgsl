@@ -1,6 +1,6 @@
-import package::launch::{BLOCK, launch, element, texel};
+import package::launch::{BLOCK, launch, element};
 import package::build::{build};
-import package::leaf::{load, load_space, low_of, high_of};
+import package::leaf::{load, load_at, place_in, space_at, high_of};
 import package::voxel_map::{find};
 
 @group(0) @binding(0) var space: texture_2d_array<u32>;
@@ -8,21 +8,13 @@ import package::voxel_map::{find};
 @group(0) @binding(2) var round: texture_2d_array<u32>;
 @group(0) @binding(3) var cell_of: texture_2d_array<u32>;
 @group(0) @binding(4) var neighbor: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(5) var wished_by: texture_storage_2d_array<r32uint, write>;
 
 const NOBODY: u32 = 0xffffffffu;
 // Longer lists are never merged.
 const LONGEST: u32 = 16384u;
 
-// The neighbour in which a virtual cell lies, if it forms a box with the leaf.
-fn partner(i: u32, axis: u32, voxel: vec3u) -> u32 {
-    let other = load(cell_of, find(voxel), 0u);
-    var differs = load_space(space, i) ^ load_space(space, other);
-    differs[axis] = 0u;
-    let is_box = all(differs == vec3u(0u));
-    return select(NOBODY, other, is_box && load(list, i, 1u) + load(list, other, 1u) <= LONGEST);
-}
-
-// Finds the neighbours along the round's axis with which each leaf could be merged: the one after it, and the one before.
+// Finds the neighbour after each leaf along the round's axis, if the two form a box.
 @compute @workgroup_size(BLOCK)
 fn pair(
     @builtin(workgroup_id) group: vec3u,
@@ -33,22 +25,22 @@ fn pair(
     if (i >= launch.elements) {
         return;
     }
-    let axis = load(round, 0u, 0u);
-    let extent = load_space(space, i);
-    var after = NOBODY;
-    var before = NOBODY;
-    var voxel = extent & vec3u(0xffffu);
+    let axis = load_at(round, vec2u(0u), 0u);
+    let at = place_in(space, i);
+    let extent = space_at(space, at);
     let end = high_of(extent[axis]);
+    var after = NOBODY;
     if (end < build.cells[axis] << build.levels) {
+        var voxel = extent & vec3u(0xffffu);
         voxel[axis] = end;
-        after = partner(i, axis, voxel);
+        let other = load(cell_of, find(voxel), 0u);
+        let there = place_in(space, other);
+        var differs = extent ^ space_at(space, there);
+        differs[axis] = 0u;
+        if (all(differs == vec3u(0u)) && load_at(list, at, 1u) + load_at(list, there, 1u) <= LONGEST) {
+            after = other;
+        }
     }
-    let low = low_of(extent[axis]);
-    if (low > 0u) {
-        voxel[axis] = low - 1u;
-        before = partner(i, axis, voxel);
-    }
-    let at = texel(i, textureDimensions(neighbor).x);
     textureStore(neighbor, at, 0, vec4u(after));
-    textureStore(neighbor, at, 1, vec4u(before));
+    textureStore(wished_by, at, 0, vec4u(NOBODY));
 }

@@ -17,12 +17,6 @@ pub(in crate::programs::grid_build) struct Pass<'a> {
 #[derive(Clone, Copy)]
 pub(in crate::programs::grid_build) struct View(Option<Stream>);
 
-impl View {
-    pub(in crate::programs::grid_build) fn layers(self) -> usize {
-        self.0.map_or(0, Stream::layers)
-    }
-}
-
 impl<'a> Pass<'a> {
     pub(in crate::programs::grid_build) fn new(columns: &'a mut dyn Columns, kernel: Kernel, build: &'a Build) -> Self {
         Self { columns, kernel, build }

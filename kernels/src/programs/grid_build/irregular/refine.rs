@@ -160,23 +160,12 @@ pub(crate) fn hand_down(columns: &mut dyn Columns, kernel: Kernel, data: &SceneD
     }
 }
 
-/// Copies all layers of streams that are bound to pairs of names: from, to.
-fn copy(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData, pairs: &[(&str, &str)]) {
+pub(crate) fn adopt(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
-    for &(from, to) in pairs {
+    for (from, to) in [("first_in", "first_out"), ("second_in", "second_out")] {
         let (from, to) = (pass.of(from), pass.of(to));
         for i in 0..pass.len(from) {
-            for layer in 0..from.layers() {
-                pass.set(to, layer, i, pass.get(from, layer, i));
-            }
+            pass.set(to, 0, i, pass.get(from, 0, i));
         }
     }
-}
-
-pub(crate) fn adopt(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    copy(columns, kernel, data, &[("first_in", "first_out"), ("second_in", "second_out")]);
-}
-
-pub(crate) fn adopt_division(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    copy(columns, kernel, data, &[("next_division", "division")]);
 }

@@ -1,17 +1,20 @@
-import package::launch::{BLOCK, launch, element, texel};
+import package::launch::{BLOCK, launch, element};
 import package::build::{build};
-import package::leaf::{load, load_space};
-import package::ranks::{count};
+import package::leaf::{load, load_at, place_in, space_at};
 import package::soft_f64::{add64, product64};
 import package::u64::{is_at_most64, times64};
 
 @group(0) @binding(0) var space: texture_2d_array<u32>;
 @group(0) @binding(1) var list: texture_2d_array<u32>;
-@group(0) @binding(2) var neighbor: texture_2d_array<u32>;
-@group(0) @binding(3) var round: texture_2d_array<u32>;
-@group(0) @binding(4) var wished: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(2) var item: texture_2d_array<u32>;
+@group(0) @binding(3) var neighbor: texture_2d_array<u32>;
+@group(0) @binding(4) var round: texture_2d_array<u32>;
+@group(0) @binding(5) var wished: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(6) var wished_by: texture_storage_2d_array<r32uint, write>;
 
 const NOBODY: u32 = 0xffffffffu;
+// Longer lists are never merged; only somebody who edits a length makes one of them come here.
+const LONGEST: u32 = 16384u;
 // Cost of a step from cell to cell, in triangle tests.
 const STEP_COST: u32 = 1u;
 
@@ -20,6 +23,21 @@ fn cost(extent: vec3u, listed: u32) -> vec2u {
     let side = ((extent >> vec3u(16u)) - (extent & vec3u(0xffffu))) * build.weights;
     let area = add64(add64(product64(side.x, side.y), product64(side.y, side.z)), product64(side.z, side.x));
     return times64(area, listed + STEP_COST);
+}
+
+// How many triangles two lists share, each given by its first reference and its length.
+fn shared_by(a: vec2u, b: vec2u) -> u32 {
+    var in_both = 0u;
+    var i = 0u;
+    var k = 0u;
+    while (i < min(a.y, LONGEST) && k < min(b.y, LONGEST)) {
+        let one = load(item, a.x + i, 0u);
+        let other = load(item, b.x + k, 0u);
+        in_both += u32(one == other);
+        i += u32(one <= other);
+        k += u32(other <= one);
+    }
+    return in_both;
 }
 
 // Proposes to merge a leaf with the neighbour after it if, by the surface area heuristic (Goldsmith and Salmon, 1987),
@@ -34,21 +52,29 @@ fn wish(
     if (i >= launch.elements) {
         return;
     }
-    let next = load(neighbor, i, 0u);
+    let at = place_in(neighbor, i);
+    let next = load_at(neighbor, at, 0u);
     var wish = NOBODY;
+    var in_both = 0u;
     if (next != NOBODY) {
-        let axis = load(round, 0u, 0u);
-        let extent = load_space(space, i);
-        let other = load_space(space, next);
+        let axis = load_at(round, vec2u(0u), 0u);
+        let there = place_in(neighbor, next);
+        let extent = space_at(space, at);
+        let other = space_at(space, there);
         var both = extent;
         both[axis] = (extent[axis] & 0xffffu) | (other[axis] & 0xffff0000u);
-        let listed = load(list, i, 1u);
-        let its_first = load(list, next, 0u);
-        let its_listed = load(list, next, 1u);
-        let in_all = listed + its_listed - count(0u, its_first, its_listed);
-        if (is_at_most64(cost(both, in_all), add64(cost(extent, listed), cost(other, its_listed)))) {
-            wish = next;
+        let own = vec2u(load_at(list, at, 0u), load_at(list, at, 1u));
+        let theirs = vec2u(load_at(list, there, 0u), load_at(list, there, 1u));
+        let apart = add64(cost(extent, own.y), cost(other, theirs.y));
+        // The merged list has at least as many triangles as the longer one.
+        if (is_at_most64(cost(both, max(own.y, theirs.y)), apart)) {
+            in_both = shared_by(own, theirs);
+            if (is_at_most64(cost(both, own.y + theirs.y - in_both), apart)) {
+                wish = next;
+                textureStore(wished_by, there, 0, vec4u(i));
+            }
         }
     }
-    textureStore(wished, texel(i, textureDimensions(wished).x), 0, vec4u(wish));
+    textureStore(wished, at, 0, vec4u(wish));
+    textureStore(wished, at, 1, vec4u(in_both));
 }
