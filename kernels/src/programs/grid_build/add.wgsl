@@ -7,7 +7,7 @@ import package::saturating::{saturating_add};
 @group(0) @binding(1) var sums: texture_2d_array<u32>;
 
 // Number of values that share one of `sums`: those of a workgroup of scan.
-const SCAN_BLOCK: u32 = 16384u;
+const SCAN_BLOCK: u32 = 8192u;
 
 @compute @workgroup_size(BLOCK)
 fn add(

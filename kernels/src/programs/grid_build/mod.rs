@@ -4,7 +4,7 @@
 //! | step | kernel | over | what it does |
 //! |---|---|---|---|
 //! | 1 | `bound` | triangles | finds the cells of each bounding box, and its number of spans |
-//! | 2 | `scan`, `add` | any set | prefix sums, in blocks of 16,384 |
+//! | 2 | `scan`, `add` | any set | prefix sums, in blocks of 8,192 |
 //! | 3 | `span` | spans | tests up to 32 cells of a row against their triangle |
 //! | 4 | `emit` | spans | writes a reference (cell, triangle) for each cell that overlaps |
 //! | 5 | `histogram`, `scan`, `add`, `scatter` | references | sorts them by the cell index, digit by digit |

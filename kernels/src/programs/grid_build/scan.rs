@@ -3,7 +3,7 @@
 use crate::shared::launch::BLOCK;
 
 /// Values per thread.
-pub const EACH: u32 = 64;
+pub const EACH: u32 = 32;
 /// Values per block, that is per workgroup.
 pub const SCAN_BLOCK: usize = BLOCK * EACH as usize;
 

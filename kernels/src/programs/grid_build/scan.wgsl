@@ -1,4 +1,4 @@
-// Replaces the values in each block of 16,384 by the sums of those before them, and stores the block's own sum; each
+// Replaces the values in each block of 8,192 by the sums of those before them, and stores the block's own sum; each
 // layer of a stream for itself.
 //
 // Two levels of scan and one of add give the sums of a whole set: scan-then-propagate in passes (Sengupta, Harris,
@@ -12,7 +12,7 @@ import package::saturating::{saturating_add};
 @group(0) @binding(1) var sums: texture_storage_2d_array<r32uint, write>;
 
 // Values per thread.
-const EACH: u32 = 64u;
+const EACH: u32 = 32u;
 // Values per thread of a tile, which is loaded and stored side by side.
 const EACH_OF_TILE: u32 = 8u;
 const TILE: u32 = BLOCK * EACH_OF_TILE;

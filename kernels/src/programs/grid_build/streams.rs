@@ -36,7 +36,7 @@
 //!
 //! What begins with `next_` becomes the stream of this name before the next step: nothing is copied.
 //!
-//! The other streams hold sums of blocks of 16,384 elements, and the sum of all.
+//! The other streams hold sums of blocks of 8,192 elements, and the sum of all.
 
 use super::elements::{
     ALL_CELLS, ALL_GROUPS, ALL_LEAVES, ALL_NODES, ALL_SPANS, ALL_TALLIES, ALL_TRIANGLES, BRANCHES, CELL_BLOCKS, CELLS,

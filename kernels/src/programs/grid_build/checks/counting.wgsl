@@ -1,11 +1,11 @@
-// Counts the faults that the threads of a workgroup find among its elements, 64 a thread.
+// Counts the faults that the threads of a workgroup find among its elements, 32 a thread.
 
 import package::launch::{BLOCK, launch, texel};
 
 @group(0) @binding(15) var faults: texture_storage_2d_array<r32uint, write>;
 
 // Elements per thread.
-const EACH: u32 = 64u;
+const EACH: u32 = 32u;
 
 var<workgroup> found: atomic<u32>;
 

@@ -8,7 +8,7 @@ import package::voxel_map::{find};
 @group(0) @binding(1) var list: texture_2d_array<u32>;
 @group(0) @binding(2) var expanded: texture_storage_2d_array<r32uint, write>;
 
-// Most times that a box is expanded on each side.
+// Most rounds: times that a box is expanded on each side.
 const ROUNDS: u32 = 16u;
 // Most neighbours and triangles of their lists that are looked at.
 const MOST_LOOKED_AT: u32 = 1024u;
@@ -37,36 +37,28 @@ fn has_all_of(other: vec2u) -> bool {
     return true;
 }
 
-// By how much a face can be moved: to where the first of the neighbours behind it ends; 0 if one of them lists a triangle
-// that the leaf does not list.
-fn layer(low: vec3u, high: vec3u, axis: u32, is_up: bool) -> u32 {
-    let u = (axis + 1u) % 3u;
-    let v = (axis + 2u) % 3u;
-    var at = low;
-    at[axis] = select(low[axis] - 1u, high[axis], is_up);
-    var depth = 0xffffffffu;
-    while (at[v] < high[v]) {
-        var next_row = high[v];
-        at[u] = low[u];
-        while (at[u] < high[u]) {
-            let other = place_in(space, find(at));
-            if (!has_all_of(other)) {
-                return 0u;
-            }
-            let extent = space_at(space, other);
-            let reach = select(at[axis] + 1u - low_of(extent[axis]), high_of(extent[axis]) - at[axis], is_up);
-            depth = min(depth, reach);
-            next_row = min(next_row, high_of(extent[v]));
-            // A box ends beyond the point where it is found; the max prevents an endless loop if a stream was edited.
-            at[u] = max(at[u] + 1u, high_of(extent[u]));
-        }
-        at[v] = max(at[v] + 1u, next_row);
-    }
-    return depth;
+// The component along an axis. An index that is not constant would move vectors to memory.
+fn along(vector: vec3u, axis: u32) -> u32 {
+    return select(select(vector.x, vector.y, axis == 1u), vector.z, axis == 2u);
 }
 
-// Expands the box of each leaf over neighbours that list nothing it does not list. Each follows from the leaves alone.
-// Its loops take fewer than 40,000 turns: at most MOST_LOOKED_AT neighbours and triangles, each looked up in a list.
+fn replaced(vector: vec3u, axis: u32, value: u32) -> vec3u {
+    return select(vector, vec3u(value), vec3u(0u, 1u, 2u) == vec3u(axis));
+}
+
+// Faces of a box that are inside the grid: bits 0, 2 and 4 for the upper ones along x, y and z, 1, 3 and 5 for the lower ones.
+fn faces_inside(low: vec3u, high: vec3u) -> u32 {
+    let upper = vec3u(high < (build.cells << vec3u(build.levels)));
+    let lower = vec3u(low > vec3u(0u));
+    return dot(upper | (lower << vec3u(1u)), vec3u(1u, 4u, 16u));
+}
+
+// Expands the box of each leaf over neighbours that list nothing it does not list. Each follows from the leaves alone. In
+// turn, each face is moved to where the first of the neighbours behind it ends; it stays if one of them lists a triangle
+// that the leaf does not list.
+//
+// Each turn of the only loop over neighbours looks at one of them: with a loop for each face, threads would wait for those
+// whose face has most neighbours. There are at most MOST_LOOKED_AT turns and one for each face.
 @compute @workgroup_size(BLOCK)
 fn expand(
     @builtin(workgroup_id) group: vec3u,
@@ -81,31 +73,68 @@ fn expand(
     let extent = space_at(space, own);
     var low = extent & vec3u(0xffffu);
     var high = extent >> vec3u(16u);
-    let end = build.cells << vec3u(build.levels);
     first = load_at(list, own, 0u);
     listed = load_at(list, own, 1u);
     seen = 0u;
-    // Faces that a neighbour stops: bits 0 to 2 for lower ones, 3 to 5 for upper ones.
-    var stopped = 0u;
-    for (var turn = 0u; turn < ROUNDS; turn++) {
-        var is_moved = false;
-        for (var axis = 0u; axis < 3u; axis++) {
-            if ((stopped & (8u << axis)) == 0u && high[axis] < end[axis]) {
-                let by = layer(low, high, axis, true);
-                high[axis] += by;
-                stopped |= select(0u, 8u << axis, by == 0u);
-                is_moved |= by != 0u;
+    // Faces that no neighbour stops, and those that are still to be moved in this round.
+    var free = faces_inside(low, high);
+    var left = free;
+    var round = 0u;
+    var is_moved = false;
+    // The face that is being moved, along `axis`; the neighbour that is looked at, in a row along u, in rows along v.
+    var is_begun = false;
+    var face = 0u;
+    var axis = 0u;
+    var at = low;
+    var next_row = 0u;
+    var depth = 0u;
+    while (true) {
+        if (!is_begun) {
+            if (left == 0u) {
+                round += 1u;
+                left = free;
+                if (!is_moved || left == 0u || seen > MOST_LOOKED_AT || round == ROUNDS) {
+                    break;
+                }
+                is_moved = false;
             }
-            if ((stopped & (1u << axis)) == 0u && low[axis] > 0u) {
-                let by = layer(low, high, axis, false);
-                low[axis] -= by;
-                stopped |= select(0u, 1u << axis, by == 0u);
-                is_moved |= by != 0u;
-            }
+            face = firstTrailingBit(left);
+            left &= left - 1u;
+            axis = face / 2u;
+            at = replaced(low, axis, select(along(low, axis) - 1u, along(high, axis), (face & 1u) == 0u));
+            next_row = along(high, (axis + 2u) % 3u);
+            depth = 0xffffffffu;
+            is_begun = true;
         }
-        if (!is_moved || seen > MOST_LOOKED_AT) {
-            break;
+        let u = (axis + 1u) % 3u;
+        let v = (axis + 2u) % 3u;
+        let is_up = (face & 1u) == 0u;
+        let other = place_in(space, find(at));
+        if (!has_all_of(other)) {
+            free &= ~(1u << face);
+            is_begun = false;
+            continue;
         }
+        let extent = space_at(space, other);
+        let own_end = along(at, axis);
+        let its_end = along(extent, axis);
+        depth = min(depth, select(own_end + 1u - low_of(its_end), high_of(its_end) - own_end, is_up));
+        next_row = min(next_row, high_of(along(extent, v)));
+        // A box ends beyond the point where it is found; the max prevents an endless loop if a stream was edited.
+        at = replaced(at, u, max(along(at, u) + 1u, high_of(along(extent, u))));
+        if (along(at, u) < along(high, u)) {
+            continue;
+        }
+        at = replaced(replaced(at, u, along(low, u)), v, max(along(at, v) + 1u, next_row));
+        next_row = along(high, v);
+        if (along(at, v) < along(high, v)) {
+            continue;
+        }
+        high = select(high, replaced(high, axis, along(high, axis) + depth), is_up);
+        low = select(replaced(low, axis, along(low, axis) - depth), low, is_up);
+        is_moved |= depth != 0u;
+        free &= faces_inside(low, high) & ~select(0u, 1u << face, depth == 0u);
+        is_begun = false;
     }
     textureStore(expanded, own, 0, vec4u(low.x | (high.x << 16u)));
     textureStore(expanded, own, 1, vec4u(low.y | (high.y << 16u)));
