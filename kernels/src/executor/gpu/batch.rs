@@ -15,6 +15,10 @@ use crate::tables::sizes::COUNT_SLOT_BYTES;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::Stream;
 
+/// Dispatches of one pass per submission: what a submission costs beside them is small then.
+const DISPATCHES_A_SUBMISSION: usize = 16;
+const _: () = assert!(DISPATCHES_A_SUBMISSION <= MOST_PASSES);
+
 /// Byte offset of `first_row` in the uniform `scene`.
 const FIRST_ROW: u64 = offset_of!(SceneInfo, first_row) as u64;
 
@@ -161,7 +165,7 @@ impl GpuExecutor {
         blocks_a_dispatch(kernel, self.launched_over(kernel), self.work_a_dispatch)
     }
 
-    /// Runs a kernel over a list in as many submissions as it takes to keep each of them short.
+    /// Runs a kernel over a list in as many dispatches as it takes to keep each of them short.
     fn encode_list(
         &self,
         mut encoder: wgpu::CommandEncoder,
@@ -173,20 +177,22 @@ impl GpuExecutor {
         let blocks = x * y;
         let a_dispatch = self.blocks_a_dispatch(kernel).unwrap_or(blocks);
         let pipeline = self.pipelines.get(kernel).ok_or(GpuError::Missing(kernel.name()))?;
-        for first in (0..blocks).step_by(a_dispatch as usize) {
-            let last = first + a_dispatch >= blocks;
-            let timestamp_writes =
-                self.timers.as_ref().and_then(|t| t.writes((first == 0).then_some(0), last.then_some(1)));
-            let descriptor = wgpu::ComputePassDescriptor { label: Some(&pipeline.label), timestamp_writes };
-            let mut pass = encoder.begin_compute_pass(&descriptor);
-            pipeline.set(&mut pass, place)?;
-            pass.dispatch_workgroups(a_dispatch.min(blocks - first), 1, 1);
-            drop(pass);
-            // A value written to a uniform takes effect with the next submission.
-            self.books.begin_at(&self.gpu.queue, kernel, size, first);
-            if !last {
+        let all: Vec<u32> = (0..blocks).step_by(a_dispatch as usize).collect();
+        for submitted in all.chunks(DISPATCHES_A_SUBMISSION) {
+            if submitted[0] > 0 {
                 self.gpu.submit([encoder.finish()]);
                 encoder = self.gpu.device.create_command_encoder(&Default::default());
+            }
+            // Values written to a uniform take effect with the next submission.
+            self.books.begin_at(&self.gpu.queue, kernel, size, submitted);
+            for (slot, &first) in (0..).zip(submitted) {
+                let is_last = first + a_dispatch >= blocks;
+                let timestamp_writes =
+                    self.timers.as_ref().and_then(|t| t.writes((first == 0).then_some(0), is_last.then_some(1)));
+                let descriptor = wgpu::ComputePassDescriptor { label: Some(&pipeline.label), timestamp_writes };
+                let mut pass = encoder.begin_compute_pass(&descriptor);
+                pipeline.set(&mut pass, &place.at_slot(slot))?;
+                pass.dispatch_workgroups(a_dispatch.min(blocks - first), 1, 1);
             }
         }
         Ok(encoder)

@@ -66,6 +66,11 @@ pub(super) struct Place {
 }
 
 impl Place {
+    /// The same for another slot.
+    pub(super) fn at_slot(&self, slot: u32) -> Self {
+        Self { sent: slot, ..self.clone() }
+    }
+
     /// Index of the bind group it uses: bit i is the parity of list i.
     pub(super) fn group(&self) -> usize {
         self.next.iter().rev().fold(0, |group, next| 2 * group + (next % 2) as usize)
@@ -233,14 +238,10 @@ impl Books {
         counts: &StateCounts,
         sizes: &[Size],
     ) -> Vec<Place> {
-        if let Some(launches) = &self.launches {
-            let mut slots = vec![0; passes.len() * COUNT_SLOT_BYTES as usize];
-            for ((kernel, size), slot) in passes.iter().zip(sizes).zip(slots.chunks_mut(COUNT_SLOT_BYTES as usize)) {
-                let launch = shared::launch::Launch::new(size.count, kernel.instance().parameter);
-                slot[..size_of_val(&launch)].copy_from_slice(bytemuck::bytes_of(&launch));
-            }
-            queue.write_buffer(launches, 0, &slots);
-        }
+        let launch = |(kernel, size): (&Kernel, &Size)| {
+            shared::launch::Launch::new(size.count, kernel.instance().parameter)
+        };
+        self.write_launches(queue, passes.iter().zip(sizes).map(launch));
         let mut run = vec![0u32; self.lists.len()];
         let mut places = Vec::with_capacity(passes.len());
         for (sent, &kernel) in (0..).zip(passes) {
@@ -271,11 +272,21 @@ impl Books {
         places
     }
 
-    /// Writes the parameters of the next dispatch of the only pass of a batch.
-    pub(super) fn begin_at(&self, queue: &wgpu::Queue, kernel: Kernel, size: Size, first_block: u32) {
-        if let Some(launches) = &self.launches {
-            let launch = shared::launch::Launch::new(size.count, kernel.instance().parameter);
-            queue.write_buffer(launches, 0, bytemuck::bytes_of(&shared::launch::Launch { first_block, ..launch }));
+    /// Writes the parameters of the next dispatches of the only pass of a batch, each of which begins with such a block.
+    pub(super) fn begin_at(&self, queue: &wgpu::Queue, kernel: Kernel, size: Size, first_blocks: &[u32]) {
+        let launch = shared::launch::Launch::new(size.count, kernel.instance().parameter);
+        let launches = first_blocks.iter().map(|&first_block| shared::launch::Launch { first_block, ..launch });
+        self.write_launches(queue, launches);
+    }
+
+    /// Writes the parameters of launches, each to its own slot.
+    fn write_launches(&self, queue: &wgpu::Queue, launches: impl ExactSizeIterator<Item = shared::launch::Launch>) {
+        if let Some(buffer) = &self.launches {
+            let mut slots = vec![0; launches.len() * COUNT_SLOT_BYTES as usize];
+            for (launch, slot) in launches.zip(slots.chunks_mut(COUNT_SLOT_BYTES as usize)) {
+                slot[..size_of_val(&launch)].copy_from_slice(bytemuck::bytes_of(&launch));
+            }
+            queue.write_buffer(buffer, 0, &slots);
         }
     }
 

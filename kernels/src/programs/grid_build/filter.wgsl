@@ -143,6 +143,15 @@ fn filter_box(centre: vec3f, half_size: vec3f) -> u32 {
     return max(max(by_plane, by_edge0), max(by_edge1, by_edge2));
 }
 
+// Whether coordinates, moved by the growth, are at or above planes, for each axis.
+fn are_above(coordinate: vec3f, growth: f32, plane: vec3f, off_by: vec3f) -> vec3u {
+    return vec3u(
+        is_above(coordinate.x, growth, plane.x, off_by.x),
+        is_above(coordinate.y, growth, plane.y, off_by.y),
+        is_above(coordinate.z, growth, plane.z, off_by.z),
+    );
+}
+
 // Whether a coordinate, moved by the growth, is at or above a plane of an axis.
 fn is_above(coordinate: f32, growth: f32, plane: f32, off_by: f32) -> u32 {
     let distance = coordinate - plane;

@@ -144,7 +144,6 @@ instances! {
     DECIDE_DIVISION "decide": DECIDE over LEAVES binds IN_HALVES;
     SCAN_PLACES "scan_places": SCAN over LEAVES binds PLACE_SUMS;
     SCAN_PLACE_BLOCKS "scan_place_blocks": SCAN over LEAF_BLOCKS binds ALL_PLACE_SUMS;
-    ADD_PLACES "add_places": ADD over LEAVES binds PLACE_SUMS;
     DIVIDE_LEAVES "divide": DIVIDE over LEAVES binds IN_HALVES renews REPLACED;
     HAND_DOWN_LISTS "hand_down": HAND_DOWN over LISTED binds IN_HALVES;
     COUNT_NODES "open_nodes": OPEN_NODES over LEAVES adopts DIVIDED;
@@ -159,12 +158,10 @@ instances! {
     MAP_TOP_CELLS "map_top_level": MAP_TOP_LEVEL over CELLS;
     MAP_ALL_BLOCKS "map_blocks": MAP_BLOCKS over ENTRIES;
     BEGIN_MERGING "start_merging": START_MERGING over WHOLE;
-    FIND_PAIRS "pair": PAIR over LEAVES adopts GATHERED;
-    FIND_WISHES "wish": WISH over LEAVES;
+    FIND_WISHES "wish": WISH over LEAVES adopts GATHERED;
     UNITE_LEAVES "unite": UNITE over LEAVES;
     SCAN_KEPT "scan_kept": SCAN over LEAVES binds KEPT_SUMS;
     SCAN_KEPT_BLOCKS "scan_kept_blocks": SCAN over LEAF_BLOCKS binds ALL_KEPT_SUMS;
-    ADD_KEPT "add_kept": ADD over LEAVES binds KEPT_SUMS;
     GATHER_LEAVES "gather": GATHER over LEAVES renews MERGED;
     TURN_TO_NEXT_AXIS "next_axis": NEXT_AXIS over WHOLE;
     FOLLOW_LEAVES "follow": FOLLOW over REFINED renews ROUNDS;

@@ -86,6 +86,7 @@ fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("map_entry", include_str!("irregular/map_entry.wgsl")),
         ("merging", include_str!("irregular/merging.wgsl")),
         ("ranks", include_str!("irregular/ranks.wgsl")),
+        ("sums", include_str!("irregular/sums.wgsl")),
         ("tree", include_str!("irregular/tree.wgsl")),
         ("u64", include_str!("irregular/u64.wgsl")),
         ("voxel_map", include_str!("irregular/voxel_map.wgsl")),

@@ -44,7 +44,7 @@ const MARKED: [Kernel; 2] = [MARK_EVEN, MARK_ODD];
 const STARTED: [Kernel; 4] = [MEASURE_LISTS, SCAN_STARTS, SCAN_START_BLOCKS, ADD_STARTS];
 const TAKEN: [Kernel; 2] = [TAKE_EVEN, TAKE_ODD];
 /// Halves leaves once.
-const REFINED: [Kernel; 10] = [
+const REFINED: [Kernel; 9] = [
     FIND_HALVES,
     SCAN_HALVES,
     SCAN_HALF_BLOCKS,
@@ -52,7 +52,6 @@ const REFINED: [Kernel; 10] = [
     DECIDE_DIVISION,
     SCAN_PLACES,
     SCAN_PLACE_BLOCKS,
-    ADD_PLACES,
     DIVIDE_LEAVES,
     HAND_DOWN_LISTS,
 ];
@@ -70,13 +69,11 @@ const MAPPED: [Kernel; 11] = [
     MAP_ALL_BLOCKS,
 ];
 /// Merges leaves along one axis.
-const MERGED: [Kernel; 9] = [
-    FIND_PAIRS,
+const MERGED: [Kernel; 7] = [
     FIND_WISHES,
     UNITE_LEAVES,
     SCAN_KEPT,
     SCAN_KEPT_BLOCKS,
-    ADD_KEPT,
     GATHER_LEAVES,
     TURN_TO_NEXT_AXIS,
     FOLLOW_LEAVES,

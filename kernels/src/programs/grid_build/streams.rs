@@ -18,8 +18,7 @@
 //!                places                  what replaces it when leaves are divided, then all before it
 //!                kept                    the same when leaves are merged
 //!                opened                  nodes that begin with it, then with all before it
-//!                neighbor  wished        with which leaf it forms a box, and that leaf if merging pays
-//!                wished_by               which leaf it had better be merged into
+//!                wished  wished_by       with which leaf it had better be merged, and the other way round
 //!                expanded  cell          its expanded box, and the record that rays read
 //! of listed      owner  item             a reference's leaf and triangle
 //! of groups      bits  in_halves         in which halves of their leaf 32 references lie
@@ -228,17 +227,14 @@ streams! {
     /// To which cell each leaf of the octrees belongs.
     CELL_OF of REFINED: "cell_of" U32 &["cell"], meaning: &[Id], unit: "index of a cell", unwritten: &[0],
         why_absent: one_level;
-    /// Of merging: the axis, rounds that are over, leaves before this round, whether another one follows, leaves at first.
+    /// Of merging: the axis, rounds that are over, leaves now, whether merging goes on, leaves at first.
     ROUND of WHOLE: "round" U32 &["axis", "rounds", "leaves", "goes_on", "refined"], meaning: &[Id, Count, Count, Id, Count],
         unit: "see the layers' names", unwritten: &[0; 5], why_absent: not_merged;
-    /// The neighbour after a leaf, along the axis, if the two form a box; the largest number if not.
-    NEIGHBOR of LEAVES: "neighbor" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[0],
-        why_absent: not_merged;
-    /// This neighbour if a leaf had better be merged with it, else the largest number; how many triangles both list.
+    /// The neighbour with which a leaf had better be merged, or the largest number; how many triangles both list.
     WISHED of LEAVES: "wished" U32 &["leaf", "shared"], meaning: &[Id, Count], unit: "index of a leaf; triangles",
-        unwritten: &[0; 2], why_absent: not_merged;
-    /// The leaf that had better be merged with this one, else the largest number.
-    WISHED_BY of LEAVES: "wished_by" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[0],
+        unwritten: &[u32::MAX, 0], why_absent: not_merged;
+    /// The leaf that had better be merged with this one, or the largest number.
+    WISHED_BY of LEAVES: "wished_by" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[u32::MAX],
         why_absent: not_merged;
     /// Numbers of leaves and references that replace a leaf when leaves are merged; after the scan, of all leaves before it.
     KEPT of LEAVES: "kept" U32 &["leaves", "references"], meaning: &[Count; 2], unit: "count", unwritten: &[0; 2],

@@ -233,7 +233,7 @@ fn constants_of_the_wgsl_are_those_of_the_host() {
         ("halve", "SHORT", refine::SHORT as u64),
         ("decide", "LONG", refine::LONG as u64),
         ("decide", "STEP_COST", refine::STEP_COST as u64),
-        ("pair", "LONGEST", merge::LONGEST as u64),
+        ("wish", "LONGEST", merge::LONGEST as u64),
         ("wish", "STEP_COST", merge::STEP_COST),
         ("next_axis", "ROUNDS", merge::ROUNDS.into()),
         ("next_axis", "LEAST_MERGED", merge::LEAST_MERGED as u64),
@@ -245,6 +245,9 @@ fn constants_of_the_wgsl_are_those_of_the_host() {
         ("check_cells", "LAST_ITEM", LAST_ITEM.into()),
         ("scan", "EACH", super::scan::EACH.into()),
         ("check_items", "EACH", super::scan::EACH.into()),
+        ("gather", "SUMMED", SCAN_BLOCK as u64),
+        ("add", "SCAN_BLOCK", SCAN_BLOCK as u64),
+        ("halve", "EACH", super::irregular::kernels::HALVE_EACH.into()),
     ];
     for (kernel, name, value) in all {
         let row = ROWS.iter().find(|row| row.name == kernel).expect("a kernel");

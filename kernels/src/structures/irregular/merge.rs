@@ -11,8 +11,9 @@ pub(crate) const STEP_COST: u64 = 1;
 /// Most rounds; each merges pairs along x, y and z.
 pub(crate) const ROUNDS: u32 = 8;
 
-/// A round that merges less than this part of all cells is the last one. Later ones save memory, and rays no steps.
-pub(crate) const LEAST_MERGED: usize = 16;
+/// After the first round, merging ends with an axis along which less than this part of all cells is merged. Later ones
+/// save memory, and rays hardly any steps.
+pub(crate) const LEAST_MERGED: usize = 64;
 
 /// Longest list that costs count; longer ones are never merged.
 pub(crate) const LONGEST: usize = 1 << 14;
@@ -20,12 +21,9 @@ pub(crate) const LONGEST: usize = 1 << 14;
 /// Merges until hardly any pair is left, and numbers the remaining cells anew.
 pub(super) fn merge(mut draft: Draft, map: &mut Map, layout: &Layout) -> Draft {
     let mut current: Vec<u32> = (0..draft.spans.len() as u32).collect();
-    for _ in 0..ROUNDS {
-        let mut merged = 0;
-        for axis in 0..3 {
-            merged += merge_along(axis, &mut draft, &mut current, map, layout);
-        }
-        if merged * LEAST_MERGED < draft.spans.len() {
+    for (round, axis) in (0..ROUNDS).flat_map(|round| (0..3).map(move |axis| (round, axis))) {
+        let merged = merge_along(axis, &mut draft, &mut current, map, layout);
+        if round > 0 && merged * LEAST_MERGED < draft.spans.len() {
             break;
         }
     }

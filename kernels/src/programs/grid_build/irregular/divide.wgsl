@@ -2,6 +2,7 @@ import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build};
 import package::leaf::{STAYS, load_at, place_in, space_at, level_of};
 import package::ranks::{count};
+import package::sums::{sum_before};
 import package::u64::{share};
 
 @group(0) @binding(0) var space: texture_2d_array<u32>;
@@ -9,6 +10,7 @@ import package::u64::{share};
 @group(0) @binding(2) var division: texture_2d_array<u32>;
 @group(0) @binding(3) var places: texture_2d_array<u32>;
 @group(0) @binding(4) var totals: texture_2d_array<u32>;
+@group(0) @binding(8) var places_of_block: texture_2d_array<u32>;
 @group(0) @binding(5) var next_space: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(6) var next_list: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(7) var next_division: texture_storage_2d_array<r32uint, write>;
@@ -36,11 +38,11 @@ fn divide(
         return;
     }
     let at = place_in(places, i);
-    let to = load_at(places, at, 0u);
-    var reference = load_at(places, at, 1u);
+    let to = sum_before(places, at, places_of_block, i, 0u);
+    var reference = sum_before(places, at, places_of_block, i, 1u);
     var end = load_at(totals, vec2u(0u), 0u);
     if (i + 1u < launch.elements) {
-        end = load_at(places, place_in(places, i + 1u), 0u);
+        end = sum_before(places, place_in(places, i + 1u), places_of_block, i + 1u, 0u);
     }
     let extent = space_at(space, at);
     let first = load_at(list, at, 0u);

@@ -1,8 +1,10 @@
 import package::launch::{BLOCK, launch, element, texel};
 import package::leaf::{load_at};
 import package::merging::{is_absorbed, place, wished_by};
+import package::sums::{sum_before};
 
 @group(0) @binding(0) var kept: texture_2d_array<u32>;
+@group(0) @binding(2) var kept_of_block: texture_2d_array<u32>;
 @group(0) @binding(1) var cell_of: texture_storage_2d_array<r32uint, read_write>;
 
 // Follows the leaves of the octrees to where they were moved.
@@ -17,9 +19,11 @@ fn follow(
         return;
     }
     let at = texel(i, textureDimensions(cell_of).x);
-    var leaf = place(textureLoad(cell_of, at, 0).x);
-    if (is_absorbed(leaf)) {
-        leaf = place(load_at(wished_by, leaf, 0u));
+    var leaf = textureLoad(cell_of, at, 0).x;
+    var its_place = place(leaf);
+    if (is_absorbed(its_place)) {
+        leaf = load_at(wished_by, its_place, 0u);
+        its_place = place(leaf);
     }
-    textureStore(cell_of, at, 0, vec4u(load_at(kept, leaf, 0u)));
+    textureStore(cell_of, at, 0, vec4u(sum_before(kept, its_place, kept_of_block, leaf, 0u)));
 }

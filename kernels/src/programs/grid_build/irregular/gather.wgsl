@@ -1,6 +1,7 @@
 import package::launch::{BLOCK, launch, element, texel};
 import package::leaf::{load, load_at, space_at};
 import package::in_list::{item, lower};
+import package::sums::{sum_before};
 import package::merging::{NOBODY, absorbs, is_absorbed, place, wished};
 
 @group(0) @binding(0) var space: texture_2d_array<u32>;
@@ -8,6 +9,7 @@ import package::merging::{NOBODY, absorbs, is_absorbed, place, wished};
 @group(0) @binding(2) var round: texture_2d_array<u32>;
 @group(0) @binding(3) var kept: texture_2d_array<u32>;
 @group(0) @binding(4) var totals: texture_2d_array<u32>;
+@group(0) @binding(11) var kept_of_block: texture_2d_array<u32>;
 @group(0) @binding(5) var next_space: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(6) var next_list: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(7) var next_item: texture_storage_2d_array<r32uint, write>;
@@ -93,10 +95,10 @@ fn move_side_by_side(own: vec2u, other: vec2u, first: u32, with_shared: bool, la
 
 // Moves a leaf to its new place, with the box of the one that is merged into it. Returns the lists that are to be moved.
 fn move_leaf(i: u32, leaf: vec2u) -> Lists {
-    let first = load_at(kept, leaf, 1u);
+    let first = sum_before(kept, leaf, kept_of_block, i, 1u);
     var end = load_at(totals, vec2u(0u), 1u);
     if (i + 1u < launch.elements) {
-        end = load_at(kept, place(i + 1u), 1u);
+        end = sum_before(kept, place(i + 1u), kept_of_block, i + 1u, 1u);
     }
     // The merged list is at least as long as each, unless somebody has edited a length.
     let length = end - first;
@@ -109,7 +111,7 @@ fn move_leaf(i: u32, leaf: vec2u) -> Lists {
         extent[axis] = (extent[axis] & 0xffffu) | upper;
         lists.other = vec2u(load_at(list, next, 0u), min(load_at(list, next, 1u), length));
     }
-    let at = texel(load_at(kept, leaf, 0u), textureDimensions(next_space).x);
+    let at = texel(sum_before(kept, leaf, kept_of_block, i, 0u), textureDimensions(next_space).x);
     textureStore(next_space, at, 0, vec4u(extent.x));
     textureStore(next_space, at, 1, vec4u(extent.y));
     textureStore(next_space, at, 2, vec4u(extent.z));

@@ -1,5 +1,6 @@
 import package::launch::{BLOCK, launch, element, texel};
 import package::leaf::{load_at, place_in, level_of};
+import package::sums::{sum_before};
 import package::ranks::{bits, rank};
 
 @group(0) @binding(0) var owner: texture_2d_array<u32>;
@@ -7,6 +8,7 @@ import package::ranks::{bits, rank};
 @group(0) @binding(2) var list: texture_2d_array<u32>;
 @group(0) @binding(3) var places: texture_2d_array<u32>;
 @group(0) @binding(4) var next_list: texture_2d_array<u32>;
+@group(0) @binding(9) var places_of_block: texture_2d_array<u32>;
 @group(0) @binding(5) var division: texture_2d_array<u32>;
 @group(0) @binding(6) var next_division: texture_2d_array<u32>;
 @group(0) @binding(7) var next_owner: texture_storage_2d_array<r32uint, write>;
@@ -24,10 +26,11 @@ fn hand_down(
         return;
     }
     let its_place = place_in(owner, i);
-    let leaf = place_in(list, load_at(owner, its_place, 0u));
+    let its_leaf = load_at(owner, its_place, 0u);
+    let leaf = place_in(list, its_leaf);
     let triangle = load_at(item, its_place, 0u);
     let first = load_at(list, leaf, 0u);
-    let to = load_at(places, leaf, 0u);
+    let to = sum_before(places, leaf, places_of_block, its_leaf, 0u);
     let to_place = place_in(next_list, to);
     let width = textureDimensions(next_owner).x;
     // A half is a level deeper than what it is a half of.

@@ -6,7 +6,7 @@ use crate::program::kernel::KernelInfo;
 use crate::programs::grid_build::rows::{heavy, in_portions, irregular, irregular_row};
 
 /// References per thread of `halve`.
-pub(in super::super) const HALVE_EACH: u32 = 8;
+pub(in super::super) const HALVE_EACH: u32 = 16;
 
 /// Weight of a kernel that goes through the lists of two leaves.
 const TWO_LISTS: u32 = 4;
@@ -112,13 +112,6 @@ pub(in super::super) const START_MERGING: KernelInfo = irregular_row(
     "begins merging along the x axis",
     &[Break::new(irregular, "4, vec4u(leaves)", "4, vec4u(0u)")],
 );
-pub(in super::super) const PAIR: KernelInfo = irregular_row(
-    of_irregular!("pair"),
-    merge::pair,
-    [23, 150, 160],
-    "finds the neighbour with which each leaf forms a box",
-    &[Break::new(irregular, "voxel[axis] = end;", "voxel[axis] = end - 1u;")],
-);
 pub(in super::super) const WISH: KernelInfo = in_portions(
     1,
     TWO_LISTS,
@@ -127,7 +120,7 @@ pub(in super::super) const WISH: KernelInfo = in_portions(
         merge::wish,
         [190, 150, 30],
         "finds which leaves cost no more together with the next one",
-        &[Break::new(irregular, "listed + STEP_COST", "listed"), Break::new(irregular, "in_both += u32(one == other)", "")],
+        &[Break::new(irregular, "listed + STEP_COST", "listed"), Break::new(irregular, "in_both += u32(one == other)", "in_both += 0u")],
     ),
 );
 pub(in super::super) const UNITE: KernelInfo = irregular_row(
@@ -156,14 +149,14 @@ pub(in super::super) const FOLLOW: KernelInfo = irregular_row(
     merge::follow,
     [150, 120, 190],
     "follows leaves to the cells that they became part of",
-    &[Break::new(irregular, "leaf = place(load_at(wished_by, leaf, 0u));", "leaf = leaf;")],
+    &[Break::new(irregular, "leaf = load_at(wished_by, its_place, 0u);", "leaf = leaf;")],
 );
 pub(in super::super) const NEXT_AXIS: KernelInfo = irregular_row(
     of_irregular!("next_axis"),
     merge::next_axis,
     [120, 130, 140],
     "turns to the next axis or round, or ends merging",
-    &[Break::new(irregular, "axis < 3u", "axis < 2u")],
+    &[Break::new(irregular, "axis >= 3u)", "axis >= 2u)")],
 );
 pub(in super::super) const EXPAND: KernelInfo = heavy(irregular_row(
     of_irregular!("expand"),

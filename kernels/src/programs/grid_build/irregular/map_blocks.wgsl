@@ -6,6 +6,24 @@ import package::tree::{NODE, child, octant_of};
 @group(0) @binding(0) var nodes_in_all: texture_2d_array<u32>;
 @group(0) @binding(1) var map_below: texture_storage_2d_array<r32uint, write>;
 
+// The nodes of a workgroup's first entry and of its last one.
+var<workgroup> ends: array<u32, 2>;
+
+// The last of some nodes whose entries begin at or before an entry: those without entries begin where the next ones do.
+fn node_of(entry: u32, first: u32, nodes: u32) -> u32 {
+    var low = first;
+    var high = first + nodes;
+    while (high - low > 1u) {
+        let middle = low + (high - low) / 2u;
+        if (load(first_entry, middle, 0u) <= entry) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
 // Writes the entries of the voxel map's blocks: each goes down from the node with which its block begins.
 @compute @workgroup_size(BLOCK)
 fn map_blocks(
@@ -14,24 +32,19 @@ fn map_blocks(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let i = element(group, groups, lane);
+    if (lane < 2u) {
+        let entry = select(i, i - 1u + BLOCK - 1u, lane == 1u);
+        ends[lane] = node_of(min(entry, launch.elements - 1u), 0u, load(nodes_in_all, 0u, 0u));
+    }
+    workgroupBarrier();
     if (i >= launch.elements) {
         return;
     }
-    // The last node whose entries begin at or before this one: nodes without entries begin where the next ones do.
-    var low = 0u;
-    var high = load(nodes_in_all, 0u, 0u);
-    while (high - low > 1u) {
-        let middle = low + (high - low) / 2u;
-        if (load(first_entry, middle, 0u) <= i) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    let levels = load(block_levels, low, 0u);
-    let place = i - load(first_entry, low, 0u);
+    let node = node_of(i, ends[0], ends[1] + 1u - ends[0]);
+    let levels = load(block_levels, node, 0u);
+    let place = i - load(first_entry, node, 0u);
     let voxel = vec3u(place, place >> levels, place >> (2u * levels)) & vec3u((1u << levels) - 1u);
-    var below = (low << 1u) | NODE;
+    var below = (node << 1u) | NODE;
     for (var k = levels; k > 0u && (below & NODE) != 0u; k--) {
         below = child(below >> 1u, octant_of(voxel, k - 1u));
     }

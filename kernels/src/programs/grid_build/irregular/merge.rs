@@ -17,30 +17,6 @@ pub(crate) fn start_merging(columns: &mut dyn Columns, kernel: Kernel, data: &Sc
     pass.set_all(round, 0, [0, 0, leaves, 1, leaves]);
 }
 
-pub(crate) fn pair(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
-    let [space, list, round, cell_of] = ["space", "list", "round", "cell_of"].map(|name| pass.of(name));
-    let [neighbor, wished_by] = ["neighbor", "wished_by"].map(|name| pass.of(name));
-    let map = VoxelMap::new(&pass);
-    let axis = pass.get(round, 0, 0).min(2) as usize;
-    let end = data.build.cells[axis] << data.build.levels;
-    for i in 0..pass.len(space) {
-        let extent = pass.all::<3>(space, i);
-        let partner = || {
-            let mut voxel = extent.map(low_of);
-            voxel[axis] = high_of(extent[axis]);
-            let other = pass.get(cell_of, 0, map.find(&pass, voxel));
-            let theirs = pass.all::<3>(space, other);
-            let is_box = (0..3).all(|a| a == axis || extent[a] == theirs[a]);
-            let listed = pass.get(list, 1, i).wrapping_add(pass.get(list, 1, other));
-            (is_box && listed as usize <= LONGEST).then_some(other)
-        };
-        let after = if high_of(extent[axis]) < end { partner() } else { None };
-        pass.set(neighbor, 0, i, after.unwrap_or(NOBODY));
-        pass.set(wished_by, 0, i, NOBODY);
-    }
-}
-
 /// Number of these references, one after the other, that are of lower triangles.
 fn lower(pass: &Pass<'_>, item: View, first: u32, references: u32, triangle: u32) -> u32 {
     let (mut low, mut high) = (0, references);
@@ -63,34 +39,42 @@ fn listed(pass: &Pass<'_>, item: View, [first, length]: [u32; 2], most: u32) -> 
 
 pub(crate) fn wish(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
-    let [space, list, item, neighbor, round] =
-        ["space", "list", "item", "neighbor", "round"].map(|name| pass.of(name));
+    let [space, list, item, cell_of, round] = ["space", "list", "item", "cell_of", "round"].map(|name| pass.of(name));
     let [wished, wished_by] = ["wished", "wished_by"].map(|name| pass.of(name));
+    let map = VoxelMap::new(&pass);
     let axis = pass.get(round, 0, 0).min(2) as usize;
+    let end = data.build.cells[axis] << data.build.levels;
     let cost = |extent: [u32; 3], listed: u32| {
         let sides = [0, 1, 2].map(|a| u64::from((high_of(extent[a]) - low_of(extent[a])) * data.build.weights[a]));
         let area = sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0];
         area.wrapping_mul(u64::from(listed) + STEP_COST)
     };
     for i in 0..pass.len(space) {
-        let next = pass.get(neighbor, 0, i);
-        let mut wish = [NOBODY, 0];
-        if next != NOBODY {
-            let (extent, other) = (pass.all::<3>(space, i), pass.all::<3>(space, next));
-            let mut both = extent;
-            both[axis] = low_of(extent[axis]) | other[axis] & 0xffff_0000;
-            let (own, theirs): ([u32; 2], [u32; 2]) = (pass.all(list, i), pass.all(list, next));
-            let apart = cost(extent, own[1]).wrapping_add(cost(other, theirs[1]));
-            if cost(both, own[1].max(theirs[1])) <= apart {
-                let [a, b] = [own, theirs].map(|list| listed(&pass, item, list, LONGEST as u32));
-                wish[1] = (a.len() + b.len() - union(&a, &b).len()) as u32;
-                if cost(both, (own[1] + theirs[1]).wrapping_sub(wish[1])) <= apart {
-                    wish[0] = next;
-                    pass.set(wished_by, 0, next, i);
-                }
-            }
+        let extent = pass.all::<3>(space, i);
+        if high_of(extent[axis]) >= end {
+            continue;
         }
-        pass.set_all(wished, i, wish);
+        let mut voxel = extent.map(low_of);
+        voxel[axis] = high_of(extent[axis]);
+        let next = pass.get(cell_of, 0, map.find(&pass, voxel));
+        let other = pass.all::<3>(space, next);
+        let is_box = (0..3).all(|a| a == axis || extent[a] == other[a]);
+        let (own, theirs): ([u32; 2], [u32; 2]) = (pass.all(list, i), pass.all(list, next));
+        if !is_box || u64::from(own[1]) + u64::from(theirs[1]) > LONGEST as u64 {
+            continue;
+        }
+        let mut both = extent;
+        both[axis] = low_of(extent[axis]) | other[axis] & 0xffff_0000;
+        let apart = cost(extent, own[1]).wrapping_add(cost(other, theirs[1]));
+        if cost(both, own[1].max(theirs[1])) > apart {
+            continue;
+        }
+        let [a, b] = [own, theirs].map(|list| listed(&pass, item, list, u32::MAX));
+        let in_both = (a.len() + b.len() - union(&a, &b).len()) as u32;
+        if cost(both, (own[1] + theirs[1]).wrapping_sub(in_both)) <= apart {
+            pass.set_all(wished, i, [next, in_both]);
+            pass.set(wished_by, 0, next, i);
+        }
     }
 }
 
@@ -134,8 +118,8 @@ pub(crate) fn unite(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData)
 
 pub(crate) fn gather(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
-    let [space, list, item, round, kept, totals] =
-        ["space", "list", "item", "round", "kept", "totals"].map(|name| pass.of(name));
+    let [space, list, item, round] = ["space", "list", "item", "round"].map(|name| pass.of(name));
+    let [kept, sums, totals] = ["kept", "kept_of_block", "totals"].map(|name| pass.of(name));
     let [next_space, next_list, next_item] = ["next_space", "next_list", "next_item"].map(|name| pass.of(name));
     let merging = Merging::new(&pass);
     let axis = pass.get(round, 0, 0).min(2) as usize;
@@ -145,8 +129,8 @@ pub(crate) fn gather(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
             continue;
         }
         let mut extent = pass.all::<3>(space, i);
-        let [to, first] = pass.all(kept, i);
-        let end = if i + 1 < count { pass.get(kept, 1, i + 1) } else { pass.get(totals, 1, 0) };
+        let [to, first] = [0, 1].map(|layer| pass.sum_before(kept, sums, layer, i));
+        let end = if i + 1 < count { pass.sum_before(kept, sums, 1, i + 1) } else { pass.get(totals, 1, 0) };
         let length = end.wrapping_sub(first);
         let mut items = listed(&pass, item, pass.all(list, i), length);
         if let Some(next) = merging.absorbed_by(&pass, i) {
@@ -163,12 +147,12 @@ pub(crate) fn gather(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
 
 pub(crate) fn follow(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
-    let (kept, cell_of) = (pass.of("kept"), pass.of("cell_of"));
+    let [kept, sums, cell_of] = ["kept", "kept_of_block", "cell_of"].map(|name| pass.of(name));
     let merging = Merging::new(&pass);
     for i in 0..pass.len(cell_of) {
         let leaf = pass.get(cell_of, 0, i);
         let leaf = merging.absorber_of(&pass, leaf).unwrap_or(leaf);
-        pass.set(cell_of, 0, i, pass.get(kept, 0, leaf));
+        pass.set(cell_of, 0, i, pass.sum_before(kept, sums, 0, leaf));
     }
 }
 
@@ -176,11 +160,9 @@ pub(crate) fn next_axis(columns: &mut dyn Columns, kernel: Kernel, data: &SceneD
     let mut pass = Pass::new(columns, kernel, &data.build);
     let (totals, round) = (pass.of("totals"), pass.of("round"));
     let [axis, rounds, before, _, refined] = pass.all(round, 0);
-    if axis + 1 < 3 {
-        pass.set(round, 0, 0, axis + 1);
-        return;
-    }
+    let is_last = axis + 1 >= 3;
+    let (axis, rounds_after) = if is_last { (0, rounds + 1) } else { (axis + 1, rounds) };
     let leaves = pass.get(totals, 0, 0);
-    let goes_on = rounds + 1 < ROUNDS && before.wrapping_sub(leaves) >= refined.div_ceil(LEAST_MERGED as u32);
-    pass.set_all(round, 0, [0, rounds + 1, leaves, goes_on.into()]);
+    let is_worth_it = rounds == 0 || before.wrapping_sub(leaves) >= refined.div_ceil(LEAST_MERGED as u32);
+    pass.set_all(round, 0, [axis, rounds_after, leaves, u32::from(rounds_after < ROUNDS && is_worth_it)]);
 }

@@ -1,6 +1,7 @@
 //! What the twins of this folder share: streams by the names in the kernels' WGSL.
 
 use crate::program::Kernel;
+use crate::programs::grid_build::scan::SCAN_BLOCK;
 use crate::shared::build::Build;
 use crate::tables::stream::Stream;
 use crate::tables::texels::Columns;
@@ -56,6 +57,11 @@ impl<'a> Pass<'a> {
         for (layer, value) in values.into_iter().enumerate() {
             self.set(view, layer, element, value);
         }
+    }
+
+    /// The sum of the values before an element, of which a scan leaves those of its block and those of all blocks before.
+    pub(in crate::programs::grid_build) fn sum_before(&self, values: View, sums: View, layer: usize, element: u32) -> u32 {
+        self.get(sums, layer, element / SCAN_BLOCK as u32).saturating_add(self.get(values, layer, element))
     }
 
     /// Number of cells of the top level.

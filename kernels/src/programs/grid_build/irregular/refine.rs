@@ -103,13 +103,13 @@ pub(crate) fn decide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
 pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
     let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
-    let [places, totals] = ["places", "totals"].map(|name| pass.of(name));
+    let [places, sums, totals] = ["places", "places_of_block", "totals"].map(|name| pass.of(name));
     let [next_space, next_list, next_division] = ["next_space", "next_list", "next_division"].map(|name| pass.of(name));
     let ranks = Ranks::new(&pass);
     let count = pass.len(list);
     for i in 0..count {
-        let [to, mut reference] = pass.all(places, i);
-        let end = if i + 1 < count { pass.get(places, 0, i + 1) } else { pass.get(totals, 0, 0) };
+        let [to, mut reference] = [0, 1].map(|layer| pass.sum_before(places, sums, layer, i));
+        let end = if i + 1 < count { pass.sum_before(places, sums, 0, i + 1) } else { pass.get(totals, 0, 0) };
         let (extent, [first, length], [budget, levels]) =
             (pass.all::<3>(space, i), pass.all(list, i), pass.all(division, i));
         if end.wrapping_sub(to) != 8 {
@@ -134,13 +134,14 @@ pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
 
 pub(crate) fn hand_down(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
-    let [owner, item, list, places] = ["owner", "item", "list", "places"].map(|name| pass.of(name));
+    let [owner, item, list] = ["owner", "item", "list"].map(|name| pass.of(name));
+    let [places, sums] = ["places", "places_of_block"].map(|name| pass.of(name));
     let [division, next_division, next_list] = ["division", "next_division", "next_list"].map(|name| pass.of(name));
     let [next_owner, next_item] = ["next_owner", "next_item"].map(|name| pass.of(name));
     let ranks = Ranks::new(&pass);
     for i in 0..pass.len(owner) {
         let (leaf, triangle) = (pass.get(owner, 0, i), pass.get(item, 0, i));
-        let (first, to) = (pass.get(list, 0, leaf), pass.get(places, 0, leaf));
+        let (first, to) = (pass.get(list, 0, leaf), pass.sum_before(places, sums, 0, leaf));
         if (pass.get(next_division, 1, to) ^ pass.get(division, 1, leaf)) & 0xff == 0 {
             let place = pass.get(next_list, 0, to).wrapping_add(i).wrapping_sub(first);
             pass.set(next_owner, 0, place, to);

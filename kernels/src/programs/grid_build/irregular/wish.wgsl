@@ -1,19 +1,19 @@
 import package::launch::{BLOCK, launch, element};
 import package::build::{build};
-import package::leaf::{load, load_at, place_in, space_at};
+import package::leaf::{load, load_at, place_in, space_at, high_of};
 import package::soft_f64::{add64, product64};
 import package::u64::{is_at_most64, times64};
+import package::voxel_map::{find};
 
 @group(0) @binding(0) var space: texture_2d_array<u32>;
 @group(0) @binding(1) var list: texture_2d_array<u32>;
 @group(0) @binding(2) var item: texture_2d_array<u32>;
-@group(0) @binding(3) var neighbor: texture_2d_array<u32>;
+@group(0) @binding(3) var cell_of: texture_2d_array<u32>;
 @group(0) @binding(4) var round: texture_2d_array<u32>;
 @group(0) @binding(5) var wished: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(6) var wished_by: texture_storage_2d_array<r32uint, write>;
 
-const NOBODY: u32 = 0xffffffffu;
-// Longer lists are never merged; only somebody who edits a length makes one of them come here.
+// Longer lists are never merged.
 const LONGEST: u32 = 16384u;
 // Cost of a step from cell to cell, in triangle tests.
 const STEP_COST: u32 = 1u;
@@ -30,7 +30,7 @@ fn shared_by(a: vec2u, b: vec2u) -> u32 {
     var in_both = 0u;
     var i = 0u;
     var k = 0u;
-    while (i < min(a.y, LONGEST) && k < min(b.y, LONGEST)) {
+    while (i < a.y && k < b.y) {
         let one = load(item, a.x + i, 0u);
         let other = load(item, b.x + k, 0u);
         in_both += u32(one == other);
@@ -40,8 +40,9 @@ fn shared_by(a: vec2u, b: vec2u) -> u32 {
     return in_both;
 }
 
-// Proposes to merge a leaf with the neighbour after it if, by the surface area heuristic (Goldsmith and Salmon, 1987),
-// the merged leaf costs no more than the two.
+// Proposes to merge a leaf with the neighbour after it along the round's axis if the two form a box and, by the surface
+// area heuristic (Goldsmith and Salmon, 1987), the merged leaf costs no more than the two. Leaves without a wish write
+// nothing: whenever merging along an axis has changed their number, both streams are unwritten, and else nobody had one.
 @compute @workgroup_size(BLOCK)
 fn wish(
     @builtin(workgroup_id) group: vec3u,
@@ -52,29 +53,40 @@ fn wish(
     if (i >= launch.elements) {
         return;
     }
-    let at = place_in(neighbor, i);
-    let next = load_at(neighbor, at, 0u);
-    var wish = NOBODY;
-    var in_both = 0u;
-    if (next != NOBODY) {
-        let axis = load_at(round, vec2u(0u), 0u);
-        let there = place_in(neighbor, next);
-        let extent = space_at(space, at);
-        let other = space_at(space, there);
-        var both = extent;
-        both[axis] = (extent[axis] & 0xffffu) | (other[axis] & 0xffff0000u);
-        let own = vec2u(load_at(list, at, 0u), load_at(list, at, 1u));
-        let theirs = vec2u(load_at(list, there, 0u), load_at(list, there, 1u));
-        let apart = add64(cost(extent, own.y), cost(other, theirs.y));
-        // The merged list has at least as many triangles as the longer one.
-        if (is_at_most64(cost(both, max(own.y, theirs.y)), apart)) {
-            in_both = shared_by(own, theirs);
-            if (is_at_most64(cost(both, own.y + theirs.y - in_both), apart)) {
-                wish = next;
-                textureStore(wished_by, there, 0, vec4u(i));
-            }
-        }
+    let axis = load_at(round, vec2u(0u), 0u);
+    let at = place_in(space, i);
+    let extent = space_at(space, at);
+    let end = high_of(extent[axis]);
+    if (end >= build.cells[axis] << build.levels) {
+        return;
     }
-    textureStore(wished, at, 0, vec4u(wish));
-    textureStore(wished, at, 1, vec4u(in_both));
+    var voxel = extent & vec3u(0xffffu);
+    voxel[axis] = end;
+    let next = load(cell_of, find(voxel), 0u);
+    let there = place_in(space, next);
+    let other = space_at(space, there);
+    var differs = extent ^ other;
+    differs[axis] = 0u;
+    if (any(differs != vec3u(0u))) {
+        return;
+    }
+    let own = vec2u(load_at(list, at, 0u), load_at(list, at, 1u));
+    let theirs = vec2u(load_at(list, there, 0u), load_at(list, there, 1u));
+    // Somebody may have edited a length: the sum could be too large.
+    if (max(own.y, theirs.y) > LONGEST || own.y + theirs.y > LONGEST) {
+        return;
+    }
+    var both = extent;
+    both[axis] = (extent[axis] & 0xffffu) | (other[axis] & 0xffff0000u);
+    let apart = add64(cost(extent, own.y), cost(other, theirs.y));
+    // The merged list has at least as many triangles as the longer one.
+    if (!is_at_most64(cost(both, max(own.y, theirs.y)), apart)) {
+        return;
+    }
+    let in_both = shared_by(own, theirs);
+    if (is_at_most64(cost(both, own.y + theirs.y - in_both), apart)) {
+        textureStore(wished, at, 0, vec4u(next));
+        textureStore(wished, at, 1, vec4u(in_both));
+        textureStore(wished_by, there, 0, vec4u(i));
+    }
 }
