@@ -42,6 +42,10 @@ const fn found(name: &'static str, in_stream: &'static str, layer: usize) -> Ele
     Elements { name, count: Count::Found { in_stream, layer } }
 }
 
+/// Groups of cells: those of a workgroup.
+pub static CELL_GROUPS: Elements =
+    Elements { name: "cell_groups", count: Count::Per { of: "cells", per: BLOCK as u32, each: 1 } };
+
 /// The build as a whole.
 pub static WHOLE: Elements = Elements { name: "whole", count: Count::Given };
 /// A leaf of an octree, later a cell that was merged of leaves.
@@ -86,7 +90,7 @@ pub static LISTED_BLOCKS: Elements = blocks("listed_blocks", "listed");
 pub static ROUNDS_AHEAD: Elements = found("rounds_ahead", "round", 3);
 
 /// Every set.
-pub static ELEMENTS: [&Elements; 34] = [
+pub static ELEMENTS: [&Elements; 35] = [
     &TRIANGLES,
     &TRIANGLE_BLOCKS,
     &ALL_TRIANGLES,
@@ -100,6 +104,7 @@ pub static ELEMENTS: [&Elements; 34] = [
     &CELLS,
     &CELL_BLOCKS,
     &ALL_CELLS,
+    &CELL_GROUPS,
     &WHOLE,
     &LEAVES,
     &NEXT_LEAVES,

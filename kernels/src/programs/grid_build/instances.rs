@@ -135,6 +135,7 @@ instances! {
     ADD_STARTS "add_starts": ADD over CELLS binds START_SUMS;
     COUNT_TOP_LEVEL "count_top": COUNT_TOP over WHOLE;
     MAKE_FIRST_LEAVES "make_leaves": MAKE_LEAVES over CELLS renews FIRST_LEAVES;
+    FIND_DEPTH "start_halving": START_HALVING over WHOLE;
     TAKE_EVEN "take_even": ADOPT over REFERENCES binds TAKEN_EVEN;
     TAKE_ODD "take_odd": ADOPT over REFERENCES binds TAKEN_ODD;
     FIND_HALVES "halve": HALVE over LISTED binds IN_HALVES adopts DIVIDED;
@@ -146,10 +147,10 @@ instances! {
     SCAN_PLACE_BLOCKS "scan_place_blocks": SCAN over LEAF_BLOCKS binds ALL_PLACE_SUMS;
     DIVIDE_LEAVES "divide": DIVIDE over LEAVES binds IN_HALVES renews REPLACED;
     HAND_DOWN_LISTS "hand_down": HAND_DOWN over LISTED binds IN_HALVES;
+    TURN_TO_NEXT_HALVING "next_halving": NEXT_HALVING over WHOLE;
     COUNT_NODES "open_nodes": OPEN_NODES over LEAVES adopts DIVIDED;
     SCAN_OPENED "scan_opened": SCAN over LEAVES binds OPENED_SUMS;
     SCAN_OPENED_BLOCKS "scan_opened_blocks": SCAN over LEAF_BLOCKS binds ALL_OPENED_SUMS;
-    ADD_OPENED "add_opened": ADD over LEAVES binds OPENED_SUMS;
     LINK_TREES "link_nodes": LINK_NODES over LEAVES;
     FIND_BLOCKS "size_blocks": SIZE_BLOCKS over NODES;
     SCAN_ENTRIES "scan_entries": SCAN over NODES binds ENTRY_SUMS;

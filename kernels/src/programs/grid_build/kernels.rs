@@ -141,7 +141,7 @@ pub(super) const CHECK_MAP: KernelInfo = KernelInfo {
 
 /// The kernels, without their instances.
 #[cfg(test)]
-pub(super) const ROWS: [&KernelInfo; 35] = [
+pub(super) const ROWS: [&KernelInfo; 37] = [
     &BOUND,
     &SCAN,
     &ADD,
@@ -153,6 +153,8 @@ pub(super) const ROWS: [&KernelInfo; 35] = [
     &MEASURE,
     &COUNT_TOP,
     &MAKE_LEAVES,
+    &START_HALVING,
+    &NEXT_HALVING,
     &ADOPT,
     &HALVE,
     &DECIDE,

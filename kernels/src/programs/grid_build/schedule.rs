@@ -44,7 +44,7 @@ const MARKED: [Kernel; 2] = [MARK_EVEN, MARK_ODD];
 const STARTED: [Kernel; 4] = [MEASURE_LISTS, SCAN_STARTS, SCAN_START_BLOCKS, ADD_STARTS];
 const TAKEN: [Kernel; 2] = [TAKE_EVEN, TAKE_ODD];
 /// Halves leaves once.
-const REFINED: [Kernel; 9] = [
+const REFINED: [Kernel; 10] = [
     FIND_HALVES,
     SCAN_HALVES,
     SCAN_HALF_BLOCKS,
@@ -54,12 +54,12 @@ const REFINED: [Kernel; 9] = [
     SCAN_PLACE_BLOCKS,
     DIVIDE_LEAVES,
     HAND_DOWN_LISTS,
+    TURN_TO_NEXT_HALVING,
 ];
-const MAPPED: [Kernel; 11] = [
+const MAPPED: [Kernel; 10] = [
     COUNT_NODES,
     SCAN_OPENED,
     SCAN_OPENED_BLOCKS,
-    ADD_OPENED,
     LINK_TREES,
     FIND_BLOCKS,
     SCAN_ENTRIES,
@@ -101,7 +101,7 @@ pub fn of(kind: Kind, cells: u32) -> Schedule {
     steps.extend(run(&[MARKED[digits % 2]]));
     steps.extend(run(&STARTED));
     if kind != Kind::Uniform {
-        steps.extend(run(&[COUNT_TOP_LEVEL, MAKE_FIRST_LEAVES, TAKEN[digits % 2]]));
+        steps.extend(run(&[COUNT_TOP_LEVEL, MAKE_FIRST_LEAVES, FIND_DEPTH, TAKEN[digits % 2]]));
         steps.push(Step::RepeatWhileAny(WHILE_SOME_ARE_LEFT, run(&REFINED)));
         steps.extend(run(&MAPPED));
     }

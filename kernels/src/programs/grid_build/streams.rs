@@ -29,7 +29,8 @@
 //! of cells       tree_top  map_top       the same for the top level; its entries of the voxel map
 //! of entries     map_below               the voxel map's blocks
 //! of refined     cell_of                 to which cell a leaf of the octrees belongs
-//! of whole       totals  round           numbers of leaves and references; how far merging has got
+//! of whole       totals                  numbers of leaves and references
+//!                halving  round          how far halving and merging have got
 //! of blocks      …_faults                numbers of faults in the result; all must be 0
 //! ```
 //!
@@ -38,7 +39,7 @@
 //! The other streams hold sums of blocks of 8,192 elements, and the sum of all.
 
 use super::elements::{
-    ALL_CELLS, ALL_GROUPS, ALL_LEAVES, ALL_NODES, ALL_SPANS, ALL_TALLIES, ALL_TRIANGLES, BRANCHES, CELL_BLOCKS, CELLS,
+    ALL_CELLS, ALL_GROUPS, ALL_LEAVES, ALL_NODES, ALL_SPANS, ALL_TALLIES, ALL_TRIANGLES, BRANCHES, CELL_BLOCKS, CELL_GROUPS, CELLS,
     ENTRIES, ENTRY_BLOCKS, GROUP_BLOCKS, GROUPS, LEAF_BLOCKS, LEAVES, LISTED, LISTED_BLOCKS, NEXT_LEAVES, NEXT_LISTED,
     NODE_BLOCKS, NODES, REFERENCE_BLOCKS, REFERENCES, REFINED, SPAN_BLOCKS, SPANS, TALLIES, TALLY_BLOCKS,
     TRIANGLE_BLOCKS, TRIANGLES, WHOLE,
@@ -140,6 +141,12 @@ streams! {
         unwritten: &[0], why_absent: always;
     /// Numbers of leaves and references after the last step, and of leaves that may still be divided.
     TOTALS of WHOLE: "totals" U32 &["leaves", "references", "left"], meaning: &[Count; 3], unit: "count", unwritten: &[0; 3],
+        why_absent: one_level;
+    /// Most levels down to which an octree of a group of cells is divided anyway.
+    DEPTH_OF_GROUP of CELL_GROUPS: "depth_of_group" U32 &["levels"], meaning: &[Count], unit: "halvings", unwritten: &[0],
+        why_absent: one_level;
+    /// Of halving: how often it was done, and most levels down to which an octree is divided anyway.
+    HALVING of WHOLE: "halving" U32 &["done", "depth"], meaning: &[Count; 2], unit: "halvings", unwritten: &[0; 2],
         why_absent: one_level;
     /// A leaf's box, along each axis: its first virtual cell in the lower half of a word, the one after its last in the upper.
     SPACE of LEAVES: "space" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "virtual cells, 16 bits each", unwritten: &[0; 3],

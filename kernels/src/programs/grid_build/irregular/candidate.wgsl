@@ -1,10 +1,23 @@
-// Which leaves may be divided.
+// Which leaves may be divided, and when.
 
 import package::build::{build};
-import package::leaf::{STAYS, level_of, even_of};
+import package::leaf::{STAYS, load_at, level_of, even_of};
+
+@group(0) @binding(14) var halving: texture_2d_array<u32>;
 
 // Longer lists are divided beyond the levels that are divided anyway.
 const SHORT: u32 = 8u;
+
+const MOST_LEVELS: u32 = 32u;
+
+// Whether a leaf is tried with this halving, or was. Octrees that are divided less deep wait for the deepest ones, so that
+// there are few leaves as long as few of them are divided: each halving moves all.
+fn is_its_turn(levels: u32) -> bool {
+    let done = load_at(halving, vec2u(0u), 0u);
+    // Somebody may have edited it: then nobody waits for long.
+    let depth = min(load_at(halving, vec2u(0u), 1u), MOST_LEVELS);
+    return level_of(levels) + depth <= done + even_of(levels);
+}
 
 fn may_be_divided(levels: u32, length: u32) -> bool {
     let level = level_of(levels);

@@ -2,7 +2,7 @@
 
 import package::launch::{BLOCK, launch, block_index, texel};
 import package::leaf::{load_at, place_in, space_at, level_of, low_of};
-import package::candidate::{may_be_divided};
+import package::candidate::{is_its_turn, may_be_divided};
 import package::halves::{NOT_CERTAIN, certain_halves, halves_of_row};
 import package::build::{build};
 
@@ -62,7 +62,7 @@ fn halve(
             let reference = place_in(owner, begin + k);
             let leaf = place_in(list, load_at(owner, reference, 0u));
             let levels = load_at(division, leaf, 1u);
-            if (may_be_divided(levels, load_at(list, leaf, 1u))) {
+            if (is_its_turn(levels) && may_be_divided(levels, load_at(list, leaf, 1u))) {
                 let level = level_of(levels);
                 let mask = certain_halves(load_at(item, reference, 0u), cell_of_leaf(leaf, level), level + 1u);
                 if (mask == NOT_CERTAIN) {

@@ -31,6 +31,20 @@ pub(in super::super) const MAKE_LEAVES: KernelInfo = irregular_row(
     "makes every cell of the top level a leaf, the root of an octree",
     &[Break::new(irregular, "(log2_of_square(CELLS_PER_REFERENCE * length) + 3u)", "(log2_of_square(length) + 3u)")],
 );
+pub(in super::super) const START_HALVING: KernelInfo = irregular_row(
+    of_irregular!("start_halving"),
+    refine::start_halving,
+    [120, 130, 140],
+    "finds how deep the deepest octree is at least",
+    &[Break::new(irregular, "vec4u(atomicLoad(&depth))", "vec4u(9u)")],
+);
+pub(in super::super) const NEXT_HALVING: KernelInfo = irregular_row(
+    of_irregular!("next_halving"),
+    refine::next_halving,
+    [120, 130, 140],
+    "counts the halvings",
+    &[Break::new(irregular, "textureLoad(halving, vec2u(0u), 0).x + 1u", "textureLoad(halving, vec2u(0u), 0).x + 2u")],
+);
 pub(in super::super) const ADOPT: KernelInfo = irregular_row(
     of_irregular!("adopt"),
     refine::adopt,
@@ -61,7 +75,7 @@ pub(in super::super) const DIVIDE: KernelInfo = irregular_row(
     refine::divide,
     [200, 80, 140],
     "replaces leaves by their halves",
-    &[Break::new(irregular, "levels + 1u));", "levels));")],
+    &[Break::new(irregular, "((levels + 1u) << 16u)", "(levels << 16u)")],
 );
 pub(in super::super) const HAND_DOWN: KernelInfo = irregular_row(
     of_irregular!("hand_down"),

@@ -1,11 +1,13 @@
 import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build};
-import package::leaf::{load, load_space};
+import package::leaf::{place_in, load_space};
 import package::leaf_level::{level_of_box, low_corner, opened_by, top_of};
+import package::sums::{sum_before};
 import package::tree::{NODE, octant_of};
 
 @group(0) @binding(0) var space: texture_2d_array<u32>;
 @group(0) @binding(1) var opened: texture_2d_array<u32>;
+@group(0) @binding(5) var opened_of_block: texture_2d_array<u32>;
 @group(0) @binding(2) var node: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(3) var tree: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(4) var tree_top: texture_storage_2d_array<r32uint, write>;
@@ -36,6 +38,11 @@ fn is_higher(a: u32, b: u32) -> bool {
     return b < a && b < (a ^ b);
 }
 
+// Number of nodes whose first leaf comes before this one.
+fn opened_before(leaf: u32) -> u32 {
+    return sum_before(opened, place_in(opened, leaf), opened_of_block, leaf, 0u);
+}
+
 // The node of a level whose lowest virtual cell is given; its first leaf is one of those before `end`.
 fn node_at(voxel: vec3u, level: u32, end: u32) -> u32 {
     // Mostly it is only a few leaves before: the distance doubles until one is found that does not come after it.
@@ -56,7 +63,7 @@ fn node_at(voxel: vec3u, level: u32, end: u32) -> u32 {
         }
     }
     let extent = load_space(space, low);
-    return load(opened, low, 0u) + level + opened_by(extent) - level_of_box(extent);
+    return opened_before(low) + level + opened_by(extent) - level_of_box(extent);
 }
 
 // Links the nodes that each leaf is the first of, and the leaf itself, with their parents.
@@ -74,7 +81,7 @@ fn link_nodes(
     let level = level_of_box(extent);
     let voxel = low_corner(extent);
     let nodes = opened_by(extent);
-    let first = load(opened, i, 0u);
+    let first = opened_before(i);
     let width = textureDimensions(tree).x;
     var below = i << 1u;
     for (var k = nodes; k > 0u; k--) {

@@ -66,11 +66,11 @@ fn order(build: &Build, a: [u32; 3], b: [u32; 3]) -> Ordering {
 pub(crate) fn link_nodes(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let build = &data.build;
     let mut pass = Pass::new(columns, kernel, build);
-    let [space, opened] = ["space", "opened"].map(|name| pass.of(name));
+    let [space, opened, sums] = ["space", "opened", "opened_of_block"].map(|name| pass.of(name));
     let [node, tree, tree_top] = ["node", "tree", "tree_top"].map(|name| pass.of(name));
     for i in 0..pass.len(space) {
         let Place { level, corner, opens } = Place::of(build, pass.all(space, i));
-        let first = pass.get(opened, 0, i);
+        let first = pass.sum_before(opened, sums, 0, i);
         let mut below = i << 1;
         for k in (0..opens).rev() {
             let index = first + k;
@@ -93,7 +93,7 @@ pub(crate) fn link_nodes(columns: &mut dyn Columns, kernel: Kernel, data: &Scene
             if order(build, parent_corner, its_corner) == Ordering::Less { high = middle } else { low = middle }
         }
         let its = Place::of(build, pass.all(space, low));
-        let parent = (pass.get(opened, 0, low) + top_level - 1 + its.opens).wrapping_sub(its.level);
+        let parent = (pass.sum_before(opened, sums, 0, low) + top_level - 1 + its.opens).wrapping_sub(its.level);
         pass.set(tree, 0, parent.wrapping_mul(8).wrapping_add(octant_of(corner, shift)), below);
     }
 }

@@ -6,6 +6,7 @@ use crate::program::Kernel;
 use crate::scene_data::SceneData;
 use crate::shared::build::Build;
 use crate::shared::grid_walk::Grid;
+use crate::shared::launch::BLOCK;
 use crate::structures::grid::overlap::halves;
 use crate::structures::irregular::refine::{CROWDED, GROWTH, GROWTH_OF_ALL, LONG, SHORT, STEP_COST, even_levels};
 use crate::tables::texels::Columns;
@@ -21,19 +22,39 @@ pub(crate) fn make_leaves(columns: &mut dyn Columns, kernel: Kernel, data: &Scen
     let mut pass = Pass::new(columns, kernel, &data.build);
     let [start, totals] = ["start", "totals"].map(|name| pass.of(name));
     let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
+    let depth_of_group = pass.of("depth_of_group");
     let Build { cells, levels, .. } = data.build;
     let count = pass.len(start);
+    let mut depths = vec![0; (count as usize).div_ceil(BLOCK)];
     for i in 0..count {
         let first = pass.get(start, 0, i);
         let end = if i + 1 < count { pass.get(start, 0, i + 1) } else { pass.get(totals, 1, 0) };
         let length = end.wrapping_sub(first);
         let is_even = data.build.by_content() || u64::from(length) > CROWDED;
         let even = if is_even { even_levels(length.into()) } else { 0 };
+        let depth = &mut depths[i as usize / BLOCK];
+        *depth = even.max(*depth);
         let cell = [i % cells[0], i / cells[0] % cells[1], i / (cells[0] * cells[1])];
         pass.set_all(space, i, cell.map(|v| v << levels | (v + 1) << levels << 16));
         pass.set_all(list, i, [first, length]);
         pass.set_all(division, i, [length.wrapping_mul(GROWTH as u32).wrapping_add(GROWTH_OF_ALL as u32), even << 8]);
     }
+    for (group, depth) in (0..).zip(depths) {
+        pass.set(depth_of_group, 0, group, depth);
+    }
+}
+
+pub(crate) fn start_halving(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    let mut pass = Pass::new(columns, kernel, &data.build);
+    let [depth_of_group, halving] = ["depth_of_group", "halving"].map(|name| pass.of(name));
+    let depth = (0..pass.len(depth_of_group)).map(|group| pass.get(depth_of_group, 0, group)).max();
+    pass.set_all(halving, 0, [0, depth.unwrap_or(0)]);
+}
+
+pub(crate) fn next_halving(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    let mut pass = Pass::new(columns, kernel, &data.build);
+    let halving = pass.of("halving");
+    pass.set(halving, 0, 0, pass.get(halving, 0, 0).wrapping_add(1));
 }
 
 /// Marks a leaf that stays as it is.
@@ -49,15 +70,24 @@ fn may_be_divided(build: &Build, levels: u32, length: u32) -> bool {
     }
 }
 
+/// More than an octree may have.
+const MOST_LEVELS: u32 = 32;
+
+/// Whether a leaf is tried with this halving, or was: `candidate.wgsl`.
+fn is_its_turn([done, depth]: [u32; 2], levels: u32) -> bool {
+    (levels & 0xff) + depth.min(MOST_LEVELS) <= done + (levels >> 8 & 0xff)
+}
+
 pub(crate) fn halve(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
     let [owner, item] = ["owner", "item"].map(|name| pass.of(name));
     let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
+    let halving = pass.all(pass.of("halving"), 0);
     let inputs: Vec<_> = (0..pass.len(owner))
         .map(|i| {
             let leaf = pass.get(owner, 0, i);
             let levels = pass.get(division, 1, leaf);
-            let may_be = may_be_divided(&data.build, levels, pass.get(list, 1, leaf));
+            let may_be = is_its_turn(halving, levels) && may_be_divided(&data.build, levels, pass.get(list, 1, leaf));
             may_be.then(|| (levels & 0xff, pass.all::<3>(space, leaf), pass.get(item, 0, i) as usize))
         })
         .collect();
@@ -82,11 +112,14 @@ fn grid_of(build: &Build, level: u32) -> Grid {
 pub(crate) fn decide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
     let mut pass = Pass::new(columns, kernel, &data.build);
     let [list, division, places] = ["list", "division", "places"].map(|name| pass.of(name));
+    let halving = pass.all(pass.of("halving"), 0);
     let ranks = Ranks::new(&pass);
     for i in 0..pass.len(list) {
         let ([first, length], [budget, levels]) = (pass.all(list, i), pass.all(division, i));
         let (mut is_divided, mut after, mut left) = (false, 0, 0);
-        if may_be_divided(&data.build, levels, length) {
+        if !is_its_turn(halving, levels) {
+            left = u32::from(may_be_divided(&data.build, levels, length));
+        } else if may_be_divided(&data.build, levels, length) {
             for half in 0..8 {
                 let listed = ranks.count(&pass, half, first, length);
                 after += listed;
@@ -94,8 +127,9 @@ pub(crate) fn decide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
             }
             let is_gain = after + (STEP_COST as u32) < 4 * length && after <= budget;
             is_divided = is_gain || levels & 0xff < levels >> 8 && length as usize <= LONG;
+            left = if is_divided { left } else { 0 };
         }
-        let values = if is_divided { [8, after, left] } else { [1, length, 0] };
+        let values = if is_divided { [8, after, left] } else { [1, length, left] };
         pass.set_all(places, i, values);
     }
 }
@@ -105,6 +139,7 @@ pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
     let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
     let [places, sums, totals] = ["places", "places_of_block", "totals"].map(|name| pass.of(name));
     let [next_space, next_list, next_division] = ["next_space", "next_list", "next_division"].map(|name| pass.of(name));
+    let halving = pass.all(pass.of("halving"), 0);
     let ranks = Ranks::new(&pass);
     let count = pass.len(list);
     for i in 0..count {
@@ -115,7 +150,8 @@ pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
         if end.wrapping_sub(to) != 8 {
             pass.set_all(next_space, to, extent);
             pass.set_all(next_list, to, [reference, length]);
-            pass.set_all(next_division, to, [budget, levels | STAYS]);
+            let stays = if is_its_turn(halving, levels) { STAYS } else { 0 };
+            pass.set_all(next_division, to, [budget, levels | stays]);
             continue;
         }
         let listed: [u32; 8] = std::array::from_fn(|half| ranks.count(&pass, half, first, length));
