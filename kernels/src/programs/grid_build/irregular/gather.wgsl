@@ -96,20 +96,18 @@ fn move_side_by_side(own: vec2u, other: vec2u, first: u32, with_shared: bool, la
 // Moves a leaf to its new place, with the box of the one that is merged into it. Returns the lists that are to be moved.
 fn move_leaf(i: u32, leaf: vec2u) -> Lists {
     let first = sum_before(kept, leaf, kept_of_block, i, 1u);
-    var end = load_at(totals, vec2u(0u), 1u);
-    if (i + 1u < launch.elements) {
-        end = sum_before(kept, place(i + 1u), kept_of_block, i + 1u, 1u);
-    }
-    // The merged list is at least as long as each, unless somebody has edited a length.
-    let length = end - first;
-    var lists = Lists(vec2u(load_at(list, leaf, 0u), min(load_at(list, leaf, 1u), length)), vec2u(0u), first);
+    // No list is longer than all together, unless somebody has edited its length.
+    let most = load_at(totals, vec2u(0u), 1u);
+    var lists = Lists(vec2u(load_at(list, leaf, 0u), min(load_at(list, leaf, 1u), most)), vec2u(0u), first);
+    var length = lists.own.y;
     var extent = space_at(space, leaf);
     if (absorbs(leaf)) {
         let axis = load_at(round, vec2u(0u), 0u);
         let next = place(load_at(wished, leaf, 0u));
         let upper = load_at(space, next, axis) & 0xffff0000u;
         extent[axis] = (extent[axis] & 0xffffu) | upper;
-        lists.other = vec2u(load_at(list, next, 0u), min(load_at(list, next, 1u), length));
+        lists.other = vec2u(load_at(list, next, 0u), min(load_at(list, next, 1u), most));
+        length += lists.other.y - load_at(wished, leaf, 1u);
     }
     let at = texel(sum_before(kept, leaf, kept_of_block, i, 0u), textureDimensions(next_space).x);
     textureStore(next_space, at, 0, vec4u(extent.x));

@@ -8,11 +8,14 @@ import package::tree::{NODE, child, octant_of};
 
 // The nodes of a workgroup's first entry and of its last one.
 var<workgroup> ends: array<u32, 2>;
+// Where the entries of these nodes and of those between them begin, unless they are too many.
+const MOST_NODES: u32 = 1024u;
+var<workgroup> begins: array<u32, MOST_NODES>;
 
 // The last of some nodes whose entries begin at or before an entry: those without entries begin where the next ones do.
-fn node_of(entry: u32, first: u32, nodes: u32) -> u32 {
-    var low = first;
-    var high = first + nodes;
+fn node_of(entry: u32, nodes: u32) -> u32 {
+    var low = 0u;
+    var high = nodes;
     while (high - low > 1u) {
         let middle = low + (high - low) / 2u;
         if (load(first_entry, middle, 0u) <= entry) {
@@ -22,6 +25,27 @@ fn node_of(entry: u32, first: u32, nodes: u32) -> u32 {
         }
     }
     return low;
+}
+
+// The same for a node of the workgroup, and where its entries begin.
+fn near_node_of(entry: u32) -> vec2u {
+    let first = ends[0];
+    let nodes = ends[1] + 1u - first;
+    if (nodes > MOST_NODES) {
+        let node = node_of(entry, ends[1] + 1u);
+        return vec2u(node, load(first_entry, node, 0u));
+    }
+    var low = 0u;
+    var high = nodes;
+    while (high - low > 1u) {
+        let middle = low + (high - low) / 2u;
+        if (begins[middle] <= entry) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return vec2u(first + low, begins[low]);
 }
 
 // Writes the entries of the voxel map's blocks: each goes down from the node with which its block begins.
@@ -34,15 +58,20 @@ fn map_blocks(
     let i = element(group, groups, lane);
     if (lane < 2u) {
         let entry = select(i, i - 1u + BLOCK - 1u, lane == 1u);
-        ends[lane] = node_of(min(entry, launch.elements - 1u), 0u, load(nodes_in_all, 0u, 0u));
+        ends[lane] = node_of(min(entry, launch.elements - 1u), load(nodes_in_all, 0u, 0u));
+    }
+    workgroupBarrier();
+    for (var k = lane; k < min(ends[1] + 1u - ends[0], MOST_NODES); k += BLOCK) {
+        begins[k] = load(first_entry, ends[0] + k, 0u);
     }
     workgroupBarrier();
     if (i >= launch.elements) {
         return;
     }
-    let node = node_of(i, ends[0], ends[1] + 1u - ends[0]);
+    let found = near_node_of(i);
+    let node = found.x;
     let levels = load(block_levels, node, 0u);
-    let place = i - load(first_entry, node, 0u);
+    let place = i - found.y;
     let voxel = vec3u(place, place >> levels, place >> (2u * levels)) & vec3u((1u << levels) - 1u);
     var below = (node << 1u) | NODE;
     for (var k = levels; k > 0u && (below & NODE) != 0u; k--) {

@@ -123,19 +123,20 @@ pub(crate) fn gather(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
     let [next_space, next_list, next_item] = ["next_space", "next_list", "next_item"].map(|name| pass.of(name));
     let merging = Merging::new(&pass);
     let axis = pass.get(round, 0, 0).min(2) as usize;
-    let count = pass.len(space);
-    for i in 0..count {
+    let most = pass.get(totals, 1, 0);
+    for i in 0..pass.len(space) {
         if merging.absorber_of(&pass, i).is_some() {
             continue;
         }
         let mut extent = pass.all::<3>(space, i);
         let [to, first] = [0, 1].map(|layer| pass.sum_before(kept, sums, layer, i));
-        let end = if i + 1 < count { pass.sum_before(kept, sums, 1, i + 1) } else { pass.get(totals, 1, 0) };
-        let length = end.wrapping_sub(first);
-        let mut items = listed(&pass, item, pass.all(list, i), length);
+        let mut items = listed(&pass, item, pass.all(list, i), most);
+        let mut length = items.len() as u32;
         if let Some(next) = merging.absorbed_by(&pass, i) {
             extent[axis] = low_of(extent[axis]) | pass.get(space, axis, next) & 0xffff_0000;
-            items = union(&items, &listed(&pass, item, pass.all(list, next), length));
+            let others = listed(&pass, item, pass.all(list, next), most);
+            length = (length + others.len() as u32).wrapping_sub(pass.get(merging.wished, 1, i));
+            items = union(&items, &others);
         }
         pass.set_all(next_space, to, extent);
         pass.set_all(next_list, to, [first, length]);

@@ -64,12 +64,14 @@ fn wish(
     voxel[axis] = end;
     let next = load(cell_of, find(voxel), 0u);
     let there = place_in(space, next);
-    let other = space_at(space, there);
-    var differs = extent ^ other;
-    differs[axis] = 0u;
-    if (any(differs != vec3u(0u))) {
-        return;
+    // Mostly one of the other sides differs.
+    for (var other_axis = 0u; other_axis < 3u; other_axis++) {
+        if (other_axis != axis && load_at(space, there, other_axis) != extent[other_axis]) {
+            return;
+        }
     }
+    var other = extent;
+    other[axis] = load_at(space, there, axis);
     let own = vec2u(load_at(list, at, 0u), load_at(list, at, 1u));
     let theirs = vec2u(load_at(list, there, 0u), load_at(list, there, 1u));
     // Somebody may have edited a length: the sum could be too large.
