@@ -1,7 +1,8 @@
 import package::launch::{BLOCK, launch, element, texel};
 import package::leaf::{load, load_at, space_at};
 import package::in_list::{item, lower};
-import package::sums::{sum_before};
+import package::sums::{SUMMED};
+import package::saturating::{saturating_add};
 import package::merging::{NOBODY, absorbs, is_absorbed, place, wished};
 
 @group(0) @binding(0) var space: texture_2d_array<u32>;
@@ -14,8 +15,11 @@ import package::merging::{NOBODY, absorbs, is_absorbed, place, wished};
 @group(0) @binding(6) var next_list: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(7) var next_item: texture_storage_2d_array<r32uint, write>;
 
-// Threads merge lists with up to so many references alone, others with the whole workgroup.
+// Threads merge lists of up to so many references each alone, others with the whole workgroup.
 const SHORT: u32 = 64u;
+
+// Leaves and references that replace all leaves before those of the block of a scan to which the workgroup belongs.
+var<workgroup> before: array<u32, 2>;
 
 // A leaf's list and that of the leaf merged into it, by their first references and lengths; where the merged list goes.
 struct Lists {
@@ -78,27 +82,25 @@ fn move_side_by_side(own: vec2u, other: vec2u, first: u32, with_shared: bool, la
             }
         }
         workgroupBarrier();
-        var before = shared_before;
+        var own_before = shared_before;
         for (var word = 0u; word < WORDS; word++) {
             let bits = atomicLoad(&in_both[word]);
             shared_before += countOneBits(bits);
             let is_all_before = word < lane / 32u;
             let those_before = select(0u, (1u << (lane % 32u)) - 1u, word == lane / 32u);
-            before += countOneBits(bits & select(those_before, 0xffffffffu, is_all_before));
+            own_before += countOneBits(bits & select(those_before, 0xffffffffu, is_all_before));
         }
         if (k < own.y && (with_shared || !is_shared)) {
-            store(first + k + lower_there - before, triangle);
+            store(first + k + lower_there - own_before, triangle);
         }
         workgroupBarrier();
     }
 }
 
 // Moves a leaf to its new place, with the box of the one that is merged into it. Returns the lists that are to be moved.
-fn move_leaf(i: u32, leaf: vec2u) -> Lists {
-    let first = sum_before(kept, leaf, kept_of_block, i, 1u);
-    // No list is longer than all together, unless somebody has edited its length.
-    let most = load_at(totals, vec2u(0u), 1u);
-    var lists = Lists(vec2u(load_at(list, leaf, 0u), min(load_at(list, leaf, 1u), most)), vec2u(0u), first);
+fn move_leaf(leaf: vec2u) -> Lists {
+    let first = saturating_add(before[1], load_at(kept, leaf, 1u));
+    var lists = Lists(vec2u(load_at(list, leaf, 0u), load_at(list, leaf, 1u)), vec2u(0u), first);
     var length = lists.own.y;
     var extent = space_at(space, leaf);
     if (absorbs(leaf)) {
@@ -106,16 +108,22 @@ fn move_leaf(i: u32, leaf: vec2u) -> Lists {
         let next = place(load_at(wished, leaf, 0u));
         let upper = load_at(space, next, axis) & 0xffff0000u;
         extent[axis] = (extent[axis] & 0xffffu) | upper;
-        lists.other = vec2u(load_at(list, next, 0u), min(load_at(list, next, 1u), most));
+        lists.other = vec2u(load_at(list, next, 0u), load_at(list, next, 1u));
         length += lists.other.y - load_at(wished, leaf, 1u);
     }
-    let at = texel(sum_before(kept, leaf, kept_of_block, i, 0u), textureDimensions(next_space).x);
+    let at = texel(saturating_add(before[0], load_at(kept, leaf, 0u)), textureDimensions(next_space).x);
     textureStore(next_space, at, 0, vec4u(extent.x));
     textureStore(next_space, at, 1, vec4u(extent.y));
     textureStore(next_space, at, 2, vec4u(extent.z));
     textureStore(next_list, at, 0, vec4u(first));
     textureStore(next_list, at, 1, vec4u(length));
     return lists;
+}
+
+// No list is longer than all together, unless somebody has edited its length.
+fn within_bounds(lists: Lists) -> Lists {
+    let most = load_at(totals, vec2u(0u), 1u);
+    return Lists(vec2u(lists.own.x, min(lists.own.y, most)), vec2u(lists.other.x, min(lists.other.y, most)), lists.first);
 }
 
 // Moves every leaf that remains, and its list merged with that of the leaf merged into it.
@@ -125,16 +133,17 @@ fn gather(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    if (lane == 0u) {
+    let i = element(group, groups, lane);
+    if (lane < 2u) {
         atomicStore(&next_long, 0u);
+        before[lane] = load(kept_of_block, i / SUMMED, lane);
     }
     workgroupBarrier();
-    let i = element(group, groups, lane);
     let leaf = place(i);
     if (i < launch.elements && !is_absorbed(leaf)) {
-        let lists = move_leaf(i, leaf);
-        if (lists.own.y + lists.other.y > SHORT) {
-            long[atomicAdd(&next_long, 1u)] = lists;
+        let lists = move_leaf(leaf);
+        if (max(lists.own.y, lists.other.y) > SHORT) {
+            long[atomicAdd(&next_long, 1u)] = within_bounds(lists);
         } else {
             merge_alone(lists);
         }

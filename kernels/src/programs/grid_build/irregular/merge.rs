@@ -131,11 +131,11 @@ pub(crate) fn gather(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
         let mut extent = pass.all::<3>(space, i);
         let [to, first] = [0, 1].map(|layer| pass.sum_before(kept, sums, layer, i));
         let mut items = listed(&pass, item, pass.all(list, i), most);
-        let mut length = items.len() as u32;
+        let mut length = pass.get(list, 1, i);
         if let Some(next) = merging.absorbed_by(&pass, i) {
             extent[axis] = low_of(extent[axis]) | pass.get(space, axis, next) & 0xffff_0000;
             let others = listed(&pass, item, pass.all(list, next), most);
-            length = (length + others.len() as u32).wrapping_sub(pass.get(merging.wished, 1, i));
+            length = length.wrapping_add(pass.get(list, 1, next)).wrapping_sub(pass.get(merging.wished, 1, i));
             items = union(&items, &others);
         }
         pass.set_all(next_space, to, extent);

@@ -72,21 +72,24 @@ fn wish(
     }
     var other = extent;
     other[axis] = load_at(space, there, axis);
-    let own = vec2u(load_at(list, at, 0u), load_at(list, at, 1u));
-    let theirs = vec2u(load_at(list, there, 0u), load_at(list, there, 1u));
+    let listed = load_at(list, at, 1u);
+    let its_listed = load_at(list, there, 1u);
     // Somebody may have edited a length: the sum could be too large.
-    if (max(own.y, theirs.y) > LONGEST || own.y + theirs.y > LONGEST) {
+    if (max(listed, its_listed) > LONGEST || listed + its_listed > LONGEST) {
         return;
     }
     var both = extent;
     both[axis] = (extent[axis] & 0xffffu) | (other[axis] & 0xffff0000u);
-    let apart = add64(cost(extent, own.y), cost(other, theirs.y));
+    let apart = add64(cost(extent, listed), cost(other, its_listed));
     // The merged list has at least as many triangles as the longer one.
-    if (!is_at_most64(cost(both, max(own.y, theirs.y)), apart)) {
+    if (!is_at_most64(cost(both, max(listed, its_listed)), apart)) {
         return;
     }
-    let in_both = shared_by(own, theirs);
-    if (is_at_most64(cost(both, own.y + theirs.y - in_both), apart)) {
+    var in_both = 0u;
+    if (min(listed, its_listed) > 0u) {
+        in_both = shared_by(vec2u(load_at(list, at, 0u), listed), vec2u(load_at(list, there, 0u), its_listed));
+    }
+    if (is_at_most64(cost(both, listed + its_listed - in_both), apart)) {
         textureStore(wished, at, 0, vec4u(next));
         textureStore(wished, at, 1, vec4u(in_both));
         textureStore(wished_by, there, 0, vec4u(i));
