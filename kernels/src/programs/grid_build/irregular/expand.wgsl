@@ -18,8 +18,7 @@ var<private> first: u32;
 var<private> listed: u32;
 
 // Whether the leaf's list has every triangle of another one's.
-fn has_all_of(other: vec2u) -> bool {
-    let its_listed = load_at(list, other, 1u);
+fn has_all_of(its_first: u32, its_listed: u32) -> bool {
     if (its_listed > listed) {
         seen += 1u;
         return false;
@@ -28,7 +27,6 @@ fn has_all_of(other: vec2u) -> bool {
     if (seen > MOST_LOOKED_AT) {
         return false;
     }
-    let its_first = load_at(list, other, 0u);
     for (var k = 0u; k < its_listed; k++) {
         if (!is_listed(first, listed, load(item, its_first + k, 0u))) {
             return false;
@@ -109,13 +107,16 @@ fn expand(
         let u = (axis + 1u) % 3u;
         let v = (axis + 2u) % 3u;
         let is_up = (face & 1u) == 0u;
+        // All loads side by side: what takes time is to wait for one after the other.
         let other = place_in(space, find(at));
-        if (!has_all_of(other)) {
+        let extent = space_at(space, other);
+        let its_first = load_at(list, other, 0u);
+        let its_listed = load_at(list, other, 1u);
+        if (!has_all_of(its_first, its_listed)) {
             free &= ~(1u << face);
             is_begun = false;
             continue;
         }
-        let extent = space_at(space, other);
         let own_end = along(at, axis);
         let its_end = along(extent, axis);
         depth = min(depth, select(own_end + 1u - low_of(its_end), high_of(its_end) - own_end, is_up));

@@ -1,6 +1,6 @@
 import package::launch::{BLOCK, launch, element, texel};
 import package::leaf::{load_at};
-import package::merging::{is_absorbed, place, wished_by};
+import package::merging::{NOBODY, place, wished_by};
 import package::sums::{sum_before};
 
 @group(0) @binding(0) var kept: texture_2d_array<u32>;
@@ -21,8 +21,9 @@ fn follow(
     let at = texel(i, textureDimensions(cell_of).x);
     var leaf = textureLoad(cell_of, at, 0).x;
     var its_place = place(leaf);
-    if (is_absorbed(its_place)) {
-        leaf = load_at(wished_by, its_place, 0u);
+    let before = load_at(wished_by, its_place, 0u);
+    if (before != NOBODY && load_at(wished_by, place(before), 0u) == NOBODY) {
+        leaf = before;
         its_place = place(leaf);
     }
     textureStore(cell_of, at, 0, vec4u(sum_before(kept, its_place, kept_of_block, leaf, 0u)));

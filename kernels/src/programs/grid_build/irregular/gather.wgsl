@@ -3,7 +3,7 @@ import package::leaf::{load, load_at, space_at};
 import package::in_list::{item, lower};
 import package::sums::{SUMMED};
 import package::saturating::{saturating_add};
-import package::merging::{NOBODY, absorbs, is_absorbed, place, wished};
+import package::merging::{NOBODY, merged, place};
 
 @group(0) @binding(0) var space: texture_2d_array<u32>;
 @group(0) @binding(1) var list: texture_2d_array<u32>;
@@ -97,21 +97,27 @@ fn move_side_by_side(own: vec2u, other: vec2u, first: u32, with_shared: bool, la
     }
 }
 
-// Moves a leaf to its new place, with the box of the one that is merged into it. Returns the lists that are to be moved.
+// Moves a leaf to its new place, with the box of the one that is merged into it. Returns the lists that are to be
+// moved, empty ones of a leaf that is merged into another one.
 fn move_leaf(leaf: vec2u) -> Lists {
+    let it = merged(leaf);
+    let to = saturating_add(before[0], load_at(kept, leaf, 0u));
     let first = saturating_add(before[1], load_at(kept, leaf, 1u));
     var lists = Lists(vec2u(load_at(list, leaf, 0u), load_at(list, leaf, 1u)), vec2u(0u), first);
-    var length = lists.own.y;
     var extent = space_at(space, leaf);
-    if (absorbs(leaf)) {
+    if (it.is_absorbed) {
+        return Lists(vec2u(0u), vec2u(0u), first);
+    }
+    var length = lists.own.y;
+    if (it.absorbed != NOBODY) {
         let axis = load_at(round, vec2u(0u), 0u);
-        let next = place(load_at(wished, leaf, 0u));
+        let next = place(it.absorbed);
         let upper = load_at(space, next, axis) & 0xffff0000u;
         extent[axis] = (extent[axis] & 0xffffu) | upper;
         lists.other = vec2u(load_at(list, next, 0u), load_at(list, next, 1u));
-        length += lists.other.y - load_at(wished, leaf, 1u);
+        length += lists.other.y - it.in_both;
     }
-    let at = texel(saturating_add(before[0], load_at(kept, leaf, 0u)), textureDimensions(next_space).x);
+    let at = texel(to, textureDimensions(next_space).x);
     textureStore(next_space, at, 0, vec4u(extent.x));
     textureStore(next_space, at, 1, vec4u(extent.y));
     textureStore(next_space, at, 2, vec4u(extent.z));
@@ -139,9 +145,8 @@ fn gather(
         before[lane] = load(kept_of_block, i / SUMMED, lane);
     }
     workgroupBarrier();
-    let leaf = place(i);
-    if (i < launch.elements && !is_absorbed(leaf)) {
-        let lists = move_leaf(leaf);
+    if (i < launch.elements) {
+        let lists = move_leaf(place(i));
         if (max(lists.own.y, lists.other.y) > SHORT) {
             long[atomicAdd(&next_long, 1u)] = within_bounds(lists);
         } else {

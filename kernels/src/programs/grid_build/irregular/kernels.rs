@@ -142,7 +142,7 @@ pub(in super::super) const UNITE: KernelInfo = irregular_row(
     merge::unite,
     [190, 110, 70],
     "decides which leaves are merged",
-    &[Break::new(irregular, "vec4u(u32(!is_gone))", "vec4u(1u)")],
+    &[Break::new(irregular, "vec4u(u32(!it.is_absorbed))", "vec4u(1u)")],
 );
 pub(in super::super) const GATHER: KernelInfo = in_portions(
     1,
@@ -163,7 +163,7 @@ pub(in super::super) const FOLLOW: KernelInfo = irregular_row(
     merge::follow,
     [150, 120, 190],
     "follows leaves to the cells that they became part of",
-    &[Break::new(irregular, "leaf = load_at(wished_by, its_place, 0u);", "leaf = leaf;")],
+    &[Break::new(irregular, "leaf = before;", "leaf = leaf;")],
 );
 pub(in super::super) const NEXT_AXIS: KernelInfo = irregular_row(
     of_irregular!("next_axis"),

@@ -12,13 +12,22 @@ fn place(leaf: u32) -> vec2u {
     return place_in(wished_by, leaf);
 }
 
-// Whether the leaf after this one is merged into it.
-fn absorbs(leaf: vec2u) -> bool {
-    return load_at(wished_by, leaf, 0u) == NOBODY && load_at(wished, leaf, 0u) != NOBODY;
+// What becomes of a leaf.
+struct Merged {
+    // Whether it is merged into the one that wishes to be merged with it.
+    is_absorbed: bool,
+    // The leaf after it, if that is merged into this one, or NOBODY; how many triangles both list.
+    absorbed: u32,
+    in_both: u32,
 }
 
-// Whether this leaf is merged into the one that wishes to be merged with it.
-fn is_absorbed(leaf: vec2u) -> bool {
+// What becomes of the leaf at a place. Its loads are side by side: what takes time is to wait for one after the other.
+fn merged(leaf: vec2u) -> Merged {
     let before = load_at(wished_by, leaf, 0u);
-    return before != NOBODY && load_at(wished_by, place(before), 0u) == NOBODY;
+    let wish = load_at(wished, leaf, 0u);
+    let in_both = load_at(wished, leaf, 1u);
+    if (before == NOBODY) {
+        return Merged(false, wish, in_both);
+    }
+    return Merged(load_at(wished_by, place(before), 0u) == NOBODY, NOBODY, 0u);
 }

@@ -1,6 +1,6 @@
 import package::launch::{BLOCK, launch, element};
 import package::leaf::{load_at};
-import package::merging::{absorbs, is_absorbed, place, wished};
+import package::merging::{NOBODY, merged, place};
 
 @group(0) @binding(0) var list: texture_2d_array<u32>;
 @group(0) @binding(1) var kept: texture_storage_2d_array<r32uint, write>;
@@ -18,12 +18,12 @@ fn unite(
     }
     let at = place(i);
     var length = load_at(list, at, 1u);
-    let is_gone = is_absorbed(at);
-    if (is_gone) {
+    let it = merged(at);
+    if (it.is_absorbed) {
         length = 0u;
-    } else if (absorbs(at)) {
-        length += load_at(list, place(load_at(wished, at, 0u)), 1u) - load_at(wished, at, 1u);
+    } else if (it.absorbed != NOBODY) {
+        length += load_at(list, place(it.absorbed), 1u) - it.in_both;
     }
-    textureStore(kept, at, 0, vec4u(u32(!is_gone)));
+    textureStore(kept, at, 0, vec4u(u32(!it.is_absorbed)));
     textureStore(kept, at, 1, vec4u(length));
 }

@@ -64,18 +64,14 @@ fn wish(
     voxel[axis] = end;
     let next = load(cell_of, find(voxel), 0u);
     let there = place_in(space, next);
-    // Mostly one of the other sides differs.
-    for (var other_axis = 0u; other_axis < 3u; other_axis++) {
-        if (other_axis != axis && load_at(space, there, other_axis) != extent[other_axis]) {
-            return;
-        }
-    }
-    var other = extent;
-    other[axis] = load_at(space, there, axis);
+    // All loads side by side: what takes time is to wait for one after the other.
+    let other = space_at(space, there);
     let listed = load_at(list, at, 1u);
     let its_listed = load_at(list, there, 1u);
+    var differs = extent ^ other;
+    differs[axis] = 0u;
     // Somebody may have edited a length: the sum could be too large.
-    if (max(listed, its_listed) > LONGEST || listed + its_listed > LONGEST) {
+    if (any(differs != vec3u(0u)) || max(listed, its_listed) > LONGEST || listed + its_listed > LONGEST) {
         return;
     }
     var both = extent;
