@@ -9,6 +9,8 @@ struct Launch {
     blocks: u32,
     // The first workgroup of this dispatch, if there are several.
     first_block: u32,
+    // Texels per row of the set's streams.
+    width: u32,
 }
 
 @group(2) @binding(0) var<uniform> launch: Launch;
@@ -24,6 +26,22 @@ fn block_index(group: vec3u, groups: vec3u) -> u32 {
 // The element of a thread, if there is one per thread.
 fn element(group: vec3u, groups: vec3u, lane: u32) -> u32 {
     return block_index(group, groups) * BLOCK + lane;
+}
+
+// Half of a workgroup's threads: those of one row.
+const HALF: u32 = BLOCK / 2u;
+
+// The element of a thread, if a workgroup's elements need not follow each other: they are in two rows of the textures, whose
+// texels share sectors of memory on many GPUs. The first HALF of them follow each other, and the others do.
+fn element_of_rows(group: vec3u, groups: vec3u, lane: u32) -> u32 {
+    if (launch.width < HALF) {
+        return element(group, groups, lane);
+    }
+    let block = block_index(group, groups);
+    let across = launch.width / HALF;
+    let x = (block & (across - 1u)) * HALF + lane % HALF;
+    let y = 2u * (block >> firstTrailingBit(across)) + lane / HALF;
+    return y * launch.width + x;
 }
 
 // The texel of element i in a texture that is filled row by row, whose width is a power of two.

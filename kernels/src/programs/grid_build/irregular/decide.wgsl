@@ -1,4 +1,4 @@
-import package::launch::{BLOCK, launch, element};
+import package::launch::{BLOCK, launch, element_of_rows};
 import package::leaf::{load_at, place_in, level_of, even_of};
 import package::candidate::{is_its_turn, may_be_divided};
 import package::ranks::{count};
@@ -19,7 +19,7 @@ fn decide(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = element(group, groups, lane);
+    let i = element_of_rows(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

@@ -1,4 +1,4 @@
-import package::launch::{BLOCK, launch, element, texel};
+import package::launch::{BLOCK, launch, element_of_rows, texel};
 import package::leaf::{load, load_space};
 
 @group(0) @binding(0) var box: texture_2d_array<u32>;
@@ -14,7 +14,7 @@ fn finish_cells(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = element(group, groups, lane);
+    let i = element_of_rows(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

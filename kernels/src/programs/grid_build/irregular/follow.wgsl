@@ -1,4 +1,4 @@
-import package::launch::{BLOCK, launch, element, texel};
+import package::launch::{BLOCK, launch, element_of_rows, texel};
 import package::leaf::{load_at};
 import package::merging::{NOBODY, place, wished_by};
 import package::sums::{sum_before};
@@ -14,7 +14,7 @@ fn follow(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = element(group, groups, lane);
+    let i = element_of_rows(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

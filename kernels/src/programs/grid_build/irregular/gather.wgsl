@@ -1,4 +1,4 @@
-import package::launch::{BLOCK, launch, element, texel};
+import package::launch::{BLOCK, HALF, launch, element_of_rows, texel};
 import package::leaf::{load, load_at, space_at};
 import package::in_list::{item, lower};
 import package::sums::{SUMMED};
@@ -18,8 +18,8 @@ import package::merging::{NOBODY, merged, place};
 // Threads merge lists of up to so many references each alone, others with the whole workgroup.
 const SHORT: u32 = 64u;
 
-// Leaves and references that replace all leaves before those of the block of a scan to which the workgroup belongs.
-var<workgroup> before: array<u32, 2>;
+// Leaves and references that replace all leaves before those of the block of a scan, for each half of the workgroup.
+var<workgroup> before: array<u32, 4>;
 
 // A leaf's list and that of the leaf merged into it, by their first references and lengths; where the merged list goes.
 struct Lists {
@@ -99,10 +99,10 @@ fn move_side_by_side(own: vec2u, other: vec2u, first: u32, with_shared: bool, la
 
 // Moves a leaf to its new place, with the box of the one that is merged into it. Returns the lists that are to be
 // moved, empty ones of a leaf that is merged into another one.
-fn move_leaf(leaf: vec2u) -> Lists {
+fn move_leaf(leaf: vec2u, row: u32) -> Lists {
     let it = merged(leaf);
-    let to = saturating_add(before[0], load_at(kept, leaf, 0u));
-    let first = saturating_add(before[1], load_at(kept, leaf, 1u));
+    let to = saturating_add(before[2u * row], load_at(kept, leaf, 0u));
+    let first = saturating_add(before[2u * row + 1u], load_at(kept, leaf, 1u));
     var lists = Lists(vec2u(load_at(list, leaf, 0u), load_at(list, leaf, 1u)), vec2u(0u), first);
     var extent = space_at(space, leaf);
     if (it.is_absorbed) {
@@ -139,14 +139,16 @@ fn gather(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = element(group, groups, lane);
-    if (lane < 2u) {
+    let i = element_of_rows(group, groups, lane);
+    if (lane % HALF < 2u) {
+        let row = lane / HALF;
+        let layer = lane % HALF;
         atomicStore(&next_long, 0u);
-        before[lane] = load(kept_of_block, i / SUMMED, lane);
+        before[2u * row + layer] = load(kept_of_block, element_of_rows(group, groups, row * HALF) / SUMMED, layer);
     }
     workgroupBarrier();
     if (i < launch.elements) {
-        let lists = move_leaf(place(i));
+        let lists = move_leaf(place(i), lane / HALF);
         if (max(lists.own.y, lists.other.y) > SHORT) {
             long[atomicAdd(&next_long, 1u)] = within_bounds(lists);
         } else {

@@ -134,7 +134,10 @@ pub(in super::super) const WISH: KernelInfo = in_portions(
         merge::wish,
         [190, 150, 30],
         "finds which leaves cost no more together with the next one",
-        &[Break::new(irregular, "listed + STEP_COST", "listed"), Break::new(irregular, "in_both += u32(one == other)", "in_both += 0u")],
+        &[
+            Break::new(irregular, "listed + STEP_COST", "listed"),
+            Break::new(irregular, "in_both += u32(one == other)", "in_both += 0u"),
+        ],
     ),
 );
 pub(in super::super) const UNITE: KernelInfo = irregular_row(

@@ -1,4 +1,4 @@
-import package::launch::{BLOCK, launch, element, texel};
+import package::launch::{BLOCK, launch, element_of_rows, texel};
 import package::leaf::{load};
 
 @group(0) @binding(0) var cell_of: texture_2d_array<u32>;
@@ -11,7 +11,7 @@ fn name_cells(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = element(group, groups, lane);
+    let i = element_of_rows(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

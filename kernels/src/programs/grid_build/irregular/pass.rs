@@ -60,7 +60,13 @@ impl<'a> Pass<'a> {
     }
 
     /// The sum of the values before an element, of which a scan leaves those of its block and those of all blocks before.
-    pub(in crate::programs::grid_build) fn sum_before(&self, values: View, sums: View, layer: usize, element: u32) -> u32 {
+    pub(in crate::programs::grid_build) fn sum_before(
+        &self,
+        values: View,
+        sums: View,
+        layer: usize,
+        element: u32,
+    ) -> u32 {
         self.get(sums, layer, element / SCAN_BLOCK as u32).saturating_add(self.get(values, layer, element))
     }
 

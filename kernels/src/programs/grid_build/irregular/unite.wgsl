@@ -1,4 +1,4 @@
-import package::launch::{BLOCK, launch, element};
+import package::launch::{BLOCK, launch, element_of_rows};
 import package::leaf::{load_at};
 import package::merging::{NOBODY, merged, place};
 
@@ -12,7 +12,7 @@ fn unite(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = element(group, groups, lane);
+    let i = element_of_rows(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

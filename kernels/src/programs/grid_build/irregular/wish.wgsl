@@ -1,4 +1,4 @@
-import package::launch::{BLOCK, launch, element};
+import package::launch::{BLOCK, launch, element_of_rows};
 import package::build::{build};
 import package::leaf::{load, load_at, place_in, space_at, high_of};
 import package::soft_f64::{add64, product64};
@@ -49,7 +49,7 @@ fn wish(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = element(group, groups, lane);
+    let i = element_of_rows(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }
