@@ -190,7 +190,10 @@ fn a_broken_kernel_of_a_build_is_named() {
         let row = kernel.info();
         assert!(!row.breaks.is_empty(), "nothing breaks {}", row.name);
         // Once per row, however often the program contains the kernel: all its variants are broken.
-        for broken in row.breaks.iter().filter(|_| rows.insert(row.name)) {
+        if !rows.insert(row.name) {
+            continue;
+        }
+        for broken in row.breaks {
             let mut options = build(&teapot, GridSize::Auto);
             (broken.run)(&mut options);
             // The smaller scene is enough for kernels that only build irregular grids.
@@ -211,7 +214,7 @@ fn a_broken_kernel_of_a_build_is_named() {
             .expect("both builds");
         }
     }
-    assert_eq!(rows.len(), 39);
+    assert_eq!(rows.len(), 37);
 }
 
 #[test]

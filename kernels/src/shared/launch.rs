@@ -2,8 +2,6 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::tables::elements::Size;
-
 /// Threads per workgroup, one per element.
 pub const BLOCK: usize = 256;
 
@@ -24,18 +22,9 @@ pub struct Launch {
 }
 
 impl Launch {
-    /// The parameters of a launch over a set of this size.
+    /// The parameters of a launch over so many elements, in textures of this width.
     #[must_use]
-    pub fn new(size: Size, parameter: u32) -> Self {
-        let (elements, width) = (size.count, size.width);
+    pub fn new(elements: u32, width: u32, parameter: u32) -> Self {
         Self { elements, parameter, blocks: elements.div_ceil(BLOCK as u32), first_block: 0, width }
-    }
-
-    /// Workgroups with one element per thread that a set of this size takes, whether their elements follow each other or
-    /// are in two rows.
-    #[must_use]
-    pub fn workgroups(size: Size) -> u32 {
-        let in_rows = size.height.div_ceil(2) * (size.width / (BLOCK as u32 / 2));
-        size.count.div_ceil(BLOCK as u32).max(in_rows)
     }
 }

@@ -239,7 +239,9 @@ impl Books {
         counts: &StateCounts,
         sizes: &[Size],
     ) -> Vec<Place> {
-        let launch = |(kernel, size): (&Kernel, &Size)| shared::launch::Launch::new(*size, kernel.instance().parameter);
+        let launch = |(kernel, size): (&Kernel, &Size)| {
+            shared::launch::Launch::new(size.count, size.width, kernel.instance().parameter)
+        };
         self.write_launches(queue, passes.iter().zip(sizes).map(launch));
         let mut run = vec![0u32; self.lists.len()];
         let mut places = Vec::with_capacity(passes.len());
@@ -273,7 +275,7 @@ impl Books {
 
     /// Writes the parameters of the next dispatches of the only pass of a batch, each of which begins with such a block.
     pub(super) fn begin_at(&self, queue: &wgpu::Queue, kernel: Kernel, size: Size, first_blocks: &[u32]) {
-        let launch = shared::launch::Launch::new(size, kernel.instance().parameter);
+        let launch = shared::launch::Launch::new(size.count, size.width, kernel.instance().parameter);
         let launches = first_blocks.iter().map(|&first_block| shared::launch::Launch { first_block, ..launch });
         self.write_launches(queue, launches);
     }
@@ -319,7 +321,11 @@ pub(super) fn groups(kernel: Kernel, size: Size) -> [u32; 2] {
         // As many workgroups as cover the elements; a few more if they do not fit in one row.
         Launch::List { each, .. } => {
             let blocks = match each {
-                1 if workgroup == BLOCK as u32 => shared::launch::Launch::workgroups(size),
+                // Whether a workgroup's elements follow each other or are in two rows.
+                1 if workgroup == BLOCK as u32 => {
+                    let in_rows = size.height.div_ceil(2) * (size.width / (workgroup / 2));
+                    size.count.div_ceil(workgroup).max(in_rows)
+                }
                 _ => size.count.div_ceil(workgroup * each),
             };
             let rows = blocks.div_ceil(MOST).max(1);

@@ -201,5 +201,5 @@ pub(in super::super) const FINISH_ITEMS: KernelInfo = irregular_row(
     finish::finish_items,
     [120, 130, 140],
     "marks the last triangle of each list",
-    &[Break::new(irregular, "if (i + 1u == load", "if (i == load")],
+    &[Break::new(irregular, "+ length - 1u", "+ 0u")],
 );
