@@ -24,8 +24,9 @@ fn every_combination_ends_in_the_same_hits() {
                 // On two cores, brute force over more rays takes minutes.
                 let size = match (scene.triangles.len() <= 60, thorough()) {
                     (true, true) => 256,
-                    (false, false) => 48,
-                    _ => 96,
+                    (false, true) => 96,
+                    (true, false) => 64,
+                    (false, false) => 40,
                 };
                 if accelerator == Accelerator::None && scene.triangles.len() > 2000 {
                     continue;
