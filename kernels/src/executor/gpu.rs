@@ -228,7 +228,7 @@ impl GpuExecutor {
         self.resize_adopting(sizes, &[])
     }
 
-    /// As [`resize`](Self::resize), but of each pair of streams the second one becomes the first one.
+    /// As [`resize`](Self::resize), but renames the second stream of each pair to the first.
     fn resize_adopting(&mut self, sizes: Sizes, adopted: &[(Stream, Stream)]) -> Result<(), GpuError> {
         if sizes == self.sizes {
             return Ok(());

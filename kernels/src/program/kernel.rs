@@ -140,8 +140,9 @@ pub struct Instance {
     /// Sets whose numbers of elements are read again before it runs. Their streams are unwritten then, unless the number
     /// is the same.
     pub renews: &'static [&'static Elements],
-    /// Pairs of a stream and the one that becomes it before the kernel runs, without a copy: the set of the former then has
-    /// as many elements as that of the latter, which has none until it is renewed. Nothing happens if it has none already.
+    /// Pairs (to, from): before the kernel runs, the stream `from` is renamed to `to`, without a copy. The set of `to` takes
+    /// the size of the set of `from`, which then has no size until it is renewed. If it has none to begin with, nothing
+    /// happens.
     pub adopts: &'static [(Stream, Stream)],
 }
 

@@ -31,8 +31,8 @@ fn element(group: vec3u, groups: vec3u, lane: u32) -> u32 {
 // Half of a workgroup's threads: those of one row.
 const HALF: u32 = BLOCK / 2u;
 
-// The element of a thread, if a workgroup's elements need not follow each other: they are in two rows of the textures, whose
-// texels share sectors of memory on many GPUs. The first HALF of them follow each other, and the others do.
+// The element of a thread, for kernels whose workgroups need not take consecutive elements. Each half of a workgroup takes
+// HALF consecutive elements, from two adjacent rows of the textures: on many GPUs, such texels share memory sectors.
 fn element_of_rows(group: vec3u, groups: vec3u, lane: u32) -> u32 {
     if (launch.width < HALF) {
         return element(group, groups, lane);

@@ -15,8 +15,9 @@ use crate::tables::sizes::COUNT_SLOT_BYTES;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::Stream;
 
-/// Dispatches of one pass per submission: what a submission costs beside them is small then.
-const DISPATCHES_A_SUBMISSION: usize = 16;
+/// Most dispatches of one pass per submission: enough to make the overhead of a submission small, and few enough that a
+/// submission takes less than the two seconds after which some systems reset the GPU.
+const DISPATCHES_A_SUBMISSION: usize = 8;
 const _: () = assert!(DISPATCHES_A_SUBMISSION <= MOST_PASSES);
 
 /// Byte offset of `first_row` in the uniform `scene`.

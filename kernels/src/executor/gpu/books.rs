@@ -321,7 +321,7 @@ pub(super) fn groups(kernel: Kernel, size: Size) -> [u32; 2] {
         // As many workgroups as cover the elements; a few more if they do not fit in one row.
         Launch::List { each, .. } => {
             let blocks = match each {
-                // Whether a workgroup's elements follow each other or are in two rows.
+                // Enough workgroups for either `element` or `element_of_rows`.
                 1 if workgroup == BLOCK as u32 => {
                     let in_rows = size.height.div_ceil(2) * (size.width / (workgroup / 2));
                     size.count.div_ceil(workgroup).max(in_rows)

@@ -15,10 +15,10 @@
 //!
 //! of leaves      space  list             its box, and which references it has
 //!                division                how far it may be divided
-//!                places                  what replaces it when leaves are divided, then all before it
+//!                places                  what replaces it when leaves are divided
 //!                kept                    the same when leaves are merged
-//!                opened                  nodes that begin with it, then with all before it
-//!                wished  wished_by       with which leaf it had better be merged, and the other way round
+//!                opened                  nodes that begin with it
+//!                wished  wished_by       the neighbour it proposes to merge with, and who proposes that to it
 //!                expanded  cell          its expanded box, and the record that rays read
 //! of listed      owner  item             a reference's leaf and triangle
 //! of groups      bits  in_halves         in which halves of their leaf 32 references lie
@@ -36,7 +36,8 @@
 //!
 //! What begins with `next_` becomes the stream of this name before the next step: nothing is copied.
 //!
-//! The other streams hold sums of blocks of 8,192 elements, and the sum of all.
+//! The other streams hold sums of blocks of 8,192 elements, and the sum of all. A scan replaces `places`, `kept` and `opened`
+//! by the sums of the values before them in the same block; readers add what `…_of_block` has for the blocks before.
 
 use super::elements::{
     ALL_CELLS, ALL_GROUPS, ALL_LEAVES, ALL_NODES, ALL_SPANS, ALL_TALLIES, ALL_TRIANGLES, BRANCHES, CELL_BLOCKS,
@@ -158,8 +159,8 @@ streams! {
     /// anyway in the next one, and bit 16 if it stays as it is.
     DIVISION of LEAVES: "division" U32 &["budget", "levels"], meaning: &[Count, Id], unit: "references; levels",
         unwritten: &[0; 2], why_absent: one_level;
-    /// Numbers of leaves and references that replace a leaf, and of those leaves that may be divided in turn; after the scan, of
-    /// all leaves before it.
+    /// Numbers of leaves and references that replace a leaf, and of those leaves that may still be divided; after the scan,
+    /// sums over the earlier leaves of its block.
     PLACES of LEAVES: "places" U32 &["leaves", "references", "left"], meaning: &[Count; 3], unit: "count",
         unwritten: &[0; 3], why_absent: one_level;
     /// Sums of blocks of leaves.
@@ -196,7 +197,7 @@ streams! {
     /// Sums of all groups.
     IN_HALVES_IN_ALL of ALL_GROUPS: "in_halves_in_all" U32 &HALVES, meaning: &[Count; 8], unit: "count of references",
         unwritten: &[0; 8], why_absent: one_level;
-    /// Number of nodes whose first leaf this is; after the scan, of all leaves before it.
+    /// Number of nodes whose first leaf this is; after the scan, sums over the earlier leaves of its block.
     OPENED of LEAVES: "opened" U32 &["nodes"], meaning: &[Count], unit: "count of nodes", unwritten: &[0],
         why_absent: one_level;
     /// Sums of blocks of leaves.
@@ -237,13 +238,14 @@ streams! {
     /// Of merging: the axis, rounds that are over, leaves now, whether merging goes on, leaves at first.
     ROUND of WHOLE: "round" U32 &["axis", "rounds", "leaves", "goes_on", "refined"], meaning: &[Id, Count, Count, Id, Count],
         unit: "see the layers' names", unwritten: &[0; 5], why_absent: not_merged;
-    /// The neighbour with which a leaf had better be merged, or the largest number; how many triangles both list.
+    /// The neighbour that a leaf proposes to merge with, or the largest number; how many triangles both list.
     WISHED of LEAVES: "wished" U32 &["leaf", "shared"], meaning: &[Id, Count], unit: "index of a leaf; triangles",
         unwritten: &[u32::MAX, 0], why_absent: not_merged;
-    /// The leaf that had better be merged with this one, or the largest number.
+    /// The leaf that proposes to merge with this one, or the largest number.
     WISHED_BY of LEAVES: "wished_by" U32 &["leaf"], meaning: &[Id], unit: "index of a leaf", unwritten: &[u32::MAX],
         why_absent: not_merged;
-    /// Numbers of leaves and references that replace a leaf when leaves are merged; after the scan, of all leaves before it.
+    /// Numbers of leaves and references that replace a leaf when leaves are merged; after the scan, sums over the earlier
+    /// leaves of its block.
     KEPT of LEAVES: "kept" U32 &["leaves", "references"], meaning: &[Count; 2], unit: "count", unwritten: &[0; 2],
         why_absent: not_merged;
     /// Sums of blocks of leaves.

@@ -11,8 +11,8 @@ pub(crate) const STEP_COST: u64 = 1;
 /// Most rounds; each merges pairs along x, y and z.
 pub(crate) const ROUNDS: u32 = 8;
 
-/// After the first round, merging ends with an axis along which less than this part of all cells is merged. Later ones
-/// save memory, and rays hardly any steps.
+/// After the first round, merging ends with an axis along which fewer than 1 / `LEAST_MERGED` of the original cells are
+/// merged. Further ones would save memory, but hardly any steps per ray.
 pub(crate) const LEAST_MERGED: usize = 64;
 
 /// Longest list that costs count; longer ones are never merged.

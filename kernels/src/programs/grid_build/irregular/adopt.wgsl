@@ -6,7 +6,7 @@ import package::leaf::{load};
 @group(0) @binding(2) var first_out: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(3) var second_out: texture_storage_2d_array<r32uint, write>;
 
-// Copies two streams of a set: what was computed next becomes what is.
+// Takes the sorted references as those of the first leaves: copies two streams.
 @compute @workgroup_size(BLOCK)
 fn adopt(
     @builtin(workgroup_id) group: vec3u,

@@ -10,11 +10,11 @@ const SHORT: u32 = 8u;
 
 const MOST_LEVELS: u32 = 32u;
 
-// Whether a leaf is tried with this halving, or was. Octrees that are divided less deep wait for the deepest ones, so that
-// there are few leaves as long as few of them are divided: each halving moves all.
+// Whether a leaf's turn has come. Shallow octrees wait for the deepest one: each halving moves all leaves, so their number
+// should stay small for as long as possible.
 fn is_its_turn(levels: u32) -> bool {
     let done = load_at(halving, vec2u(0u), 0u);
-    // Somebody may have edited it: then nobody waits for long.
+    // Clamped, since the stream may have been edited: otherwise leaves could wait almost forever.
     let depth = min(load_at(halving, vec2u(0u), 1u), MOST_LEVELS);
     return level_of(levels) + depth <= done + even_of(levels);
 }

@@ -23,7 +23,7 @@ fn has_all_of(its_first: u32, its_listed: u32) -> bool {
         seen += 1u;
         return false;
     }
-    seen += 1u + its_listed;
+    seen += 1u + min(its_listed, MOST_LOOKED_AT);
     if (seen > MOST_LOOKED_AT) {
         return false;
     }

@@ -30,7 +30,7 @@ impl Growing<'_, '_> {
             self.seen += 1;
             return false;
         }
-        self.seen = self.seen.saturating_add(1).saturating_add(listed);
+        self.seen += 1 + listed.min(MOST_LOOKED_AT);
         self.seen <= MOST_LOOKED_AT
             && (0..listed).all(|k| {
                 let triangle = self.pass.get(self.item, 0, first.wrapping_add(k));

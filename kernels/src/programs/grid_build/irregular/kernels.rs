@@ -49,7 +49,7 @@ pub(in super::super) const ADOPT: KernelInfo = irregular_row(
     of_irregular!("adopt"),
     refine::adopt,
     [150, 150, 150],
-    "makes what was computed next what is",
+    "takes the sorted references as those of the first leaves",
     &[Break::new(irregular, "load(second_in, i, layer)", "load(first_in, i, layer)")],
 );
 pub(in super::super) const HALVE: KernelInfo = in_portions(

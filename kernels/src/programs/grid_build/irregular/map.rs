@@ -168,7 +168,7 @@ pub(crate) fn map_blocks(columns: &mut dyn Columns, kernel: Kernel, data: &Scene
             let middle = low + (high - low) / 2;
             if pass.get(first_entry, 0, middle) <= i { low = middle } else { high = middle }
         }
-        let levels = pass.get(block_levels, 0, low);
+        let levels = pass.get(block_levels, 0, low).min(3);
         let place = i.wrapping_sub(pass.get(first_entry, 0, low));
         let voxel = [0, levels, 2 * levels].map(|shift| place >> shift & ((1 << levels) - 1));
         let mut below = low << 1 | NODE;

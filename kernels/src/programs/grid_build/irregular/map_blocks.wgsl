@@ -70,7 +70,8 @@ fn map_blocks(
     }
     let found = near_node_of(i);
     let node = found.x;
-    let levels = load(block_levels, node, 0u);
+    // At most three, unless somebody has edited the stream.
+    let levels = min(load(block_levels, node, 0u), 3u);
     let place = i - found.y;
     let voxel = vec3u(place, place >> levels, place >> (2u * levels)) & vec3u((1u << levels) - 1u);
     var below = (node << 1u) | NODE;

@@ -110,7 +110,7 @@ pub(crate) fn unite(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData)
         let is_gone = merging.absorber_of(&pass, i).is_some();
         let mut length = if is_gone { 0 } else { pass.get(list, 1, i) };
         if let Some(next) = merging.absorbed_by(&pass, i).filter(|_| !is_gone) {
-            length = (length + pass.get(list, 1, next)).wrapping_sub(pass.get(merging.wished, 1, i));
+            length = length.wrapping_add(pass.get(list, 1, next)).wrapping_sub(pass.get(merging.wished, 1, i));
         }
         pass.set_all(kept, i, [u32::from(!is_gone), length]);
     }
@@ -161,8 +161,8 @@ pub(crate) fn next_axis(columns: &mut dyn Columns, kernel: Kernel, data: &SceneD
     let mut pass = Pass::new(columns, kernel, &data.build);
     let (totals, round) = (pass.of("totals"), pass.of("round"));
     let [axis, rounds, before, _, refined] = pass.all(round, 0);
-    let is_last = axis + 1 >= 3;
-    let (axis, rounds_after) = if is_last { (0, rounds + 1) } else { (axis + 1, rounds) };
+    let axis = axis.wrapping_add(1);
+    let (axis, rounds_after) = if axis >= 3 { (0, rounds.wrapping_add(1)) } else { (axis, rounds) };
     let leaves = pass.get(totals, 0, 0);
     let is_worth_it = rounds == 0 || before.wrapping_sub(leaves) >= refined.div_ceil(LEAST_MERGED as u32);
     pass.set_all(round, 0, [axis, rounds_after, leaves, u32::from(rounds_after < ROUNDS && is_worth_it)]);

@@ -75,7 +75,7 @@ const MOST_LEVELS: u32 = 32;
 
 /// Whether a leaf is tried with this halving, or was: `candidate.wgsl`.
 fn is_its_turn([done, depth]: [u32; 2], levels: u32) -> bool {
-    (levels & 0xff) + depth.min(MOST_LEVELS) <= done + (levels >> 8 & 0xff)
+    (levels & 0xff) + depth.min(MOST_LEVELS) <= done.wrapping_add(levels >> 8 & 0xff)
 }
 
 pub(crate) fn halve(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {

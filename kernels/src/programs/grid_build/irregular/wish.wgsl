@@ -42,7 +42,7 @@ fn shared_by(a: vec2u, b: vec2u) -> u32 {
 
 // Proposes to merge a leaf with the neighbour after it along the round's axis if the two form a box and, by the surface
 // area heuristic (Goldsmith and Salmon, 1987), the merged leaf costs no more than the two. Leaves without a wish write
-// nothing: whenever merging along an axis has changed their number, both streams are unwritten, and else nobody had one.
+// nothing: if the previous axis merged any leaves, both streams were created anew, unwritten; otherwise no leaf had a wish.
 @compute @workgroup_size(BLOCK)
 fn wish(
     @builtin(workgroup_id) group: vec3u,
