@@ -207,71 +207,90 @@ fn small(example: &str) -> String {
 #[test]
 #[cfg(unix)]
 fn help_examples_run() {
+    use std::sync::Mutex;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     let commands = "inspect render trace dump bench cast report stability plan info scene completions";
     let mut helps: Vec<Vec<&str>> = commands.split(' ').map(|name| vec![name]).collect();
     helps.extend([vec![], vec!["scene", "convert"], vec!["scene", "soup"]]);
-    let has_jq = std::process::Command::new("jq").arg("--version").output().is_ok_and(|o| o.status.success());
-    let mut run = 0;
-    for help in helps {
-        let place = Place::new();
-        std::os::unix::fs::symlink(scene(""), place.path("scenes")).expect("a link");
-        // A ray, for the examples of cast.
-        let ray = [0.0f32, 0.0, 0.5, 0.0, 0.25, 0.25, 1.0, 0.0].map(f32::to_le_bytes).concat();
-        let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 8), }\n".as_bytes();
-        let npy = [b"\x93NUMPY\x01\x00\x3c\x00", header, &ray[..28], &9f32.to_le_bytes()].concat();
-        // A saved session and a lesson, for the examples of inspect.
-        let link = "raystep:1?scene=scenes/teapot.glb&size=16x16&device=cpu";
-        let session = serde_json::json!({ "version": 1, "here": { "link": link } }).to_string().into_bytes();
-        let lesson: Vec<u8> = "# A lesson\n\n## The only step\n\nA text.\n\n```raystep\nopen scene=built-in:cornell-box size=16x16\n```\n".into();
-        for (name, bytes) in [
-            ("rays.npy", &npy),
-            ("shadow.npy", &npy),
-            ("primary.f32", &ray),
-            ("teapot.raystep-session", &session),
-            ("my-lesson.md", &lesson),
-        ] {
-            std::fs::write(place.path(name), bytes).expect("a file");
+    // On two threads: most of the time, an example keeps one core busy.
+    let (helps, run) = (Mutex::new(helps), AtomicUsize::new(0));
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                while let Some(help) = { helps.lock().expect("no panic while it is held").pop() } {
+                    run.fetch_add(run_examples(&help), Ordering::Relaxed);
+                }
+            });
         }
-        std::fs::create_dir(place.path("old")).expect("a folder");
-        std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_raystep"), place.path("old/raystep")).expect("a link");
-        let text = place.ok(&[&help[..], &["--help"]].concat()).stdout;
-        let (_, examples) = text.split_once("Examples:\n").expect("examples");
-        let (mut of_help, mut folder) = (0, None);
-        for line in examples.lines() {
-            let Some(line) = line.strip_prefix("  ") else { continue };
-            // A line may end with a description.
-            let line = line.split("   ").next().unwrap_or(line);
-            let line = if has_jq { line } else { line.split(" | jq").next().unwrap_or(line) };
-            let line = small(line);
-            // An independent example may write the same folder as the one before it: remove that folder first.
-            let output = line.split_once(" -o ").map(|(_, rest)| rest.split(' ').next().unwrap_or(rest).to_owned());
-            if output.is_some() && output == folder && place.path(output.as_deref().unwrap_or_default()).is_dir() {
-                std::fs::remove_dir_all(place.path(output.as_deref().unwrap_or_default())).expect("a folder");
-            }
-            folder = output;
-            // The examples' scripts, without Python.
-            let python = "python() { if [ \"$1\" = make_rays.py ]; then cat rays.npy; else cat > hits.npy; fi; }";
-            let script = format!("raystep() {{ '{}' \"$@\"; }}\n{python}\n{line}", env!("CARGO_BIN_EXE_raystep"));
-            let mut shell = std::process::Command::new("sh");
-            for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
-                shell.env_remove(name);
-            }
-            let home = place.path("");
-            let result = outcome(shell.args(["-c", &script]).env("HOME", &home).current_dir(&home));
-            if line == "raystep scenes/cornell-box.gltf" && cfg!(not(target_os = "macos")) {
-                // It opens a window, which this test cannot see: tests/window.sh tests it.
-                assert!(result.stderr.starts_with("error: no display"), "{line}: {result:?}");
-            } else {
-                // One run decides no comparison.
-                let code = if line.contains("--at-most") { 3 } else { 0 };
-                assert_eq!(result.code, Some(code), "{line}: {result:?}");
-            }
-            of_help += 1;
-        }
-        assert!(of_help > 0, "{help:?} has no example");
-        run += of_help;
-    }
+    });
+    let run = run.into_inner();
     assert!(run >= 50, "{run} examples");
+}
+
+/// Runs the examples of a help text and returns their number.
+#[cfg(unix)]
+fn run_examples(help: &[&str]) -> usize {
+    let has_jq = std::process::Command::new("jq").arg("--version").output().is_ok_and(|o| o.status.success());
+    let place = Place::new();
+    std::os::unix::fs::symlink(scene(""), place.path("scenes")).expect("a link");
+    // A ray, for the examples of cast.
+    let ray = [0.0f32, 0.0, 0.5, 0.0, 0.25, 0.25, 1.0, 0.0].map(f32::to_le_bytes).concat();
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 8), }\n".as_bytes();
+    let npy = [b"\x93NUMPY\x01\x00\x3c\x00", header, &ray[..28], &9f32.to_le_bytes()].concat();
+    // A saved session and a lesson, for the examples of inspect.
+    let link = "raystep:1?scene=scenes/teapot.glb&size=16x16&device=cpu";
+    let session = serde_json::json!({ "version": 1, "here": { "link": link } }).to_string().into_bytes();
+    let lesson: Vec<u8> =
+        "# A lesson\n\n## The only step\n\nA text.\n\n```raystep\nopen scene=built-in:cornell-box size=16x16\n```\n"
+            .into();
+    for (name, bytes) in [
+        ("rays.npy", &npy),
+        ("shadow.npy", &npy),
+        ("primary.f32", &ray),
+        ("teapot.raystep-session", &session),
+        ("my-lesson.md", &lesson),
+    ] {
+        std::fs::write(place.path(name), bytes).expect("a file");
+    }
+    std::fs::create_dir(place.path("old")).expect("a folder");
+    std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_raystep"), place.path("old/raystep")).expect("a link");
+    let text = place.ok(&[help, &["--help"]].concat()).stdout;
+    let (_, examples) = text.split_once("Examples:\n").expect("examples");
+    let (mut of_help, mut folder) = (0, None);
+    for line in examples.lines() {
+        let Some(line) = line.strip_prefix("  ") else { continue };
+        // A line may end with a description.
+        let line = line.split("   ").next().unwrap_or(line);
+        let line = if has_jq { line } else { line.split(" | jq").next().unwrap_or(line) };
+        let line = small(line);
+        // An independent example may write the same folder as the one before it: remove that folder first.
+        let output = line.split_once(" -o ").map(|(_, rest)| rest.split(' ').next().unwrap_or(rest).to_owned());
+        if output.is_some() && output == folder && place.path(output.as_deref().unwrap_or_default()).is_dir() {
+            std::fs::remove_dir_all(place.path(output.as_deref().unwrap_or_default())).expect("a folder");
+        }
+        folder = output;
+        // The examples' scripts, without Python.
+        let python = "python() { if [ \"$1\" = make_rays.py ]; then cat rays.npy; else cat > hits.npy; fi; }";
+        let script = format!("raystep() {{ '{}' \"$@\"; }}\n{python}\n{line}", env!("CARGO_BIN_EXE_raystep"));
+        let mut shell = std::process::Command::new("sh");
+        for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            shell.env_remove(name);
+        }
+        let home = place.path("");
+        let result = outcome(shell.args(["-c", &script]).env("HOME", &home).current_dir(&home));
+        if line == "raystep scenes/cornell-box.gltf" && cfg!(not(target_os = "macos")) {
+            // It opens a window, which this test cannot see: tests/window.sh tests it.
+            assert!(result.stderr.starts_with("error: no display"), "{line}: {result:?}");
+        } else {
+            // One run decides no comparison.
+            let code = if line.contains("--at-most") { 3 } else { 0 };
+            assert_eq!(result.code, Some(code), "{line}: {result:?}");
+        }
+        of_help += 1;
+    }
+    assert!(of_help > 0, "{help:?} has no example");
+    of_help
 }
 
 #[test]

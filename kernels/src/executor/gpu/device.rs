@@ -1,6 +1,8 @@
 //! Finds adapters, opens devices, and notices when a device is lost.
 
+use std::future::poll_fn;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::task::Poll;
 
 use super::clock_check::ClockCheck;
 use super::compiled::Pipelines;
@@ -191,17 +193,17 @@ impl Gpu {
         source: Option<GpuSource>,
     ) -> Result<Arc<Self>, GpuError> {
         let trouble = Arc::new(Mutex::new(None));
-        let note = |trouble: &Arc<Mutex<Option<GpuError>>>, error: GpuError| {
-            // Keep the first error: later ones are its consequences.
-            trouble.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-        };
         let lost = trouble.clone();
         device.set_device_lost_callback(move |reason, message| {
             let message = if message.is_empty() { format!("{reason:?}") } else { first_line(&message) };
-            note(&lost, GpuError::Lost(message));
+            // Of other errors, it is the cause, though it may be reported after them.
+            *lost.lock().unwrap_or_else(PoisonError::into_inner) = Some(GpuError::Lost(message));
         });
         let uncaptured = trouble.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&uncaptured, error.into())));
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            // Keep the first error: later ones are its consequences.
+            uncaptured.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.into());
+        }));
         let has_timestamps = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let timestamp_period_ns = has_timestamps.then(|| f64::from(queue.get_timestamp_period()));
         let loops = loops(&device, &queue).await?;
@@ -274,10 +276,12 @@ impl Gpu {
     /// # Errors
     /// The first error that occurred on it.
     pub fn health(&self) -> Result<(), GpuError> {
-        match &*self.trouble.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(error) => Err(error.clone()),
-            None => Ok(()),
-        }
+        health(&self.trouble)
+    }
+
+    /// As [`health`](Self::health), after an error whose cause may not be known yet: see [`cause`].
+    pub(super) async fn health_after_an_error(&self) -> Result<(), GpuError> {
+        cause(&self.device, &self.trouble).await
     }
 
     /// Starts catching errors of the calls that follow, until [`pop_scopes`](Self::pop_scopes).
@@ -295,15 +299,14 @@ impl Gpu {
     ) -> impl Future<Output = Result<(), GpuError>> + use<> {
         // Popped now, in reverse order; awaited later.
         let (validation, memory) = (validation.pop(), memory.pop());
-        let trouble = self.trouble.clone();
+        let (device, trouble) = (self.device.clone(), self.trouble.clone());
         async move {
             // Out of memory is the cause of the validation errors that follow it.
             let (validation, memory) = (validation.await, memory.await);
-            let caught = memory.or(validation);
-            if let Some(error) = &*trouble.lock().unwrap_or_else(PoisonError::into_inner) {
-                return Err(error.clone());
+            match memory.or(validation) {
+                None => health(&trouble),
+                Some(error) => cause(&device, &trouble).await.and(Err(error.into())),
             }
-            caught.map_or(Ok(()), |error| Err(error.into()))
         }
     }
 
@@ -333,4 +336,34 @@ impl Gpu {
     pub fn hold_back(self: &Arc<Self>) -> Held {
         self.gate.hold_back()
     }
+}
+
+/// The first error of a device, or its loss.
+fn health(trouble: &Mutex<Option<GpuError>>) -> Result<(), GpuError> {
+    match &*trouble.lock().unwrap_or_else(PoisonError::into_inner) {
+        Some(error) => Err(error.clone()),
+        None => Ok(()),
+    }
+}
+
+/// The cause of an error, if the device tells one. A lost device refuses calls at once, but reports its loss by a poll after
+/// all its work has ended, perhaps by that of another thread.
+async fn cause(device: &wgpu::Device, trouble: &Mutex<Option<GpuError>>) -> Result<(), GpuError> {
+    /// Polls after the work has ended: enough for another thread to report what it has seen.
+    const POLLS: usize = 4;
+    let mut left = POLLS;
+    poll_fn(|context| {
+        let status = device.poll(wgpu::PollType::Poll);
+        let found = health(trouble);
+        if matches!(status, Ok(wgpu::PollStatus::QueueEmpty)) {
+            left -= 1;
+        }
+        // A browser reports a loss by itself, and polls nothing.
+        if matches!(found, Err(GpuError::Lost(_))) || status.is_err() || left == 0 || cfg!(target_arch = "wasm32") {
+            return Poll::Ready(found);
+        }
+        context.waker().wake_by_ref();
+        Poll::Pending
+    })
+    .await
 }

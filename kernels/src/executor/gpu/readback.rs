@@ -33,9 +33,7 @@ impl Readback {
                 Ok(Err(e)) => Some(e.to_string()),
                 Err(_) => None,
             };
-            // A lost device fails the mapping first and reports its loss at the next poll.
-            drop(self.gpu.device.poll(wgpu::PollType::Poll));
-            self.gpu.health()?;
+            self.gpu.health_after_an_error().await?;
             if problem.is_some() {
                 break problem;
             }
