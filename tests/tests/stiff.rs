@@ -115,10 +115,14 @@ fn few_tests(label: &str, scene: &Scene, rays: &[Ray]) {
 fn a_sphere_on_a_huge_plane_costs_few_tests() {
     let sphere = triangles_of(&generate::icosphere(5).expect("a sphere"));
     let turn = DMat3::from_rotation_z(0.6) * DMat3::from_rotation_x(0.5);
-    for half in [1.0, 1e3, 1e5, 1e7] {
-        for (place, turn, offset) in
-            [("at the origin", DMat3::IDENTITY, DVec3::ZERO), ("turned and moved", turn, DVec3::new(11.0, -7.0, 15.0))]
-        {
+    for (i, half) in [1.0, 1e3, 1e5, 1e7].into_iter().enumerate() {
+        let places =
+            [("at the origin", DMat3::IDENTITY, DVec3::ZERO), ("turned and moved", turn, DVec3::new(11.0, -7.0, 15.0))];
+        for (j, (place, turn, offset)) in places.into_iter().enumerate() {
+            // In turn; in the full suite, each plane in both places.
+            if (i + j) % 2 > 0 && !thorough() {
+                continue;
+            }
             let moved = |t: &Triangle| t.map(|p| turn * p + offset);
             let small: Vec<Triangle> = sphere.iter().map(moved).collect();
             let all: Vec<Triangle> = sphere.iter().chain(&plane(-1.0, half)).map(moved).collect();

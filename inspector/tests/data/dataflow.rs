@@ -87,9 +87,14 @@ fn assert_is_readable(graph: &DataFlow, what: &str) {
 
 #[test]
 fn nothing_lies_over_anything_for_any_scene_and_way() {
-    for (name, scene) in scenes() {
-        for (accelerator, schedule) in Accelerator::ALL.iter().flat_map(|a| ScheduleKind::ALL.iter().map(|s| (*a, *s)))
-        {
+    let is_thorough = std::env::var_os("RAYSTEP_THOROUGH").is_some_and(|value| !value.is_empty());
+    for (place, (name, scene)) in scenes().into_iter().enumerate() {
+        let ways = Accelerator::ALL.iter().flat_map(|a| ScheduleKind::ALL.iter().map(|s| (*a, *s)));
+        for (row, (accelerator, schedule)) in ways.enumerate() {
+            // Every way is drawn for the Cornell box and for a third of the others; in the full suite, for every scene.
+            if !is_thorough && name != "cornell-box.gltf" && (row + place) % 3 > 0 {
+                continue;
+            }
             let what = format!("{name} {accelerator} {schedule}");
             let mut options = options(&scene, accelerator, schedule, [8, 8]);
             let all = graph(&options, &scene);
