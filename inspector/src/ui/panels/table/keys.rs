@@ -38,6 +38,12 @@ pub(super) fn area(ui: &Ui, id: Id, rect: Rect, sentence: &str) -> Response {
 impl Table {
     /// The row that the keys of this frame choose.
     pub(super) fn keys(&mut self, ui: &Ui, focus: &Response, view: &View<'_>, page: usize) -> Option<usize> {
+        // A row that was chosen before is where the next key counts from until it is reached, also while the table shows
+        // rows on the way to it.
+        self.moved = self.moved.filter(|&(from, to)| match (from, view.current) {
+            (Some(from), Some(row)) => row != to && (from.min(to)..=from.max(to)).contains(&row),
+            (from, current) => from == current,
+        });
         if !focus.has_focus() {
             return None;
         }
@@ -47,12 +53,12 @@ impl Table {
         if back == on {
             return None;
         }
-        let from = self.moved.filter(|(current, _)| *current == view.current).map(|(_, row)| row).or(view.current);
+        let from = self.moved.map(|(_, to)| to).or(view.current);
         let at = from.and_then(|row| self.position(row, view));
         let [shown, _] = self.counts(view);
         let to = at.map_or(0, |at| (at + on).saturating_sub(back)).min(shown.checked_sub(1)?);
         let row = self.row(to);
-        self.moved = Some((view.current, row));
+        self.moved = Some((self.moved.map_or(view.current, |(from, _)| from), row));
         Some(row)
     }
 }
