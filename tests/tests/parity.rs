@@ -358,7 +358,7 @@ fn a_kernel_broken_around_the_grid_is_named() {
         (ScheduleKind::Second, 1, kernels::SETUP, "select(INF, box.t, box.meets)", "box.t"),
         (ScheduleKind::Second, 1, kernels::TRAVERSE_IRREGULAR, "(walk.cell == OUTSIDE)", "(false)"),
         (ScheduleKind::Compact, 8, kernels::WALK, "(walk.cell == OUTSIDE)", "(false)"),
-        (ScheduleKind::Fused, 1, kernels::FUSED, "return at_voxel(vec3i(0), OUTSIDE, ray)", "return enter_cells(ray)"),
+        (ScheduleKind::Fused, 1, kernels::FUSED, "return at_voxel(vec3i(0), OUTSIDE)", "return enter_cells(ray)"),
     ] {
         let options = Way::new(Accelerator::Irregular, schedule, steps).of(&options(&knot, 40, 40));
         let found = parity::compare_broken(&gpu(), &knot, &options, change(kernel, from, to));

@@ -7,6 +7,7 @@ use raystep_kernels::programs::closest_hit::{Path, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::shared::grid_walk::smallest_axis;
+use raystep_kernels::shared::irregular_walk::VoxelWalk;
 
 use super::{Aabb, WalkGeometry, coordinates, finite, is_walking, list, path_of};
 
@@ -182,7 +183,8 @@ impl WalkGeometry {
         let grid_ray = data.grid.ray(data.features.walk_rules(), origin, direction);
         if data.features.irregular {
             let has_cell = (ray.cell_index as usize) < data.irregular_cells.len();
-            let exits = || data.irregular().at([0; 3], ray.cell_index, &grid_ray).tmax;
+            let walk = VoxelWalk { voxel: [0; 3], cell: ray.cell_index, inside: true };
+            let exits = || data.irregular().exit(&walk, &grid_ray);
             if has_cell { exits().to_array().map(finite) } else { [None; 3] }
         } else if data.features.keeps_no_tmax() {
             data.grid.cell_exit(cell, &grid_ray).to_array().map(finite)

@@ -24,8 +24,8 @@ use raystep_kernels::{Accelerator, GridSize, Options, Pass, RaySource, ScheduleK
 
 use crate::Error;
 use crate::meter::Meter;
-use crate::rays::RayKind;
 use crate::rays::file::RaysFile;
+use crate::rays::{RayKind, in_tiles};
 use crate::reporter::Reporter;
 use crate::subject::{Size, Subject};
 pub use baseline::Baseline;
@@ -116,7 +116,7 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
     for subject in subjects {
         if let Some(file) = &wanted.file {
             let name = format!("{} rays {}", subject.scene.name, file.hash);
-            let rays = RaySource::Given(file.rays.clone());
+            let rays = RaySource::Given(in_tiles(&file.rays));
             let (size, kind) = (Size { width: 0, height: 0 }, format!("file {}", file.hash));
             bench.group(Group { name, subject, size, kind, ends_early: false }, rays, &ways)?;
             continue;

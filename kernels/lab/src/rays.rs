@@ -26,7 +26,7 @@ use glam::DVec3;
 use raystep_kernels::named;
 use raystep_kernels::numbers::parallel::map_ranges;
 use raystep_kernels::options::Ray;
-use raystep_kernels::plan::given_width;
+use raystep_kernels::plan::{given_width, tiled};
 use raystep_kernels::renderer::RayHit;
 use raystep_kernels::shared::constants::WORKGROUP;
 use raystep_scenes::{Bounds, Camera, Light, Projection, Scene};
@@ -158,19 +158,14 @@ impl PrimaryHits<'_> {
 /// Width and height of a tile in pixels: those of a workgroup.
 const TILE: usize = WORKGROUP as usize;
 
-/// Reorders consecutive rays into tiles of the image in which input rays are arranged; see [`given_width`].
-fn in_tiles(rays: &[Ray]) -> Vec<Ray> {
+/// Consecutive rays, placed so that each workgroup's tile of the image in which input rays are arranged has consecutive
+/// ones; see [`given_width`].
+#[must_use]
+pub fn in_tiles(rays: &[Ray]) -> Vec<Ray> {
     let width = given_width(rays.len() as u64) as usize;
-    if !width.is_multiple_of(TILE) {
-        return rays.to_vec();
-    }
-    // Only full rows of tiles; the rest stays in order.
-    let full = rays.len() / (width * TILE) * width * TILE;
     let mut placed = rays.to_vec();
-    for (i, ray) in rays[..full].iter().enumerate() {
-        let (tile, within) = (i / (TILE * TILE), i % (TILE * TILE));
-        let (column, row) = (tile % (width / TILE), tile / (width / TILE));
-        placed[(row * TILE + within / TILE) * width + column * TILE + within % TILE] = *ray;
+    for (index, ray) in rays.iter().enumerate() {
+        placed[tiled(index, width, rays.len())] = *ray;
     }
     placed
 }

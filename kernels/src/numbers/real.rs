@@ -51,6 +51,9 @@ pub trait Real:
     /// `a b - c d` for two products that round to the same number: the difference that rounding removed, or 0 if they
     /// are too small to be rounded alike.
     fn below_rounding(ab: [Self; 2], cd: [Self; 2]) -> Self;
+    /// A number from 0 to 2²³ rounded down, but an odd integer may become the one before it, and numbers below 1/4 become
+    /// -1. Some integer for other numbers.
+    fn rounded_down(self) -> i32;
     /// Whether it has a minus sign, as -0 has.
     fn is_negative(self) -> bool;
     /// Bit pattern.
@@ -73,7 +76,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($float:ty, $bits:ty, $unit_roundoff:expr) => {
+    ($float:ty, $bits:ty, $unit_roundoff:expr, $integers_from:expr) => {
         impl Real for $float {
             type Bits = $bits;
             const UNIT_ROUNDOFF: f64 = $unit_roundoff;
@@ -118,6 +121,11 @@ macro_rules! real {
                 // Both are exact, and have the same exponent or nearly so.
                 a.mul_add(b, -product) - c.mul_add(d, -product)
             }
+            fn rounded_down(self) -> i32 {
+                // From here on, floats are a unit apart, so the last digits are an integer.
+                const FROM: $float = $integers_from;
+                (self + (FROM - 0.5)).to_bits().wrapping_sub(FROM.to_bits()) as i32
+            }
             fn is_negative(self) -> bool {
                 self.is_sign_negative()
             }
@@ -136,8 +144,8 @@ macro_rules! real {
         }
     };
 }
-real!(f32, u32, 1.0 / (1u64 << 24) as f64);
-real!(f64, u64, 1.0 / (1u64 << 53) as f64);
+real!(f32, u32, 1.0 / (1u64 << 24) as f64, (1u64 << 23) as f32);
+real!(f64, u64, 1.0 / (1u64 << 53) as f64, (1u64 << 52) as f64);
 
 /// Distance of two f32, given as bits, in units in the last place; 0 for equal numbers and for two NaNs.
 #[must_use]
@@ -273,6 +281,21 @@ mod tests {
             }] += 1;
         }
         assert!(seen[0] > 10_000 && seen[2] > 10_000, "{seen:?}");
+    }
+
+    #[test]
+    fn numbers_round_down() {
+        for (number, integer) in
+            [(0.0, -1), (0.2, -1), (0.25, 0), (0.999, 0), (1.5, 1), (2.0, 2), (65_535.5, 65_535), (4.0e6, 4_000_000)]
+        {
+            assert_eq!((number as f32).rounded_down(), integer, "{number}");
+            assert_eq!(number.rounded_down(), integer, "{number}");
+        }
+        // The sum is half-way between two floats, and becomes the even one.
+        assert_eq!((1f32.rounded_down(), 2f32.rounded_down(), 3f32.rounded_down()), (0, 2, 2));
+        let nearly_3 = f32::from_bits(3f32.to_bits() - 1);
+        assert_eq!(nearly_3.rounded_down(), 2);
+        assert!((-1.0f32).rounded_down() < 0 && (-1000.0f32).rounded_down() < 0);
     }
 
     #[test]

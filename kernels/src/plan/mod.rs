@@ -35,7 +35,7 @@ use crate::tables::stream::Stream;
 
 pub use crate::numbers::bytes::Bytes;
 pub use crate::options::reasons::Because;
-pub use crate::tables::elements::folded_width as given_width;
+pub use crate::tables::elements::{folded_width as given_width, tiled};
 pub(crate) use check::{FARTHEST, why_untraceable};
 pub use check::{MAX_TEXELS, PlanError};
 use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};

@@ -12,7 +12,7 @@ use super::{Device, RenderError, Renderer};
 use crate::numbers::units::Units;
 use crate::options::samples::Samples;
 use crate::options::{Accelerator, Options, ProgramName, Ray, RaySource, ScheduleKind};
-use crate::plan::{FARTHEST, Plan, PlanError, why_untraceable};
+use crate::plan::{FARTHEST, Plan, PlanError, tiled, why_untraceable};
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::stream::Region;
@@ -235,16 +235,27 @@ impl Caster {
         if rays.is_empty() {
             return Ok(());
         }
-        let (scene, any_unfinished) = (self.scene.clone(), self.unfinished);
+        let (scene, any_unfinished, is_gpu) = (self.scene.clone(), self.unfinished, self.device.is_gpu());
         let run = self.run_for(rays.len() as u64).await?;
-        run.give(rays);
+        let in_row = run.plan().width as usize;
+        // CPU threads do not wait for their neighbours.
+        let place = |ray| if is_gpu { tiled(ray, in_row, rays.len()) } else { ray };
+        if is_gpu {
+            let mut placed = rays.to_vec();
+            for (index, ray) in rays.iter().enumerate() {
+                placed[place(index)] = *ray;
+            }
+            run.give(&placed);
+        } else {
+            run.give(rays);
+        }
         run.run(|_| ControlFlow::Continue(())).await?;
         let results = run.results()?;
         let width = run.plan().width;
         let rows = Region { x: 0, y: 0, width, height: (rays.len() as u64).div_ceil(u64::from(width)) as u32 };
         let hit = run.region(results.triangle.stream, rows).await?;
         let state = run.region(results.t.stream, rows).await?;
-        hits.extend((0..rays.len()).map(|ray| {
+        hits.extend((0..rays.len()).map(place).map(|ray| {
             let Some((triangle, t)) = results.hit(&state, &hit, ray) else { return CastHit::MISS };
             let [u, v] = results.weights.map(|layer| hit.get_f32(layer, ray));
             let t = (f64::from(t) * run.t_scale(ray)) as f32;

@@ -58,7 +58,7 @@ impl IrregularCell {
         let axis = smallest_axis(exit);
         let t = smallest3(exit);
         let position = (ray.origin + ray.direction * Vec3::splat(t)) * Vec3::from_f32(grid.inverse_width);
-        let position = position.map(|p| p.floor().to_i32()).to_array();
+        let position = position.to_array().map(R::rounded_down);
         let is_up = ray.per_axis.map(|v| v > R::zero()).to_array();
         let next = [0, 1, 2].map(|a| match (axis[a], is_up[a]) {
             (true, true) => high[a],
@@ -71,14 +71,12 @@ impl IrregularCell {
 }
 
 /// A ray's position in the irregular grid.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VoxelWalk<R> {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VoxelWalk {
     /// The virtual cell by which it came.
     pub voxel: [i32; 3],
     /// The cell.
     pub cell: u32,
-    /// t at which the ray leaves the cell's box, per axis.
-    pub tmax: Vec3<R>,
     /// False if the ray misses the grid or has left it.
     pub inside: bool,
 }
@@ -97,13 +95,12 @@ pub struct Irregular<'a> {
 }
 
 impl Irregular<'_> {
-    /// In a cell, having come by a virtual cell.
-    pub fn at<R: Real>(&self, voxel: [i32; 3], cell: u32, ray: &GridRay<R>) -> VoxelWalk<R> {
-        let tmax = match self.has_aside && cell == OUTSIDE {
+    /// t at which a ray leaves its cell's box, per axis.
+    pub fn exit<R: Real>(&self, walk: &VoxelWalk, ray: &GridRay<R>) -> Vec3<R> {
+        match self.has_aside && walk.cell == OUTSIDE {
             true => Vec3::splat(self.reached(ray)),
-            false => self.cells[cell as usize].exit(self.grid, ray),
-        };
-        VoxelWalk { voxel, cell, tmax, inside: true }
+            false => self.cells[walk.cell as usize].exit(self.grid, ray),
+        }
     }
 
     /// t at which a ray leaves the space around the grid: it enters the grid, or never does.
@@ -113,23 +110,26 @@ impl Irregular<'_> {
     }
 
     /// The first cell of a ray.
-    pub fn enter<R: Real>(&self, rules: WalkRules, ray: &GridRay<R>) -> VoxelWalk<R> {
-        if self.has_aside { self.at([0; 3], OUTSIDE, ray) } else { self.enter_grid(rules, ray) }
+    pub fn enter<R: Real>(&self, rules: WalkRules, ray: &GridRay<R>) -> VoxelWalk {
+        match self.has_aside {
+            true => VoxelWalk { voxel: [0; 3], cell: OUTSIDE, inside: true },
+            false => self.enter_grid(rules, ray),
+        }
     }
 
     /// The first cell of a ray in the grid.
-    fn enter_grid<R: Real>(&self, rules: WalkRules, ray: &GridRay<R>) -> VoxelWalk<R> {
+    fn enter_grid<R: Real>(&self, rules: WalkRules, ray: &GridRay<R>) -> VoxelWalk {
         let walk = self.grid.enter(rules, ray);
-        VoxelWalk { inside: walk.inside, ..self.at(walk.cell, find(self.grid, self.map, walk.cell), ray) }
+        VoxelWalk { voxel: walk.cell, cell: find(self.grid, self.map, walk.cell), inside: walk.inside }
     }
 
-    /// The next cell.
-    pub fn step<R: Real>(&self, walk: &VoxelWalk<R>, ray: &GridRay<R>) -> VoxelWalk<R> {
+    /// The next cell; `exit` is where the ray leaves this one's box.
+    pub fn step<R: Real>(&self, walk: &VoxelWalk, exit: Vec3<R>, ray: &GridRay<R>) -> VoxelWalk {
         if self.has_aside && walk.cell == OUTSIDE {
             return self.enter_grid(WalkRules { robust: true, clip: true, drifting: false }, ray);
         }
-        match self.cells[walk.cell as usize].next(self.grid, walk.voxel, walk.tmax, ray) {
-            Some(voxel) => self.at(voxel, find(self.grid, self.map, voxel), ray),
+        match self.cells[walk.cell as usize].next(self.grid, walk.voxel, exit, ray) {
+            Some(voxel) => VoxelWalk { voxel, cell: find(self.grid, self.map, voxel), inside: true },
             None => VoxelWalk { inside: false, ..*walk },
         }
     }

@@ -17,19 +17,16 @@ pub struct Candidate<R> {
     pub is_hit: bool,
 }
 
-/// A ray's direction in the form that the watertight test uses: the axes are rotated so that its largest component
-/// becomes z, and sheared so that it points along z.
-///
-/// Instead of rotating, the WGSL multiplies by rows that contain a 1 and a 0. That rounds no differently, so both give
-/// the same values, except for the sign of a zero, which no comparison sees.
+/// A ray's direction in the form that the watertight test uses: z and the axis of its largest component change places,
+/// and the axes are sheared so that it points along z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shear<R> {
-    /// The axes that become x, y and z.
-    axes: [usize; 3],
-    /// Slopes across the ray, and 1 / largest component.
+    /// Slopes across the ray, negated, and 1 / largest component.
     x: R,
     y: R,
     z: R,
+    /// The axis that changes places with z.
+    axis: usize,
 }
 
 impl<R: Real> Candidate<R> {
@@ -45,40 +42,42 @@ impl<R: Real> Shear<R> {
     /// The shear for a direction.
     pub fn of(direction: Vec3<R>) -> Self {
         let magnitude = direction.abs();
-        let axes = if magnitude.x > magnitude.y && magnitude.x > magnitude.z {
-            [1, 2, 0]
-        } else if magnitude.y > magnitude.z {
-            [2, 0, 1]
+        let x_largest = magnitude.x > magnitude.y && magnitude.x > magnitude.z;
+        let y_largest = !x_largest && magnitude.y > magnitude.z;
+        let axis = if x_largest {
+            0
+        } else if y_largest {
+            1
         } else {
-            [0, 1, 2]
+            2
         };
-        let d = direction.to_array();
-        let [x, y, z] = axes.map(|axis| d[axis]);
-        Self { axes, x: x / z, y: y / z, z: R::one() / z }
+        let [x, y, z] = with_largest_last(direction, axis);
+        Self { x: -(x / z), y: -(y / z), z: R::one() / z, axis }
     }
 
     /// A corner relative to the origin, projected across the ray.
     #[inline(always)]
     fn across<const CONTRACTED: bool>(&self, corner: Vec3<R>) -> [R; 2] {
-        let (c, [x, y, z]) = (corner.to_array(), self.axes);
+        let [x, y, z] = with_largest_last(corner, self.axis);
         if CONTRACTED {
-            return [self.row(x, self.x, c), self.row(y, self.y, c)];
+            return [z.fused(self.x, x), z.fused(self.y, y)];
         }
-        [c[x] - self.x * c[z], c[y] - self.y * c[z]]
-    }
-
-    /// One row of the WGSL, with products contracted: which one is added last depends on the rotation.
-    fn row(&self, axis: usize, slope: R, corner: [R; 3]) -> R {
-        let mut row = [R::zero(); 3];
-        (row[axis], row[self.axes[2]]) = (R::one(), -slope);
-        corner[0].fused(row[0], corner[1].fused(row[1], corner[2] * row[2]))
+        [z * self.x + x, z * self.y + y]
     }
 
     /// A corner's depth along the ray, in units of t.
     #[inline(always)]
     fn along(&self, corner: Vec3<R>) -> R {
-        self.z * corner.to_array()[self.axes[2]]
+        corner.to_array()[self.axis] * self.z
     }
+}
+
+/// A vector whose z and component `axis` have changed places.
+#[inline(always)]
+fn with_largest_last<R: Real>(v: Vec3<R>, axis: usize) -> [R; 3] {
+    let mut v = v.to_array();
+    v.swap(axis, 2);
+    v
 }
 
 /// The rules of the triangle test.

@@ -20,27 +20,33 @@ struct Candidate {
     is_hit: bool,
 }
 
-// A ray's direction in the form that the watertight test uses: the axes are rotated so that its largest component
-// becomes z, and sheared so that it points along z. Three rows, each with a 1 and a 0 or with two zeros, so that their
-// products with a corner round no more than the rotated corner's would, in any order.
+// A ray's direction in the form that the watertight test uses: z and the axis of its largest component change places,
+// and the axes are sheared so that it points along z. The paper rotates them; places changed take fewer selections, and
+// four registers here take less time than the nine of rows to multiply by.
 struct Shear {
-    x: vec3f,
-    y: vec3f,
-    z: vec3f,
+    // Slopes across the ray, negated, and 1 / largest component.
+    x: f32,
+    y: f32,
+    z: f32,
+    // The axis that changes places with z.
+    axis: u32,
 }
 
 fn shear_of(direction: vec3f) -> Shear {
     let magnitude = abs(direction);
-    let x_last = magnitude.x > magnitude.y && magnitude.x > magnitude.z;
-    let y_last = !x_last && magnitude.y > magnitude.z;
-    let d = select(select(direction, direction.zxy, y_last), direction.yzx, x_last);
-    let x = vec3f(1.0, 0.0, -(d.x / d.z));
-    let y = vec3f(0.0, 1.0, -(d.y / d.z));
-    let z = vec3f(0.0, 0.0, 1.0 / d.z);
-    return Shear(
-        select(select(x, x.yzx, y_last), x.zxy, x_last),
-        select(select(y, y.yzx, y_last), y.zxy, x_last),
-        select(select(z, z.yzx, y_last), z.zxy, x_last),
+    let x_largest = magnitude.x > magnitude.y && magnitude.x > magnitude.z;
+    let y_largest = !x_largest && magnitude.y > magnitude.z;
+    let axis = select(select(2u, 1u, y_largest), 0u, x_largest);
+    let d = with_largest_last(direction, axis);
+    return Shear(-(d.x / d.z), -(d.y / d.z), 1.0 / d.z, axis);
+}
+
+// A vector whose z and component `axis` have changed places.
+fn with_largest_last(v: vec3f, axis: u32) -> vec3f {
+    return vec3f(
+        select(v.x, v.z, axis == 0u),
+        select(v.y, v.z, axis == 1u),
+        select(select(v.z, v.y, axis == 1u), v.x, axis == 0u),
     );
 }
 
@@ -62,14 +68,9 @@ fn times_plus(a: f32, b: f32, c: f32) -> f32 {
     @else return a * b + c;
 }
 
-fn row(corner: vec3f, r: vec3f) -> f32 {
-    @if(contracted) return fma(corner.x, r.x, fma(corner.y, r.y, corner.z * r.z));
-    @else return corner.x * r.x + corner.y * r.y + corner.z * r.z;
-}
-
-// A corner relative to the origin, projected across the ray.
+// A corner relative to the origin, its axes changed as above, projected across the ray.
 fn across(corner: vec3f, s: Shear) -> vec2f {
-    return vec2f(row(corner, s.x), row(corner, s.y));
+    return vec2f(times_plus(corner.z, s.x, corner.x), times_plus(corner.z, s.y, corner.y));
 }
 
 // 2^exponent, for exponents of -126 to 127.
@@ -98,9 +99,9 @@ fn below_rounding(a: f32, b: f32, c: f32, d: f32) -> f32 {
 }
 
 fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
-    let oa = a - origin;
-    let ob = b - origin;
-    let oc = c - origin;
+    let oa = with_largest_last(a - origin, shear.axis);
+    let ob = with_largest_last(b - origin, shear.axis);
+    let oc = with_largest_last(c - origin, shear.axis);
     let p = across(oa, shear);
     let q = across(ob, shear);
     let r = across(oc, shear);
@@ -146,7 +147,7 @@ fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Cand
     let u = weight_b * inverse;
     let v = weight_c * inverse;
     // Depths, in units of t.
-    let z = vec3f(row(oa, shear.z), row(ob, shear.z), row(oc, shear.z));
+    let z = vec3f(oa.z, ob.z, oc.z) * shear.z;
     let t = times_plus(w, z.x, times_plus(u, z.y, v * z.z));
     return Candidate(t, u, v, det != 0.0 && t > 0.0 && t < INF);
 }

@@ -118,8 +118,8 @@ pub(super) const OF_TRAVERSE_GRID: &[Break] = &[
 
 pub(super) const OF_TRAVERSE_IRREGULAR: &[Break] = &[
     // More than the one virtual cell that rounding may change.
-    Break::new(irregular, "vec3i(position)", "vec3i(position - 3.0)"),
-    Break::new(irregular, "let beyond = select(walk.ahead - vec3i(1), walk.ahead, is_up)", "let beyond = walk.ahead"),
+    Break::new(irregular, "rounded_down(position)", "rounded_down(position - 3.0)"),
+    Break::new(irregular, "let beyond = select(exit.ahead - vec3i(1), exit.ahead, is_up)", "let beyond = exit.ahead"),
     Break::new(irregular, "below.z << depth", "below.z"),
 ];
 
@@ -150,7 +150,7 @@ pub(super) const OF_WALK: &[Break] = &[
 pub(super) const OF_FUSED: &[Break] = &[
     Break::new(fused, "trace.t <= smallest3(walk.tmax)", "trace.triangle != NO_TRIANGLE"),
     Break::new(fused_leaping, "distance > 1", "distance > 2"),
-    Break::new(fused_irregular, "trace.t <= exit", "trace.triangle != NO_TRIANGLE"),
+    Break::new(fused_irregular, "trace.t <= t", "trace.triangle != NO_TRIANGLE"),
     Break::new(fused_bvh, "bitcast<i32>(nearest_t)", "bitcast<i32>(0.5 * nearest_t)"),
     Break::new(fused_bvh, "leaves.base + countOneBits", "leaves.base + 0u * countOneBits"),
     Break::new(fused_eye_rays, "0.5", "0.4995"),

@@ -10,6 +10,7 @@ use crate::scene_data::SceneData;
 use crate::shared::camera::eye_ray;
 use crate::shared::constants::{INF, NO_TRIANGLE, WIDE_MAX_DEPTH};
 use crate::shared::grid_walk::{GridRay, Walk};
+use crate::shared::irregular_walk::VoxelWalk;
 use crate::shared::vector::smallest3;
 use crate::shared::wide_walk::{MOST_LEVELS, NO_CHILD, TRAIL_WORDS, WideGroup, WideRay, trail_child, with_trail_child};
 use crate::tables::texels::Texels;
@@ -73,7 +74,7 @@ impl<R: Real> Trace<R> {
         let rules = features.walk_rules();
         let grid_ray = scene.grid.ray(rules, self.origin, self.direction);
         let mut walk = match wait.before {
-            true => irregular.at(load_voxel(ray), wait.cell, &grid_ray),
+            true => VoxelWalk { voxel: load_voxel(ray), cell: wait.cell, inside: true },
             false => irregular.enter(rules, &grid_ray),
         };
         let mut item = if wait.before { wait.item } else { 0 };
@@ -88,11 +89,12 @@ impl<R: Real> Trace<R> {
                 item += 1;
             }
             if item == count {
-                let exit = smallest3(walk.tmax);
-                if self.t <= exit || features.intervals && self.interval[1] <= exit {
+                let exit = irregular.exit(&walk, &grid_ray);
+                let t = smallest3(exit);
+                if self.t <= t || features.intervals && self.interval[1] <= t {
                     return;
                 }
-                walk = irregular.step(&walk, &grid_ray);
+                walk = irregular.step(&walk, exit, &grid_ray);
                 item = 0;
                 self.cells += u32::from(walk.inside);
                 self.turns += 1 + scene.grid.levels;

@@ -24,8 +24,8 @@ import package::scene::{scene};
 @if(irregular && resumes) import package::grid_walk::{GridRay, grid};
 @if(irregular) import package::constants::{NO_LIST, LAST_ITEM};
 @if(irregular && resumes) import package::ray::{load_voxel, store_voxel};
-@if(irregular) import package::irregular_walk::{irregular_items, enter_irregular, step_voxel};
-@if(irregular && resumes) import package::irregular_walk::{VoxelWalk, at_voxel};
+@if(irregular) import package::irregular_walk::{irregular_items, enter_irregular, voxel_exit, step_voxel};
+@if(irregular && resumes) import package::irregular_walk::{VoxelWalk, at_voxel, unpacked_voxel};
 @if(bvh) import package::bvh_walk::{finite_inverse};
 @if(bvh) import package::wide_walk::{WideGroup, wide_ray, visit_wide, wide_child, wide_entry};
 @if(bvh && resumes) import package::wide_walk::{TRAIL_WORDS, MOST_LEVELS, NO_CHILD, trail_child, with_trail_child};
@@ -162,12 +162,12 @@ fn resumed(ray: GridRay) -> VoxelWalk {
     if (!wait.before) {
         return enter_irregular(ray);
     }
-    return at_voxel(load_voxel(wait.texel), wait.cell, ray);
+    return at_voxel(load_voxel(wait.texel), wait.cell);
 }
 
 @if(irregular && resumes)
 fn wait_in(walk: VoxelWalk, item: u32) {
-    store_voxel(wait.texel, walk.voxel);
+    store_voxel(wait.texel, unpacked_voxel(walk.voxel));
     wait_at(walk.cell, item);
 }
 
@@ -195,14 +195,15 @@ fn traced(start: Trace) -> Trace {
             item = select(item + 1u, NO_LIST, (entry & LAST_ITEM) != 0u);
         }
         if (item == NO_LIST) {
-            let exit = smallest3(walk.tmax);
-            if (trace.t <= exit) {
+            let exit = voxel_exit(walk, ray);
+            let t = smallest3(exit.tmax);
+            if (trace.t <= t) {
                 break;
             }
-            @if(intervals) if (trace.interval.y <= exit) {
+            @if(intervals) if (trace.interval.y <= t) {
                 break;
             }
-            walk = step_voxel(walk, ray);
+            walk = step_voxel(walk, exit, ray);
             item = walk.first;
             @if(counters) trace.cells += select(0u, 1u, walk.inside);
             @if(resumes) trace.turns += 1u + grid.levels;

@@ -38,14 +38,15 @@ pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         }
     }
     if features.irregular {
-        let rules = features.walk_rules();
-        let walk = scene.irregular().enter(rules, &scene.grid.ray(rules, load_origin(ray), load_direction(ray)));
+        let (irregular, rules) = (scene.irregular(), features.walk_rules());
+        let grid_ray = scene.grid.ray(rules, load_origin(ray), load_direction(ray));
+        let walk = irregular.enter(rules, &grid_ray);
         if !walk.inside {
             ray.store_u32(STATE, 0, BACKGROUND);
             return;
         }
         if !features.many_steps {
-            ray.store_vec3(TMAX, walk.tmax);
+            ray.store_vec3(TMAX, irregular.exit(&walk, &grid_ray));
         }
         store_voxel(ray, walk.voxel);
         ray.store_u32(STATE, 2, walk.cell);

@@ -8,7 +8,8 @@ import package::live::{send, tiled_texel};
 @if(bvh) import package::scene::{scene};
 @if(irregular) import package::ray::{store_voxel};
 @if(irregular) import package::grid_walk::{grid_ray};
-@if(irregular) import package::irregular_walk::{enter_irregular};
+@if(irregular) import package::irregular_walk::{enter_irregular, unpacked_voxel};
+@if(irregular && !many_steps) import package::irregular_walk::{voxel_exit};
 @if(grid) import package::grid_walk::{grid_ray, enter_grid, cell_index};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
@@ -47,17 +48,19 @@ fn set_up(texel: vec2u) -> u32 {
         }
     }
     @if(irregular) {
-        let walk = enter_irregular(grid_ray(load_origin(texel), load_direction(texel)));
+        let ray = grid_ray(load_origin(texel), load_direction(texel));
+        let walk = enter_irregular(ray);
         if (!walk.inside) {
             textureStore(state, texel, 0, vec4u(BACKGROUND));
             return BACKGROUND;
         }
         @if(!many_steps) {
-            textureStore(tmax, texel, 0, vec4f(walk.tmax.x));
-            textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
-            textureStore(tmax, texel, 2, vec4f(walk.tmax.z));
+            let exit = voxel_exit(walk, ray);
+            textureStore(tmax, texel, 0, vec4f(exit.tmax.x));
+            textureStore(tmax, texel, 1, vec4f(exit.tmax.y));
+            textureStore(tmax, texel, 2, vec4f(exit.tmax.z));
         }
-        store_voxel(texel, walk.voxel);
+        store_voxel(texel, unpacked_voxel(walk.voxel));
         textureStore(state, texel, 2, vec4u(walk.cell));
         @if(counters) {
             textureStore(counters, texel, 0, vec4u(1u));

@@ -6,6 +6,7 @@ use crate::programs::closest_hit::ray::{load_direction, load_origin, load_voxel,
 use crate::programs::closest_hit::states::TRAV;
 use crate::programs::closest_hit::streams::STATE;
 use crate::scene_data::SceneData;
+use crate::shared::irregular_walk::VoxelWalk;
 use crate::tables::texels::Texels;
 
 /// Processes one ray.
@@ -16,10 +17,11 @@ pub fn traverse_irregular<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 
     let (irregular, features) = (scene.irregular(), &scene.features);
     let grid_ray = scene.grid.ray(features.walk_rules(), load_origin(ray), load_direction(ray));
-    let walk = irregular.step(&irregular.at(load_voxel(ray), ray.load_u32(STATE, 2), &grid_ray), &grid_ray);
+    let left = VoxelWalk { voxel: load_voxel(ray), cell: ray.load_u32(STATE, 2), inside: true };
+    let walk = irregular.step(&left, irregular.exit(&left, &grid_ray), &grid_ray);
     if !walk.inside {
         return leave(ray, features);
     }
     store_voxel(ray, walk.voxel);
-    arrive(ray, features, walk.cell, walk.tmax);
+    arrive(ray, features, walk.cell, irregular.exit(&walk, &grid_ray));
 }

@@ -4,7 +4,7 @@ import package::constants::{NOBODY, LIST_SIDE};
 import package::state::{TRAV};
 import package::ray::{load_origin, load_direction, load_voxel, store_voxel};
 import package::grid_walk::{grid_ray};
-import package::irregular_walk::{at_voxel, step_voxel};
+import package::irregular_walk::{at_voxel, voxel_exit, step_voxel, unpacked_voxel};
 import package::arrival::{state, leave, arrive};
 import package::live::{send};
 @if(live_lists) import package::live::{listed_texel};
@@ -18,12 +18,13 @@ fn step_cell(texel: vec2u) -> u32 {
     }
 
     let ray = grid_ray(load_origin(texel), load_direction(texel));
-    let walk = step_voxel(at_voxel(load_voxel(texel), textureLoad(state, texel, 2).x, ray), ray);
+    let left = at_voxel(load_voxel(texel), textureLoad(state, texel, 2).x);
+    let walk = step_voxel(left, voxel_exit(left, ray), ray);
     if (!walk.inside) {
         return leave(texel);
     }
-    store_voxel(texel, walk.voxel);
-    return arrive(texel, walk.cell, walk.tmax);
+    store_voxel(texel, unpacked_voxel(walk.voxel));
+    return arrive(texel, walk.cell, voxel_exit(walk, ray).tmax);
 }
 
 @compute @workgroup_size(LIST_SIDE, LIST_SIDE)

@@ -10,6 +10,7 @@ use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{TreeRay, Visit, next_node};
 use crate::shared::constants::{NO_NODE, NO_TRIANGLE, NODES_A_STEP};
 use crate::shared::grid_walk::Walk;
+use crate::shared::irregular_walk::VoxelWalk;
 use crate::shared::vector::smallest3;
 use crate::tables::state::Tag;
 use crate::tables::texels::Texels;
@@ -93,7 +94,7 @@ impl<R: Real> Place<R> {
     fn through_irregular(&mut self, ray: &mut Texels<'_, R>, scene: &SceneData) {
         let (irregular, features) = (scene.irregular(), &scene.features);
         let grid_ray = scene.grid.ray(features.walk_rules(), self.trace.origin, self.trace.direction);
-        let mut walk = irregular.at(load_voxel(ray), self.cell, &grid_ray);
+        let mut walk = VoxelWalk { voxel: load_voxel(ray), cell: self.cell, inside: true };
         for _ in 0..scene.info.steps {
             if self.trace.is_spent(scene) {
                 break;
@@ -123,14 +124,15 @@ impl<R: Real> Place<R> {
             self.item = 0;
             let has_hit = !features.any_hit && self.trace.triangle != NO_TRIANGLE;
             let tag = if has_hit { ISECT_HIT } else { ISECT_NO_HIT };
-            self.tag = list_ended(features, tag, self.trace.t, smallest3(walk.tmax));
-            if features.intervals && self.tag == TRAV && self.trace.interval[1] <= smallest3(walk.tmax) {
+            let exit = irregular.exit(&walk, &grid_ray);
+            self.tag = list_ended(features, tag, self.trace.t, smallest3(exit));
+            if features.intervals && self.tag == TRAV && self.trace.interval[1] <= smallest3(exit) {
                 self.tag = BACKGROUND;
             }
             if self.tag != TRAV {
                 break;
             }
-            walk = irregular.step(&walk, &grid_ray);
+            walk = irregular.step(&walk, exit, &grid_ray);
             if !walk.inside {
                 self.tag = if has_hit { SHADE } else { BACKGROUND };
                 break;

@@ -24,7 +24,7 @@ import package::live::{listed_texel, send};
 @if(irregular) import package::grid_lists::{list_ended};
 @if(irregular) import package::constants::{NO_LIST, LAST_ITEM};
 @if(irregular) import package::ray::{load_voxel, store_voxel};
-@if(irregular) import package::irregular_walk::{irregular_items, at_voxel, step_voxel};
+@if(irregular) import package::irregular_walk::{irregular_items, at_voxel, voxel_exit, step_voxel, unpacked_voxel};
 @if(bvh) import package::bvh_walk::{Visit, bvh_nodes, next_node, finite_inverse};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
@@ -122,7 +122,7 @@ fn walked(start: Place, texel: vec2u) -> Place {
 fn walked(start: Place, texel: vec2u) -> Place {
     var place = start;
     let ray = grid_ray(place.trace.origin, place.trace.direction);
-    var walk = at_voxel(load_voxel(texel), place.cell, ray);
+    var walk = at_voxel(load_voxel(texel), place.cell);
     @if(resumes) var waits = false;
     for (var step = 0u; step < scene.steps; step++) {
         @if(resumes) if (is_spent(place.trace)) {
@@ -155,14 +155,15 @@ fn walked(start: Place, texel: vec2u) -> Place {
         @if(resumes) place.item = 0u;
         @if(any_hit) let tag = ISECT_NO_HIT;
         @else let tag = select(ISECT_HIT, ISECT_NO_HIT, place.trace.triangle == NO_TRIANGLE);
-        place.tag = list_ended(tag, place.trace.t, smallest3(walk.tmax));
-        @if(intervals) if (place.tag == TRAV && place.trace.interval.y <= smallest3(walk.tmax)) {
+        let exit = voxel_exit(walk, ray);
+        place.tag = list_ended(tag, place.trace.t, smallest3(exit.tmax));
+        @if(intervals) if (place.tag == TRAV && place.trace.interval.y <= smallest3(exit.tmax)) {
             place.tag = BACKGROUND;
         }
         if (place.tag != TRAV) {
             break;
         }
-        walk = step_voxel(walk, ray);
+        walk = step_voxel(walk, exit, ray);
         if (!walk.inside) {
             place.tag = select(SHADE, BACKGROUND, tag == ISECT_NO_HIT);
             break;
@@ -171,7 +172,7 @@ fn walked(start: Place, texel: vec2u) -> Place {
         place.cell = walk.cell;
         @if(counters) place.trace.cells += 1u;
     }
-    store_voxel(texel, walk.voxel);
+    store_voxel(texel, unpacked_voxel(walk.voxel));
     return place;
 }
 
