@@ -27,7 +27,7 @@ import package::scene::{scene};
 @if(irregular) import package::irregular_walk::{irregular_items, enter_irregular, voxel_exit, step_voxel};
 @if(irregular && resumes) import package::irregular_walk::{VoxelWalk, at_voxel, unpacked_voxel};
 @if(bvh) import package::bvh_walk::{finite_inverse};
-@if(bvh) import package::wide_walk::{WideGroup, WideLeaves, wide_ray, visit_wide, wide_child, wide_entry};
+@if(bvh) import package::wide_walk::{WideGroup, wide_ray, visit_wide, wide_child, wide_entry};
 @if(bvh && resumes) import package::wide_walk::{TRAIL_WORDS, MOST_LEVELS, NO_CHILD, trail_child, with_trail_child};
 
 @if(eye_rays && !resumes) @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, write>;
@@ -216,53 +216,7 @@ fn traced(start: Trace) -> Trace {
     return trace;
 }
 
-@if(bvh && !resumes)
-fn traced(start: Trace) -> Trace {
-    var trace = start;
-    if (scene.triangles == 0u) {
-        return trace;
-    }
-    let ray = wide_ray(trace.origin, finite_inverse(trace.direction));
-    var stack: array<vec2u, WIDE_STACK>;
-    var height = 0u;
-    var group = WideGroup(0u, 0x80000000u);
-    var leaves = WideLeaves(0u, 0u, 0u);
-    loop {
-        if (leaves.bits == 0u) {
-            if (group.bits <= 0x00ffffffu) {
-                if (height == 0u) {
-                    break;
-                }
-                height -= 1u;
-                group = WideGroup(stack[height].x, stack[height].y);
-            }
-            let bit = firstLeadingBit(group.bits);
-            let node = wide_child(group, bit, ray);
-            group.bits &= ~(1u << bit);
-            if (group.bits > 0x00ffffffu) {
-                stack[height] = vec2u(group.base, group.bits);
-                height += 1u;
-            }
-            @if(intervals) let hits = visit_wide(node, ray, min(trace.t, trace.interval.y));
-            @else let hits = visit_wide(node, ray, trace.t);
-            @if(counters) trace.cells += 1u;
-            group = hits.inner;
-            leaves = hits.leaves;
-        }
-        // Up to two, so that a node's tests do not keep other rays waiting; the rest in the next turns.
-        for (var k = 0; k < 2 && leaves.bits != 0u; k++) {
-            let bit = firstTrailingBit(leaves.bits);
-            leaves.bits &= leaves.bits - 1u;
-            trace = tested(trace, wide_entry(leaves, bit), vec3i(0));
-            @if(any_hit) if (trace.ended) {
-                return trace;
-            }
-        }
-    }
-    return trace;
-}
-
-@if(bvh && resumes)
+@if(bvh)
 fn traced(start: Trace) -> Trace {
     var trace = start;
     if (scene.triangles == 0u) {
