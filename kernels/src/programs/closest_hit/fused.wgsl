@@ -336,8 +336,7 @@ fn fused(@builtin(global_invocation_id) id: vec3u) {
     // All loads before the next branch, so that they wait for memory together.
     @if(!eye_rays) let origin = load_origin(texel);
     @if(!eye_rays) let direction = load_direction(texel);
-    @if(resumes) let tag = textureLoad(state, texel, 0).x;
-    @if(!eye_rays && !resumes) let tag = TRAV_SETUP;
+    @if(!eye_rays || resumes) let tag = textureLoad(state, texel, 0).x;
     @if(!eye_rays && !resumes) if (tag != TRAV_SETUP) {
         return;
     }
@@ -388,7 +387,7 @@ fn fused(@builtin(global_invocation_id) id: vec3u) {
         textureStore(state, texel, 2, vec4u(wait.cell));
         textureStore(state, texel, 3, vec4u(wait.item));
     }
-    @if(resumes) textureStore(state, texel, 0, vec4u(next));
+    textureStore(state, texel, 0, vec4u(next));
     textureStore(state, texel, 1, vec4u(bitcast<u32>(trace.t)));
     @if(counters) {
         textureStore(counters, texel, 0, vec4u(trace.cells));
