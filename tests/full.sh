@@ -1,12 +1,20 @@
 #!/bin/sh
 # All checks: tests/run.sh with long tests and the long forms of the others, and checks that compile every dependency
-# again. Run it before a release and after a larger piece of work.
+# again. Run it before a release and after a larger piece of work; `sh tests/full.sh web` runs only those for browsers.
 set -eu
 cd "$(dirname "$0")/.."
 
 step() { printf '\n== %s\n' "$1"; }
 
+if [ "${1:-}" = web ]; then
+    step "the crates below the program, for browsers"
+    exec sh tests/web.sh
+fi
+
 RAYSTEP_THOROUGH=1 sh tests/run.sh
+
+step "the crates below the program, for browsers"
+sh tests/web.sh
 
 step "every combination of features"
 for features in "" gpu parallel serde gpu,parallel gpu,serde parallel,serde gpu,parallel,serde; do

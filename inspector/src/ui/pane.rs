@@ -135,7 +135,7 @@ impl Context<'_> {
 }
 
 /// A panel.
-pub trait Panel: Send {
+pub trait Panel {
     /// The title of its tab.
     fn title(&self) -> String;
     /// Shows it.
