@@ -31,10 +31,11 @@ impl DeviceKind {
     /// Every value that a run can have.
     pub const ALL: [Self; 3] = [Self::Gpu, Self::Cpu, Self::CpuF64];
 
-    /// Resolves `Auto`.
+    /// Resolves `Auto`, and replaces a GPU that only draws.
     #[must_use]
     pub fn on(self, gpu: &Arc<Gpu>) -> Self {
         match self {
+            Self::Gpu if !gpu.computes => Self::Cpu,
             Self::Auto if Device::auto(gpu.clone(), None).is_gpu() => Self::Gpu,
             Self::Auto => Self::Cpu,
             chosen => chosen,

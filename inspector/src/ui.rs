@@ -407,7 +407,7 @@ impl Inspector {
     }
 
     /// Reports success, also to screen readers and the log.
-    fn note(&mut self, text: impl Into<String>) {
+    pub fn note(&mut self, text: impl Into<String>) {
         let text = text.into();
         self.shared.say(false, text.clone());
         self.tell(text);

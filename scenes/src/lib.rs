@@ -13,5 +13,5 @@ mod load;
 pub mod scene;
 
 pub use glb::{WriteError, write_glb};
-pub use load::{FileError, LoadError, LoadOptions, NoFiles, Resolver, load};
+pub use load::{FileError, LoadError, LoadOptions, NoFiles, Resolver, external_files, load};
 pub use scene::{Bounds, Camera, Light, Material, Note, Projection, Scene, Texture, Wrap};

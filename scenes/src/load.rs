@@ -196,6 +196,36 @@ pub enum LoadError {
     },
 }
 
+/// The external files that a glTF file names, each once, as [`load`] asks its [`Resolver`] for them: for a host that
+/// cannot read a file at once. Names that [`load`] rejects are left out.
+///
+/// # Errors
+/// If the file is neither a GLB nor glTF JSON, or has more than `max_bytes`.
+pub fn external_files(bytes: &[u8], max_bytes: u64) -> Result<Vec<String>, LoadError> {
+    /// Takes down what it is asked for.
+    struct Names(RefCell<BTreeSet<String>>);
+
+    impl Resolver for Names {
+        fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, FileError> {
+            self.0.borrow_mut().insert(path.to_owned());
+            Err("only its name is wanted".into())
+        }
+    }
+
+    let budget = Budget::new(max_bytes);
+    budget.take(bytes.len() as u64, "the file")?;
+    let (root, _) = container::parse(bytes, &budget)?;
+    let names = Names(RefCell::default());
+    let uris = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+    for uri in uris.chain(root.images.iter().filter_map(|image| image.uri.as_deref())) {
+        if !buffers::is_data(uri) {
+            // What is wrong with a name is told where the file is read.
+            let _: Result<Vec<u8>, LoadError> = buffers::read_uri(uri, "", &names, &budget);
+        }
+    }
+    Ok(names.0.into_inner().into_iter().collect())
+}
+
 /// Reads a glTF 2.0 file, JSON or GLB, into a [`Scene`].
 ///
 /// `name` becomes [`Scene::name`], without a trailing `.gltf` or `.glb`. [`Scene::notes`] lists what was ignored or

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
 use raystep_inspector::session::engine::EngineTask;
-use raystep_inspector::session::request::Loader;
+use raystep_inspector::session::request::{Loader, at_once};
 use raystep_inspector::session_file::EXTENSION;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
@@ -97,7 +97,7 @@ impl Host for Desktop {
     fn loader(&mut self, path: &str) -> Loader {
         let SceneChoice { path, index } = SceneChoice::parse(path);
         let file = SceneArgs { scene: path, scene_index: index, read: self.read };
-        Box::new(move || {
+        at_once(move || {
             let read = scene_file::read(&file).map_err(|e| e.message().to_owned())?;
             Ok(read.scene)
         })

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use raystep_inspector::session::engine::EngineTask;
-use raystep_inspector::session::request::Loader;
+use raystep_inspector::session::request::{Loader, at_once};
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
 use raystep_lab::block_on_shared;
@@ -30,7 +30,7 @@ impl Host for Threads {
 
     fn loader(&mut self, _path: &str) -> Loader {
         let triangles = self.triangles;
-        Box::new(move || match triangles {
+        at_once(move || match triangles {
             0 => Ok(raystep_scenes::generate::cornell_box()),
             count => raystep_scenes::generate::terrain(count, 1).map_err(|e| e.to_string()),
         })

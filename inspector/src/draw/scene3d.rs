@@ -2,15 +2,18 @@
 //!
 //! Drawn in this order: the scene's triangles, what fills areas (tested triangles, the current cell), then lines and
 //! dots. What lies behind an opaque scene is drawn too, but faintly, so that the walk is never out of sight. Depth is 1
-//! near the eye and 0 far away. Only what every WebGPU adapter has is used: 4 samples a pixel, and corners read from
-//! storage buffers that are cut where a binding ends.
+//! near the eye and 0 far away. Only what WebGPU and WebGL 2 have in common is used: 4 samples a pixel, and corners read
+//! from textures, as many as they take.
 
 mod overlay;
 mod pipelines;
 mod settings;
 mod triangles;
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
+use raystep_kernels::Gpu;
 use raystep_kernels::scene_data::SceneData;
 
 use super::picture::filled;
@@ -24,8 +27,7 @@ pub use triangles::{MOST_TRIANGLES, Shown};
 
 /// Draws a scene and a walk into textures.
 pub struct Scene3d {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    gpu: Arc<Gpu>,
     pipelines: Pipelines,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
@@ -45,7 +47,8 @@ struct Targets {
 impl Scene3d {
     /// Creates the pipelines; there is nothing to draw yet.
     #[must_use]
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+    pub fn new(gpu: &Arc<Gpu>) -> Self {
+        let device = &gpu.device;
         let pipelines = Pipelines::new(device);
         let view = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("3D view"),
@@ -59,8 +62,7 @@ impl Scene3d {
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
         });
         Self {
-            device: device.clone(),
-            queue: queue.clone(),
+            gpu: gpu.clone(),
             pipelines,
             view,
             view_group,
@@ -75,9 +77,9 @@ impl Scene3d {
     pub fn set_scene(&mut self, data: &SceneData) -> Shown {
         self.bounds = Aabb::of_vertices(&data.vertices);
         self.frustum = Frustum::of(data);
-        // The old buffers are freed first: both may not fit.
+        // The old textures are freed first: both may not fit.
         self.triangles = Triangles::default();
-        self.triangles = Triangles::new(&self.device, &self.queue, &self.pipelines.triangles_layout, data);
+        self.triangles = Triangles::new(&self.gpu, &self.pipelines.triangles_layout, data);
         self.triangles.shown
     }
 
@@ -109,7 +111,7 @@ impl Scene3d {
         }
         let center = self.bounds.center().as_vec3();
         let view = view(camera, settings, around.cut.filter(|_| settings.cut), center, size);
-        self.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
+        self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let mut overlay = Overlay::new(walk, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
         if let Some(marked) = &around.marked {
             overlay.mark(marked, settings);
@@ -119,10 +121,10 @@ impl Scene3d {
 
         let targets = match self.targets.take().filter(|targets| targets.size == size) {
             Some(targets) => targets,
-            None => Targets::new(&self.device, size),
+            None => Targets::new(&self.gpu.device, size),
         };
         let mut encoder =
-            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("3D view") });
+            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("3D view") });
         {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("3D view"),
@@ -163,7 +165,7 @@ impl Scene3d {
             }
         }
         #[expect(clippy::disallowed_methods, reason = "drawn on the thread of the window")]
-        self.queue.submit([encoder.finish()]);
+        self.gpu.queue.submit([encoder.finish()]);
         self.targets = Some(targets);
     }
 
@@ -171,7 +173,7 @@ impl Scene3d {
         if contents.is_empty() {
             return None;
         }
-        Some(filled(&self.device, &self.queue, label, contents, wgpu::BufferUsages::VERTEX))
+        Some(filled(&self.gpu.device, &self.gpu.queue, label, contents, wgpu::BufferUsages::VERTEX))
     }
 }
 

@@ -139,6 +139,27 @@ struct Uniform {
     inf: f32,
 }
 
+/// A texture to draw from, with the layout of a stream's own. It has at least two layers, and only those asked for are to
+/// be written: a texture with one is no array to WebGL.
+#[must_use]
+pub fn drawable(
+    device: &wgpu::Device,
+    label: &str,
+    format: wgpu::TextureFormat,
+    size: wgpu::Extent3d,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { depth_or_array_layers: size.depth_or_array_layers.max(2), ..size },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
 /// Draws streams.
 pub struct StreamPainter {
     device: wgpu::Device,
@@ -205,19 +226,8 @@ impl StreamPainter {
             multiview_mask: None,
             cache: None,
         });
-        let nothing = |format| {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("no stream"),
-                size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            });
-            array_view(&texture)
-        };
+        let one = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
+        let nothing = |format| array_view(&drawable(device, "no stream", format, one));
         Self {
             no_floats: nothing(wgpu::TextureFormat::R32Float),
             no_words: nothing(wgpu::TextureFormat::R32Uint),

@@ -62,7 +62,7 @@ fn is_special(bits: u32) -> bool {
 
 // NaN and infinities are marked by a hatch as well as a colour, by pixels of the picture.
 fn special(bits: u32, pixel: vec2f) -> vec3f {
-    let stripe = (i32(pixel.x + pixel.y) >> 2u & 1) == 0;
+    let stripe = ((i32(pixel.x + pixel.y) >> 2u) & 1) == 0;
     if (bits & 0x7fffffu) != 0u {
         return select(NAN, vec3f(0.0), stripe);
     }

@@ -2,7 +2,7 @@
 
 use raystep_scenes::generate;
 
-use crate::session::request::Loader;
+use crate::session::request::{Loader, at_once};
 
 /// What the path of a built-in scene begins with; the name of a generator follows.
 pub const PREFIX: &str = "built-in:";
@@ -20,5 +20,5 @@ pub const LESSONS: [(&str, &str); 5] = [
 #[must_use]
 pub fn loader(path: &str) -> Loader {
     let name = path.strip_prefix(PREFIX).unwrap_or(path).to_owned();
-    Box::new(move || generate::find(&name).and_then(|scene| scene.make(&[])).map_err(|error| error.to_string()))
+    at_once(move || generate::find(&name).and_then(|scene| scene.make(&[])).map_err(|error| error.to_string()))
 }

@@ -3,6 +3,8 @@
 use raystep_kernels::executor::gpu::stream_format;
 use raystep_kernels::{Gpu, Renderer, Stream, StreamData};
 
+use crate::draw::stream::drawable;
+
 /// The bit of the stream at an index, among those that are drawn or filled.
 pub(super) fn bit(index: usize) -> u64 {
     1 << index.min(63)
@@ -10,21 +12,15 @@ pub(super) fn bit(index: usize) -> u64 {
 
 /// A texture like a stream's own, to draw from.
 pub(super) fn stream_copy(gpu: &Gpu, stream: Stream, width: u32, height: u32) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(stream.name()),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: stream.layers() as u32 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: stream_format(stream),
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: stream.layers() as u32 };
+    drawable(&gpu.device, stream.name(), stream_format(stream), size)
 }
 
 /// Copies a stream's values into such a texture.
 pub(super) fn fill(gpu: &Gpu, texture: &wgpu::Texture, data: &StreamData) {
-    gpu.write_texture(texture.as_image_copy(), texture.size(), bytemuck::cast_slice(&data.bits));
+    let (width, height, layers) = (data.width, data.height, data.stream.layers() as u32);
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
+    gpu.write_texture(texture.as_image_copy(), size, bytemuck::cast_slice(&data.bits));
 }
 
 /// The textures of all streams whose elements are counted: the run's own on a GPU, otherwise `copies`, which are made

@@ -214,9 +214,8 @@ impl Server {
     }
 
     fn device(&self, kind: DeviceKind) -> Device {
-        match kind {
-            DeviceKind::Auto => Device::auto(self.devices.gpu.clone(), self.devices.clock),
-            DeviceKind::Gpu => Device::Gpu(self.devices.gpu.clone()),
+        match kind.on(&self.devices.gpu) {
+            DeviceKind::Auto | DeviceKind::Gpu => Device::Gpu(self.devices.gpu.clone()),
             DeviceKind::Cpu => Device::Cpu(self.devices.clock),
             DeviceKind::CpuF64 => Device::CpuF64(self.devices.clock),
         }
@@ -226,7 +225,11 @@ impl Server {
         match request {
             Request::Open { path, load, settings } => {
                 self.say(Update::Progress("reading the scene", 0, 0));
-                let scene = load().map_err(Trouble::Failed)?;
+                let scene = match load(Box::new(self.reporter("reading the scene"))).await {
+                    Ok(scene) => scene,
+                    Err(_) if self.is_cancelled() => return Err(Trouble::Cancelled),
+                    Err(message) => return Err(Trouble::Failed(message)),
+                };
                 self.open(Some(path), Arc::new(scene), *settings, 0).await
             }
             Request::Share(scene, settings) => self.open(None, scene, *settings, 0).await,

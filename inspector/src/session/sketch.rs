@@ -8,6 +8,7 @@ use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Gpu, RenderError, Renderer, Stream};
 
 use super::request::Update;
+use crate::draw::stream::drawable;
 
 /// Passes between two sketches at first.
 const FIRST_STRIDE: usize = 4;
@@ -18,7 +19,7 @@ const MOST_BYTES_WAITING: u64 = 64 << 20;
 /// Most texels along a side of a sketch from the CPU: those of a thumbnail.
 pub(crate) const SIDE: u32 = 128;
 
-/// The tags of all states after some pass: a texture with one layer.
+/// The tags of all states after some pass: the first layer of a texture.
 #[derive(Clone)]
 pub struct Sketch {
     /// The stream of states.
@@ -78,9 +79,10 @@ impl Sketcher {
             Some(None) => return Ok(()),
             None => {
                 let data = renderer.values(self.stream).await?;
-                let (size, tags) = thinned(data.layer(STATE_TAG), [data.width, data.height]);
+                let ([width, height], tags) = thinned(data.layer(STATE_TAG), [data.width, data.height]);
+                let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
                 let texture = self.texture(size);
-                self.gpu.write_texture(texture.as_image_copy(), texture.size(), bytemuck::cast_slice(&tags));
+                self.gpu.write_texture(texture.as_image_copy(), size, bytemuck::cast_slice(&tags));
                 texture
             }
         };
@@ -98,28 +100,20 @@ impl Sketcher {
         Ok(())
     }
 
-    fn texture(&self, [width, height]: [u32; 2]) -> wgpu::Texture {
-        self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("sketch"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: stream_format(self.stream),
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        })
+    fn texture(&self, size: wgpu::Extent3d) -> wgpu::Texture {
+        drawable(&self.gpu.device, "sketch", stream_format(self.stream), size)
     }
 
     /// The layer of tags, copied on the GPU after the passes before it.
     fn copy(&self, source: &wgpu::Texture) -> wgpu::Texture {
-        let texture = self.texture([source.width(), source.height()]);
+        let size = wgpu::Extent3d { depth_or_array_layers: 1, ..source.size() };
+        let texture = self.texture(size);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let from = wgpu::TexelCopyTextureInfo {
             origin: wgpu::Origin3d { z: STATE_TAG as u32, ..wgpu::Origin3d::ZERO },
             ..source.as_image_copy()
         };
-        encoder.copy_texture_to_texture(from, texture.as_image_copy(), texture.size());
+        encoder.copy_texture_to_texture(from, texture.as_image_copy(), size);
         self.gpu.submit([encoder.finish()]);
         texture
     }

@@ -78,7 +78,11 @@ impl Inspector {
                     ui.label(format!("{} × {}", opened.plan.width, opened.plan.height));
                     ui.separator();
                 }
-                ui.label(&opened.device);
+                if self.devices.gpu.computes {
+                    ui.label(&opened.device);
+                } else {
+                    ui.label(format!("{}; drawn by WebGL 2", opened.device)).on_hover_text(NO_WEBGPU);
+                }
                 ui.separator();
                 if let Some([x, y]) = self.shared.hovered.or(self.shared.pixel) {
                     let what = if self.model.has_rays() { "pixel" } else { "element" };
@@ -97,6 +101,8 @@ impl Inspector {
         self.shared.hovered = None;
     }
 }
+
+const NO_WEBGPU: &str = "This browser has no WebGPU, so the CPU reference kernels run, on one core.";
 
 /// What becomes of a ray, after the name of its pixel.
 fn outcome(trace: &Trace) -> String {

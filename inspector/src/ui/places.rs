@@ -40,8 +40,8 @@ impl Inspector {
         }
     }
 
-    /// Returns whether the text must be corrected first.
-    pub(super) fn go_to_link(&mut self, text: &str) -> bool {
+    /// Goes to the target of a link, and returns whether the text must be corrected first.
+    pub fn go_to_link(&mut self, text: &str) -> bool {
         match text.parse::<Link>() {
             Ok(link) => {
                 self.follow_link(&link);

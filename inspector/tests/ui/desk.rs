@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use raystep_inspector::session::engine::EngineTask;
-use raystep_inspector::session::request::Loader;
+use raystep_inspector::session::request::{Loader, at_once};
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
 use raystep_scenes::{LoadOptions, NoFiles, generate, load};
@@ -82,7 +82,7 @@ impl Host for TestHost {
 
     fn loader(&mut self, path: &str) -> Loader {
         let path = path.to_owned();
-        Box::new(move || {
+        at_once(move || {
             let json = match path.as_str() {
                 CORNELL => return Ok(generate::cornell_box()),
                 TRIANGLE => triangle(),

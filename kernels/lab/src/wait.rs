@@ -24,16 +24,22 @@ const LONGEST_WAIT: Duration = Duration::from_secs(60);
 /// the device meanwhile.
 pub fn block_on<T>(gpu: Option<&Gpu>, future: impl Future<Output = T>) -> T {
     let _host = gpu.map(Gpu::leave_polling_to_host);
+    let unpark = Arc::new(Unpark { thread: thread::current(), is_woken: AtomicBool::new(false) });
+    let waker = Waker::from(unpark.clone());
     let mut future = pin!(future);
-    let mut context = Context::from_waker(Waker::noop());
+    let mut context = Context::from_waker(&waker);
     loop {
         if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
             return value;
         }
+        // It only let others run.
+        if unpark.is_woken.swap(false, Ordering::Acquire) {
+            continue;
+        }
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LONGEST_WAIT) };
         // An error here is a lost device or a long pass; the future itself reports which.
         if gpu.is_none_or(|gpu| gpu.device.poll(wait).is_err()) {
-            thread::sleep(Duration::from_millis(1));
+            thread::park_timeout(Duration::from_millis(1));
         }
     }
 }

@@ -3,7 +3,9 @@
 
 #![cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU uses some of them"))]
 
+use std::future::poll_fn;
 use std::sync::Arc;
+use std::task::Poll;
 
 use super::RenderError;
 use crate::executor::PassResult;
@@ -31,12 +33,12 @@ pub enum Device {
 }
 
 impl Device {
-    /// The default device, given the best adapter: that adapter, unless it is software. In that case the twins are
-    /// faster; they use `clock`.
+    /// The default device, given the best adapter: that adapter, unless it only draws, or is software. In that case the
+    /// twins are faster; they use `clock`.
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn auto(gpu: Arc<Gpu>, clock: Option<fn() -> u64>) -> Self {
-        if gpu.is_software() { Self::Cpu(clock) } else { Self::Gpu(gpu) }
+        if gpu.is_software() || !gpu.computes { Self::Cpu(clock) } else { Self::Gpu(gpu) }
     }
 
     /// Whether it is a wgpu device.
@@ -166,8 +168,16 @@ impl Executor {
         Ok(match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.run(passes, counts).await?,
-            Self::Cpu(e) => vec![e.run(passes[0], data)?],
-            Self::CpuF64(e) => vec![e.run(passes[0], data)?],
+            Self::Cpu(e) => {
+                let result = e.run(passes[0], data)?;
+                let_others_run().await;
+                vec![result]
+            }
+            Self::CpuF64(e) => {
+                let result = e.run(passes[0], data)?;
+                let_others_run().await;
+                vec![result]
+            }
         })
     }
 
@@ -309,4 +319,17 @@ impl Kept {
             Self::CpuF64(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
         }
     }
+}
+
+/// Yields to the caller's executor once. A pass on a CPU takes its time, and an executor with one thread, such as that of
+/// a browser's worker, serves its events in between.
+fn let_others_run() -> impl Future<Output = ()> {
+    let mut has_yielded = false;
+    poll_fn(move |context| {
+        if std::mem::replace(&mut has_yielded, true) {
+            return Poll::Ready(());
+        }
+        context.waker().wake_by_ref();
+        Poll::Pending
+    })
 }

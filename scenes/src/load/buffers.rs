@@ -104,7 +104,7 @@ impl<'a> Buffers<'a> {
 
 /// The bytes of a URI: those in a data URI, or from the resolver.
 pub(super) fn read_uri(uri: &str, path: &str, resolver: &dyn Resolver, budget: &Budget) -> Result<Vec<u8>, LoadError> {
-    if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+    if is_data(uri) {
         return read_data_uri(uri.get(5..).unwrap_or_default(), path, budget);
     }
     const ABSOLUTE: &str = "is an absolute path; expected one relative to the glTF file";
@@ -138,6 +138,11 @@ pub(super) fn read_uri(uri: &str, path: &str, resolver: &dyn Resolver, budget: &
         return Ok(bytes);
     };
     Err(at(path, problem))
+}
+
+/// Whether a URI holds the bytes itself.
+pub(super) fn is_data(uri: &str) -> bool {
+    uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
 }
 
 /// Whether a path starts at a root or a drive, of this system or another.

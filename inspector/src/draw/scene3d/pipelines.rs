@@ -54,10 +54,18 @@ struct Variant<'a> {
 
 impl Pipelines {
     pub(super) fn new(device: &wgpu::Device) -> Self {
-        let view_layout =
-            layout(device, "3D view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[wgpu::BufferBindingType::Uniform]);
-        let storage = wgpu::BufferBindingType::Storage { read_only: true };
-        let triangles_layout = layout(device, "3D view, triangles", wgpu::ShaderStages::VERTEX, &[storage, storage]);
+        let uniform = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let view_layout = layout(device, "3D view", wgpu::ShaderStages::VERTEX_FRAGMENT, uniform);
+        let corners = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Uint,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let triangles_layout = layout(device, "3D view, triangles", wgpu::ShaderStages::VERTEX, corners);
         let module = |label, source: &str| {
             let source = format!("{}\n{source}", include_str!("view.wgsl"));
             device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -115,15 +123,9 @@ fn layout(
     device: &wgpu::Device,
     label: &str,
     visibility: wgpu::ShaderStages,
-    buffers: &[wgpu::BufferBindingType],
+    ty: wgpu::BindingType,
 ) -> wgpu::BindGroupLayout {
-    let entry = |(binding, &ty): (usize, &wgpu::BufferBindingType)| wgpu::BindGroupLayoutEntry {
-        binding: binding as u32,
-        visibility,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-        count: None,
-    };
-    let entries: Vec<_> = buffers.iter().enumerate().map(entry).collect();
+    let entries = [wgpu::BindGroupLayoutEntry { binding: 0, visibility, ty, count: None }];
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 

@@ -78,9 +78,9 @@ fn drawn_around(
     Picture(pixels)
 }
 
-fn view_of(gpu: &Gpu, data: &SceneData) -> (Scene3d, Orbit) {
+fn view_of(gpu: &Arc<Gpu>, data: &SceneData) -> (Scene3d, Orbit) {
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let mut view = Scene3d::new(&gpu.device, &gpu.queue);
+    let mut view = Scene3d::new(gpu);
     assert_eq!(pollster::block_on(scope.pop()).map(|error| error.to_string()), None);
     assert_eq!(
         view.set_scene(data),

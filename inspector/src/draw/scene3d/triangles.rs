@@ -1,10 +1,9 @@
 //! The scene's triangles on the GPU.
 
+use raystep_kernels::Gpu;
 use raystep_kernels::scene_data::{SceneData, linear_to_srgb};
 
-use crate::draw::picture::filled;
-
-/// Most triangles that are drawn: 400 MB of vertices and colours. If there are more, every second, third, ... is drawn,
+/// Most triangles that are drawn: 480 MB of corners. If there are more, every second, third, ... is drawn,
 /// so that a dense surface gets holes but keeps its shape.
 pub const MOST_TRIANGLES: usize = 10_000_000;
 
@@ -38,53 +37,35 @@ impl std::fmt::Display for Shown {
     }
 }
 
-/// Bytes of a triangle's corners.
-const CORNERS: usize = 36;
+/// Texels of a texture's row, and its most rows: 128 MB.
+const WIDTH: u32 = 2048;
+const MOST_ROWS: u32 = 4096;
 
 #[derive(Default)]
 pub(super) struct Triangles {
     pub(super) shown: Shown,
+    /// Triangles, as many as a texture takes, and their number of vertices.
     chunks: Vec<(wgpu::BindGroup, u32)>,
 }
 
 impl Triangles {
-    pub(super) fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        layout: &wgpu::BindGroupLayout,
-        data: &SceneData,
-    ) -> Self {
-        let limits = device.limits();
-        let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size).min(128 << 20);
-        let chunk = (binding as usize / CORNERS).max(1);
-        let (corners, _) = data.vertices.as_chunks::<9>();
-        let shown = Shown::of(corners.len());
+    pub(super) fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, data: &SceneData) -> Self {
+        let most = gpu.device.limits().max_texture_dimension_2d;
+        let (width, rows) = (WIDTH.min(most), MOST_ROWS.min(most));
+        let (triangles, _) = data.vertices.as_chunks::<9>();
+        let shown = Shown::of(triangles.len());
+        let picked: Vec<usize> = (0..triangles.len()).step_by(shown.every).collect();
         let mut chunks = Vec::new();
-        let mut first = 0;
-        while first < corners.len() {
-            // Of this part, every nth.
-            let end = first.saturating_add(chunk.saturating_mul(shown.every)).min(corners.len());
-            let picked: Vec<[f32; 9]>;
-            let part = if shown.every == 1 {
-                &corners[first..end]
-            } else {
-                picked = corners[first..end].iter().step_by(shown.every).copied().collect();
-                &picked
-            };
-            let colors: Vec<[u8; 4]> = (first..end).step_by(shown.every).map(|i| color(data, i)).collect();
-            let buffer = |label, contents: &[u8]| filled(device, queue, label, contents, wgpu::BufferUsages::STORAGE);
-            let corner_buffer = buffer("3D view, corners", bytemuck::cast_slice(part));
-            let color_buffer = buffer("3D view, colors", bytemuck::cast_slice(&colors));
-            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("3D view, triangles"),
-                layout,
-                entries: &[
-                    wgpu::BindGroupEntry { binding: 0, resource: corner_buffer.as_entire_binding() },
-                    wgpu::BindGroupEntry { binding: 1, resource: color_buffer.as_entire_binding() },
-                ],
-            });
-            chunks.push((group, 3 * part.len() as u32));
-            first = end;
+        for part in picked.chunks(((width * rows / 3) as usize).max(1)) {
+            let mut texels: Vec<[u32; 4]> = Vec::with_capacity((3 * part.len()).next_multiple_of(width as usize));
+            for &triangle in part {
+                let color = u32::from_le_bytes(color(data, triangle));
+                let (corners, _) = triangles[triangle].as_chunks::<3>();
+                texels.extend(corners.iter().map(|[x, y, z]| [x.to_bits(), y.to_bits(), z.to_bits(), color]));
+            }
+            let vertices = texels.len() as u32;
+            texels.resize(texels.len().next_multiple_of(width as usize), [0; 4]);
+            chunks.push((group(gpu, layout, width, &texels), vertices));
         }
         Self { shown, chunks }
     }
@@ -95,6 +76,27 @@ impl Triangles {
             pass.draw(0..*vertices, 0..1);
         }
     }
+}
+
+/// A texture with these texels, whole rows of them, to be bound.
+fn group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, width: u32, texels: &[[u32; 4]]) -> wgpu::BindGroup {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("3D view, corners"),
+        size: wgpu::Extent3d { width, height: texels.len() as u32 / width, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Uint,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    gpu.write_texture(texture.as_image_copy(), texture.size(), bytemuck::cast_slice(texels));
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("3D view, triangles"),
+        layout,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) }],
+    })
 }
 
 /// The material's colour if it is known, paler so that the walk stands out; otherwise grey.

@@ -1,7 +1,7 @@
-// The scene's triangles, flat: corners are read from storage, so that each vertex knows its triangle's normal.
+// The scene's triangles, flat: corners are read from a texture, so that each vertex knows its triangle's normal. A texel
+// has the bits of a corner's x, y and z, and the triangle's colour.
 
-@group(1) @binding(0) var<storage, read> corners: array<f32>;
-@group(1) @binding(1) var<storage, read> colors: array<u32>;
+@group(1) @binding(0) var corners: texture_2d<u32>;
 
 struct Varying {
     @builtin(position) position: vec4f,
@@ -12,9 +12,14 @@ struct Varying {
     @location(2) behind: f32,
 }
 
+fn texel(triangle: u32, i: u32) -> vec4u {
+    let index = 3u * triangle + i;
+    let width = textureDimensions(corners).x;
+    return textureLoad(corners, vec2u(index % width, index / width), 0);
+}
+
 fn corner(triangle: u32, i: u32) -> vec3f {
-    let first = 9u * triangle + 3u * i;
-    return vec3f(corners[first], corners[first + 1u], corners[first + 2u]) - view.center;
+    return bitcast<vec3f>(texel(triangle, i).xyz) - view.center;
 }
 
 @vertex
@@ -25,7 +30,7 @@ fn vs_triangle(@builtin(vertex_index) index: u32) -> Varying {
     let normal = cross(corner(triangle, 1u) - a, corner(triangle, 2u) - a);
     // Both sides alike; a triangle without area has no normal and no pixels.
     let facing = abs(dot(normal, view.light)) * inverseSqrt(max(dot(normal, normal), 1e-36));
-    let base = unpack4x8unorm(colors[triangle]).rgb;
+    let base = unpack4x8unorm(texel(triangle, 0u).w).rgb;
     var weights = vec3f();
     weights[i] = 1.0;
     let position = corner(triangle, i);

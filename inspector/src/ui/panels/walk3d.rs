@@ -183,7 +183,7 @@ impl Walk3d {
     /// The box of the triangles, in traced units; uploads those of a new run.
     fn bounds(&mut self, opened: &Opened, cx: &Context<'_>) -> Aabb {
         let gpu = &cx.canvas.gpu;
-        let scene = self.scene.get_or_insert_with(|| Scene3d::new(&gpu.device, &gpu.queue));
+        let scene = self.scene.get_or_insert_with(|| Scene3d::new(gpu));
         if self.generation != cx.model.generation {
             self.generation = cx.model.generation;
             scene.set_scene(&opened.data);

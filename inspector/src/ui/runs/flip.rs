@@ -7,6 +7,7 @@ use raystep_kernels::{Stream, StreamData};
 use raystep_lab::text::counted;
 
 use super::KeptRuns;
+use crate::draw::stream::drawable;
 use crate::runs::{Kept, Picture, RunId};
 use crate::session::request::Opened;
 use crate::ui::canvas::{Canvas, Moment};
@@ -44,21 +45,10 @@ impl Textures {
 }
 
 fn upload(canvas: &Canvas, data: &StreamData) -> wgpu::Texture {
-    let texture = canvas.gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("stream of a kept run"),
-        size: wgpu::Extent3d {
-            width: data.width,
-            height: data.height,
-            depth_or_array_layers: data.stream.layers() as u32,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: stream_format(data.stream),
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    canvas.gpu.write_texture(texture.as_image_copy(), texture.size(), bytemuck::cast_slice(&data.bits));
+    let (width, height, layers) = (data.width, data.height, data.stream.layers() as u32);
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
+    let texture = drawable(&canvas.gpu.device, "stream of a kept run", stream_format(data.stream), size);
+    canvas.gpu.write_texture(texture.as_image_copy(), size, bytemuck::cast_slice(&data.bits));
     texture
 }
 

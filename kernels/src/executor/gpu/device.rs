@@ -25,6 +25,8 @@ pub struct Gpu {
     pub timestamp_period_ns: Option<f64>,
     /// How it handles long loops.
     pub loops: Loops,
+    /// Whether kernels can run on it; otherwise it only draws.
+    pub computes: bool,
     /// The device's instance and adapter: a window needs them to show what is drawn on it.
     pub source: Option<GpuSource>,
     trouble: Arc<Mutex<Option<GpuError>>>,
@@ -122,6 +124,14 @@ fn is_usable(adapter: &wgpu::Adapter) -> bool {
         && read_write(wgpu::TextureFormat::R32Uint)
 }
 
+/// A browser may keep the adapter's name to itself.
+fn named(mut info: wgpu::AdapterInfo) -> wgpu::AdapterInfo {
+    if info.name.is_empty() {
+        info.name = if info.backend == wgpu::Backend::BrowserWebGpu { "WebGPU" } else { "no name" }.into();
+    }
+    info
+}
+
 /// Lower is better.
 fn rank(info: &wgpu::AdapterInfo) -> (u8, u8) {
     let kind = match info.device_type {
@@ -166,7 +176,7 @@ impl Gpu {
                 AdapterChoice::Named(name) => format!("has {name:?} in its name ({there})"),
             }));
         };
-        let info = adapter.get_info();
+        let info = named(adapter.get_info());
         let refused =
             |message: String| GpuError::NoDevice { adapter: info.name.clone(), message: first_line(&message) };
         if !is_usable(&adapter) {
@@ -192,6 +202,23 @@ impl Gpu {
         info: wgpu::AdapterInfo,
         source: Option<GpuSource>,
     ) -> Result<Arc<Self>, GpuError> {
+        let loops = loops(&device, &queue).await?;
+        Ok(Self::with_loops(device, queue, info, source, Some(loops)))
+    }
+
+    /// Takes over a device without compute shaders, such as one of WebGL: it draws, and kernels run on the CPU.
+    #[must_use]
+    pub fn for_drawing(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Arc<Self> {
+        Self::with_loops(device, queue, info, None, None)
+    }
+
+    fn with_loops(
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        info: wgpu::AdapterInfo,
+        source: Option<GpuSource>,
+        loops: Option<Loops>,
+    ) -> Arc<Self> {
         let trouble = Arc::new(Mutex::new(None));
         let lost = trouble.clone();
         device.set_device_lost_callback(move |reason, message| {
@@ -206,21 +233,20 @@ impl Gpu {
         }));
         let has_timestamps = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let timestamp_period_ns = has_timestamps.then(|| f64::from(queue.get_timestamp_period()));
-        let loops = loops(&device, &queue).await?;
-        let clock = OnceLock::new();
-        Ok(Arc::new(Self {
+        Arc::new(Self {
             device,
             queue,
             info,
             timestamp_period_ns,
-            loops,
+            loops: loops.unwrap_or(Loops::Unlimited),
+            computes: loops.is_some(),
             source,
             trouble,
             gate: Arc::default(),
             compiled: Pipelines::default(),
             poller: Poller::default(),
-            clock,
-        }))
+            clock: OnceLock::new(),
+        })
     }
 
     /// The comparison of the device's clock with the host's, if it has one and they were compared.
@@ -319,12 +345,12 @@ impl Gpu {
         });
     }
 
-    /// Writes a part of a texture, rows and layers one after the other, 4 bytes a texel. Not while another thread
+    /// Writes a part of a texture, rows and layers one after the other. Not while another thread
     /// submits: to submit, wgpu locks the queue and then the state of a texture, and to write, the other way round.
     pub fn write_texture(&self, to: wgpu::TexelCopyTextureInfo<'_>, size: wgpu::Extent3d, texels: &[u8]) {
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: Some(4 * size.width),
+            bytes_per_row: Some(to.texture.format().block_copy_size(None).unwrap_or(4) * size.width),
             rows_per_image: Some(size.height),
         };
         #[expect(clippy::disallowed_methods, reason = "the one place where it is called")]

@@ -8,7 +8,7 @@ use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
 
 use super::super::legend::entry;
-use crate::draw::stream::{self, Colors, Meaning};
+use crate::draw::stream::{self, Colors, Meaning, drawable};
 use crate::runs::differ::{Aspect, CLASSES, Counts, Differences};
 use crate::ui::canvas::{Canvas, Picture};
 use crate::ui::command::Command;
@@ -211,16 +211,8 @@ fn describe(aspect: Aspect, found: &Differences) -> String {
 
 fn upload(canvas: &Arc<Canvas>, found: &Differences) -> wgpu::Texture {
     let [width, height] = found.size;
-    let texture = canvas.gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("differences of kept runs"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::R32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    canvas.gpu.write_texture(texture.as_image_copy(), texture.size(), bytemuck::cast_slice(&found.values));
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = drawable(&canvas.gpu.device, "differences of kept runs", wgpu::TextureFormat::R32Float, size);
+    canvas.gpu.write_texture(texture.as_image_copy(), size, bytemuck::cast_slice(&found.values));
     texture
 }
