@@ -7,13 +7,11 @@ cd "$(dirname "$0")/.."
 step() { printf '\n== %s\n' "$1"; }
 
 if [ "${1:-}" = web ]; then
-    step "the crates below the program, for browsers"
     exec sh tests/web.sh
 fi
 
 RAYSTEP_THOROUGH=1 sh tests/run.sh
 
-step "the crates below the program, for browsers"
 sh tests/web.sh
 
 step "every combination of features"

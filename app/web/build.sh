@@ -20,6 +20,8 @@ cargo build --quiet --locked --manifest-path app/web/bindgen/Cargo.toml --target
 (
     toolchain=$(sh app/web/toolchain.sh)
     eval "$toolchain"
+    # Instructions that browsers have had since 2023: the same speed, but 6% less to fetch.
+    export RUSTFLAGS="-C target-feature=+simd128"
     cargo build --locked --release --target wasm32-unknown-unknown --target-dir "$target" -p raystep-web
 )
 rm -rf "$target/page"
@@ -38,7 +40,7 @@ fi
 # Compressed here, so that it does not matter whether the server does.
 gzip -9 -n "$module"
 
-cp app/web/page/* "$target/page/"
+cp app/web/page/* docs/web/lessons.html docs/web/lessons.css "$target/page/"
 mkdir -p "$target/page/scenes" "$target/page/pictures"
 cp scenes/*.gltf scenes/*.glb scenes/*.bin scenes/*.png "$target/page/scenes/"
 for name in full walk compare; do cp "docs/images/inspector/$name.png" "$target/page/pictures/"; done

@@ -91,6 +91,8 @@ pub struct Inspector {
     focus: focus::Focus,
     maximised: Option<maximise::Maximised>,
     saved: Saved,
+    /// Whether it is a part of another page, and shows no menus.
+    is_embedded: bool,
 }
 
 /// The place to go to in a scene that is being opened.
@@ -147,7 +149,13 @@ impl Inspector {
             focus: focus::Focus::default(),
             maximised: None,
             saved: Saved::default(),
+            is_embedded: false,
         }
+    }
+
+    /// Shows no menus and no hints, as a part of something else. Keys and commands stay.
+    pub fn embed(&mut self) {
+        self.is_embedded = true;
     }
 
     /// Opens a scene by its path; the open one stays until the new one has been read.
@@ -257,8 +265,10 @@ impl Inspector {
         if self.dialog.is_none() {
             self.todo.extend(keys::pressed(&ctx, self.keys_held(&ctx), self.had_focus));
         }
-        self.menu_bar(ui);
-        self.first_steps(ui);
+        if !self.is_embedded {
+            self.menu_bar(ui);
+            self.first_steps(ui);
+        }
         self.status_bar(ui);
         self.show_lesson(ui);
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.panes(ui));

@@ -1,10 +1,13 @@
 //! Every kernel composes, validates and binds only what the tables know, in every combination of options that a run can
 //! ask for; the host's uniforms have the WGSL's layout.
 
+use std::collections::HashSet;
 use std::mem::{offset_of, size_of};
+use std::path::Path;
 
 use raystep_kernels::Kernel;
 use raystep_kernels::options::features::Features;
+use raystep_kernels::programs::ALL;
 use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, streams};
 use raystep_kernels::shader::{Resource, Variant};
 use raystep_kernels::shared::camera::Camera;
@@ -124,6 +127,26 @@ fn every_variant_is_valid_and_within_core_limits() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// Writes every variant of both programs' kernels into a folder, for another compiler: see tests/web/shaders.test.mjs.
+#[test]
+fn every_variant_can_be_written_for_other_compilers() {
+    let Ok(folder) = std::env::var("RAYSTEP_SHADERS") else { return };
+    let mut written = HashSet::new();
+    for features in feature_sets() {
+        for kernel in ALL.iter().flat_map(|program| program.kernels()) {
+            if kernel.program().name == PROGRAM.name && !has_kernel(&features, kernel) {
+                continue;
+            }
+            let source = Variant::new(kernel, &features).expect("valid").source;
+            if written.insert(source.clone()) {
+                let file = format!("{:04}-{}-{}.wgsl", written.len(), kernel.program().name, kernel.info().name);
+                std::fs::write(Path::new(&folder).join(file), source).expect("a folder");
+            }
+        }
+    }
+    assert!(written.len() > 100, "{} variants", written.len());
 }
 
 #[test]

@@ -4,6 +4,10 @@ const canvas = document.getElementById("canvas");
 const text = document.getElementById("text");
 const chooser = document.getElementById("chooser");
 
+// `?embed`: a part of another page, without menus. `?lesson=NAME&step=N`: begins a lesson.
+const query = new URLSearchParams(location.search);
+const isEmbedded = query.has("embed");
+
 const STORED = "raystep";
 const FIRST_LINK = "raystep:1?scene=scenes/cornell-box.gltf";
 /// Without an answer for so long, the page says that the worker is at work.
@@ -12,8 +16,23 @@ const PATIENCE_MS = 700;
 const worker = new Worker("worker.js", { type: "module" });
 const post = (kind, values = {}, transfer = []) => worker.postMessage({ kind, ...values }, transfer);
 
-// What is told to tests and to pages that embed this one.
-window.raystep = { isReady: false, isBusy: true, frames: 0 };
+// For tests, and for pages that embed this one: `await raystep.state()` tells whether anything is left to do, the link to what is
+// shown, the number of passes that have run, the last error, the device, and the bytes of memory.
+const asked = new Map();
+let lastAsked = 0;
+window.raystep = {
+    isReady: false,
+    isBusy: true,
+    frames: 0,
+    place: 0,
+    go: (link) => post("go", { link }),
+    state: () =>
+        new Promise((resolve) => {
+            const id = (lastAsked += 1);
+            asked.set(id, resolve);
+            post("ask", { id });
+        }),
+};
 
 function stored() {
     try {
@@ -140,16 +159,24 @@ async function copyText(words) {
 }
 
 const handlers = {
-    loaded: () => show("Opening a device…", [], true),
+    loaded: () => {
+        window.raystep.loadedAt = performance.now();
+        show("Opening a device…", [], true);
+    },
     ready: ({ computes }) => {
         window.raystep.isReady = true;
         window.raystep.drawnBy = computes ? "WebGPU" : "WebGL 2";
         hide();
     },
-    frame: ({ busy }) => {
+    frame: ({ busy, place }) => {
         window.raystep.isBusy = busy;
+        window.raystep.place = place;
         window.raystep.frames += 1;
         answered();
+    },
+    answer: ({ id, state }) => {
+        asked.get(id)?.(state);
+        asked.delete(id);
     },
     failed: ({ message: why }) => {
         const isStarted = window.raystep.isReady;
@@ -187,7 +214,7 @@ const handlers = {
         document.title = words;
     },
     address: ({ link }) => history.replaceState(null, "", `#${link}`),
-    keep: ({ saved }) => store(saved),
+    keep: ({ saved }) => isEmbedded || store(saved),
     download,
     choose: ({ endings }) => choose(endings),
     askFor: ({ name }) => {
@@ -342,14 +369,21 @@ canvas.addEventListener(
     { passive: false },
 );
 
-// Keys. The browser keeps those with which one leaves the page, or looks at it as a developer.
+// Keys. The browser keeps those that leave or reload the page, and those of the clipboard, which come as events of their
+// own.
 
-const KEPT = new Set(["F5", "F11", "F12"]);
-const KEPT_WITH_COMMAND = new Set(["r", "R", "t", "T", "n", "N", "w", "W", "l", "L", "c", "C", "x", "X", "v", "V", "i", "I", "j", "J", "Tab"]);
+const KEPT = new Set(["r", "t", "n", "w", "tab"]);
+const OF_CLIPBOARD = new Set(["c", "x", "v"]);
+const OF_DEVELOPERS = new Set(["i", "j"]);
+
+function isOfBrowser(event) {
+    const isCommand = isMac ? event.metaKey : event.ctrlKey;
+    const name = event.key.toLowerCase();
+    return isCommand && (KEPT.has(name) || (event.shiftKey ? OF_DEVELOPERS : OF_CLIPBOARD).has(name));
+}
 
 function key(event) {
-    const isCommand = isMac ? event.metaKey : event.ctrlKey;
-    if (KEPT.has(event.key) || (isCommand && KEPT_WITH_COMMAND.has(event.key)) || (isMac && event.ctrlKey && event.key === "Tab")) {
+    if (isOfBrowser(event)) {
         return;
     }
     if (event.isComposing || event.key === "Process" || event.key === "Unidentified") {
@@ -422,7 +456,20 @@ if (typeof canvas.transferControlToOffscreen !== "function") {
 } else {
     const offscreen = canvas.transferControlToOffscreen();
     const isDark = matchMedia("(prefers-color-scheme: dark)").matches;
-    const link = linkOf(location.hash) || FIRST_LINK;
-    post("start", { canvas: offscreen, ...size(), isDark, saved: stored(), link }, [offscreen]);
+    post(
+        "start",
+        {
+            canvas: offscreen,
+            ...size(),
+            isDark,
+            // A part of another page begins as its author wanted.
+            saved: isEmbedded ? null : stored(),
+            link: linkOf(location.hash) || FIRST_LINK,
+            isEmbedded,
+            lesson: query.get("lesson"),
+            step: Number(query.get("step") ?? 1) || 1,
+        },
+        [offscreen],
+    );
 }
 canvas.focus();

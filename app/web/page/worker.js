@@ -20,7 +20,7 @@ function frame() {
     }
     guarded(() => {
         const why = inspector.frame();
-        post("frame", { busy: inspector.is_busy() });
+        post("frame", { busy: inspector.is_busy(), place: inspector.place() });
         if (why !== undefined) {
             const link = inspector.link();
             inspector = null;
@@ -133,6 +133,16 @@ self.raystep = {
     fetch: fetchBytes,
 };
 
+const state = () => ({
+    // A frame that is asked for may find more to do.
+    busy: inspector.is_busy() || isFrameAsked,
+    link: inspector.link(),
+    place: inspector.place(),
+    error: inspector.last_error(),
+    device: inspector.device(),
+    bytes: inspector.memory_bytes(),
+});
+
 const handlers = {
     resize: (e) => inspector.resize(e.width, e.height, e.scale),
     pointerMoved: (e) => inspector.pointer_moved(e.x, e.y, e.modifiers),
@@ -150,6 +160,7 @@ const handlers = {
     cancelled: () => inspector.cancelled(),
     go: (e) => inspector.go(e.link),
     keep: () => inspector.keep(),
+    ask: (e) => post("answer", { id: e.id, state: state() }),
 };
 
 /// The module, which is stored compressed; a server may have told the browser, which then has expanded it.
@@ -163,16 +174,21 @@ async function module() {
     const { value: first } = await reader.read();
     reader.cancel();
     const isCompressed = first?.[0] === 0x1f && first?.[1] === 0x8b;
+    post("loaded");
     const bytes = isCompressed ? whole.pipeThrough(new DecompressionStream("gzip")) : whole;
     return new Response(bytes, { headers: { "content-type": "application/wasm" } });
 }
 
-async function start({ canvas, width, height, scale, isDark, saved, link }) {
+async function start({ canvas, width, height, scale, isDark, saved, link, isEmbedded, lesson, step }) {
     await init({ module_or_path: module() });
-    post("loaded");
     inspector = await Window.open(canvas, width, height, scale, isDark, saved ?? undefined);
     channel.port2.postMessage(null);
-    if (link) {
+    if (isEmbedded) {
+        inspector.embed();
+    }
+    if (lesson) {
+        inspector.lesson(lesson, step);
+    } else {
         inspector.go(link);
     }
     post("ready", { computes: inspector.computes() });

@@ -82,6 +82,10 @@ impl Host for Web {
         self.files.events.take()
     }
 
+    fn can_quit(&self) -> bool {
+        false
+    }
+
     fn remember(&mut self, saved: &str) {
         if self.remembered != saved {
             shell::keep(saved);

@@ -131,9 +131,41 @@ impl Window {
         self.inspector.is_busy()
     }
 
+    /// Passes that have run.
+    pub fn place(&self) -> usize {
+        self.inspector.model().place
+    }
+
     /// The link to what is shown; empty without a scene.
     pub fn link(&self) -> String {
         self.inspector.link().map(|link| link.to_string()).unwrap_or_default()
+    }
+
+    /// The last error, in one line; empty if there was none.
+    pub fn last_error(&self) -> String {
+        self.inspector.last_error().unwrap_or_default().to_owned()
+    }
+
+    /// The device that runs kernels; empty without a scene.
+    pub fn device(&self) -> String {
+        self.inspector.model().opened.as_ref().map(|opened| opened.device.clone()).unwrap_or_default()
+    }
+
+    /// Bytes of the module's memory, which never becomes smaller.
+    pub fn memory_bytes(&self) -> f64 {
+        core::arch::wasm32::memory_size(0) as f64 * 65_536.0
+    }
+
+    /// Shows no menus, as a part of another page.
+    pub fn embed(&mut self) {
+        self.inspector.embed();
+        self.ctx.request_repaint();
+    }
+
+    /// Begins a lesson by its name, at a step counted from 1.
+    pub fn lesson(&mut self, name: &str, step: usize) {
+        self.inspector.begin_named_lesson(name, step.saturating_sub(1));
+        self.ctx.request_repaint();
     }
 
     /// Goes to a link, unless it is there already.

@@ -71,6 +71,10 @@ pub trait Host {
     fn save_as(&mut self, file: FileToSave, path: &str, replaces: bool);
     /// The events since the last call.
     fn events(&mut self) -> Vec<HostEvent>;
+    /// Whether the user can quit here: not in a browser, where the tab is not ours.
+    fn can_quit(&self) -> bool {
+        true
+    }
     /// Stores settings for the next start.
     fn remember(&mut self, saved: &str);
 }

@@ -83,6 +83,18 @@ impl Inspector {
         }
     }
 
+    /// Begins a built-in lesson by its name, that of its file without the ending, at a step counted from 0.
+    pub fn begin_named_lesson(&mut self, name: &str, step: usize) {
+        let names = || built_in::LESSONS.map(|(file, _)| file.trim_end_matches(".md"));
+        match names().iter().position(|own| *own == name) {
+            Some(index) => {
+                self.begin_built_in(index);
+                self.go_to_step(step);
+            }
+            None => self.fail(format!("there is no lesson {name:?}; there are {}", names().join(", "))),
+        }
+    }
+
     /// The step of the open lesson, counted from 0, and their number.
     #[must_use]
     pub fn lesson_step(&self) -> Option<(usize, usize)> {

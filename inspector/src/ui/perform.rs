@@ -17,7 +17,8 @@ impl Inspector {
         use Command as C;
         let (model, has_run) = (&self.model, self.model.opened.is_some());
         match command {
-            C::OpenScene | C::PasteLink | C::Quit | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
+            C::Quit => self.host.can_quit(),
+            C::OpenScene | C::PasteLink | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
             C::ToolbarWords | C::Maximise | C::NextPanel | C::PreviousPanel | C::NextTab | C::PreviousTab => true,
             C::LargerText | C::SmallerText | C::NormalText => self.can_resize(command),
             C::OpenSession => true,

@@ -304,9 +304,11 @@ impl<R: Precision> CpuExecutor<R> {
         let (begin, end) = (x as usize * stride, (x + width) as usize * stride);
         let mut bits = Vec::with_capacity(width as usize * height as usize * stream.layers());
         for layer in 0..stream.layers() {
-            let rows = rows.texels.chunks_exact(row_words).skip(y as usize).take(height as usize);
-            let texels = rows.flat_map(|row| row[begin..end].chunks_exact(stride));
-            bits.extend(texels.map(|texel| to_stream_bits::<R>(stream, layer, texel[first + layer])));
+            // A row at a time: its length is known, and none of its texels is checked for room.
+            for row in rows.texels.chunks_exact(row_words).skip(y as usize).take(height as usize) {
+                let texels = row[begin..end].chunks_exact(stride);
+                bits.extend(texels.map(|texel| to_stream_bits::<R>(stream, layer, texel[first + layer])));
+            }
         }
         Some(StreamData { stream, width, height, bits })
     }

@@ -1,0 +1,166 @@
+// The page in Chromium: what a student does with a link, and what may go wrong meanwhile.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import path from "node:path";
+import { after, before, describe, test } from "node:test";
+
+import { Browser, keyOf, scenes } from "./browser.mjs";
+
+const CORNELL = "raystep:1?scene=scenes/cornell-box.gltf";
+const SMALL = `${CORNELL}&size=96x96`;
+
+/// The same on both ways of drawing; with WebGPU, kernels are asked to run on it, since a software adapter is not what
+/// `auto` takes.
+for (const [way, device] of [
+    ["webgpu", "gpu"],
+    ["webgl", "cpu"],
+]) {
+    describe(way, () => {
+        let browser;
+        before(async () => {
+            browser = await Browser.open(way);
+        });
+        after(() => browser.close());
+
+        test("the first picture is there within 3 s after the files have arrived", async () => {
+            const tab = await browser.page();
+            const { place, error, device } = await tab.settled();
+            assert.deepEqual([place, error, device], [73, "", "CPU, f32"]);
+            assert.equal(await tab.page.evaluate(() => window.raystep.drawnBy), way === "webgpu" ? "WebGPU" : "WebGL 2");
+            await tab.screenshot(`${way}-first`);
+            // Again, with files and code in the browser's cache: what remains is our own.
+            await tab.page.reload();
+            await tab.ready();
+            await tab.page.waitForFunction(() => window.raystep.place === 73 && !window.raystep.isBusy);
+            const { loaded, now } = await tab.page.evaluate(() => ({ loaded: window.raystep.loadedAt, now: performance.now() }));
+            console.log(`${way}: first picture ${Math.round(now - loaded)} ms after the files have arrived`);
+            assert.deepEqual(tab.troubles, []);
+            await tab.page.close();
+        });
+
+        test("passes can be stepped forwards and back, and a pixel's ray followed", async () => {
+            const tab = await browser.page(`${SMALL}&device=${device}&pass=0`);
+            let { link } = await tab.settled();
+            assert.equal(keyOf(link, "pass"), "0");
+            const times = [];
+            for (const [key, count, last] of [
+                ["F10", 20, 20],
+                ["Shift+F10", 7, 13],
+            ]) {
+                for (let step = 0; step < count; step += 1) {
+                    times.push(await tab.page.evaluate(stepped, key));
+                }
+                const seen = await tab.settled();
+                assert.deepEqual([seen.place, seen.error], [last, ""]);
+            }
+            times.sort((a, b) => a - b);
+            console.log(`${way}: a step is shown after ${times.map(Math.round)[times.length >> 1]} ms, at most ${Math.round(times.at(-1))} ms`);
+            await tab.page.mouse.click(400, 350);
+            const before = keyOf(link, "pixel");
+            ({ link } = await tab.settled());
+            assert.notEqual(keyOf(link, "pixel"), before);
+            // The address is that of the place, at most a second later.
+            await tab.page.waitForTimeout(1200);
+            assert.equal(decodeURIComponent(new URL(tab.page.url()).hash.slice(1)), decodeURIComponent((await tab.state()).link));
+            await tab.screenshot(`${way}-stepped`);
+            assert.deepEqual(tab.troubles, []);
+            await tab.page.close();
+        });
+
+        test("a run stops at a watch, and a link opens another scene at its place", async () => {
+            const tab = await browser.page(`${SMALL}&device=${device}&pass=0&pixel=40,50`);
+            await tab.settled();
+            await tab.press("F9", "F5");
+            const { place, error } = await tab.press("Escape");
+            assert.equal(error, "");
+            assert.ok(place > 0 && place < 70, `stopped after ${place} passes`);
+            const wanted = `raystep:1?scene=teapot.glb&size=64x48&accelerator=bvh&device=${device}&pixel=30,20&pass=9&stream=state.tag`;
+            const { link } = await tab.go(wanted);
+            for (const key of ["scene", "size", "accelerator", "pixel", "pass", "stream"]) {
+                assert.equal(keyOf(link, key), keyOf(wanted, key), key);
+            }
+            await tab.screenshot(`${way}-link`);
+            assert.deepEqual(tab.troubles, []);
+            await tab.page.close();
+        });
+
+        test("a dropped scene is opened, with its files; a broken one is refused", async () => {
+            const tab = await browser.page(SMALL);
+            await tab.settled();
+            const file = (name) => [name, readFileSync(path.join(scenes, name))];
+            await tab.drop([file("textures.gltf"), file("textures-данные.bin"), file("schach brett ü.png")]);
+            let { link, error } = await tab.settled();
+            assert.deepEqual([keyOf(link, "scene"), error], ["textures.gltf", ""]);
+            await tab.drop([["broken.glb", readFileSync(path.join(scenes, "teapot.glb")).subarray(0, 4000)]]);
+            ({ link, error } = await tab.settled());
+            assert.match(error, /broken\.glb: /);
+            assert.equal(keyOf(link, "scene"), "textures.gltf", "the open scene stays");
+            assert.deepEqual(tab.troubles, []);
+            await tab.page.close();
+        });
+
+        test("exports are downloads", async () => {
+            const tab = await browser.page(`${SMALL}&device=${device}`);
+            await tab.settled();
+            const download = tab.page.waitForEvent("download");
+            await tab.perform("Export passes as CSV");
+            const file = await download;
+            assert.match(file.suggestedFilename(), /^cornell-box.*\.csv$/);
+            const lines = readFileSync(await file.path(), "utf8").trim().split("\n").filter((line) => !line.startsWith("#"));
+            assert.equal(lines.length, 1 + (await tab.state()).place, "a header, and a row per pass");
+            await tab.page.close();
+        });
+
+        test("a reload in the middle of a run, a hidden tab and a second one do no harm", async () => {
+            const tab = await browser.page(`${SMALL}&device=${device}&pass=0`);
+            await tab.settled();
+            await tab.page.keyboard.press("End");
+            await tab.page.reload();
+            await tab.settled();
+            const other = await browser.page(`${SMALL}&device=${device}`);
+            await tab.page.keyboard.press("End");
+            await other.settled();
+            await other.page.close();
+            await tab.page.bringToFront();
+            await tab.settled();
+            await tab.page.setViewportSize({ width: 700, height: 500 });
+            const { error } = await tab.settled();
+            await tab.screenshot(`${way}-small`);
+            assert.equal(error, "");
+            assert.deepEqual(tab.troubles, []);
+            await tab.page.close();
+        });
+    });
+}
+
+/// In the page: presses a key, and waits for the frame that shows another place. Milliseconds.
+function stepped(key) {
+    const [name, ...modifiers] = key.split("+").reverse();
+    const begin = performance.now();
+    const before = window.raystep.place;
+    const canvas = document.getElementById("canvas");
+    const init = { key: name, code: name, shiftKey: modifiers.includes("Shift"), bubbles: true, cancelable: true };
+    canvas.dispatchEvent(new KeyboardEvent("keydown", init));
+    canvas.dispatchEvent(new KeyboardEvent("keyup", init));
+    return new Promise((resolve) => {
+        const look = () => {
+            if (window.raystep.place !== before) {
+                resolve(performance.now() - begin);
+            } else {
+                setTimeout(look, 1);
+            }
+        };
+        look();
+    });
+}
+
+test("without anything to draw with, the page says so, and shows pictures", async () => {
+    const browser = await Browser.open("nothing");
+    const tab = await browser.page();
+    await assert.rejects(tab.ready(), /WebGL/);
+    await tab.page.waitForFunction(() => [...document.images].length === 3 && [...document.images].every((i) => i.naturalWidth > 0));
+    assert.match(await tab.page.textContent("#message"), /cannot run in this browser/);
+    await tab.screenshot("nothing");
+    await browser.close();
+});
