@@ -1,9 +1,10 @@
 #!/bin/sh
-# Builds the page and tries it in Chromium, on a virtual display: with WebGPU in software, without WebGPU, and without
-# WebGL. Installs what that takes, except Rust and Node.js. Screenshots are left in target/web/screenshots.
+# Compiles the kernels' variants with Dawn, Chromium's WebGPU; builds the page, and tries it in Chromium on a virtual
+# display: with WebGPU in software, without WebGPU, and without WebGL, hits by WebGPU against the CPU reference kernels. Installs what that takes, except Rust and Node.js. Screenshots are left in target/web/screenshots.
 set -eu
 cd "$(dirname "$0")/.."
 PLAYWRIGHT=1.65.1
+DAWN=0.6.2
 
 step() { printf '\n== %s\n' "$1"; }
 
@@ -24,24 +25,29 @@ fi
 
 target="${CARGO_TARGET_DIR:-target}/web"
 
-step "the crates below the program and the page, for browsers"
-(
-    toolchain=$(sh app/web/toolchain.sh)
-    eval "$toolchain"
-    # The compiler may be another one than cargo's: in a folder of its own, neither invalidates what the other compiled.
-    cargo check --locked --target wasm32-unknown-unknown --target-dir "$target" -p raystep-web
-)
-
-step "the page"
+step "the page, and with it all crates below the program, without threads"
 sh app/web/build.sh "$target/served"
 
+npm install --silent --no-fund --no-audit --prefix "$target/npm" "playwright-core@$PLAYWRIGHT" "webgpu@$DAWN"
+modules=$(cd "$target/npm/node_modules" && pwd)
+export NODE_PATH="$modules"
+
+step "every variant of every kernel in Dawn"
+shaders="$target/shaders"
+rm -rf "$shaders"
+mkdir -p "$shaders"
+shaders=$(cd "$shaders" && pwd)
+# As tests/run.sh compiles them, so that it happens once.
+RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__ RAYSTEP_SHADERS="$shaders" \
+    cargo test --quiet --workspace --locked --test kernels -- every_variant_can_be_written
+RAYSTEP_SHADERS="$shaders" VK_DRIVER_FILES="$(dirname "$(readlink -f /usr/lib/chromium/libvk_swiftshader.so)")/vk_swiftshader_icd.json" \
+    XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-/tmp}" node --test --test-reporter=spec tests/web/shaders.test.mjs
+
 step "the page in Chromium"
-npm install --silent --no-fund --no-audit --prefix "$target/npm" "playwright-core@$PLAYWRIGHT"
 mkdir -p "$target/screenshots"
 display=$(mktemp)
 Xvfb -displayfd 3 -screen 0 1400x1000x24 3>"$display" 2>/dev/null &
 server=$!
 trap 'kill $server 2>/dev/null; rm -f "$display"' EXIT
 until [ -s "$display" ]; do sleep 0.1; done
-modules=$(cd "$target/npm/node_modules" && pwd)
-DISPLAY=":$(cat "$display")" NODE_PATH="$modules" node --test --test-concurrency=1 --test-reporter=spec tests/web/*.test.mjs
+DISPLAY=":$(cat "$display")" node --test --test-concurrency=1 --test-reporter=spec tests/web/page.test.mjs tests/web/hits.test.mjs

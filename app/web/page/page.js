@@ -86,7 +86,7 @@ function reloadAt(link) {
 
 /// Nothing can be shown: what is missing, and how it would look.
 function showPictures(why) {
-    show(`raystep cannot run in this browser: ${why}`);
+    show(`raystep cannot run in this browser: ${why}.`);
     const pictures = document.getElementById("pictures");
     for (const [file, caption] of [
         ["full.png", "The inspector: an image, its passes, and the streams between them"],
@@ -178,14 +178,14 @@ const handlers = {
         asked.get(id)?.(state);
         asked.delete(id);
     },
-    failed: ({ message: why }) => {
+    failed: ({ why }) => {
         const isStarted = window.raystep.isReady;
         window.raystep.isReady = false;
         window.raystep.failure = why;
         if (isStarted) {
             show(`raystep stopped: ${why}`, [["Start again", () => reloadAt("")]]);
         } else {
-            showPictures(why);
+            showPictures(/WebGL 2/.test(why) ? "it has neither WebGPU nor WebGL 2" : why);
         }
     },
     lost: ({ why, link }) => {
@@ -237,7 +237,7 @@ const handlers = {
 worker.onmessage = ({ data }) => handlers[data.kind](data);
 worker.onerror = (event) => {
     event.preventDefault();
-    handlers.failed({ message: event.message ?? "the worker could not be loaded" });
+    handlers.failed({ why: event.message ?? "the worker could not be loaded" });
 };
 
 // Files.

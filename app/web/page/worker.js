@@ -1,6 +1,6 @@
 // Runs the inspector: the module's imports, its frames, and the events of the page.
 
-import init, { Window } from "./raystep_web.js";
+import init, { Window, work } from "./raystep_web.js";
 
 let inspector = null;
 /// Events that came before the inspector was ready.
@@ -52,7 +52,7 @@ function wake(afterMs) {
 // Work goes on through messages to ourselves, between which the page's events are served; they are not slowed down while
 // the page is hidden, as timers are.
 const channel = new MessageChannel();
-channel.port1.onmessage = () => guarded(() => inspector?.work());
+channel.port1.onmessage = () => guarded(work);
 
 /// What a panic or an exception leaves behind cannot go on.
 function guarded(work) {
@@ -66,7 +66,7 @@ function guarded(work) {
 function failed(error) {
     inspector = null;
     console.error(error);
-    post("failed", { message: String(error?.message ?? error) });
+    post("failed", { why: String(error?.message ?? error) });
 }
 
 async function fetchBytes(url, mostBytes, progress) {
@@ -182,7 +182,6 @@ async function module() {
 async function start({ canvas, width, height, scale, isDark, saved, link, isEmbedded, lesson, step }) {
     await init({ module_or_path: module() });
     inspector = await Window.open(canvas, width, height, scale, isDark, saved ?? undefined);
-    channel.port2.postMessage(null);
     if (isEmbedded) {
         inspector.embed();
     }

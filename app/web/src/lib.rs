@@ -7,9 +7,10 @@
 
 mod device;
 mod files;
+pub mod hits;
 mod host;
 mod input;
 mod painter;
 mod shell;
 mod tasks;
-mod window;
+pub mod window;

@@ -13,7 +13,7 @@ extern "C" {
     #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn wake(after_ms: f64);
 
-    /// Has `Window::work` called once events have been served.
+    /// Has `work` called once events have been served.
     #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn later();
 

@@ -15,7 +15,7 @@ use crate::files::Files;
 use crate::host::Web;
 use crate::input::Input;
 use crate::painter::Painter;
-use crate::{device, shell, tasks};
+use crate::{device, shell};
 
 /// Least time between two changes of the page's address, which browsers limit.
 const ADDRESS_EVERY_MS: f64 = 1000.0;
@@ -86,11 +86,6 @@ impl Window {
             is_editing: false,
             is_lost: false,
         })
-    }
-
-    /// A slice of the work that waits.
-    pub fn work(&self) {
-        tasks::work();
     }
 
     /// Draws a frame. Returns why there will be no more of them, once the device fails.
