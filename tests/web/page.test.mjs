@@ -131,6 +131,21 @@ for (const [way, device] of [
             assert.deepEqual(tab.troubles, []);
             await tab.page.close();
         });
+
+        test("a lost device is said, and the run resumes at the same place", async () => {
+            const tab = await browser.page(`${SMALL}&device=${device}&pass=20&pixel=40,50`);
+            const { link } = await tab.settled();
+            const session = await browser.chromium.newBrowserCDPSession();
+            // It does not answer, as the process that would is gone.
+            session.send("Browser.crashGpuProcess").catch(() => {});
+            await tab.page.waitForFunction(() => window.raystep.failure !== undefined);
+            assert.match(await tab.page.textContent("#message"), /lost|took back/);
+            await tab.page.click("#buttons button");
+            await tab.page.waitForFunction(() => window.raystep.failure === undefined);
+            const state = await tab.settled();
+            assert.deepEqual([state.link, state.error], [link, ""]);
+            await tab.page.close();
+        });
     });
 }
 

@@ -22,11 +22,16 @@ function frame() {
         const why = inspector.frame();
         post("frame", { busy: inspector.is_busy(), place: inspector.place() });
         if (why !== undefined) {
-            const link = inspector.link();
-            inspector = null;
-            post("lost", { why, link });
+            lost(why);
         }
     });
+}
+
+/// Nothing can be drawn any more; the page offers to go on at the same place.
+function lost(why) {
+    const link = inspector?.link() ?? "";
+    inspector = null;
+    post("lost", { why, link });
 }
 
 function wake(afterMs) {
@@ -180,6 +185,8 @@ async function module() {
 }
 
 async function start({ canvas, width, height, scale, isDark, saved, link, isEmbedded, lesson, step }) {
+    // WebGPU tells by its device.
+    canvas.addEventListener("webglcontextlost", () => lost("the browser took back the context of WebGL"));
     await init({ module_or_path: module() });
     inspector = await Window.open(canvas, width, height, scale, isDark, saved ?? undefined);
     if (isEmbedded) {
