@@ -23,7 +23,7 @@ for (const [way, device] of [
         });
         after(() => browser.close());
 
-        test("the first picture is there within 3 s after the files have arrived", async () => {
+        test("the first picture comes by itself; how long after the files is printed", async () => {
             const tab = await browser.page();
             const { place, error, device } = await tab.settled();
             assert.deepEqual([place, error, device], [73, "", "CPU, f32"]);
