@@ -202,35 +202,28 @@ impl Gpu {
         info: wgpu::AdapterInfo,
         source: Option<GpuSource>,
     ) -> Result<Arc<Self>, GpuError> {
+        // Before anything is done on it: without a listener, an error panics.
+        let trouble = listen(&device);
         let loops = loops(&device, &queue).await?;
-        Ok(Self::with_loops(device, queue, info, source, Some(loops)))
+        Ok(Self::opened(device, queue, info, source, Some(loops), trouble))
     }
 
     /// Takes over a device without compute shaders, such as one of WebGL: it draws, and kernels run on the CPU.
     #[must_use]
     pub fn for_drawing(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Arc<Self> {
-        Self::with_loops(device, queue, info, None, None)
+        let trouble = listen(&device);
+        Self::opened(device, queue, info, None, None, trouble)
     }
 
-    fn with_loops(
+    /// `loops`: how it handles long loops; `None` if it only draws.
+    fn opened(
         device: wgpu::Device,
         queue: wgpu::Queue,
         info: wgpu::AdapterInfo,
         source: Option<GpuSource>,
         loops: Option<Loops>,
+        trouble: Arc<Mutex<Option<GpuError>>>,
     ) -> Arc<Self> {
-        let trouble = Arc::new(Mutex::new(None));
-        let lost = trouble.clone();
-        device.set_device_lost_callback(move |reason, message| {
-            let message = if message.is_empty() { format!("{reason:?}") } else { first_line(&message) };
-            // Of other errors, it is the cause, though it may be reported after them.
-            *lost.lock().unwrap_or_else(PoisonError::into_inner) = Some(GpuError::Lost(message));
-        });
-        let uncaptured = trouble.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            // Keep the first error: later ones are its consequences.
-            uncaptured.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.into());
-        }));
         let has_timestamps = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let timestamp_period_ns = has_timestamps.then(|| f64::from(queue.get_timestamp_period()));
         Arc::new(Self {
@@ -362,6 +355,23 @@ impl Gpu {
     pub fn hold_back(self: &Arc<Self>) -> Held {
         self.gate.hold_back()
     }
+}
+
+/// Keeps the first error of a device, or its loss.
+fn listen(device: &wgpu::Device) -> Arc<Mutex<Option<GpuError>>> {
+    let trouble = Arc::new(Mutex::new(None));
+    let lost = trouble.clone();
+    device.set_device_lost_callback(move |reason, message| {
+        let message = if message.is_empty() { format!("{reason:?}") } else { first_line(&message) };
+        // Of other errors, it is the cause, though it may be reported after them.
+        *lost.lock().unwrap_or_else(PoisonError::into_inner) = Some(GpuError::Lost(message));
+    });
+    let uncaptured = trouble.clone();
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        // Keep the first error: later ones are its consequences.
+        uncaptured.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error.into());
+    }));
+    trouble
 }
 
 /// The first error of a device, or its loss.
