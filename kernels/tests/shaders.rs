@@ -7,8 +7,8 @@ use std::path::Path;
 
 use raystep_kernels::Kernel;
 use raystep_kernels::options::features::Features;
-use raystep_kernels::programs::ALL;
 use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, streams};
+use raystep_kernels::programs::grid_build;
 use raystep_kernels::shader::{Resource, Variant};
 use raystep_kernels::shared::camera::Camera;
 use raystep_kernels::shared::grid_walk::Grid;
@@ -105,48 +105,35 @@ fn has_kernel(features: &Features, kernel: Kernel) -> bool {
     }
 }
 
+/// With RAYSTEP_SHADERS, also writes them into that folder, for another compiler: see tests/web/shaders.test.mjs.
 #[test]
 fn every_variant_is_valid_and_within_core_limits() {
-    let mut failures = Vec::new();
-    for features in feature_sets() {
-        for kernel in PROGRAM.kernels() {
-            if !has_kernel(&features, kernel) {
-                continue;
+    let folder = std::env::var_os("RAYSTEP_SHADERS");
+    let (mut failures, mut seen) = (Vec::new(), HashSet::new());
+    let mut check = |kernel: Kernel, features: &Features| match Variant::new(kernel, features) {
+        Err(e) => failures.push(format!("{features:?}: {e}")),
+        Ok(variant) => {
+            let count = |f: fn(&Resource) -> bool| variant.bindings.iter().filter(|b| f(&b.resource)).count();
+            let textures = count(|r| matches!(r, Resource::WriteStream { .. }));
+            let buffers = count(|r| matches!(r, Resource::Storage | Resource::Live { .. }));
+            if textures > 4 || buffers > 8 {
+                failures.push(format!("{} binds {textures} textures, {buffers} buffers", kernel.name()));
             }
-            match Variant::new(kernel, &features) {
-                Err(e) => failures.push(format!("{features:?}: {e}")),
-                Ok(variant) => {
-                    let count = |f: fn(&Resource) -> bool| variant.bindings.iter().filter(|b| f(&b.resource)).count();
-                    let textures = count(|r| matches!(r, Resource::WriteStream { .. }));
-                    let buffers = count(|r| matches!(r, Resource::Storage | Resource::Live { .. }));
-                    if textures > 4 || buffers > 8 {
-                        failures.push(format!("{} binds {textures} textures, {buffers} buffers", kernel.name()));
-                    }
-                }
+            if seen.insert(variant.source.clone())
+                && let Some(folder) = &folder
+            {
+                let file = format!("{:04}-{}.wgsl", seen.len(), variant.label());
+                std::fs::write(Path::new(folder).join(file), &variant.source).expect("a folder");
             }
         }
+    };
+    for features in feature_sets() {
+        PROGRAM.kernels().filter(|&kernel| has_kernel(&features, kernel)).for_each(|kernel| check(kernel, &features));
     }
+    // Its kernels do not depend on the options of a walk.
+    grid_build::PROGRAM.kernels().for_each(|kernel| check(kernel, &Features::default()));
     assert!(failures.is_empty(), "{}", failures.join("\n"));
-}
-
-/// Writes every variant of both programs' kernels into a folder, for another compiler: see tests/web/shaders.test.mjs.
-#[test]
-fn every_variant_can_be_written_for_other_compilers() {
-    let Ok(folder) = std::env::var("RAYSTEP_SHADERS") else { return };
-    let mut written = HashSet::new();
-    for features in feature_sets() {
-        for kernel in ALL.iter().flat_map(|program| program.kernels()) {
-            if kernel.program().name == PROGRAM.name && !has_kernel(&features, kernel) {
-                continue;
-            }
-            let source = Variant::new(kernel, &features).expect("valid").source;
-            if written.insert(source.clone()) {
-                let file = format!("{:04}-{}-{}.wgsl", written.len(), kernel.program().name, kernel.info().name);
-                std::fs::write(Path::new(&folder).join(file), source).expect("a folder");
-            }
-        }
-    }
-    assert!(written.len() > 100, "{} variants", written.len());
+    assert!(seen.len() > 100, "{} variants", seen.len());
 }
 
 #[test]
