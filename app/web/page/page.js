@@ -467,7 +467,7 @@ if (typeof canvas.transferControlToOffscreen !== "function") {
             link: linkOf(location.hash) || FIRST_LINK,
             isEmbedded,
             lesson: query.get("lesson"),
-            step: Number(query.get("step") ?? 1) || 1,
+            step: Math.max(1, Math.trunc(Number(query.get("step"))) || 1),
         },
         [offscreen],
     );

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use futures_channel::mpsc::{UnboundedSender, unbounded};
 use futures_channel::oneshot;
@@ -10,7 +11,6 @@ use raystep_inspector::session::request::Loader;
 use raystep_inspector::session_file::{EXTENSION, MOST_BYTES};
 use raystep_inspector::ui::host::HostEvent;
 use raystep_scenes::{FileError, LoadOptions, Resolver, Scene, external_files, load};
-use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
 use web_sys::File;

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use egui::mutex::RwLock;
-use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+use egui_wgpu::{Renderer, RendererOptions};
+use raystep_inspector::ui::offscreen;
 use raystep_kernels::Gpu;
 use web_sys::OffscreenCanvas;
 
@@ -81,28 +82,8 @@ impl Painter {
                 return Err(format!("{other:?}"));
             }
         };
-        let view = frame.texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let screen = ScreenDescriptor { size_in_pixels: [width, height], pixels_per_point };
-        let [r, g, b, a] = background.to_normalized_gamma_f32().map(f64::from);
         let mut renderer = self.renderer.write();
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let buffers = renderer.update_buffers(device, &self.gpu.queue, &mut encoder, jobs, &screen);
-        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("window"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        renderer.render(&mut pass.forget_lifetime(), jobs, &screen);
-        drop(renderer);
-        self.gpu.submit(buffers.into_iter().chain([encoder.finish()]));
+        offscreen::submit(&self.gpu, &mut renderer, jobs, background, &frame.texture, pixels_per_point);
         self.gpu.queue.present(frame);
         Ok(())
     }

@@ -3,67 +3,53 @@
 use js_sys::{Function, Uint8Array};
 use wasm_bindgen::prelude::*;
 
-#[wasm_bindgen]
+#[wasm_bindgen(js_namespace = raystep)]
 extern "C" {
     /// Milliseconds since the page was opened.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn now() -> f64;
 
     /// Has `Window::frame` called after this many milliseconds; 0 is the next frame of the display.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn wake(after_ms: f64);
 
     /// Has `work` called once events have been served.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn later();
 
     /// Sets the pointer's shape, by its name in CSS.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn cursor(name: &str);
 
     /// Puts a text on the clipboard.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn copy(text: &str);
 
     /// Opens an address in another tab.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn visit(url: &str);
 
     /// Where text is edited, in CSS pixels: left, top, width, height of the cursor. Empty if nowhere.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn editing(rect: &[f32]);
 
     /// Sets the page's title.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn title(text: &str);
 
     /// Puts a link into the page's address.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn address(link: &str);
 
     /// Stores settings for the next visit.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn keep(saved: &str);
 
     /// Saves a file among the downloads.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn download(name: &str, bytes: Uint8Array);
 
     /// Has the user choose files; `Window::files` gets them, or `Window::cancelled` is called.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn choose(endings: &str);
 
     /// Asks for a file by its name; an empty name takes the question back.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn ask_for(name: &str);
 
     /// Tells assistive technology.
-    #[wasm_bindgen(js_namespace = ["raystep"])]
     pub(crate) fn tell(text: &str);
 
     /// Fetches a file of at most so many bytes. `progress` gets the bytes so far and in total, 0 if that is not known,
     /// and returns whether to go on. Rejects with a text.
-    #[wasm_bindgen(js_namespace = ["raystep"], catch)]
+    #[wasm_bindgen(catch)]
     pub(crate) async fn fetch(url: &str, most_bytes: f64, progress: &Function) -> Result<JsValue, JsValue>;
 }
 

@@ -37,7 +37,6 @@ pub struct Window {
     address: (String, f64),
     kept_ms: f64,
     is_editing: bool,
-    is_lost: bool,
 }
 
 #[wasm_bindgen]
@@ -84,16 +83,13 @@ impl Window {
             address: (String::new(), 0.0),
             kept_ms: shell::now(),
             is_editing: false,
-            is_lost: false,
         })
     }
 
     /// Draws a frame. Returns why there will be no more of them, once the device fails.
     pub fn frame(&mut self) -> Option<String> {
         if let Err(error) = self.gpu.health() {
-            if !std::mem::replace(&mut self.is_lost, true) {
-                self.inspector.keep();
-            }
+            self.inspector.keep();
             return Some(match error {
                 GpuError::Lost(why) => format!("the GPU device was lost ({why}), with all data on it"),
                 other => other.to_string(),
@@ -300,23 +296,19 @@ impl Window {
     /// Keeps the page's address and the stored settings up to date.
     fn keep_place(&mut self) {
         let now = shell::now();
-        let is_busy = self.inspector.is_busy();
-        if !is_busy {
-            let link = self.link();
+        let link = self.link();
+        if !self.inspector.is_busy() && link != self.address.0 {
             let left_ms = self.address.1 + ADDRESS_EVERY_MS - now;
-            if link != self.address.0 && left_ms <= 0.0 {
+            if left_ms <= 0.0 {
                 shell::address(&link);
                 self.address = (link, now);
-            } else if link != self.address.0 {
+            } else {
                 shell::wake(left_ms);
             }
         }
         if now - self.kept_ms > KEEP_EVERY_MS {
             self.kept_ms = now;
             self.inspector.keep();
-        }
-        if self.address.0.is_empty() || is_busy {
-            return;
         }
         shell::wake(KEEP_EVERY_MS);
     }

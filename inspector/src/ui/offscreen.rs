@@ -30,7 +30,7 @@ pub async fn draw(
         .ok_or_else(|| GpuError::Readback("the image was returned in another size".into()))
 }
 
-/// The same into a texture in [`FORMAT`](crate::draw::picture::FORMAT), without waiting for it.
+/// The same into a texture of the format that `renderer` draws in, without waiting for it.
 pub fn submit(
     gpu: &Gpu,
     renderer: &mut Renderer,
