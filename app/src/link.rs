@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use raystep_inspector::link::{Link, LinkCamera, LinkDevice, LinkRay};
 use raystep_kernels::BuiltBy;
-use raystep_lab::Size;
+use raystep_lab::{Hash, Size};
 
 use crate::args::{
     CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SampleArgs, SceneArgs, TuningArgs, Vector, ViewArgs, counted,
@@ -44,6 +44,8 @@ pub(crate) struct Wanted {
     pub(crate) run: RunArgs,
     /// The ray that a link contains.
     pub(crate) ray: Option<LinkRay>,
+    /// The hash of the scene that a link was made with.
+    pub(crate) scene_hash: Option<Hash>,
 }
 
 impl LinkArgs {
@@ -58,7 +60,7 @@ impl LinkArgs {
             self.scene.ok_or_else(|| Error::usage("missing scene: name its file, or use --link LINK (see --help)"))?;
         run.tuning.steps_per_pass = run.tuning.steps_per_pass.or(Some(1));
         let scene = SceneArgs { scene, scene_index: self.scene_index, read: self.read };
-        Ok(Wanted { scene, view, run, ray: None })
+        Ok(Wanted { scene, view, run, ray: None, scene_hash: None })
     }
 }
 
@@ -110,18 +112,20 @@ fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, E
             device: if is_named { linked } else { device },
         },
         ray: link.ray,
+        scene_hash: link.scene_hash,
     })
 }
 
 /// The link for these options: the inverse of [`LinkArgs::wanted`].
 pub(crate) fn link_of(wanted: &Wanted) -> Result<Link, Error> {
-    let Wanted { scene, view, run, ray } = wanted;
+    let Wanted { scene, view, run, ray, scene_hash } = wanted;
     let path = scene.scene.to_str();
     let path = path.ok_or_else(|| Error::failed("the scene's name is not UTF-8, so a link cannot contain it"))?;
     let CameraArgs { camera, eye, look_at, up, fov } = view.camera;
     Ok(Link {
         scene: Some(path.into()),
         scene_index: scene.scene_index,
+        scene_hash: *scene_hash,
         camera: match (camera, eye, look_at) {
             (_, Some(Vector(eye)), Some(Vector(look_at))) => LinkCamera::Placed {
                 eye,

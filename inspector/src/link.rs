@@ -11,6 +11,7 @@
 //! | key | value | default |
 //! |---|---|---|
 //! | `scene`, `scene-index` | the scene's file as it was named, and which scene of it | |
+//! | `scene-hash` | of the scene's contents ([`scene_hash`](crate::runs::scene_hash)): a file with another is said to be another scene | |
 //! | `camera`; or `eye`, `look-at`, `up`, `fov` | number of the scene's camera; or points, and degrees | the first; up 0,1,0, fov 40 |
 //! | `size` | WxH, pixels | 512x512 |
 //! | `accelerator`, `schedule`, `numerics` | as the options | grid, compact, robust |
@@ -32,6 +33,7 @@ use std::fmt;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream};
+use raystep_lab::Hash;
 
 pub use error::LinkError;
 
@@ -46,9 +48,10 @@ pub const MOST_CELLS: u32 = 4096;
 pub const MOST_STEPS: u32 = 4096;
 
 /// Every key, in the order in which they are written.
-pub const KEYS: [&str; 27] = [
+pub const KEYS: [&str; 28] = [
     "scene",
     "scene-index",
+    "scene-hash",
     "camera",
     "eye",
     "look-at",
@@ -94,6 +97,8 @@ pub struct Link {
     pub scene: Option<String>,
     /// Which scene of a file that holds several; `None` for the file's own choice.
     pub scene_index: Option<usize>,
+    /// Hash of the scene's contents.
+    pub scene_hash: Option<Hash>,
     /// The view.
     pub camera: LinkCamera,
     /// Width and height in pixels.
@@ -211,6 +216,7 @@ impl Default for Link {
         Self {
             scene: None,
             scene_index: None,
+            scene_hash: None,
             camera: LinkCamera::Default,
             size: [512, 512],
             program: ProgramName::ClosestHit,
@@ -241,6 +247,7 @@ impl Link {
         let mut add = |key: &'static str, value: Option<String>| pairs.extend(value.map(|value| (key, value)));
         add("scene", self.scene.clone());
         add("scene-index", self.scene_index.map(|n| n.to_string()));
+        add("scene-hash", self.scene_hash.map(|hash| hash.to_string()));
         match self.camera {
             LinkCamera::Default => {}
             LinkCamera::Index(n) => add("camera", Some(n.to_string())),

@@ -25,6 +25,7 @@ mod panels;
 mod perform;
 mod picture;
 mod places;
+pub mod retained;
 mod runs;
 mod scrub;
 mod selected;
@@ -42,6 +43,7 @@ use std::sync::Arc;
 
 use egui_notify::Toasts;
 use egui_tiles::Tree;
+use raystep_lab::Hash;
 
 use crate::runs::Runs;
 use crate::saved::Saved;
@@ -104,13 +106,15 @@ pub struct Arrival {
     pub place: Option<usize>,
     /// The view of the first stream panel.
     pub shown: Option<Shown>,
+    /// The hash of the scene's contents, as far as it is known; another scene is said to be one.
+    pub scene_hash: Option<Hash>,
 }
 
 impl Arrival {
     /// After the last pass: the initial view of a scene.
     #[must_use]
     pub fn picture() -> Self {
-        Self { pixel: None, place: Some(usize::MAX), shown: None }
+        Self { place: Some(usize::MAX), ..Self::default() }
     }
 }
 
@@ -172,6 +176,13 @@ impl Inspector {
     /// then.
     pub fn plan(&mut self, settings: Settings) {
         self.model.ask(Request::Plan(Box::new(settings)));
+    }
+
+    /// The pictures of streams that were drawn again since this was last asked, for an owner of the window that does
+    /// not draw all of it in each frame.
+    #[must_use]
+    pub fn take_redrawn(&self) -> std::collections::BTreeSet<egui::TextureId> {
+        self.canvas.take_redrawn()
     }
 
     /// Performs a command, as its menu item would.

@@ -15,6 +15,7 @@ mod lessons;
 mod measured;
 mod names;
 mod readable;
+mod retained;
 mod runs;
 mod session;
 mod session_file;

@@ -141,7 +141,8 @@ for (const [way, device] of [
             await tab.page.waitForFunction(() => window.raystep.failure !== undefined);
             assert.match(await tab.page.textContent("#message"), /lost|took back/);
             await tab.page.click("#buttons button");
-            await tab.page.waitForFunction(() => window.raystep.failure === undefined);
+            // The page is loaded again.
+            await tab.page.waitForFunction(() => window.raystep?.isReady);
             const state = await tab.settled();
             assert.deepEqual([state.link, state.error], [link, ""]);
             await tab.page.close();

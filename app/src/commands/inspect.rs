@@ -235,7 +235,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, latency, mut program, view, run, .. } =
         args;
     let measured_from = latency.then(raystep_lab::machine::now_ns);
-    let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, shown: None };
+    let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, ..Arrival::default() };
     if let Some(text) = &link.link {
         let link: Link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
         if link.pass.is_some() && pass.is_some() {
@@ -246,12 +246,13 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
         }
         arrival.place = arrival.place.or(link.pass);
         arrival.shown = Shown::of(&link);
+        arrival.scene_hash = link.scene_hash;
     }
     arrival.place = arrival.place.or(Arrival::picture().place);
     let is_empty = link.scene.is_none() && link.link.is_none();
     let wanted = if is_empty {
         let scene = SceneArgs { scene: PathBuf::new(), scene_index: None, read: link.read };
-        Wanted { scene, view, run, ray: None }
+        Wanted { scene, view, run, ray: None, scene_hash: None }
     } else {
         link.wanted(view, run)?
     };

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::str::FromStr;
 
 use clap::{ArgGroup, Args, ValueEnum};
-use raystep_inspector::link::LinkRay;
+use raystep_inspector::link::{Link, LinkRay};
+use raystep_inspector::runs::scene_hash;
 use raystep_kernels::export::trace::{Rays, trace};
 use raystep_kernels::{Ray, RaySource};
 
@@ -144,7 +145,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     if matches!(ray, Some(LinkRay::Given(_))) && args.all_rays {
         return Err(Error::usage("--all-rays applies to pixels, but --ray is a single ray: omit one of them"));
     }
-    let link = args.print_link.then(|| link_of(&wanted)).transpose()?;
+    let mut link = args.print_link.then(|| link_of(&wanted)).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&wanted.scene, &wanted.view, &wanted.run, &progress, |options| {
         options.keep_passes = false;
@@ -152,6 +153,14 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
             options.rays = RaySource::Given(vec![ray]);
         }
     })?;
+    if link.is_some() || wanted.scene_hash.is_some() {
+        let hash = scene_hash(&session.scene);
+        if wanted.scene_hash.is_some_and(|expected| expected != hash) {
+            let name = &session.scene.name;
+            progress.say(format_args!("note: {name} is not the scene that the link was made with: results may differ"));
+        }
+        link = link.map(|link| Link { scene_hash: Some(hash), ..link });
+    }
     let mut running = session.start(&progress)?;
     progress.stage("tracing");
     if !args.all_rays && running.renderer.plan().rays > 1 && !running.renderer.can_go_alone() {

@@ -111,10 +111,11 @@ const handlers = {
         window.raystep.drawnBy = computes ? "WebGPU" : "WebGL 2";
         panel.hide();
     },
-    frame: ({ busy, place }) => {
+    frame: ({ busy, place, share }) => {
         window.raystep.isBusy = busy;
         window.raystep.place = place;
         window.raystep.frames += 1;
+        window.raystep.drawnShare = share;
         answered();
     },
     answer: ({ id, state }) => {

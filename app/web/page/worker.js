@@ -20,7 +20,7 @@ function frame() {
     }
     guarded(() => {
         const why = inspector.frame();
-        post("frame", { busy: inspector.is_busy(), place: inspector.place() });
+        post("frame", { busy: inspector.is_busy(), place: inspector.place(), share: inspector.drawn_share() });
         if (why !== undefined) {
             lost(why);
         }

@@ -1,12 +1,14 @@
 //! Draws what egui tessellated on the canvas.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::mutex::RwLock;
 use egui_wgpu::{Renderer, RendererOptions};
-use raystep_inspector::ui::offscreen;
+use raystep_inspector::ui::retained::Retained;
 use raystep_kernels::Gpu;
 use web_sys::OffscreenCanvas;
+use wgpu::util::TextureBlitter;
 
 use crate::device::Opened;
 
@@ -17,7 +19,24 @@ pub(crate) struct Painter {
     canvas: OffscreenCanvas,
     configuration: wgpu::SurfaceConfiguration,
     pub(crate) renderer: Arc<RwLock<Renderer>>,
+    retained: Retained,
+    /// To the canvas, which does not keep a frame to draw on.
+    blitter: TextureBlitter,
+    /// The canvas does not show the last frame.
     is_stale: bool,
+    /// The share of the window that the last frame had to draw.
+    pub(crate) drawn_share: f32,
+}
+
+/// What egui wants to be drawn.
+pub(crate) struct Frame<'a> {
+    pub(crate) jobs: Vec<egui::ClippedPrimitive>,
+    pub(crate) textures: &'a mut egui::TexturesDelta,
+    /// The inspector's pictures with other contents.
+    pub(crate) redrawn: BTreeSet<egui::TextureId>,
+    pub(crate) size_in_pixels: [u32; 2],
+    pub(crate) pixels_per_point: f32,
+    pub(crate) background: egui::Color32,
 }
 
 impl Painter {
@@ -30,61 +49,57 @@ impl Painter {
         configuration.view_formats = vec![configuration.format];
         let options = RendererOptions { dithering: false, ..Default::default() };
         let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, configuration.format, options)));
-        Ok(Self { gpu, surface, canvas, configuration, renderer, is_stale: true })
+        let blitter = TextureBlitter::new(&gpu.device, configuration.format);
+        let retained = Retained::default();
+        Ok(Self { gpu, surface, canvas, configuration, renderer, retained, blitter, is_stale: true, drawn_share: 1.0 })
     }
 
-    /// Draws a frame; where that fails, only uploads its textures.
-    pub(crate) fn paint(
-        &mut self,
-        jobs: &[egui::ClippedPrimitive],
-        textures: &mut egui::TexturesDelta,
-        size_in_pixels: [u32; 2],
-        pixels_per_point: f32,
-        background: egui::Color32,
-    ) -> Result<(), String> {
+    /// Draws a frame, as far as it differs from the last one; where that fails, only uploads its textures.
+    pub(crate) fn paint(&mut self, frame: Frame<'_>) -> Result<(), String> {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let textures = frame.textures;
         for (id, delta) in textures.set.iter().flat_map(|(id, all)| all.iter().map(move |delta| (id, delta))) {
             self.renderer.write().update_texture(device, queue, *id, delta);
         }
-        let drawn = self.draw(jobs, size_in_pixels, pixels_per_point, background);
+        self.retained.note(textures, &frame.redrawn);
+        let most = device.limits().max_texture_dimension_2d;
+        let size = frame.size_in_pixels.map(|side| side.clamp(1, most));
+        let mut renderer = self.renderer.write();
+        let (format, points) = (self.configuration.format, frame.pixels_per_point);
+        let drawn = self.retained.draw(&self.gpu, &mut renderer, format, frame.jobs, frame.background, size, points);
+        self.is_stale |= drawn.is_some();
+        self.drawn_share = drawn.unwrap_or(0.0);
         for id in &textures.free {
-            self.renderer.write().free_texture(id);
+            renderer.free_texture(id);
         }
+        drop(renderer);
         textures.clear();
-        drawn
+        if self.is_stale { self.present(size) } else { Ok(()) }
     }
 
-    fn draw(
-        &mut self,
-        jobs: &[egui::ClippedPrimitive],
-        [width, height]: [u32; 2],
-        pixels_per_point: f32,
-        background: egui::Color32,
-    ) -> Result<(), String> {
+    fn present(&mut self, [width, height]: [u32; 2]) -> Result<(), String> {
+        let Some(last) = self.retained.texture() else { return Ok(()) };
         let device = &self.gpu.device;
-        let most = device.limits().max_texture_dimension_2d;
-        let (width, height) = (width.clamp(1, most), height.clamp(1, most));
-        if self.is_stale || (width, height) != (self.configuration.width, self.configuration.height) {
+        if (width, height) != (self.configuration.width, self.configuration.height) {
             (self.configuration.width, self.configuration.height) = (width, height);
             self.canvas.set_width(width);
             self.canvas.set_height(height);
             self.surface.configure(device, &self.configuration);
-            self.is_stale = false;
         }
-        let frame = match self.surface.get_current_texture() {
-            wgpu::CurrentSurfaceTexture::Success(frame) => frame,
-            wgpu::CurrentSurfaceTexture::Suboptimal(frame) => {
-                self.is_stale = true;
-                frame
-            }
+        let shown = match self.surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(shown) => shown,
             other => {
-                self.is_stale = true;
+                // To be configured again.
+                self.configuration.width = 0;
                 return Err(format!("{other:?}"));
             }
         };
-        let mut renderer = self.renderer.write();
-        offscreen::submit(&self.gpu, &mut renderer, jobs, background, &frame.texture, pixels_per_point);
-        self.gpu.queue.present(frame);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let [from, to] = [last, &shown.texture].map(|texture| texture.create_view(&Default::default()));
+        self.blitter.copy(device, &mut encoder, &from, &to);
+        self.gpu.submit([encoder.finish()]);
+        self.gpu.queue.present(shown);
+        self.is_stale = false;
         Ok(())
     }
 }

@@ -14,7 +14,7 @@ use web_sys::{File, OffscreenCanvas};
 use crate::files::Files;
 use crate::host::Web;
 use crate::input::Input;
-use crate::painter::Painter;
+use crate::painter::{Frame, Painter};
 use crate::{device, shell};
 
 /// Least time between two changes of the page's address, which browsers limit.
@@ -102,9 +102,15 @@ impl Window {
         let inspector = &mut self.inspector;
         let mut output = self.ctx.run_ui(raw, |ui| inspector.ui(ui));
         let jobs = self.ctx.tessellate(output.shapes, output.pixels_per_point);
-        let background = background(&self.ctx);
-        let textures = &mut output.textures_delta;
-        if self.painter.paint(&jobs, textures, self.input.pixels(), output.pixels_per_point, background).is_err() {
+        let frame = Frame {
+            jobs,
+            textures: &mut output.textures_delta,
+            redrawn: self.inspector.take_redrawn(),
+            size_in_pixels: self.input.pixels(),
+            pixels_per_point: output.pixels_per_point,
+            background: background(&self.ctx),
+        };
+        if self.painter.paint(frame).is_err() {
             self.ctx.request_repaint();
         }
         self.tell_page(output.platform_output);
@@ -120,6 +126,11 @@ impl Window {
     /// Whether work is in progress.
     pub fn is_busy(&self) -> bool {
         self.inspector.is_busy()
+    }
+
+    /// The share of the window that the last frame had to draw: what differed from the one before.
+    pub fn drawn_share(&self) -> f32 {
+        self.painter.drawn_share
     }
 
     /// Passes that have run.

@@ -1,5 +1,7 @@
 //! A stream as a picture, drawn from the stream's own texture: nothing is read back for it.
 
+use std::sync::OnceLock;
+
 use raystep_kernels::Stream;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::state::{States, Tag};
@@ -132,11 +134,9 @@ struct Uniform {
     layer: u32,
     range: [f32; 2],
     exposure: f32,
-    mode: u32,
-    is_float: u32,
-    has_other: u32,
     unwritten: u32,
     inf: f32,
+    rest: [u32; 3],
 }
 
 /// A texture to draw from, with the layout of a stream's own. It has at least two layers, and only those asked for are to
@@ -164,7 +164,9 @@ pub fn drawable(
 pub struct StreamPainter {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    pipeline: wgpu::RenderPipeline,
+    module: wgpu::ShaderModule,
+    /// By meaning, by whether it is of floats, by whether another stream is subtracted.
+    pipelines: [[[OnceLock<wgpu::RenderPipeline>; 2]; 2]; 5],
     layout: wgpu::BindGroupLayout,
     no_floats: wgpu::TextureView,
     no_words: wgpu::TextureView,
@@ -200,16 +202,38 @@ impl StreamPainter {
             label: Some("stream view"),
             entries: &entries,
         });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        let one = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
+        let nothing = |format| array_view(&drawable(device, "no stream", format, one));
+        Self {
+            no_floats: nothing(wgpu::TextureFormat::R32Float),
+            no_words: nothing(wgpu::TextureFormat::R32Uint),
+            device: device.clone(),
+            queue: queue.clone(),
+            module,
+            pipelines: Default::default(),
+            layout,
+        }
+    }
+
+    fn pipeline(&self, meaning: Meaning, is_float: bool, has_other: bool) -> &wgpu::RenderPipeline {
+        let kept = &self.pipelines[meaning as usize][usize::from(is_float)][usize::from(has_other)];
+        kept.get_or_init(|| self.compile(meaning, is_float, has_other))
+    }
+
+    fn compile(&self, meaning: Meaning, is_float: bool, has_other: bool) -> wgpu::RenderPipeline {
+        let flag = |value| f64::from(u8::from(value));
+        let constants =
+            [("MODE", f64::from(meaning as u8)), ("IS_FLOAT", flag(is_float)), ("HAS_OTHER", flag(has_other))];
+        let pipeline_layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("stream view"),
-            bind_group_layouts: &[Some(&layout)],
+            bind_group_layouts: &[Some(&self.layout)],
             immediate_size: 0,
         });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("stream view"),
             layout: Some(&pipeline_layout),
             vertex: wgpu::VertexState {
-                module: &module,
+                module: &self.module,
                 entry_point: Some("corner"),
                 compilation_options: Default::default(),
                 buffers: &[],
@@ -218,24 +242,14 @@ impl StreamPainter {
             depth_stencil: None,
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
-                module: &module,
+                module: &self.module,
                 entry_point: Some("paint"),
-                compilation_options: Default::default(),
+                compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
                 targets: &[Some(FORMAT.into())],
             }),
             multiview_mask: None,
             cache: None,
-        });
-        let one = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
-        let nothing = |format| array_view(&drawable(device, "no stream", format, one));
-        Self {
-            no_floats: nothing(wgpu::TextureFormat::R32Float),
-            no_words: nothing(wgpu::TextureFormat::R32Uint),
-            device: device.clone(),
-            queue: queue.clone(),
-            pipeline,
-            layout,
-        }
+        })
     }
 
     /// Draws all of `target`, whose format is [`FORMAT`]; where there is no texel it is left transparent.
@@ -248,12 +262,10 @@ impl StreamPainter {
             layer: picture.layer as u32,
             range: picture.range,
             exposure: picture.exposure,
-            mode: picture.meaning as u32,
-            is_float: u32::from(is_float),
-            has_other: u32::from(picture.minus.is_some()),
             // The value of a missing id; a count cannot reach it.
             unwritten: u32::MAX,
             inf: INF,
+            rest: [0; 3],
         };
         let colors: Vec<[f32; 4]> = (0..256)
             .map(|i| {
@@ -301,7 +313,7 @@ impl StreamPainter {
                 })],
                 ..Default::default()
             });
-            pass.set_pipeline(&self.pipeline);
+            pass.set_pipeline(self.pipeline(picture.meaning, is_float, picture.minus.is_some()));
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3, 0..1);
         }
@@ -332,9 +344,6 @@ mod tests {
             ("lo", offset_of!(Uniform, range)),
             ("hi", offset_of!(Uniform, range) + 4),
             ("exposure", offset_of!(Uniform, exposure)),
-            ("mode", offset_of!(Uniform, mode)),
-            ("is_float", offset_of!(Uniform, is_float)),
-            ("has_other", offset_of!(Uniform, has_other)),
             ("unwritten", offset_of!(Uniform, unwritten)),
             ("inf", offset_of!(Uniform, inf)),
         ];

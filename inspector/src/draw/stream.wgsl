@@ -8,14 +8,16 @@ struct Picture {
     lo: f32,
     hi: f32,
     exposure: f32,
-    mode: u32,
-    is_float: u32,
-    has_other: u32,
     // Bits that mean "nothing here".
     unwritten: u32,
-    // From here on a float means "never".
-    inf: f32,
+    // From here on a float means "never". WebGL wants the size to be a multiple of 16 bytes.
+    @size(16) inf: f32,
 }
+
+// What is known before compiling, since some devices take every branch of what is not.
+override MODE: u32;
+override IS_FLOAT: bool;
+override HAS_OTHER: bool;
 
 // A layer of floats; of whole numbers; ids; three layers as a colour; a tag.
 const SCALAR: u32 = 0u;
@@ -43,14 +45,14 @@ fn corner(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
 }
 
 fn bits_at(texel: vec2i, layer: u32) -> u32 {
-    if picture.is_float != 0u {
+    if IS_FLOAT {
         return bitcast<u32>(textureLoad(floats, texel, layer, 0).x);
     }
     return textureLoad(words, texel, layer, 0).x;
 }
 
 fn other_bits_at(texel: vec2i, layer: u32) -> u32 {
-    if picture.is_float != 0u {
+    if IS_FLOAT {
         return bitcast<u32>(textureLoad(other_floats, texel, layer, 0).x);
     }
     return textureLoad(other_words, texel, layer, 0).x;
@@ -93,7 +95,7 @@ fn srgb(linear: vec3f) -> vec3f {
 
 fn color_of(texel: vec2i, pixel: vec2f) -> vec3f {
     let bits = bits_at(texel, picture.layer);
-    if picture.mode == COLOR {
+    if MODE == COLOR {
         let all = vec3u(bits, bits_at(texel, picture.layer + 1u), bits_at(texel, picture.layer + 2u));
         for (var c = 0u; c < 3u; c++) {
             if is_special(all[c]) {
@@ -102,17 +104,17 @@ fn color_of(texel: vec2i, pixel: vec2f) -> vec3f {
         }
         return srgb(bitcast<vec3f>(all) * picture.exposure + picture.lo);
     }
-    if picture.has_other != 0u {
+    if HAS_OTHER {
         let there = other_bits_at(texel, picture.layer);
-        if picture.mode == SCALAR && !is_special(bits) && !is_special(there) {
+        if MODE == SCALAR && !is_special(bits) && !is_special(there) {
             return mapped(bitcast<f32>(bits) - bitcast<f32>(there));
         }
-        if picture.mode == COUNT {
+        if MODE == COUNT {
             return mapped(f32(bits) - f32(there));
         }
         return select(vec3f(1.0, 0.6, 0.1), NOTHING, bits == there);
     }
-    if picture.mode == SCALAR {
+    if MODE == SCALAR {
         let value = bitcast<f32>(bits);
         if is_special(bits) {
             return special(bits, pixel);
@@ -122,10 +124,10 @@ fn color_of(texel: vec2i, pixel: vec2f) -> vec3f {
     if bits == picture.unwritten {
         return NOTHING;
     }
-    if picture.mode == ID {
+    if MODE == ID {
         return hashed(bits);
     }
-    if picture.mode == TAG {
+    if MODE == TAG {
         return colors[min(bits, 255u)].rgb;
     }
     return mapped(f32(bits));
@@ -134,7 +136,7 @@ fn color_of(texel: vec2i, pixel: vec2f) -> vec3f {
 @fragment
 fn paint(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let size = vec2i(textureDimensions(floats).xy);
-    let extent = select(vec2i(textureDimensions(words).xy), size, picture.is_float != 0u);
+    let extent = select(vec2i(textureDimensions(words).xy), size, IS_FLOAT);
     let at = (position.xy - picture.offset) / picture.scale;
     let texel = vec2i(floor(at));
     if any(texel < vec2i(0)) || any(texel >= extent) {

@@ -31,6 +31,7 @@ impl FromStr for Link {
         let link = Self {
             scene: pairs.take("scene", |v| not_empty(v).ok_or("expected a file".into()))?,
             scene_index: pairs.take("scene-index", count)?,
+            scene_hash: pairs.take("scene-hash", named)?,
             camera: camera(&pairs)?,
             size: pairs.take("size", size)?.unwrap_or(default.size),
             program,

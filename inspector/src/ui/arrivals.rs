@@ -83,7 +83,7 @@ impl Inspector {
         let (triangles, rays) = (counted(plan.triangles, "triangle"), counted(plan.rays, "ray"));
         let text = format!("{}: {triangles}, {rays} on {}", opened.scene.name, opened.device);
         self.shared.say(false, text);
-        let Arrival { pixel, place, shown } = self.arrival.take().unwrap_or_default();
+        let Arrival { pixel, place, shown, scene_hash } = self.arrival.take().unwrap_or_default();
         let inside = |[x, y]: &[u32; 2]| *x < plan.width && *y < plan.height;
         let pixel = pixel.or(self.shared.pixel).filter(inside).or(Some([plan.width / 2, plan.height / 2]));
         let missing = missing_camera(opened);
@@ -97,6 +97,7 @@ impl Inspector {
         self.shared.pixel = None;
         self.shared.select = pixel;
         self.shared.show = shown;
+        self.shared.runs.expect(scene_hash);
         self.apply_session();
         // The engine may have gone there already.
         let is_there = |place: usize| {

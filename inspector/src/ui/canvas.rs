@@ -1,8 +1,9 @@
 //! Pictures drawn on the GPU and shown by egui.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use egui::mutex::RwLock;
+use egui::mutex::{Mutex, RwLock};
 use raystep_kernels::{Gpu, Stream};
 
 use crate::draw::picture::picture;
@@ -16,6 +17,8 @@ pub struct Canvas {
     pub renderer: Arc<RwLock<egui_wgpu::Renderer>>,
     /// Draws streams.
     pub streams: StreamPainter,
+    /// The pictures that were drawn again since someone asked.
+    redrawn: Mutex<BTreeSet<egui::TextureId>>,
 }
 
 impl Canvas {
@@ -23,7 +26,14 @@ impl Canvas {
     #[must_use]
     pub fn new(gpu: Arc<Gpu>, renderer: Arc<RwLock<egui_wgpu::Renderer>>) -> Self {
         let streams = StreamPainter::new(&gpu.device, &gpu.queue);
-        Self { gpu, renderer, streams }
+        Self { gpu, renderer, streams, redrawn: Mutex::default() }
+    }
+
+    /// The pictures that were drawn again since this was last asked: what egui draws of them differs, though their
+    /// names are the same.
+    #[must_use]
+    pub fn take_redrawn(&self) -> BTreeSet<egui::TextureId> {
+        std::mem::take(&mut *self.redrawn.lock())
     }
 
     /// The largest side of a picture.
@@ -47,15 +57,19 @@ struct Kept {
 }
 
 impl Picture {
-    /// The view to draw into, of exactly this many pixels, and whether it is new and thus empty.
-    pub fn target(&mut self, canvas: &Arc<Canvas>, size: [u32; 2]) -> (&wgpu::TextureView, bool) {
+    /// The view to draw into, of exactly this many pixels, if it is to show something else than before, or is new and
+    /// thus empty.
+    pub fn target(&mut self, canvas: &Arc<Canvas>, size: [u32; 2], is_changed: bool) -> Option<&wgpu::TextureView> {
         let [width, height] = size.map(|side| side.clamp(1, canvas.most_side()));
         let fits = self.kept.as_ref().is_some_and(|k| (k.texture.width(), k.texture.height()) == (width, height));
         if !fits {
             self.kept = None;
         }
         let kept = self.kept.get_or_insert_with(|| Kept::new(canvas, width, height));
-        (&kept.view, !fits)
+        (is_changed || !fits).then(|| {
+            canvas.redrawn.lock().insert(kept.id);
+            &kept.view
+        })
     }
 
     /// The name by which egui shows it; `None` before it was drawn.
@@ -82,6 +96,7 @@ impl Kept {
 
 impl Drop for Kept {
     fn drop(&mut self) {
+        self.canvas.redrawn.lock().remove(&self.id);
         self.canvas.renderer.write().free_texture(&self.id);
     }
 }

@@ -23,7 +23,9 @@ impl Inspector {
         let (zoom, pan) = shown.map_or((None, None), |s| (s.zoom, s.pan.filter(|_| s.zoom.is_some())));
         let stream = shown.map(|s| s.stream);
         let (scene, scene_index) = self.host.scene_of(self.path.as_deref().unwrap_or_default());
-        Some(Link { scene: Some(scene), scene_index, ray, stream, zoom, pan, pass: Some(self.model.place), ..link })
+        let (scene, pass) = (Some(scene), Some(self.model.place));
+        let scene_hash = self.shared.runs.hash(&opened.scene).and_then(|hash| hash.parse().ok());
+        Some(Link { scene, scene_index, scene_hash, ray, stream, zoom, pan, pass, ..link })
     }
 
     /// Goes to the target of a link.
@@ -33,7 +35,7 @@ impl Inspector {
             _ => None,
         };
         let place = link.pass.or(Arrival::picture().place);
-        let arrival = Arrival { pixel, place, shown: Shown::of(link) };
+        let arrival = Arrival { pixel, place, shown: Shown::of(link), scene_hash: link.scene_hash };
         let path = link.scene.as_ref().map(|scene| self.host.path_of(scene, link.scene_index)).or(self.path.clone());
         if let Some(path) = path {
             self.open(&path, Settings::from(link), arrival);

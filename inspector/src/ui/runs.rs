@@ -6,6 +6,7 @@ mod perform;
 
 use std::sync::{Arc, Weak};
 
+use raystep_lab::Hash;
 use raystep_scenes::Scene;
 
 use crate::runs::differ::{Aspect, COMPARING, Differences, job};
@@ -75,11 +76,17 @@ pub(super) struct KeptRuns {
     identifying: u64,
     /// Whether the session is saved once the scene's hash is known.
     is_saving: bool,
-    /// The hash that the open scene should have: that of the session's file.
-    expected: Option<String>,
+    /// The hash that the open scene should have.
+    expected: Option<Expected>,
     pub(super) opening: Option<Box<Opening>>,
     /// A kept run that is being opened: its edits follow.
     restoring: Option<Recipe>,
+}
+
+/// The hash of the scene that a session or a link was made with.
+struct Expected {
+    hash: String,
+    of: &'static str,
 }
 
 impl Default for KeptRuns {
@@ -110,9 +117,14 @@ impl Default for KeptRuns {
 
 impl KeptRuns {
     /// The open scene's hash, if it is known.
-    fn hash(&self, scene: &Arc<Scene>) -> Option<&str> {
+    pub(super) fn hash(&self, scene: &Arc<Scene>) -> Option<&str> {
         let (known, hash) = self.scene.as_ref()?;
         known.upgrade().is_some_and(|known| Arc::ptr_eq(&known, scene)).then_some(hash)
+    }
+
+    /// The scene that has been opened should have the hash of a link, if that has one.
+    pub(super) fn expect(&mut self, hash: Option<Hash>) {
+        self.expected = hash.map(|hash| Expected { hash: hash.to_string(), of: "link" });
     }
 
     /// Whether a kept run is of the open scene.

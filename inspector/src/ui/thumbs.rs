@@ -141,8 +141,9 @@ impl Thumbs {
             Some(same) => self.kept.remove(at + same).picture,
             None => Picture::default(),
         };
-        let (target, _) = picture.target(canvas, size);
-        canvas.streams.draw(&stream::Picture { offset: [0.0; 2], scale: scale as f32, ..*of }, target);
+        if let Some(target) = picture.target(canvas, size, true) {
+            canvas.streams.draw(&stream::Picture { offset: [0.0; 2], scale: scale as f32, ..*of }, target);
+        }
         self.kept.insert(at, Thumb { place, view, picture, size });
         while let Some(least) = self.least() {
             self.kept.remove(least);

@@ -5,6 +5,7 @@ use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip};
+use raystep_lab::Hash;
 
 struct Random(fastrand::Rng);
 
@@ -62,6 +63,7 @@ impl Random {
         Link {
             scene: self.maybe(Self::text),
             scene_index: index,
+            scene_hash: self.maybe(|r| Hash::of(&r.bits().to_le_bytes())),
             camera,
             size,
             program,

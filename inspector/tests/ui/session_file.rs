@@ -1,12 +1,14 @@
 //! Sessions as files: saved, opened again, and refused as a whole if they are broken.
 
 use egui::{Key, Modifiers, Role};
+use raystep_inspector::link::Link;
 use raystep_inspector::session_file::SessionFile;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::Accelerator;
+use raystep_lab::Hash;
 
 use crate::ui::desk::{CORNELL, TRIANGLE};
 use crate::ui::stage::{Plan, Stage};
@@ -124,6 +126,23 @@ fn a_broken_session_changes_nothing() {
 }
 
 #[test]
+fn a_link_tells_another_scene_of_the_same_name() {
+    let mut stage = Stage::new(Plan { size: [900.0, 600.0], ..Plan::default() });
+    open(&mut stage, settings(DeviceKind::Cpu));
+    let link = stage.inspector().link().expect("a link").to_string();
+    assert!(link.contains("&scene-hash=fnv1a64:"), "{link}");
+    stage.inspector().go_to_link(&link);
+    stage.settle();
+    assert_eq!(stage.inspector().last_error(), None);
+    let mut other: Link = link.parse().expect("a link");
+    other.scene_hash = Some(Hash::of(b"another"));
+    stage.inspector().follow_link(&other);
+    stage.settle();
+    let error = stage.inspector().last_error().unwrap_or_default().to_owned();
+    assert!(error.contains("cornell-box is not the scene that the link was made with"), "{error}");
+}
+
+#[test]
 fn another_scene_of_the_same_name_is_said() {
     let mut stage = Stage::new(Plan { size: [900.0, 600.0], ..Plan::default() });
     open(&mut stage, settings(DeviceKind::Cpu));
@@ -132,7 +151,7 @@ fn another_scene_of_the_same_name_is_said() {
     let other = text.replace("fnv1a64:", "fnv1a64:0");
     open_session(&mut stage, other.as_bytes());
     let error = stage.harness.state().last_error().unwrap_or_default().to_owned();
-    assert!(error.contains("cornell-box is not the scene that the session was saved with"), "{error}");
+    assert!(error.contains("cornell-box is not the scene that the session was made with"), "{error}");
     stage.perform(Command::SimpleLayout);
     stage.perform(Command::Show(PaneKind::Runs));
     assert!(stage.reads("grid (other scene)"), "{}", stage.read_out());

@@ -12,6 +12,7 @@ use raystep_inspector::draw::picture::FORMAT;
 use raystep_inspector::session::engine::Devices;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::retained::Retained;
 use raystep_inspector::ui::{Arrival, Inspector, background, offscreen};
 use raystep_kernels::{Gpu, Stream};
 
@@ -38,6 +39,7 @@ pub(crate) struct Stage {
     pub(crate) heard: Heard,
     gpu: Arc<Gpu>,
     renderer: Arc<RwLock<Renderer>>,
+    retained: Arc<Mutex<Retained>>,
 }
 
 /// How to build a stage.
@@ -72,6 +74,7 @@ impl Stage {
     pub(crate) fn new(plan: Plan) -> Self {
         let renderer = Arc::new(RwLock::new(Renderer::new(&plan.gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
         let desk = Arc::new(Mutex::new(Desk::default()));
+        let retained = Arc::new(Mutex::new(Retained::default()));
         let host = TestHost { gpu: plan.gpu.clone(), desk: desk.clone() };
         // Frames are drawn one after another here: there is nothing to wake.
         let devices =
@@ -84,9 +87,9 @@ impl Stage {
             .with_theme(plan.theme)
             .with_render_cursor(false)
             .with_options(snapshot_options())
-            .renderer(Painter { gpu: plan.gpu.clone(), renderer: renderer.clone() })
+            .renderer(Painter { gpu: plan.gpu.clone(), renderer: renderer.clone(), retained: retained.clone() })
             .build_ui_state(|ui, inspector: &mut Inspector| inspector.ui(ui), inspector);
-        Self { harness, desk, heard: Heard::default(), gpu: plan.gpu, renderer }
+        Self { harness, desk, heard: Heard::default(), gpu: plan.gpu, renderer, retained }
     }
 
     /// A stage of the default size with a scene open, after some passes.
@@ -302,6 +305,27 @@ impl Stage {
         draw(&self.gpu, &self.renderer, &self.harness.ctx, shapes).expect("it can be drawn")
     }
 
+    /// The window, drawn as a whole.
+    pub(crate) fn image(&self) -> image::RgbaImage {
+        let shapes = self.harness.output().shapes.clone();
+        draw(&self.gpu, &self.renderer, &self.harness.ctx, shapes).expect("it can be drawn")
+    }
+
+    /// The window, drawn where it differs from the one that was drawn so before; and the share that was drawn.
+    pub(crate) fn image_over_the_last(&self) -> (image::RgbaImage, f32) {
+        let ctx = &self.harness.ctx;
+        let points = ctx.pixels_per_point();
+        let jobs = ctx.tessellate(self.harness.output().shapes.clone(), points);
+        let mut retained = self.retained.lock().expect("not poisoned");
+        retained.note(&egui::TexturesDelta::default(), &self.harness.state().take_redrawn());
+        let mut renderer = self.renderer.write();
+        let drawn = retained.draw(&self.gpu, &mut renderer, FORMAT, jobs, background(ctx), size_in_pixels(ctx), points);
+        let texture = retained.texture().expect("a frame");
+        let texels = block_on(&self.gpu, self.gpu.read_rgba8(texture)).expect("it can be read");
+        let image = image::RgbaImage::from_raw(texture.width(), texture.height(), texels).expect("of this size");
+        (image, drawn.unwrap_or(0.0))
+    }
+
     /// Compares the window with the image and the text of this name.
     #[track_caller]
     pub(crate) fn snapshot(&mut self, name: &str) {
@@ -348,10 +372,12 @@ fn snapshot_options() -> SnapshotOptions {
 struct Painter {
     gpu: Arc<Gpu>,
     renderer: Arc<RwLock<Renderer>>,
+    retained: Arc<Mutex<Retained>>,
 }
 
 impl TestRenderer for Painter {
     fn handle_delta(&mut self, delta: &mut egui::TexturesDelta) {
+        self.retained.lock().expect("not poisoned").note(delta, &Default::default());
         let mut renderer = self.renderer.write();
         for (id, images) in delta.set.drain() {
             for image in images {
@@ -368,6 +394,11 @@ impl TestRenderer for Painter {
     }
 }
 
+fn size_in_pixels(ctx: &egui::Context) -> [u32; 2] {
+    let size = ctx.content_rect().size() * ctx.pixels_per_point();
+    [size.x, size.y].map(|side| side.round().max(1.0) as u32)
+}
+
 fn draw(
     gpu: &Arc<Gpu>,
     renderer: &RwLock<Renderer>,
@@ -375,9 +406,7 @@ fn draw(
     shapes: Vec<egui::epaint::ClippedShape>,
 ) -> Result<image::RgbaImage, String> {
     let points = ctx.pixels_per_point();
-    let size = ctx.content_rect().size() * points;
-    let [width, height] = [size.x, size.y].map(|side| side.round().max(1.0) as u32);
     let jobs = ctx.tessellate(shapes, points);
-    let drawn = offscreen::draw(gpu, renderer, &jobs, background(ctx), [width, height], points);
+    let drawn = offscreen::draw(gpu, renderer, &jobs, background(ctx), size_in_pixels(ctx), points);
     block_on(gpu, drawn).map_err(|e| e.to_string())
 }

@@ -1,6 +1,7 @@
 //! A hash to compare contents: scene files, kernel sources, hits.
 
 use std::fmt;
+use std::str::FromStr;
 
 use raystep_kernels::RayHit;
 
@@ -65,6 +66,20 @@ impl fmt::Display for Hash {
     }
 }
 
+/// A text that is no hash.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected fnv1a64: and 16 hexadecimal digits")]
+pub struct NotAHash;
+
+impl FromStr for Hash {
+    type Err = NotAHash;
+
+    fn from_str(text: &str) -> Result<Self, NotAHash> {
+        let digits = text.strip_prefix("fnv1a64:").filter(|digits| digits.len() == 16).ok_or(NotAHash)?;
+        u64::from_str_radix(digits, 16).map(Self).map_err(|_| NotAHash)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,6 +90,12 @@ mod tests {
         assert_eq!(Hash::default().to_string(), "fnv1a64:cbf29ce484222325");
         assert_eq!(Hash::of(b"a").to_string(), "fnv1a64:af63dc4c8601ec8c");
         assert_eq!(Hash::of(b"foobar").to_string(), "fnv1a64:85944171f73967e8");
+        assert_eq!("fnv1a64:85944171f73967e8".parse(), Ok(Hash::of(b"foobar")));
+        for wrong in
+            ["", "85944171f73967e8", "fnv1a64:85944171f73967e", "fnv1a64:+5944171f73967e8", "fnv1a64:85944171f73967e8 "]
+        {
+            assert_eq!(wrong.parse::<Hash>(), Err(NotAHash), "{wrong}");
+        }
     }
 
     #[test]

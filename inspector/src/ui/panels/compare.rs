@@ -341,7 +341,6 @@ impl Compare {
             is_swapped: side == Side::B,
         };
         let largest = self.spread();
-        let (target, is_new) = self.pictures[slot].target(canvas, size);
         for (still, run) in self.stills.iter_mut().zip([model, other]) {
             if let Some(texture) = run.drawn(self.stream) {
                 still.take(canvas, (run.edition, run.place), self.stream, texture);
@@ -353,7 +352,8 @@ impl Compare {
         if stills.is_none() || drawn.runs != [(model.edition, model.place), (other.edition, other.place)] {
             ui.ctx().request_repaint();
         }
-        if let Some(((_, a), (_, b))) = stills.filter(|_| is_new || self.drawn[slot] != Some(drawn)) {
+        let target = self.pictures[slot].target(canvas, size, self.drawn[slot] != Some(drawn));
+        if let Some((((_, a), (_, b)), target)) = stills.zip(target) {
             let is_difference = side == Side::Difference;
             let meaning = Meaning::of(self.stream, Some(self.layer));
             let states = model.opened.as_ref().map_or(States(&[]), |opened| opened.plan.program.states);

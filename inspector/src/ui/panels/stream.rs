@@ -380,7 +380,12 @@ impl StreamView {
             stream,
             layer: layer.unwrap_or(0),
             meaning,
-            range: if meaning == Meaning::Color { [self.look.offset, 1.0] } else { range },
+            range: match meaning {
+                Meaning::Color => [self.look.offset, 1.0],
+                Meaning::Scalar | Meaning::Count => range,
+                // It becomes known later, but has no effect.
+                Meaning::Id | Meaning::Tag => [0.0, 1.0],
+            },
             exposure: self.look.exposure,
             colors,
             offset: [offset.x, offset.y],
@@ -391,8 +396,7 @@ impl StreamView {
         if self.pinned.is_none() {
             cx.shared.thumbs.look(view);
         }
-        let (target, is_new) = self.picture.target(cx.canvas, size);
-        if is_new || self.drawn != Some(drawn) {
+        if let Some(target) = self.picture.target(cx.canvas, size, self.drawn != Some(drawn)) {
             let picture = stream::Picture {
                 stream,
                 states,

@@ -223,8 +223,8 @@ impl Walk3d {
         let size = [rect.width(), rect.height()].map(|side| ((side * points).round() as u32).clamp(1, most));
         let settings = Settings { is_dark: ui.visuals().dark_mode, line_width_px: 1.25 * points, ..self.look.settings };
         let drawn = Drawn { generation: self.generation, walk: self.walked.version, camera, settings, around, size };
-        let (target, is_new) = self.picture.target(cx.canvas, size);
-        if let Some(scene) = self.scene.as_mut().filter(|_| is_new || self.drawn != Some(drawn)) {
+        let target = self.picture.target(cx.canvas, size, self.drawn != Some(drawn));
+        if let Some((scene, target)) = self.scene.as_mut().zip(target) {
             scene.draw(target, size, &camera, self.walked.walk.as_ref(), &around, &settings);
             self.drawn = Some(drawn);
         }

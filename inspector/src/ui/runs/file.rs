@@ -7,7 +7,7 @@ use raystep_lab::text::counted;
 use raystep_scenes::Scene;
 
 use super::perform::RESTORING;
-use super::{KeptRuns, Opening};
+use super::{Expected, KeptRuns, Opening};
 use crate::link::{Link, LinkRay};
 use crate::runs::{Recipe, scene_hash};
 use crate::session::request::{Job, JobContext, JobFuture, Request};
@@ -87,19 +87,19 @@ impl Inspector {
         }
         let Some(opened) = &self.model.opened else { return };
         let Some(hash) = self.shared.runs.hash(&opened.scene).map(str::to_owned) else {
-            // Kept runs may be of this scene, too, although it was read anew.
+            // For links; kept runs may be of this scene, too, although it was read anew.
             let (generation, runs) = (self.model.generation, &mut self.shared.runs);
-            if !runs.runs.list().is_empty() && runs.identifying != generation && !self.model.is_busy() {
+            if runs.identifying != generation && !self.model.is_busy() {
                 runs.identifying = generation;
                 self.model.ask(Request::Job(IDENTIFYING, identify()));
             }
             return;
         };
-        if let Some(expected) = self.shared.runs.expected.take().filter(|expected| *expected != hash) {
+        if let Some(Expected { hash, of }) = self.shared.runs.expected.take().filter(|expected| expected.hash != hash) {
             let name = opened.scene.name.clone();
-            let kept = self.shared.runs.runs.list().iter().filter(|kept| kept.hash == expected).count();
+            let kept = self.shared.runs.runs.list().iter().filter(|kept| kept.hash == hash).count();
             let results = if kept > 0 { " and its kept runs are of the other scene" } else { "" };
-            self.fail(format!("{name} is not the scene that the session was saved with: results may differ{results}"));
+            self.fail(format!("{name} is not the scene that the {of} was made with: results may differ{results}"));
         }
         if std::mem::take(&mut self.shared.runs.is_saving) {
             self.write_session();
@@ -162,7 +162,8 @@ impl Inspector {
             Some(LinkRay::Pixel(pixel)) => Some(pixel),
             _ => None,
         };
-        let arrival = Arrival { pixel, place: link.pass.or(Some(usize::MAX)), shown: Shown::of(link) };
+        let place = link.pass.or(Some(usize::MAX));
+        let arrival = Arrival { pixel, place, shown: Shown::of(link), scene_hash: None };
         let Some(scene) = self.scene_beside(path, link) else { return };
         let settings = file.here.recipe().settings;
         let opening = Opening { scene: scene.clone(), path: path.to_owned(), file };
@@ -198,7 +199,8 @@ impl Inspector {
         let mut runs = KeptRuns { notes: file.notes.clone(), ..KeptRuns::default() };
         runs.runs.set_budget(self.shared.runs.runs.budget());
         runs.measurements = self.shared.runs.measurements;
-        runs.expected = Some(file.here.scene_hash.clone()).filter(|hash| !hash.is_empty());
+        let expected = Some(file.here.scene_hash.clone()).filter(|hash| !hash.is_empty());
+        runs.expected = expected.map(|hash| Expected { hash, of: "session" });
         let mut ids = Vec::new();
         for run in &file.runs {
             let recipe = run.recipe();

@@ -161,8 +161,7 @@ impl HeatView {
         let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
         let offset = (origin - rect.min) * points;
         let drawn = Drawn { moment, stream, offset: [offset.x, offset.y], scale: scale * points, size };
-        let (target, is_new) = self.picture.target(cx.canvas, size);
-        if is_new || self.drawn != Some(drawn) {
+        if let Some(target) = self.picture.target(cx.canvas, size, self.drawn != Some(drawn)) {
             let meaning = Meaning::of(stream, None);
             cx.canvas.streams.draw(
                 &stream::Picture {

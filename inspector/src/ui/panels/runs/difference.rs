@@ -105,9 +105,9 @@ impl DifferenceView {
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, text));
         let points = ui.ctx().pixels_per_point();
         let pixels = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
-        let (target, is_new) = self.picture.target(cx.canvas, pixels);
         let now = (question, pixels, range);
-        if let Some((_, texture)) = self.values.as_ref().filter(|_| is_new || self.drawn != Some(now)) {
+        let target = self.picture.target(cx.canvas, pixels, self.drawn != Some(now));
+        if let Some(((_, texture), target)) = self.values.as_ref().zip(target) {
             let picture = stream::Picture {
                 stream,
                 states: States(&[]),

@@ -89,8 +89,8 @@ impl StreamView {
         let scale = side / TEXELS;
         let first = [x, y].map(|at| at as f32 - 0.5 * (TEXELS - 1.0));
         let drawn = Drawn { offset: first.map(|at| -at * scale), scale, ..drawn };
-        let (target, is_new) = self.magnifier.picture.target(cx.canvas, [side as u32; 2]);
-        if is_new || self.magnifier.drawn != Some(drawn) {
+        let is_changed = self.magnifier.drawn != Some(drawn);
+        if let Some(target) = self.magnifier.picture.target(cx.canvas, [side as u32; 2], is_changed) {
             let picture = stream::Picture {
                 stream,
                 states,
