@@ -58,6 +58,7 @@ pub mod shared;
 pub mod structures;
 pub mod tables;
 
+pub use executor::Rounding;
 #[cfg(feature = "gpu")]
 pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, HostPolls, Load, adapters};
 pub use options::keep::{Item, Keep};

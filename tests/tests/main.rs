@@ -5,6 +5,7 @@ mod agreement;
 mod any_hit;
 mod architecture;
 mod cast;
+mod coarse_clock;
 mod compact;
 mod degenerate;
 mod device;

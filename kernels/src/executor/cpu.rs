@@ -219,7 +219,15 @@ impl<R: Precision> CpuExecutor<R> {
         };
         let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
         let elements = self.size(kernel.instance().over).map_or(0, |size| size.count);
-        Ok(PassResult { kernel, counts: self.counts(), elements, threads_launched, begin_ns, duration_ns })
+        Ok(PassResult {
+            kernel,
+            counts: self.counts(),
+            elements,
+            threads_launched,
+            begin_ns,
+            duration_ns,
+            rounding: None,
+        })
     }
 
     /// Calls a twin for each element of every task with work for it; returns the number of calls.

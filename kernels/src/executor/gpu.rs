@@ -4,6 +4,7 @@ mod batch;
 mod books;
 mod clock;
 mod clock_check;
+mod clock_step;
 mod compiled;
 mod device;
 mod error;
@@ -17,6 +18,8 @@ mod poller;
 mod probe;
 mod read;
 pub mod readback;
+mod repeat;
+mod rounding;
 mod snapshot;
 mod timers;
 
@@ -38,6 +41,7 @@ pub use gate::Held;
 pub use load::Load;
 use pipelines::{Bindable, Pipelines};
 pub use poller::HostPolls;
+use repeat::Repeater;
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use timers::Timers;
@@ -60,6 +64,7 @@ pub struct GpuExecutor {
     books: Books,
     fill: Fill,
     timers: Option<Timers>,
+    repeater: Option<Repeater>,
     device_ns: Option<u64>,
     host_ns: Option<u64>,
     copies: Copies,
@@ -120,7 +125,9 @@ impl GpuExecutor {
         let bindable = Bindable { device, streams: &streams, buffers: &buffers, books: &books };
         let pipelines = Pipelines::new(&gpu, plan, data, &bindable)?;
         let fill = Fill::new(device, &gpu.queue, plan);
-        let timers = gpu.clock_period_ns().map(|period_ns| Timers::new(device, plan, period_ns, timed));
+        let timers = Timers::new(&gpu, plan, timed);
+        let coarse_step_ns = timers.as_ref().and_then(|timers| timers.coarse_step_ns);
+        let repeater = coarse_step_ns.map(|_| Repeater::new(device, &books));
         let rays_a_dispatch = rays_a_dispatch(gpu.info.device_type, plan);
         let work_a_dispatch = work_a_dispatch(gpu.info.device_type);
         let mut executor = Self {
@@ -133,6 +140,7 @@ impl GpuExecutor {
             books,
             fill,
             timers,
+            repeater,
             device_ns: Some(0),
             host_ns: Some(0),
             copies: Copies::default(),
@@ -190,11 +198,12 @@ impl GpuExecutor {
             |t: &wgpu::Texture| 4 * u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
         let streams = self.streams.iter().map(|(s, t)| (s.name(), bytes(t)));
         let buffers = self.buffers.iter().map(|(n, b)| (*n, b.size()));
-        streams.chain(buffers).chain(self.books.allocated()).chain(self.fill.allocated()).collect()
+        let kept = self.repeater.iter().flat_map(Repeater::allocated);
+        streams.chain(buffers).chain(self.books.allocated()).chain(self.fill.allocated()).chain(kept).collect()
     }
 
     /// Device time of all passes so far: per submission from the begin of the first pass to the end of the last,
-    /// summed. `None` if the adapter has no timestamps, or one of them was not valid.
+    /// summed; the mean of a pass that was repeated. `None` if the adapter has no timestamps, or one of them was not valid.
     #[must_use]
     pub fn device_ns(&self) -> Option<u64> {
         self.device_ns

@@ -22,6 +22,21 @@ pub struct PassResult {
     pub threads_launched: u64,
     /// When it began, on the executor's clock; `None` if passes were not timed.
     pub begin_ns: Option<u64>,
-    /// How long it took; `None` if passes were not timed or the timer's value is not valid.
+    /// How long it took; `None` if passes were not timed, the timer's value is not valid, or it was too short to tell.
     pub duration_ns: Option<u64>,
+    /// How well that is known, if the clock is coarse.
+    pub rounding: Option<Rounding>,
+}
+
+/// How well a pass's duration is known, by a clock that rounds times to multiples of a step of 10 µs or more, as browsers
+/// round the timestamps of GPUs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rounding {
+    /// How often the pass ran and was timed, each time on the same streams; its duration is the mean.
+    pub runs: u32,
+    /// Largest standard error of the duration by rounding, in nanoseconds: step / (2 √runs). How much the runs themselves
+    /// differ is not known.
+    pub error_ns: u64,
+    /// What the duration is certainly less than, in nanoseconds: the mean and a step.
+    pub below_ns: u64,
 }

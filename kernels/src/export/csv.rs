@@ -307,6 +307,7 @@ mod tests {
             threads_launched: 128,
             begin_ns: duration_ns,
             duration_ns,
+            rounding: None,
         }
     }
 

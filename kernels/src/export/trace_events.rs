@@ -207,6 +207,7 @@ mod tests {
             threads_launched: 64,
             begin_ns: time.map(|(begin, _)| begin),
             duration_ns: time.map(|(_, duration)| duration),
+            rounding: None,
         }
     }
 

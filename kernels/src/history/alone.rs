@@ -116,6 +116,7 @@ impl RunSoFar<'_> {
                 threads_launched: 0,
                 begin_ns: None,
                 duration_ns: None,
+                rounding: None,
             };
             if let Some(mut row) = ray.run(&pass) {
                 row.pass = row.pass.filter(|_| is_known && !after_all.contains(&kernel));

@@ -18,6 +18,7 @@ use std::sync::Arc;
 
 use raystep_scenes::Scene;
 
+use crate::executor::Rounding;
 use crate::executor::cpu::CpuExecutor;
 #[cfg(feature = "gpu")]
 use crate::executor::gpu::GpuExecutor;
@@ -60,8 +61,18 @@ pub struct Pass {
     pub threads_launched: u64,
     /// When it began, on the device's own clock.
     pub begin_ns: Option<u64>,
-    /// How long it took on the device.
+    /// How long it took on the device; `None` also if it was too short to tell, see [`below_ns`](Self::below_ns).
     pub duration_ns: Option<u64>,
+    /// How well that is known, if the device's clock is coarse.
+    pub rounding: Option<Rounding>,
+}
+
+impl Pass {
+    /// What its duration is less than, in nanoseconds, if the device's clock is too coarse to tell how long it took.
+    #[must_use]
+    pub fn below_ns(&self) -> Option<u64> {
+        self.rounding.filter(|_| self.duration_ns.is_none()).map(|rounding| rounding.below_ns)
+    }
 }
 
 /// Progress of a run.

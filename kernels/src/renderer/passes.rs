@@ -161,6 +161,7 @@ impl Renderer {
                 threads_launched: result.threads_launched,
                 begin_ns: result.begin_ns,
                 duration_ns: result.duration_ns,
+                rounding: result.rounding,
             });
             recorded += 1;
         }

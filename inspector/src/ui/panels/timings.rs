@@ -227,7 +227,7 @@ mod tests {
 
     pub(super) fn pass(index: usize, kernel: Kernel, rays_in: u32, duration_ns: Option<u64>) -> Pass {
         let (iteration, counts, threads_launched, begin_ns) = (0, Default::default(), 0, None);
-        Pass { index, iteration, kernel, rays_in, counts, threads_launched, begin_ns, duration_ns }
+        Pass { index, iteration, kernel, rays_in, counts, threads_launched, begin_ns, duration_ns, rounding: None }
     }
 
     #[test]

@@ -358,6 +358,7 @@ mod tests {
             threads_launched,
             begin_ns: None,
             duration_ns: None,
+            rounding: None,
         };
         assert_eq!(useful_steps_per_thread(&[pass(64, 64), pass(26, 56)]), Some(0.75));
         assert_eq!(useful_steps_per_thread(&[pass(0, 0)]), None);

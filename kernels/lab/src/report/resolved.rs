@@ -299,6 +299,7 @@ mod tests {
             threads_launched: 0,
             begin_ns,
             duration_ns,
+            rounding: None,
         };
         // The third has no time; the fourth is from a clock that was set back.
         let times =

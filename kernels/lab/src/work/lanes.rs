@@ -129,6 +129,7 @@ mod tests {
             threads_launched,
             begin_ns: None,
             duration_ns: None,
+            rounding: None,
         }
     }
 

@@ -3,6 +3,7 @@
 use std::mem::offset_of;
 
 use super::books::{Place, blocks_a_dispatch, counts_after, groups, read_sent};
+use super::rounding::Runs;
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
@@ -33,6 +34,8 @@ impl GpuExecutor {
         self.gpu.health()?;
         let passes = &passes[..passes.len().min(MOST_PASSES)];
         let passes = self.sized(passes).await?;
+        let passes = self.one_if_repeated(passes);
+        let is_repeated = self.can_repeat(passes).await?;
         let count = passes.len() as u64;
         if passes.is_empty() {
             return Ok(Vec::new());
@@ -45,6 +48,9 @@ impl GpuExecutor {
         let places = self.books.lay_out(&self.gpu.queue, passes, counts, &sizes);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.books.sent, 0, Some(count * COUNT_SLOT_BYTES));
+        if is_repeated {
+            self.encode_keep(&mut encoder, passes[0]);
+        }
         match *passes {
             [kernel] if kernel.info().launch == Launch::Bands => {
                 encoder = self.encode_bands(encoder, kernel, &places[0])?;
@@ -60,25 +66,31 @@ impl GpuExecutor {
             self.encode_count(&mut encoder)?;
         }
         encoder.copy_buffer_to_buffer(&self.books.sent, 0, &self.books.copy, 0, count * COUNT_SLOT_BYTES);
-        let time_bytes = self.timers.as_ref().map_or(0, |t| 8 * u64::from(t.queries(count as u32)));
-        if let Some(timers) = &self.timers {
-            encoder.resolve_query_set(&timers.set, 0..timers.queries(count as u32), &timers.resolved, 0);
-            encoder.copy_buffer_to_buffer(&timers.resolved, 0, &timers.copy, 0, time_bytes);
-        }
+        let timers = self.timers.as_ref();
+        let time_bytes = timers.map_or(0, |t| t.encode_read(&mut encoder, t.queries(count as u32)));
         self.gpu.submit([encoder.finish()]);
         let sent = Readback::start(&self.gpu, self.books.copy.clone(), count * COUNT_SLOT_BYTES);
-        let times = self.timers.as_ref().map(|t| Readback::start(&self.gpu, t.copy.clone(), time_bytes));
+        let times = timers.map(|t| (t.ticks, Readback::start(&self.gpu, t.copy.clone(), time_bytes)));
         self.gpu.pop_scopes(scopes).await?;
 
         let sent = sent.finish(count * COUNT_SLOT_BYTES, read_sent).await?;
         // The passes are over by now; reading their timestamps is not part of their time.
         let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
         self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
-        let period = self.timers.as_ref().map_or(1.0, |t| t.period_ns);
         let mut times = match times {
-            Some(times) => times.finish(time_bytes, |bytes| read_times(bytes, period)).await?,
+            Some((ticks, times)) => times.finish(time_bytes, |bytes| read_times(bytes, ticks)).await?,
             None => Vec::new(),
         };
+        let mut runs = vec![None; passes.len()];
+        if let Some(step_ns) = self.timers.as_ref().and_then(|t| t.coarse_step_ns) {
+            for ((time, runs), (&kernel, place)) in times.iter_mut().zip(&mut runs).zip(passes.iter().zip(&places)) {
+                let runs = runs.insert(Runs::new(step_ns));
+                if runs.add(&[*time]) && is_repeated {
+                    self.repeat(kernel, place, runs).await?;
+                }
+                time.1 = runs.estimate_ns();
+            }
+        }
         self.note_span(&times);
         if !self.timers.as_ref().is_some_and(|t| t.each_pass) {
             times = vec![(None, None); passes.len()];
@@ -86,14 +98,18 @@ impl GpuExecutor {
         let mut now = *counts;
         let mut results = Vec::with_capacity(passes.len());
         let launched = passes.iter().zip(&places).zip(sizes);
-        for ((((&kernel, place), size), sent), (begin_ns, duration_ns)) in launched.zip(sent).zip(times) {
+        let timed = times.into_iter().zip(runs);
+        for ((((&kernel, place), size), sent), ((begin_ns, duration_ns), runs)) in launched.zip(sent).zip(timed) {
             let threads_launched = place.threads(kernel, &now, size);
             let elements = size.count;
             now = if is_counted_anew { sent } else { counts_after(kernel, &now, &sent) };
             if !self.plan.program.counted.is_empty() {
                 now = self.sizes.counted(self.plan.program);
             }
-            results.push(PassResult { kernel, counts: now, elements, threads_launched, begin_ns, duration_ns });
+            let duration_ns = runs.map_or(duration_ns, |runs: Runs| runs.duration_ns());
+            let rounding = runs.and_then(|runs| runs.rounding());
+            let counts = now;
+            results.push(PassResult { kernel, counts, elements, threads_launched, begin_ns, duration_ns, rounding });
         }
         Ok(results)
     }
@@ -162,7 +178,7 @@ impl GpuExecutor {
         Ok(encoder)
     }
 
-    fn blocks_a_dispatch(&self, kernel: Kernel) -> Option<u32> {
+    pub(super) fn blocks_a_dispatch(&self, kernel: Kernel) -> Option<u32> {
         blocks_a_dispatch(kernel, self.launched_over(kernel), self.work_a_dispatch)
     }
 
@@ -249,7 +265,7 @@ impl GpuExecutor {
         Ok(&passes[..1 + others])
     }
 
-    fn dispatch(
+    pub(super) fn dispatch(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         kernel: Kernel,

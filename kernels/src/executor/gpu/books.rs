@@ -108,7 +108,7 @@ impl Books {
                 mapped_at_creation: false,
             }))
         };
-        let slots = |name| buffer(name, U::STORAGE | U::INDIRECT | U::COPY_DST);
+        let slots = |name| buffer(name, U::STORAGE | U::INDIRECT | U::COPY_SRC | U::COPY_DST);
         let kernels = plan.schedule.kernels();
         let list = |index: usize| {
             let [even, odd] = plan.program.lists[index].slots;
@@ -162,6 +162,11 @@ impl Books {
         let bytes = if name == LAUNCH { size_of::<shared::launch::Launch>() as u64 } else { 4 * COUNT as u64 };
         let size = std::num::NonZeroU64::new(bytes);
         Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }))
+    }
+
+    /// The buffers with slots in which a pass counts rays. A batch's only pass has the first slot of each.
+    pub(super) fn slots(&self) -> impl Iterator<Item = &wgpu::Buffer> {
+        std::iter::once(&self.sent).chain(self.lists.iter().flatten().flat_map(|list| &list.slots))
     }
 
     /// Empties all lists.

@@ -4,7 +4,7 @@ use std::future::poll_fn;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::task::Poll;
 
-use super::clock_check::ClockCheck;
+use super::clock::Clock;
 use super::compiled::Pipelines;
 use super::error::{GpuError, first_line};
 use super::gate::{Gate, Held};
@@ -34,12 +34,7 @@ pub struct Gpu {
     pub(super) compiled: Pipelines,
     pub(super) poller: Poller,
     pub(super) clock: OnceLock<Clock>,
-}
-
-/// The host's clock, and its comparison with the device's.
-pub(super) struct Clock {
-    pub(super) now: fn() -> u64,
-    pub(super) check: Option<ClockCheck>,
+    pub(super) rounded_to_ns: OnceLock<u64>,
 }
 
 /// The instance and adapter of a device.
@@ -239,36 +234,8 @@ impl Gpu {
             compiled: Pipelines::default(),
             poller: Poller::default(),
             clock: OnceLock::new(),
+            rounded_to_ns: OnceLock::new(),
         })
-    }
-
-    /// The comparison of the device's clock with the host's, if it has one and they were compared.
-    #[must_use]
-    pub fn clock_check(&self) -> Option<ClockCheck> {
-        self.clock.get()?.check
-    }
-
-    /// Nanoseconds per tick of the pass timers, if they are known to be valid times.
-    #[must_use]
-    pub fn clock_period_ns(&self) -> Option<f64> {
-        self.timestamp_period_ns.filter(|_| self.clock_check().is_some_and(|check| check.agrees()))
-    }
-
-    /// Why passes on this device have no times; `None` if they have.
-    #[must_use]
-    pub fn why_no_times(&self) -> Option<String> {
-        match (self.timestamp_period_ns, self.clock_check()) {
-            (None, _) => Some("the adapter has no timestamps".into()),
-            (_, None) => Some("the adapter's timestamps were not compared with the host's clock".into()),
-            (_, Some(check)) if check.agrees() => None,
-            (_, Some(check)) => Some(format!("the adapter's timestamps are wrong ({check})")),
-        }
-    }
-
-    /// The host's clock, if there is one.
-    #[must_use]
-    pub fn host_clock(&self) -> Option<fn() -> u64> {
-        self.clock.get().map(|clock| clock.now)
     }
 
     /// Declares that the host polls the device whenever a future of this crate waits, so that no thread does (feature

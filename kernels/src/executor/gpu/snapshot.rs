@@ -68,16 +68,7 @@ impl GpuExecutor {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let keep = |(stream, texture): &(Stream, wgpu::Texture)| {
             let copy = self.copies.of(*stream).unwrap_or_else(|| {
-                let copy = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some(&format!("{}.{}, kept", self.plan.program.name, stream.name())),
-                    size: texture.size(),
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format: stream_format(*stream),
-                    usage: wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST,
-                    view_formats: &[],
-                });
+                let copy = self.room_for(*stream, texture);
                 encoder.copy_texture_to_texture(texture.as_image_copy(), copy.as_image_copy(), texture.size());
                 Arc::new(copy)
             });
@@ -90,6 +81,20 @@ impl GpuExecutor {
         self.note_copies(&streams);
         let Self { device_ns, host_ns, .. } = *self;
         Ok(Snapshot { gpu: self.gpu.clone(), streams, lists, sizes: self.sizes.clone(), device_ns, host_ns })
+    }
+
+    /// A texture for a copy of a stream.
+    pub(super) fn room_for(&self, stream: Stream, texture: &wgpu::Texture) -> wgpu::Texture {
+        self.gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(&format!("{}.{}, kept", self.plan.program.name, stream.name())),
+            size: texture.size(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: stream_format(stream),
+            usage: wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
     }
 
     /// Restores streams and lists. The snapshot must be of the same plan and on the same device.

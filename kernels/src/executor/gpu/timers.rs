@@ -1,19 +1,50 @@
 //! Timestamps on the device's own clock: around every pass, or around a whole batch.
 
-use super::MOST_PASSES;
+use super::{Gpu, MOST_PASSES};
 use crate::plan::Plan;
+
+/// How ticks of a device's clock become nanoseconds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ticks {
+    pub(super) period_ns: f64,
+    /// Whether times are rounded down to multiples of so many nanoseconds, as browsers do: for tests.
+    pub(super) rounded_to_ns: Option<u64>,
+}
+
+impl Ticks {
+    fn ns(self, ticks: u64) -> u64 {
+        let ns = (ticks as f64 * self.period_ns) as u64;
+        self.rounded_to_ns.map_or(ns, |step| ns - ns % step)
+    }
+
+    /// Time between two ticks, in order.
+    fn between(self, begin: u64, end: u64) -> u64 {
+        match self.rounded_to_ns {
+            Some(_) => self.ns(end).saturating_sub(self.ns(begin)),
+            None => self.ns(end - begin),
+        }
+    }
+}
+
+/// Begin and duration of each pass, nanoseconds.
+pub(super) type Times = Vec<(Option<u64>, Option<u64>)>;
 
 pub(super) struct Timers {
     pub(super) set: wgpu::QuerySet,
     pub(super) resolved: wgpu::Buffer,
     pub(super) copy: wgpu::Buffer,
-    pub(super) period_ns: f64,
+    pub(super) ticks: Ticks,
     /// Whether to time every pass, which costs some microseconds each.
     pub(super) each_pass: bool,
+    /// The clock's step, if every pass is timed and it is coarse.
+    pub(super) coarse_step_ns: Option<f64>,
 }
 
 impl Timers {
-    pub(super) fn new(device: &wgpu::Device, plan: &Plan, period_ns: f64, each_pass: bool) -> Self {
+    /// `None` if the device's timestamps are not valid times.
+    pub(super) fn new(gpu: &Gpu, plan: &Plan, each_pass: bool) -> Option<Self> {
+        let ticks = gpu.clock_period_ns().and_then(|_| gpu.ticks())?;
+        let device = &gpu.device;
         let count = 2 * MOST_PASSES as u32;
         let buffer = |name, usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
@@ -24,7 +55,7 @@ impl Timers {
             })
         };
         use wgpu::BufferUsages as U;
-        Self {
+        Some(Self {
             set: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some(&plan.label("timers")),
                 ty: wgpu::QueryType::Timestamp,
@@ -32,14 +63,23 @@ impl Timers {
             }),
             resolved: buffer("timers, resolved", U::QUERY_RESOLVE | U::COPY_SRC),
             copy: buffer("timers, copy", U::COPY_DST | U::MAP_READ),
-            period_ns,
+            ticks,
             each_pass,
-        }
+            coarse_step_ns: gpu.coarse_step_ns().filter(|_| each_pass),
+        })
     }
 
     /// Number of timestamps in one batch.
     pub(super) fn queries(&self, passes: u32) -> u32 {
         if self.each_pass { 2 * passes } else { 2 }
+    }
+
+    /// Copies the first timestamps to where they are read. Returns their size in bytes.
+    pub(super) fn encode_read(&self, encoder: &mut wgpu::CommandEncoder, queries: u32) -> u64 {
+        let bytes = 8 * u64::from(queries);
+        encoder.resolve_query_set(&self.set, 0..queries, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.copy, 0, bytes);
+        bytes
     }
 
     pub(super) fn writes(&self, begin: Option<u32>, end: Option<u32>) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
@@ -52,16 +92,15 @@ impl Timers {
 }
 
 /// Begin and duration from each pair of timestamps. An end before its begin, or 0, is not valid.
-pub(super) fn read_times(bytes: &[u8], period_ns: f64) -> Vec<(Option<u64>, Option<u64>)> {
-    let ticks: Vec<u64> =
+pub(super) fn read_times(bytes: &[u8], ticks: Ticks) -> Times {
+    let stamps: Vec<u64> =
         bytes.chunks_exact(8).map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])).collect();
-    let ns = |ticks: u64| (ticks as f64 * period_ns) as u64;
-    ticks
+    stamps
         .chunks_exact(2)
         .map(|t| match (t[0], t[1]) {
             (0, _) | (_, 0) => (None, None),
-            (begin, end) if end < begin => (Some(ns(begin)), None),
-            (begin, end) => (Some(ns(begin)), Some(ns(end - begin))),
+            (begin, end) if end < begin => (Some(ticks.ns(begin)), None),
+            (begin, end) => (Some(ticks.ns(begin)), Some(ticks.between(begin, end))),
         })
         .collect()
 }

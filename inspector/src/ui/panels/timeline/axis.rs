@@ -121,6 +121,7 @@ mod tests {
             threads_launched: 1,
             begin_ns: None,
             duration_ns,
+            rounding: None,
         }
     }
 

@@ -134,6 +134,7 @@ mod tests {
             threads_launched: 1,
             begin_ns: None,
             duration_ns: None,
+            rounding: None,
         }
     }
 

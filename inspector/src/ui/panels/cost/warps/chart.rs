@@ -194,6 +194,7 @@ mod tests {
             threads_launched: 0,
             begin_ns: None,
             duration_ns: None,
+            rounding: None,
         };
         let bars = bars_of_passes(&[pass(SETUP, 160), pass(TRAVERSE_GRID, 100), pass(INTERSECT, 3000)], &plan);
         // Two workgroups of 16 x 16; one row of workgroups; two.
