@@ -85,7 +85,7 @@ impl Inspector {
         let opened = self.model.opened.as_ref()?;
         let (settings, plan) = (&opened.settings, &opened.plan);
         let timer = match settings.device {
-            DeviceKind::Gpu => Some(match self.devices.gpu.clock_period_ns() {
+            DeviceKind::Gpu => Some(match self.devices.gpu.clock_step_ns() {
                 Some(resolution_ns) => Timer::GpuTimestamp { resolution_ns },
                 None => Timer::Host { resolution_ns: None },
             }),

@@ -18,8 +18,11 @@
 //! | `cells_visited`, `triangles_tested` | by this pass (with a BVH, nodes); known if counters were requested |
 //! | `clock` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that disagrees with the host's: only the whole run has a time; empty if nothing was timed |
 //! | `clock_resolution_ns` | smallest step of that clock |
-//! | `valid` | `true` if the timer gave a duration, `false` if it failed to; empty if nothing was timed |
+//! | `valid` | `true` if the timer gave a duration, `false` if it failed to, or the pass was too short to tell; empty if nothing was timed |
 //! | `host_run_ns` | time of the whole run on the host's clock, including the wait for the device; known if `clock` is `host` |
+//! | `duration_runs` | how often the pass was run to time it: `gpu_duration_ns` is the mean. Known, like the next two, if `clock` is coarse: it steps by 10 µs or more, as browsers' do |
+//! | `duration_error_ns` | largest standard error of the duration by rounding |
+//! | `duration_below_ns` | what the duration is certainly less than, also if the pass was too short to tell |
 
 use std::io::Write;
 
@@ -31,7 +34,7 @@ use crate::renderer::Pass;
 pub const SCHEMA_VERSION: u32 = 2;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 27] = [
+pub const COLUMNS: [&str; 30] = [
     "schema_version",
     "run_id",
     "configuration",
@@ -59,6 +62,9 @@ pub const COLUMNS: [&str; 27] = [
     "clock_resolution_ns",
     "valid",
     "host_run_ns",
+    "duration_runs",
+    "duration_error_ns",
+    "duration_below_ns",
 ];
 
 /// Which clock timed the passes.
@@ -66,7 +72,7 @@ pub const COLUMNS: [&str; 27] = [
 pub enum Timer {
     /// The adapter's timestamps.
     GpuTimestamp {
-        /// Nanoseconds per tick.
+        /// Nanoseconds between neighbouring values, see [`Gpu::clock_step_ns`](crate::Gpu::clock_step_ns).
         resolution_ns: f64,
     },
     /// The host's clock, around a twin.
@@ -228,6 +234,7 @@ impl<W: Write> PassesCsv<W> {
         // Times from an invalid clock are not written, even if they were read.
         let is_timed = run.timer.is_some_and(Timer::times_passes);
         let (begin_ns, duration_ns) = (pass.begin_ns.filter(|_| is_timed), pass.duration_ns.filter(|_| is_timed));
+        let rounding = pass.rounding.filter(|_| is_timed);
         let since_start_ns = begin_ns.map(|begin| begin.saturating_sub(self.run_began_ns(run, begin)));
         let row: [String; COLUMNS.len()] = [
             SCHEMA_VERSION.to_string(),
@@ -257,6 +264,9 @@ impl<W: Write> PassesCsv<W> {
             known(run.timer.and_then(Timer::resolution_ns)),
             known(run.timer.map(|_| duration_ns.is_some())),
             known(run.host_run_ns.filter(|_| run.timer.is_some_and(|timer| !timer.times_passes()))),
+            known(rounding.map(|rounding| rounding.runs)),
+            known(rounding.map(|rounding| rounding.error_ns)),
+            known(rounding.map(|rounding| rounding.below_ns)),
         ];
         Ok(self.writer.write_record(row)?)
     }
@@ -271,131 +281,4 @@ impl<W: Write> PassesCsv<W> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::programs::closest_hit::kernels;
-    use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-
-    fn run(timer: Option<Timer>) -> RunContext {
-        RunContext {
-            run_id: "1".into(),
-            configuration: "0".into(),
-            scene: "a \"b\", c\nd".into(),
-            accelerator: "grid",
-            schedule: "second",
-            numerics: "robust",
-            adapter: "cpu".into(),
-            width_px: 9,
-            height_px: 8,
-            repeat: 0,
-            is_warmup: false,
-            timer,
-            host_run_ns: Some(77),
-        }
-    }
-
-    fn pass(duration_ns: Option<u64>) -> Pass {
-        let mut counts = [0; crate::tables::state::COUNT];
-        (counts[ISECT_NO_HIT as usize], counts[ISECT_HIT as usize]) = (3, 4);
-        (counts[TRAV as usize], counts[SHADE as usize]) = (60, 5);
-        Pass {
-            index: 2,
-            iteration: 1,
-            kernel: kernels::INTERSECT,
-            rays_in: 72,
-            counts,
-            threads_launched: 128,
-            begin_ns: duration_ns,
-            duration_ns,
-            rounding: None,
-        }
-    }
-
-    fn rows(timer: Option<Timer>, duration_ns: Option<u64>, work: Option<PassWork>) -> Vec<(String, String)> {
-        let mut file = Vec::new();
-        let mut csv = PassesCsv::new(&mut file).expect("memory");
-        csv.write(&run(timer), &pass(duration_ns), work).expect("memory");
-        csv.finish().expect("memory");
-        let mut reader = ::csv::ReaderBuilder::new().flexible(false).from_reader(file.as_slice());
-        let names: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
-        let row = reader.records().next().expect("a row").expect("as many fields as names");
-        names.into_iter().zip(row.iter().map(str::to_owned)).collect()
-    }
-
-    fn value<'a>(row: &'a [(String, String)], name: &str) -> &'a str {
-        &row.iter().find(|(n, _)| n == name).expect(name).1
-    }
-
-    #[test]
-    fn unknown_is_empty_and_odd_names_are_quoted() {
-        let row = rows(None, None, None);
-        assert_eq!(value(&row, "scene"), "a \"b\", c\nd");
-        let unknown = ["gpu_begin_ns", "gpu_duration_ns", "cpu_encode_ns", "cells_visited", "triangles_tested"];
-        for name in unknown.iter().chain(&["clock", "clock_resolution_ns", "valid"]) {
-            assert_eq!(value(&row, name), "", "{name}");
-        }
-        assert_eq!(value(&row, "rays_in"), "72");
-        assert_eq!(value(&row, "rays_out"), "65", "7 of 72 are still in the kernel's states");
-        assert_eq!(value(&row, "threads_launched"), "128");
-    }
-
-    #[test]
-    fn a_timed_pass_says_by_which_clock_and_whether_it_worked() {
-        let work = PassWork { cells_visited: 10, triangles_tested: 11 };
-        let row = rows(Some(Timer::GpuTimestamp { resolution_ns: 0.5 }), Some(1200), Some(work));
-        let expected = [
-            ("gpu_begin_ns", "0"),
-            ("gpu_duration_ns", "1200"),
-            ("cells_visited", "10"),
-            ("triangles_tested", "11"),
-            ("clock", "gpu_timestamp"),
-            ("clock_resolution_ns", "0.5"),
-            ("valid", "true"),
-        ];
-        for (name, expected) in expected {
-            assert_eq!(value(&row, name), expected, "{name}");
-        }
-        let row = rows(Some(Timer::CpuClock { resolution_ns: None }), None, None);
-        assert_eq!((value(&row, "gpu_duration_ns"), value(&row, "valid")), ("", "false"));
-        assert_eq!(value(&row, "host_run_ns"), "", "the device's own clock is valid");
-    }
-
-    #[test]
-    fn where_the_devices_clock_is_none_only_the_run_has_a_time() {
-        let row = rows(Some(Timer::Host { resolution_ns: Some(20.0) }), Some(1200), None);
-        let expected = [
-            ("gpu_begin_ns", ""),
-            ("gpu_duration_ns", ""),
-            ("clock", "host"),
-            ("clock_resolution_ns", "20"),
-            ("valid", "false"),
-            ("host_run_ns", "77"),
-        ];
-        for (name, expected) in expected {
-            assert_eq!(value(&row, name), expected, "{name}");
-        }
-    }
-
-    #[test]
-    fn each_run_and_repetition_begins_at_0() {
-        let mut file = Vec::new();
-        let mut csv = PassesCsv::new(&mut file).expect("memory");
-        let clock = Some(Timer::GpuTimestamp { resolution_ns: 1.0 });
-        let again = RunContext { repeat: 1, ..run(clock) };
-        let other = RunContext { configuration: "1".into(), ..again.clone() };
-        for (run, begin_ns) in [
-            (&run(clock), [None, Some(1 << 60), Some((1 << 60) + 7)]),
-            (&again, [Some(5), None, Some(6)]),
-            (&other, [Some(9), Some(9), Some(11)]),
-        ] {
-            for begin_ns in begin_ns {
-                csv.write(run, &Pass { begin_ns, ..pass(begin_ns) }, None).expect("memory");
-            }
-        }
-        csv.finish().expect("memory");
-        let mut reader = ::csv::Reader::from_reader(file.as_slice());
-        let column = COLUMNS.iter().position(|&c| c == "gpu_begin_ns").expect("a column");
-        let begins: Vec<_> = reader.records().map(|r| r.expect("a row")[column].to_owned()).collect();
-        assert_eq!(begins, ["", "0", "7", "0", "", "1", "0", "0", "2"]);
-    }
-}
+mod tests;

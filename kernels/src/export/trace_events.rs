@@ -4,7 +4,7 @@
 //! on a second; counter events (C) are the rays in each state after a pass; metadata events (M) name them all. `ts` and
 //! `dur` are microseconds from the beginning of the first pass.
 //!
-//! A pass without a valid time is left out, and so is one that begins before the previous one: its time is counted as
+//! A pass without a valid time, or too short to tell by a coarse clock, is left out, and so is one that begins before the previous one: its time is counted as
 //! part of the gap, and `passes_without_times` counts it. On a device that overlaps passes, the time that two of them
 //! share is counted as an overlap, not a gap, so that always
 //!
@@ -13,8 +13,9 @@
 //! If passes have no times but the run has one from the host, there is one slice (`cat` run) on a track of its own, as
 //! long as the run, and no event about rays.
 //!
-//! In a gap the device counts rays and copies the counts, waits for the host, or runs passes that were submitted ahead
-//! for rays that have already left.
+//! In a gap the device counts rays and copies the counts, waits for the host, runs passes that were submitted ahead for
+//! rays that have already left, or repeats a pass to time it: then `runs` says how often it ran, and `error_us` is the
+//! standard error of its time.
 
 use std::collections::BTreeMap;
 
@@ -61,7 +62,7 @@ pub struct About {
     pub gaps_us: f64,
     /// Sum of the time that passes share with those before them.
     pub overlaps_us: f64,
-    /// Passes left out because their times are unknown or not valid.
+    /// Passes left out because their times are unknown, not valid or too short to tell.
     pub passes_without_times: usize,
 }
 
@@ -123,14 +124,17 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
         sums.overlaps += latest.min(end).saturating_sub(begin);
         sums.passes += duration;
         latest_end = start + latest.max(end);
-        let args = [
+        let mut args = BTreeMap::from([
             ("pass", pass.index.into()),
             ("iteration", pass.iteration.into()),
             ("rays_in", pass.rays_in.into()),
             ("rays_out", rays_out(pass).into()),
             ("threads_launched", pass.threads_launched.into()),
-        ];
-        events.push(slice(pass.kernel.name().into(), "pass", PASSES, begin, duration, args.into()));
+        ]);
+        if let Some(rounding) = pass.rounding {
+            args.extend([("runs", rounding.runs.into()), ("error_us", us(rounding.error_ns).into())]);
+        }
+        events.push(slice(pass.kernel.name().into(), "pass", PASSES, begin, duration, args));
         for (tag, &rays) in pass.counts.iter().enumerate() {
             // A counter keeps its value until the next event.
             if rays != std::mem::replace(&mut shown[tag], rays) {
@@ -193,6 +197,7 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
+    use crate::executor::Rounding;
 
     fn pass(index: usize, time: Option<(u64, u64)>, shaded: u32) -> Pass {
         let mut counts = [0; COUNT];
@@ -211,8 +216,8 @@ mod tests {
         }
     }
 
-    fn file(times: &[Option<(u64, u64)>]) -> Value {
-        let run = RunContext {
+    fn run() -> RunContext {
+        RunContext {
             run_id: "1".into(),
             configuration: "0".into(),
             scene: "a \"b\"".into(),
@@ -226,9 +231,12 @@ mod tests {
             is_warmup: false,
             timer: Some(super::super::csv::Timer::GpuTimestamp { resolution_ns: 1.0 }),
             host_run_ns: None,
-        };
+        }
+    }
+
+    fn file(times: &[Option<(u64, u64)>]) -> Value {
         let passes: Vec<_> = times.iter().enumerate().map(|(i, &time)| pass(i, time, i as u32 / 2)).collect();
-        let text = serde_json::to_string(&trace_events(&run, &passes)).expect("JSON");
+        let text = serde_json::to_string(&trace_events(&run(), &passes)).expect("JSON");
         let file: Value = serde_json::from_str(&text).expect("JSON");
         for event in file["traceEvents"].as_array().expect("events") {
             check(event);
@@ -279,6 +287,17 @@ mod tests {
         assert_eq!((&second["name"], &second["args"]["rays_in"]), (&"intersect".into(), &10.into()));
         assert_eq!((&second["args"]["iteration"], &second["args"]["rays_out"]), (&1.into(), &10.into()));
         assert_eq!(second["args"]["threads_launched"], 64);
+    }
+
+    #[test]
+    fn a_repeated_pass_says_how_often_it_ran_and_one_too_short_is_left_out() {
+        let rounding = Some(Rounding { runs: 40, error_ns: 7906, below_ns: 120_000 });
+        let told = Pass { rounding, ..pass(0, Some((0, 80_000)), 0) };
+        let short = Pass { duration_ns: None, ..Pass { rounding, ..pass(1, Some((200_000, 0)), 0) } };
+        let events = trace_events(&run(), &[told, short]);
+        let slices: Vec<_> = events.trace_events.iter().filter(|event| event.cat == "pass").collect();
+        assert_eq!((slices.len(), events.other_data.passes_without_times), (1, 1));
+        assert_eq!((&slices[0].args["runs"], &slices[0].args["error_us"]), (&40.into(), &7.906.into()));
     }
 
     #[test]

@@ -247,6 +247,9 @@ pub const COLUMNS: &[Column] = &[
     number("clock_resolution_ns", "smallest step of the clock"),
     truth("valid", "whether the timer gave a duration; empty if nothing was timed"),
     count("host_run_ns", "time of the whole run by the host's clock; known if clock is host"),
+    count("duration_runs", "how often the pass was run to time it; known if the clock is coarse"),
+    count("duration_error_ns", "largest standard error of the duration by rounding; known if the clock is coarse"),
+    count("duration_below_ns", "what the duration is certainly less than; known if the clock is coarse"),
     // Passes, in order of time.
     number("pass_end_ns", "end of the pass, in nanoseconds since the start of the first one, by the clock"),
     count("resolved_rays", "rays with a final hit after the pass"),
