@@ -134,6 +134,16 @@ impl TimeUnit {
             Self::Seconds => format!("{:.4}", ns / 1e9),
         }
     }
+
+    /// A bound in it, rounded up.
+    pub(in crate::ui) fn text_above(self, ns: u64) -> String {
+        let digit = match self {
+            Self::Micros => 100,
+            Self::Millis => 1000,
+            Self::Seconds => 100_000,
+        };
+        self.text(ns.next_multiple_of(digit))
+    }
 }
 
 #[cfg(test)]

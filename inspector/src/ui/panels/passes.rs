@@ -1,7 +1,8 @@
 //! The list of passes: kernel, duration, rays. A click goes there.
 
 use egui::Ui;
-use raystep_kernels::Pass;
+use raystep_kernels::{Pass, Rounding};
+use raystep_lab::text::counted;
 
 use super::table::{Head, Look, Rows, Table, View, version};
 use crate::ui::pane::{Context, Panel};
@@ -105,6 +106,19 @@ impl List<'_> {
     }
 }
 
+/// A pass's duration in ns, and how well it is known by a coarse clock.
+fn about_time(pass: &Pass) -> String {
+    match (pass.duration_ns, pass.rounding) {
+        (Some(ns), None) => format!("{ns} ns"),
+        (Some(ns), Some(Rounding { runs: 1, error_ns, .. })) => format!("{ns} ± {error_ns} ns"),
+        (Some(ns), Some(Rounding { runs, error_ns, .. })) => format!("{ns} ± {error_ns} ns: the mean of {runs} runs"),
+        (None, Some(Rounding { runs, below_ns, .. })) => {
+            format!("less than {below_ns} ns: too short to tell by the device's clock in {}", counted(runs, "run"))
+        }
+        (None, None) => "duration unknown".into(),
+    }
+}
+
 impl Rows for List<'_> {
     fn count(&self) -> usize {
         1 + self.shown.map_or(self.passes.len(), <[usize]>::len)
@@ -120,7 +134,11 @@ impl Rows for List<'_> {
             (Some(pass), 0) if is_marked(pass.index + 1) => format!("{} •", pass.index),
             (Some(pass), 0) => pass.index.to_string(),
             (Some(pass), 1) => pass.kernel.name().into(),
-            (Some(pass), 2) => pass.duration_ns.map_or_else(String::new, |ns| self.unit.text(ns)),
+            (Some(pass), 2) => match (pass.duration_ns, pass.below_ns()) {
+                (Some(ns), _) => self.unit.text(ns),
+                (None, Some(below)) => format!("< {}", self.unit.text_above(below)),
+                (None, None) => String::new(),
+            },
             (Some(pass), _) => pass.rays_in.to_string(),
         }
     }
@@ -140,7 +158,7 @@ impl Rows for List<'_> {
         let pass = self.pass(row)?;
         match column {
             1 => Some(pass.kernel.info().summary.into()),
-            2 => Some(pass.duration_ns.map_or_else(|| "duration unknown".into(), |ns| format!("{ns} ns"))),
+            2 => Some(about_time(pass)),
             _ => None,
         }
     }
@@ -148,5 +166,41 @@ impl Rows for List<'_> {
     fn look(&self, ui: &Ui, row: usize, _column: usize) -> Look {
         // Passes ahead are known from an earlier run.
         Look { color: (row > self.current).then(|| ui.visuals().weak_text_color()), ..Look::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::programs::closest_hit::kernels::INTERSECT;
+
+    use super::*;
+    use crate::ui::panels::timings::tests::pass;
+
+    #[test]
+    fn a_pass_too_short_to_tell_is_below_a_bound() {
+        let rounded = |runs| Some(Rounding { runs, error_ns: 2048, below_ns: 67_584 });
+        let passes = [
+            Pass { rounding: rounded(256), ..pass(0, INTERSECT, 1, None) },
+            Pass { rounding: rounded(40), ..pass(1, INTERSECT, 1, Some(20_000)) },
+            pass(2, INTERSECT, 1, None),
+            pass(3, INTERSECT, 1, Some(20_000)),
+        ];
+        let list = List { passes: &passes, shown: None, current: 0, unit: TimeUnit::Micros, bookmarks: &[] };
+        let rows =
+            |column: fn(&List<'_>, usize) -> Option<String>| (1..=4).map(|row| column(&list, row)).collect::<Vec<_>>();
+        let known = |text: &str| Some(text.to_owned());
+        assert_eq!(rows(|list, row| Some(list.text(row, 2))), ["< 67.6", "20.0", "", "20.0"].map(known));
+        assert_eq!(
+            rows(|list, row| list.about(row, 2)),
+            [
+                "less than 67584 ns: too short to tell by the device's clock in 256 runs",
+                "20000 ± 2048 ns: the mean of 40 runs",
+                "duration unknown",
+                "20000 ns"
+            ]
+            .map(known)
+        );
+        let numbers: Vec<_> = (1..=4).map(|row| list.number(row, 2)).collect();
+        assert_eq!(numbers, [None, Some(20.0), None, Some(20.0)], "a bound is no time to sort by");
     }
 }

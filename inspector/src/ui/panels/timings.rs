@@ -70,13 +70,13 @@ impl Panel for Timings {
         let view = View { name: "kernels", heads: &heads, rows: &self.listed, version, current: None };
         ui.horizontal_wrapped(|ui| {
             if timed == 0 {
-                ui.label(no_times(cx.model)).on_hover_text(ABOUT);
+                ui.label(format!("{}{}", no_times(cx.model), too_short(passes))).on_hover_text(ABOUT);
             } else {
                 let all = passes.len();
                 let text = if timed == all {
                     format!("{}, all timed: {sum}", counted(all, "pass"))
                 } else {
-                    format!("{timed} of {all} passes timed: {sum}")
+                    format!("{timed} of {all} passes timed: {sum}{}", too_short(passes))
                 };
                 ui.label(text).on_hover_text(ABOUT);
                 ui.checkbox(&mut self.is_log, "log").on_hover_text("logarithmic bar heights");
@@ -117,6 +117,15 @@ fn no_times(model: &Model) -> String {
     match model.host_ns {
         Some(ns) => format!("{why}; {} took {} by the host's clock", counted(model.place, "pass"), duration(ns)),
         None => format!("{why}: the time of passes is unknown"),
+    }
+}
+
+/// How many passes are too short to tell by the device's clock, if any.
+fn too_short(passes: &[Pass]) -> String {
+    let below: Vec<u64> = passes.iter().filter_map(Pass::below_ns).collect();
+    match below.iter().max() {
+        Some(&most) => format!("; {} too short to tell: {} each", below.len(), less_than(most)),
+        None => String::new(),
     }
 }
 
@@ -219,13 +228,29 @@ pub(super) fn duration(ns: u64) -> String {
     }
 }
 
+/// A bound in readable form, rounded up.
+fn less_than(ns: u64) -> String {
+    let digit = match ns {
+        0..1_000_000 => 100,
+        1_000_000..1_000_000_000 => 10_000,
+        _ => 10_000_000,
+    };
+    format!("< {}", duration(ns.next_multiple_of(digit)))
+}
+
+/// What is known of a pass's duration; `None` if nothing is.
+pub(super) fn time_of(pass: &Pass) -> Option<String> {
+    let error = pass.rounding.map_or_else(String::new, |rounding| format!(" ± {}", duration(rounding.error_ns)));
+    pass.duration_ns.map(|ns| duration(ns) + &error).or_else(|| pass.below_ns().map(less_than))
+}
+
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use raystep_kernels::programs::closest_hit::kernels::{INTERSECT, SETUP, TRAVERSE_GRID};
 
     use super::*;
 
-    pub(super) fn pass(index: usize, kernel: Kernel, rays_in: u32, duration_ns: Option<u64>) -> Pass {
+    pub(in crate::ui::panels) fn pass(index: usize, kernel: Kernel, rays_in: u32, duration_ns: Option<u64>) -> Pass {
         let (iteration, counts, threads_launched, begin_ns) = (0, Default::default(), 0, None);
         Pass { index, iteration, kernel, rays_in, counts, threads_launched, begin_ns, duration_ns, rounding: None }
     }
@@ -250,6 +275,23 @@ mod tests {
         // 80 rays in 9 µs: those of the pass that was not timed are left out.
         let rates: Vec<_> = kernels.iter().map(rate).collect();
         assert_eq!(rates, [Some(80.0 / 9.0), Some(130.0 / 8.0), None]);
+    }
+
+    #[test]
+    fn too_short_a_pass_is_below_a_bound_and_not_unknown() {
+        use raystep_kernels::Rounding;
+        let rounding = Some(Rounding { runs: 256, error_ns: 2048, below_ns: 67_584 });
+        let short = Pass { rounding, ..pass(0, INTERSECT, 1, None) };
+        let told = Pass { rounding, ..pass(1, INTERSECT, 1, Some(20_000)) };
+        let unknown = pass(2, INTERSECT, 1, None);
+        let fine = pass(3, INTERSECT, 1, Some(20_000));
+        let texts = [&short, &told, &unknown, &fine].map(time_of);
+        let expected = [Some("< 67.6 µs"), Some("20.0 µs ± 2.0 µs"), None, Some("20.0 µs")];
+        assert_eq!(texts.each_ref().map(Option::as_deref), expected);
+        assert_eq!(too_short(&[short, told, short]), "; 2 too short to tell: < 67.6 µs each");
+        assert_eq!(too_short(&[told, unknown]), "");
+        let bounds = [999_999, 1_000_001, 1_000_000_001].map(less_than);
+        assert_eq!(bounds, ["< 1.00 ms", "< 1.01 ms", "< 1.01 s"], "rounded up");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use raystep_kernels::Pass;
 use raystep_lab::text::counted;
 
 use crate::ui::pane::Context;
+use crate::ui::panels::timings::time_of;
 
 /// Height of the thumbnail.
 const PICTURE: f32 = 96.0;
@@ -54,8 +55,8 @@ fn about(ui: &mut Ui, cx: &Context<'_>, place: usize) {
     };
     ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
     ui.label(format!("processed {}", counted(pass.rays_in, if cx.has_rays() { "ray" } else { "element" })));
-    if let Some(ns) = pass.duration_ns {
-        ui.label(format!("{:.1} µs on the device", ns as f64 / 1e3));
+    if let Some(time) = time_of(pass) {
+        ui.label(format!("{time} on the device"));
     }
     if let Some(states) = states(pass) {
         ui.label(states);

@@ -4,7 +4,7 @@ use egui::{Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use raystep_kernels::Pass;
 use raystep_lab::text::counted;
 
-use super::duration;
+use super::{duration, time_of};
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::kernel_color;
 
@@ -53,7 +53,7 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
             painter.text(
                 middle,
                 Align2::CENTER_CENTER,
-                "?",
+                if pass.below_ns().is_some() { "<" } else { "?" },
                 FontId::proportional(11.0),
                 ui.visuals().weak_text_color(),
             );
@@ -95,7 +95,7 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
 fn about(ui: &mut Ui, pass: &Pass, is_dearest: bool) {
     ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
     let what = if is_dearest { "slowest in this bar, " } else { "" };
-    ui.label(pass.duration_ns.map_or_else(|| "duration unknown".into(), |ns| format!("{what}{}", duration(ns))));
+    ui.label(time_of(pass).map_or_else(|| "duration unknown".into(), |time| format!("{what}{time}")));
     ui.label(format!("processed {}", counted(pass.rays_in, "ray")));
 }
 
