@@ -26,6 +26,7 @@
 //! | `zoom`, `pan` | screen points a texel; texel in the middle of the view, X,Y | |
 
 mod error;
+mod hits;
 mod read;
 
 use std::fmt;
@@ -36,6 +37,7 @@ use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, Sc
 use raystep_lab::Hash;
 
 pub use error::LinkError;
+pub use hits::{HIT_WORDS, hit_words};
 
 /// Version of the text.
 pub const VERSION: u32 = 1;

@@ -1,7 +1,11 @@
-// Hits by WebGPU against the CPU reference kernels, on every scene of the repository, with every structure and schedule.
+// Hits by WebGPU against the CPU reference kernels, in the page and on the desktop, on every scene of the repository, with
+// every structure and schedule.
 
 import assert from "node:assert/strict";
-import { readdirSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
 import { test } from "node:test";
 
 import { Browser, scenes } from "./browser.mjs";
@@ -38,7 +42,17 @@ const IS_THOROUGH = Boolean(process.env.RAYSTEP_THOROUGH);
 /// A software driver may not stand hundreds of pipelines in one process.
 const RUNS_A_PROCESS = 16;
 
-test("WebGPU hits what the CPU reference kernels hit", async () => {
+/// The hits of the desktop's reference kernels, by the program that RAYSTEP_HITS names.
+function onDesktop(links) {
+    const folder = mkdtempSync(path.join(tmpdir(), "raystep-hits-"));
+    const [from, to] = ["links", "words"].map((name) => path.join(folder, name));
+    writeFileSync(from, links.join("\n"));
+    execFileSync(process.env.RAYSTEP_HITS, [from, to]);
+    const bytes = readFileSync(to);
+    return new Uint32Array(bytes.buffer, bytes.byteOffset, bytes.length / 4);
+}
+
+test("WebGPU, and the reference kernels in the page, hit what the reference kernels hit on the desktop", async () => {
     const names = readdirSync(scenes).filter((name) => /\.gl(tf|b)$/.test(name));
     const taken = (way, scene) => IS_THOROUGH || way % names.length === scene || (way + 7) % WAYS.length === scene;
     const links = names.flatMap((name, scene) =>
@@ -46,7 +60,10 @@ test("WebGPU hits what the CPU reference kernels hit", async () => {
             (way) => `raystep:1?scene=${encodeURIComponent(name)}&size=${SIDE}x${SIDE}${way}`,
         ),
     );
-    let differing = 0;
+    const words = WORDS * SIDE * SIDE;
+    const expected = onDesktop(links);
+    assert.equal(expected.length, links.length * words);
+    const differing = { gpu: 0, cpu: 0 };
     const wrong = [];
     for (let first = 0; first < links.length; first += RUNS_A_PROCESS) {
         const browser = await Browser.open("webgpu");
@@ -54,24 +71,30 @@ test("WebGPU hits what the CPU reference kernels hit", async () => {
         // Not the inspector's page: nothing runs there.
         await page.goto(`http://localhost:${browser.server.address().port}/style.css`);
         await page.evaluate(begin);
-        for (const link of links.slice(first, first + RUNS_A_PROCESS)) {
-            const [gpu, cpu] = await page.evaluate(
-                async (link) => [Array.from(await self.hits(link, true)), Array.from(await self.hits(link, false))],
-                link,
-            );
-            assert.equal(gpu.length, WORDS * SIDE * SIDE, link);
-            for (let ray = 0; ray < gpu.length; ray += WORDS) {
-                const words = [...Array(WORDS).keys()].map((word) => ray + word);
-                differing += words.some((word) => gpu[word] !== cpu[word]) ? 1 : 0;
-                if (gpu[ray] !== cpu[ray]) {
-                    wrong.push(`${link}: ray ${ray / WORDS} hits ${gpu[ray]}, not ${cpu[ray]}`);
+        for (let at = first; at < Math.min(first + RUNS_A_PROCESS, links.length); at += 1) {
+            const desktop = expected.subarray(at * words, (at + 1) * words);
+            for (const device of ["gpu", "cpu"]) {
+                const found = await page.evaluate(
+                    async ([link, isOnGpu]) => Array.from(await self.hits(link, isOnGpu)),
+                    [links[at], device === "gpu"],
+                );
+                assert.equal(found.length, words, links[at]);
+                for (let ray = 0; ray < words; ray += WORDS) {
+                    const isSame = [...Array(WORDS).keys()].every((word) => found[ray + word] === desktop[ray + word]);
+                    differing[device] += isSame ? 0 : 1;
+                    if (found[ray] !== desktop[ray]) {
+                        wrong.push(`${links[at]}, ${device}: ray ${ray / WORDS} hits ${found[ray]}, not ${desktop[ray]}`);
+                    }
                 }
             }
         }
         await browser.close();
     }
     const rays = links.length * SIDE * SIDE;
-    console.log(`${links.length} pictures, ${rays} rays: ${differing} differ in some bit, ${wrong.length} in their triangle`);
+    console.log(
+        `${links.length} pictures, ${rays} rays: by WebGPU ${differing.gpu}, on the CPU ${differing.cpu} differ in some bit from ` +
+            `the desktop's; ${wrong.length} in their triangle`,
+    );
     // This software driver neither contracts products and sums nor divides less exactly than a CPU.
-    assert.deepEqual([differing, wrong], [0, []]);
+    assert.deepEqual([differing, wrong], [{ gpu: 0, cpu: 0 }, []]);
 });
