@@ -10,9 +10,9 @@ if [ "${1:-}" = web ]; then
     exec sh tests/web.sh
 fi
 
-RAYSTEP_THOROUGH=1 sh tests/run.sh
 
-sh tests/web.sh
+RAYSTEP_THOROUGH=1 sh tests/run.sh
+RAYSTEP_THOROUGH=1 sh tests/web.sh
 
 step "every combination of features"
 for features in "" gpu parallel serde gpu,parallel gpu,serde parallel,serde gpu,parallel,serde; do

@@ -26,7 +26,9 @@ fi
 target="${CARGO_TARGET_DIR:-target}/web"
 
 step "the page, and with it all crates below the program, without threads"
-sh app/web/build.sh "$target/served"
+quick=--quick
+[ -z "${RAYSTEP_THOROUGH:-}" ] || quick=""
+sh app/web/build.sh "$target/served" $quick
 
 npm install --silent --no-fund --no-audit --prefix "$target/npm" "playwright-core@$PLAYWRIGHT" "webgpu@$DAWN"
 modules=$(cd "$target/npm/node_modules" && pwd)
@@ -38,10 +40,15 @@ rm -rf "$shaders"
 mkdir -p "$shaders"
 shaders=$(cd "$shaders" && pwd)
 # As tests/run.sh compiles them, so that it happens once.
-RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__ RAYSTEP_SHADERS="$shaders" \
-    cargo test --quiet --workspace --locked --test kernels -- every_variant_is_valid
+export RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__
+# Everything, the desktop's programs included: parts alone would be compiled with other features.
+cargo test --quiet --workspace --locked --no-run
+RAYSTEP_SHADERS="$shaders" cargo test --quiet --workspace --locked --test kernels -- every_variant_is_valid
 RAYSTEP_SHADERS="$shaders" VK_DRIVER_FILES="$(dirname "$(readlink -f /usr/lib/chromium/libvk_swiftshader.so)")/vk_swiftshader_icd.json" \
     XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-/tmp}" node --test --test-reporter=spec tests/web/shaders.test.mjs
+
+programs=$(cd "${CARGO_TARGET_DIR:-target}/debug" && pwd)
+export RAYSTEP="$programs/raystep" RAYSTEP_HITS="$programs/examples/hits"
 
 step "the page in Chromium"
 mkdir -p "$target/screenshots"
@@ -50,4 +57,5 @@ Xvfb -displayfd 3 -screen 0 1400x1000x24 3>"$display" 2>/dev/null &
 server=$!
 trap 'kill $server 2>/dev/null; rm -f "$display"' EXIT
 until [ -s "$display" ]; do sleep 0.1; done
-DISPLAY=":$(cat "$display")" node --test --test-concurrency=1 --test-reporter=spec tests/web/page.test.mjs tests/web/hits.test.mjs
+DISPLAY=":$(cat "$display")" node --test --test-concurrency=1 --test-reporter=spec \
+    tests/web/page.test.mjs tests/web/hard.test.mjs tests/web/hits.test.mjs

@@ -4,8 +4,9 @@
 #     sh app/web/build.sh DIR
 #
 # Takes Rust, and npm for wasm-opt, which makes what is fetched smaller; fails where that is more than MOST_BYTES.
+# Minutes faster, for tests, without wasm-opt: `sh app/web/build.sh DIR --quick`.
 set -eu
-folder=${1:?usage: sh app/web/build.sh DIR}
+folder=${1:?usage: sh app/web/build.sh DIR [--quick]}
 mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
 cd "$(dirname "$0")/../.."
@@ -29,7 +30,9 @@ mkdir -p "$target/page"
 "$target/bindgen/debug/bindgen" "$wasm" "$target/page"
 
 module="$target/page/raystep_web_bg.wasm"
-if command -v npm >/dev/null; then
+if [ "${2:-}" = --quick ]; then
+    echo "note: without wasm-opt, the page is a third larger" >&2
+elif command -v npm >/dev/null; then
     npm install --silent --no-fund --no-audit --prefix "$target/npm" "binaryen@$BINARYEN"
     "$target/npm/node_modules/.bin/wasm-opt" -Oz --enable-bulk-memory --enable-bulk-memory-opt \
         --enable-reference-types --enable-nontrapping-float-to-int --enable-sign-ext --enable-mutable-globals \
