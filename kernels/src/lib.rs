@@ -68,6 +68,6 @@ pub use plan::{Limits, Loops, Plan, PlanError};
 pub use program::{Kernel, Program};
 pub use renderer::cast::{CastHit, Caster};
 pub use renderer::image::Image;
-pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer};
+pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer, let_others_run};
 pub use shared::samples::Sampler;
 pub use tables::stream::{Region, Stream, StreamData};

@@ -31,6 +31,26 @@ fn an_adapter_without_timestamps_leaves_times_empty() {
     });
 }
 
+#[test]
+fn waiting_for_a_device_ends_with_its_work_or_with_the_device() {
+    let gpu = a_device_of_its_own();
+    block_on(Some(&gpu), gpu.finish()).expect("nothing is left to do");
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("uploaded"),
+        size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Uint,
+        usage: wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    gpu.write_texture(texture.as_image_copy(), texture.size(), &[1; 64 * 64 * 4]);
+    pollster::block_on(gpu.finish()).expect("a thread polls where no host does");
+    gpu.device.destroy();
+    assert!(matches!(block_on(Some(&gpu), gpu.finish()), Err(GpuError::Lost(_))));
+}
+
 /// Times of a separate run: the number of timed passes, the number of passes, the device's time and the host's.
 fn times(gpu: &Arc<Gpu>, options: &Options) -> (usize, usize, Option<u64>, Option<u64>) {
     let scene = scene("cornell-box.gltf");

@@ -322,8 +322,8 @@ impl Kept {
 }
 
 /// Yields to the caller's executor once. A pass on a CPU takes its time, and an executor with one thread, such as that of
-/// a browser's worker, serves its events in between.
-fn let_others_run() -> impl Future<Output = ()> {
+/// a browser's worker, serves its events in between. So should every other future between parts of long work.
+pub fn let_others_run() -> impl Future<Output = ()> {
     let mut has_yielded = false;
     poll_fn(move |context| {
         if std::mem::replace(&mut has_yielded, true) {

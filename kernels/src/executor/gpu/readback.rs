@@ -1,7 +1,10 @@
 //! Reads back from the GPU without blocking: a future that is ready once the device has been polled often enough.
 //! `poller.rs` decides who polls.
 
+use std::future::poll_fn;
+use std::pin::Pin;
 use std::sync::Arc;
+use std::task::Poll;
 
 use futures_channel::oneshot;
 
@@ -69,6 +72,32 @@ fn map(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: u64) -> oneshot::Receiver<Result
         let _ = sender.send(result);
     });
     mapped
+}
+
+impl Gpu {
+    /// Waits until the device has finished everything submitted so far, uploads included. As for read-backs, somebody
+    /// must poll the device.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn finish(&self) -> Result<(), GpuError> {
+        // Submits what was only uploaded, through the gate.
+        self.submit([]);
+        let (sender, mut done) = oneshot::channel();
+        let expected = self.poller.expect(&self.device);
+        self.queue.on_submitted_work_done(move || {
+            let _expected = expected;
+            // The receiver is gone if the caller was dropped.
+            let _ = sender.send(());
+        });
+        // A device that is lost meanwhile may never call back.
+        poll_fn(|context| match self.health() {
+            Ok(()) => Pin::new(&mut done).poll(context).map(drop),
+            Err(_) => Poll::Ready(()),
+        })
+        .await;
+        self.health()
+    }
 }
 
 impl Drop for Readback {
