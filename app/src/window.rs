@@ -122,7 +122,7 @@ pub(crate) fn inspector(
 ) -> Inspector {
     let woken = ctx.clone();
     let wake = Arc::new(move || woken.request_repaint());
-    let measure = Some(measure::measure(gpu.info.name.clone()));
+    let measure = measure::measure(gpu.info.name.clone());
     let devices = Devices { gpu: gpu.clone(), clock: Some(now_ns), measure, wake };
     let host = host::Desktop::new(ctx.clone(), gpu.clone(), start.read);
     let mut inspector = Inspector::new(devices, renderer, Box::new(host));

@@ -15,6 +15,7 @@ use common::Threads;
 use egui::mutex::RwLock;
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 use raystep_inspector::session::engine::Devices;
+use raystep_inspector::session::measure::on_its_device;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::{Arrival, Inspector};
@@ -101,7 +102,7 @@ fn main() -> Result<(), String> {
     println!("adapter: {}", gpu.info.name);
     let options = RendererOptions::PREDICTABLE;
     let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, wgpu::TextureFormat::Rgba8Unorm, options)));
-    let devices = Devices { gpu: gpu.clone(), clock: None, measure: None, wake: Arc::new(|| {}) };
+    let devices = Devices { gpu: gpu.clone(), clock: None, measure: on_its_device(), wake: Arc::new(|| {}) };
     let host = Threads { gpu: gpu.clone(), triangles };
     let mut inspector = Inspector::new(devices, renderer.clone(), Box::new(host));
     inspector.open("terrain", Settings::default(), Arrival::default());

@@ -55,7 +55,9 @@ fn sweep(meter: &Meter, name: &str, scene: &Scene, size: u32, repeats: usize) {
         let renderer = meter.machine.wait(Renderer::new(scene, &options, &meter.machine.device)).expect("a renderer");
         runs.push((factor, grid, renderer));
     }
-    let run = |(_, _, renderer): &mut (f64, GridSize, Renderer)| meter.run(renderer, |_, _| ControlFlow::Continue(()));
+    let run = |(_, _, renderer): &mut (f64, GridSize, Renderer)| {
+        meter.machine.wait(meter.run(renderer, |_, _| ControlFlow::Continue(())))
+    };
     let times = in_turn(&mut runs, Turns::of(1, repeats), run).expect("runs");
     println!("\n{name}: {} triangles", scene.triangles.len());
     let medians: Vec<f64> = times.iter().map(|times| median(&times.wall_ns()).unwrap_or(f64::NAN)).collect();

@@ -158,7 +158,7 @@ fn read(renderer: &Renderer) -> Traced<'_> {
 #[must_use]
 pub fn mistakes_among(renderer: &Renderer, rays: &[usize]) -> Vec<Mistake> {
     let (traced, mut judge) = (read(renderer), Judge::default());
-    judge.prepare(&traced, rays.to_vec());
+    block_on(None, judge.prepare(&traced, rays.to_vec()));
     let mistakes = judge.of(&traced, Cracks::Missed);
     mistakes.all().map(|judged| judged.mistake).filter(|mistake| mistake.verdict.is_error()).collect()
 }

@@ -5,7 +5,7 @@ mod verify;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
@@ -252,9 +252,10 @@ fn measure(
         has_rays: args.rays_csv,
         methods,
         rays,
-        stiff: Rc::new(stiff),
+        stiff: Arc::new(stiff),
     };
-    let report = report::measure(&wanted, &subjects, run_id.clone(), &meter, progress)?;
+    let measuring = report::measure(&wanted, &subjects, run_id.clone(), &meter, progress);
+    let report = meter.machine.wait(measuring)?;
     Ok((report, inputs, meter.machine, run_id))
 }
 

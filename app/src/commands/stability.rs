@@ -2,7 +2,7 @@
 
 use std::io::Write as _;
 use std::path::PathBuf;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
@@ -189,7 +189,7 @@ fn all(
             let families = FAMILIES.iter().filter(is_wanted).collect();
             let accelerators = accelerators.clone();
             let wanted = stiff::Wanted { families, accelerators, ..stiff::Wanted::new(run_id.clone(), args.quick) };
-            Some(Rc::new(match unfinished {
+            Some(Arc::new(match unfinished {
                 Some(unfinished) => unfinished.start(wanted, machine, progress)?,
                 None => Start::new(wanted, Kept::default(), |_, _| Ok(())),
             }))

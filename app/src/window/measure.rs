@@ -1,39 +1,47 @@
-//! Measures choices for the inspector, on a device of its own: waiting for the window's would hold up its drawing.
+//! Measures choices for the inspector, on a GPU device of its own: on the window's, frames would be drawn between the
+//! runs, on the same queue.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use raystep_inspector::session::measure::{Measure, Measurement};
-use raystep_inspector::settings::DeviceKind;
+use raystep_inspector::session::measure::{Measure, Measurement, measured};
 use raystep_kernels::{AdapterChoice, Device, Gpu};
-use raystep_lab::machine::now_ns;
-use raystep_lab::meter::Meter;
-use raystep_lab::{Machine, report};
 
 use crate::device;
+use crate::error::Error;
 
 /// A measurement on the window's adapter, or on the CPU.
 pub(super) fn measure(adapter: String) -> Measure {
-    let kept: Arc<std::sync::Mutex<Option<Arc<Gpu>>>> = Arc::default();
+    let own = Arc::new(Own { choice: AdapterChoice::Named(adapter), kept: Mutex::default() });
     Arc::new(move |measurement, reporter| {
-        let Measurement { subject, size, grid, is_quick, device } = measurement;
-        let device = match device {
-            DeviceKind::Gpu => {
-                // Opened once: a device lives as long as the program.
-                let mut kept =
-                    kept.lock().map_err(|_| "an earlier measurement failed: open the scene in a new window")?;
-                let gpu = match &*kept {
-                    Some(gpu) if gpu.health().is_ok() => gpu.clone(),
-                    _ => {
-                        let choice = AdapterChoice::Named(adapter.clone());
-                        device::open(&choice).map_err(|e| e.message().to_owned())?
-                    }
-                };
-                *kept = Some(gpu.clone());
-                Device::Gpu(gpu)
-            }
-            DeviceKind::Auto | DeviceKind::Cpu | DeviceKind::CpuF64 => Device::Cpu(Some(now_ns)),
-        };
-        let meter = Meter::new(Machine { device, reason: "as in the inspector".into() });
-        report::answer(subject, size, grid, is_quick, &meter, reporter).map_err(|e| e.to_string())
+        let own = own.clone();
+        Box::pin(async move {
+            let line = |error: Error| error.message().to_owned();
+            let device = match measurement.device {
+                Device::Gpu(_) => Device::Gpu(own.device().await.map_err(line)?),
+                Device::Cpu(_) | Device::CpuF64(_) => measurement.device,
+            };
+            measured(Measurement { device, ..measurement }, reporter).await.map_err(|error| error.to_string())
+        })
     })
+}
+
+/// The device of measurements.
+struct Own {
+    choice: AdapterChoice,
+    /// Opened once: a device lives as long as the program.
+    kept: Mutex<Option<Arc<Gpu>>>,
+}
+
+impl Own {
+    /// Opens it, unless it is open. Its own thread polls it.
+    async fn device(&self) -> Result<Arc<Gpu>, Error> {
+        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let open = kept().clone().filter(|gpu| gpu.health().is_ok());
+        if let Some(gpu) = open {
+            return Ok(gpu);
+        }
+        let gpu = device::opening(&self.choice).await?;
+        *kept() = Some(gpu.clone());
+        Ok(gpu)
+    }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use egui::{Event, OutputCommand, Vec2};
 use js_sys::Array;
 use raystep_inspector::session::engine::Devices;
+use raystep_inspector::session::measure::on_its_device;
 use raystep_inspector::ui::{Inspector, background};
 use raystep_kernels::{Gpu, GpuError};
 use wasm_bindgen::prelude::*;
@@ -60,7 +61,7 @@ impl Window {
         ctx.set_request_repaint_callback(|asked| shell::wake(asked.delay.as_secs_f64() * 1e3));
         let woken = ctx.clone();
         let wake = Arc::new(move || woken.request_repaint());
-        let devices = Devices { gpu: gpu.clone(), clock: Some(shell::now_ns), measure: None, wake };
+        let devices = Devices { gpu: gpu.clone(), clock: Some(shell::now_ns), measure: on_its_device(), wake };
         let files = Rc::new(Files::default());
         let host = Web::new(ctx.clone(), files.clone());
         let mut inspector = Inspector::new(devices, painter.renderer.clone(), Box::new(host));

@@ -37,8 +37,8 @@ pub struct Devices {
     pub gpu: Arc<Gpu>,
     /// A clock in nanoseconds, to time the CPU reference's passes.
     pub clock: Option<fn() -> u64>,
-    /// Measures choices on the engine's thread; `None` if it has none of its own.
-    pub measure: Option<Measure>,
+    /// Measures choices.
+    pub measure: Measure,
     /// Called after every answer, to wake the user interface.
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
@@ -320,7 +320,7 @@ impl Server {
                 let _moving = Moving::new(&self.moving);
                 let Some(run) = &mut self.run else { return Ok(()) };
                 let Run { session, scene, settings, device, .. } = run;
-                let (device, measure) = (device.clone(), self.devices.measure.as_ref());
+                let (device, measure) = (device.clone(), &self.devices.measure);
                 let context = JobContext { session, scene, settings, device, measure, progress: &mut progress };
                 let answer = job(context).await;
                 self.arrived().await?;

@@ -1,13 +1,14 @@
 //! Measuring choices: which structure, schedule and rules a view of a scene should be traced with.
 
+use std::pin::Pin;
 use std::sync::Arc;
 
-use raystep_kernels::GridSize;
-use raystep_lab::report::Answer;
+use raystep_kernels::{Device, GridSize};
+use raystep_lab::meter::Meter;
+use raystep_lab::report::{self, Answer};
 use raystep_lab::reporter::Reporter;
 use raystep_lab::subject::Subject;
-
-use crate::settings::DeviceKind;
+use raystep_lab::{Error, Machine};
 
 /// What to measure.
 pub struct Measurement {
@@ -19,10 +20,43 @@ pub struct Measurement {
     pub grid: GridSize,
     /// Fewer rays and repeats.
     pub is_quick: bool,
-    /// Where passes run.
-    pub device: DeviceKind,
+    /// Where passes run: the session's device, but in f32.
+    pub device: Device,
 }
 
-/// Measures on a device of its own; the error is one line. It blocks, so only an engine in a thread of its own may have
-/// one.
-pub type Measure = Arc<dyn Fn(Measurement, &dyn Reporter) -> Result<Answer, String> + Send + Sync>;
+/// The future of an answer; the error is one line.
+pub type Measuring<'a> = Pin<Box<dyn Future<Output = Result<Answer, String>> + Send + 'a>>;
+
+/// Measures choices as a part of the engine's task.
+pub type Measure = Arc<dyn for<'a> Fn(Measurement, &'a dyn Reporter) -> Measuring<'a> + Send + Sync>;
+
+/// Measures on the session's device: for a host that has no other one. Where passes have times of their own, what the
+/// window draws between them is not part of these.
+#[must_use]
+pub fn on_its_device() -> Measure {
+    Arc::new(|measurement, reporter| {
+        Box::pin(async move {
+            let machine = machine(measurement.device.clone());
+            let has_times = machine.timer().times_passes();
+            let mut answer = measured(measurement, reporter).await.map_err(|error| error.to_string())?;
+            if !has_times {
+                answer.notes.push("Times include what the window drew meanwhile.".into());
+            }
+            Ok(answer)
+        })
+    })
+}
+
+/// Measures on the given device.
+///
+/// # Errors
+/// If the device fails, nothing could be measured, or it was cancelled.
+pub async fn measured(measurement: Measurement, reporter: &dyn Reporter) -> Result<Answer, Error> {
+    let Measurement { subject, size, grid, is_quick, device } = measurement;
+    let meter = Meter::new(machine(device));
+    report::answer(subject, size, grid, is_quick, &meter, reporter).await
+}
+
+fn machine(device: Device) -> Machine {
+    Machine { device, reason: "as in the inspector".into() }
+}

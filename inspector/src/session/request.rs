@@ -100,8 +100,8 @@ pub struct JobContext<'a> {
     pub settings: &'a Settings,
     /// Its device.
     pub device: raystep_kernels::Device,
-    /// Measures choices; `None` if the engine must not block.
-    pub measure: Option<&'a Measure>,
+    /// Measures choices.
+    pub measure: &'a Measure,
     /// Reports progress; returns `true` to continue.
     pub progress: &'a mut (dyn FnMut(u64, u64) -> bool + Send),
 }

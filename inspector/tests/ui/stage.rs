@@ -77,8 +77,7 @@ impl Stage {
         let retained = Arc::new(Mutex::new(Retained::default()));
         let host = TestHost { gpu: plan.gpu.clone(), desk: desk.clone() };
         // Frames are drawn one after another here: there is nothing to wake.
-        let devices =
-            Devices { gpu: plan.gpu.clone(), clock: Some(clock), measure: Some(measured()), wake: Arc::new(|| {}) };
+        let devices = Devices { gpu: plan.gpu.clone(), clock: Some(clock), measure: measured(), wake: Arc::new(|| {}) };
         let inspector = Inspector::new(devices, renderer.clone(), Box::new(host));
         let harness = Harness::builder()
             // The harness adds a margin of 8 points around its contents.

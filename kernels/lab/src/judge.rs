@@ -217,8 +217,9 @@ pub struct Judged<'a> {
 }
 
 impl Judge {
-    /// Computes what each ray of a sample may hit, unless rays and triangles are the same as before.
-    pub fn prepare(&mut self, traced: &Traced<'_>, sample: Vec<usize>) {
+    /// Computes what each ray of a sample may hit, unless rays and triangles are the same as before. Lets other tasks run
+    /// every few milliseconds.
+    pub async fn prepare(&mut self, traced: &Traced<'_>, sample: Vec<usize>) {
         let rays: Vec<_> = sample.iter().map(|&ray| traced.bits(ray)).collect();
         let intervals: Vec<_> = sample.iter().map(|&ray| traced.interval(ray).map(|t| t.map(f32::to_bits))).collect();
         let scene = Hash::of_floats(traced.vertices());
@@ -226,7 +227,7 @@ impl Judge {
             return;
         }
         let floats: Vec<_> = rays.iter().map(|ray| ray.map(|v| v.map(f32::from_bits))).collect();
-        let all = candidates_of(traced.vertices(), &floats).into_iter().zip(&sample);
+        let all = candidates_of(traced.vertices(), &floats).await.into_iter().zip(&sample);
         let candidates = all.map(|(candidates, &ray)| within(candidates, traced.interval(ray))).collect();
         *self = Self { scene, sample, rays, intervals, candidates };
     }
@@ -314,10 +315,10 @@ mod tests {
         assert!((0..one.rays()).all(|ray| one.ray(ray) == two.ray(ray)), "the rays are the same");
         let all = || (0..one.rays()).collect();
         let (mut kept, mut own) = (Judge::default(), Judge::default());
-        kept.prepare(&one, all());
+        pollster::block_on(kept.prepare(&one, all()));
         let of_one = kept.candidates().to_vec();
-        kept.prepare(&two, all());
-        own.prepare(&two, all());
+        pollster::block_on(kept.prepare(&two, all()));
+        pollster::block_on(own.prepare(&two, all()));
         assert_ne!(of_one, own.candidates(), "no ray hits the triangle");
         assert_eq!(kept.candidates(), own.candidates());
         assert_eq!(kept.of(&two, Cracks::Missed).all().filter(|j| j.mistake.verdict.is_error()).count(), 0);

@@ -32,6 +32,7 @@ pub mod machine;
 pub mod meter;
 pub mod parity;
 pub mod plots;
+mod portions;
 pub mod rays;
 pub mod reference;
 pub mod report;

@@ -2,7 +2,6 @@
 
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
-use std::time::Instant;
 
 use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::json::CounterSums;
@@ -10,10 +9,11 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::shader::forget_variants;
 use raystep_kernels::{Device, Gpu, Limits, Options, Renderer};
 use raystep_scenes::Scene;
+use web_time::Instant;
 
 use crate::block_on;
 
-/// A device, and why it was chosen. Methods that wait block this thread.
+/// A device, and why it was chosen. Only [`wait`](Self::wait) blocks this thread.
 #[derive(Clone)]
 pub struct Machine {
     /// A GPU, or the CPU.
@@ -76,30 +76,28 @@ impl Machine {
         }
     }
 
-    /// Waits for one of this device's futures.
+    /// Waits for one of this device's futures; blocks this thread.
     pub fn wait<T>(&self, future: impl Future<Output = T>) -> T {
         block_on(self.gpu(), future)
     }
 
     /// Waits until the device has finished everything submitted, uploads included.
-    pub fn settle(&self) {
+    pub async fn settle(&self) {
         if let Some(gpu) = self.gpu() {
-            gpu.submit([]);
             // A lost device is reported by its next use.
-            let _ = gpu.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None });
+            let _ = gpu.finish().await;
         }
     }
 
     /// Sums of the counters of a run with these options, which are counted for it; `None` if such a run cannot count, or
     /// fails.
-    #[must_use]
-    pub fn counts(&self, scene: &Scene, options: &Options) -> Option<CounterSums> {
+    pub async fn counts(&self, scene: &Scene, options: &Options) -> Option<CounterSums> {
         let options = Options { counters: true, timings: false, keep_passes: false, ..options.clone() };
         let (plan, data) = Plan::new(scene, &options, &self.limits()).ok()?;
         let counters = plan.counters()?;
-        let mut renderer = self.wait(Renderer::from_plan(plan, data, &options, &self.device)).ok()?;
-        self.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
-        CounterSums::of(&self.wait(renderer.values(counters)).ok()?, renderer.plan())
+        let mut renderer = Renderer::from_plan(plan, data, &options, &self.device).await.ok()?;
+        renderer.run(|_| ControlFlow::Continue(())).await.ok()?;
+        CounterSums::of(&renderer.values(counters).await.ok()?, renderer.plan())
     }
 
     /// The columns that all rows of a run in `passes.csv` share.
@@ -132,8 +130,11 @@ pub fn now_ns() -> u64 {
 
 /// The smallest observed step of the clock.
 fn clock_step_ns() -> Option<f64> {
-    let times: Vec<u64> = (0..1000).map(|_| now_ns()).collect();
-    times.windows(2).map(|w| w[1] - w[0]).filter(|&step| step > 0).min().map(|step| step as f64)
+    static STEP: OnceLock<Option<f64>> = OnceLock::new();
+    *STEP.get_or_init(|| {
+        let times: Vec<u64> = (0..1000).map(|_| now_ns()).collect();
+        times.windows(2).map(|w| w[1] - w[0]).filter(|&step| step > 0).min().map(|step| step as f64)
+    })
 }
 
 #[cfg(test)]

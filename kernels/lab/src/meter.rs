@@ -2,16 +2,19 @@
 //! slowdown of the machine affects all of them; the first runs warm up and do not count. The order within a round is
 //! random, and reversed in the next round, so that no run always follows the same other one.
 
+mod turns;
+
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use raystep_kernels::numbers::parallel::map_ranges;
 use raystep_kernels::{Device, Load, Progress, RenderError, Renderer};
+use web_time::Instant;
 
 use crate::machine::Machine;
-use crate::rays::Random;
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::median;
+pub use turns::{Rounds, Turns, in_turn};
 
 /// A machine that can time runs.
 pub struct Meter {
@@ -24,9 +27,11 @@ pub struct Meter {
 /// The time of one run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Time {
-    /// By the host's clock, including waiting for the device.
+    /// By the host's clock, from begin to end: it includes waiting for the device, and in a thread with other tasks what
+    /// these did meanwhile, such as drawing a browser's window.
     pub wall_ns: u64,
-    /// By the device's clock; `None` if it has none, or the time is not valid.
+    /// By the device's clock, the time of its passes only: on the CPU, what other tasks did between passes is not part
+    /// of it. `None` if the device has no clock, or the time is not valid.
     pub device_ns: Option<u64>,
 }
 
@@ -48,31 +53,6 @@ pub enum Ended {
     Done(Time),
     /// It was stopped: too slow, or endless.
     GivenUp,
-}
-
-/// How many runs to make of each subject.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Turns {
-    /// Uncounted runs of each.
-    pub warmups: usize,
-    /// Maximum number of counted runs of each.
-    pub repeats: usize,
-    /// Minimum number of counted runs, however long they take.
-    pub fewest: usize,
-    /// Time limit for all runs together; `None` for no limit.
-    pub all: Option<Duration>,
-    /// Time limit for the counted runs of each.
-    pub each: Option<Duration>,
-    /// Seed of the orders within rounds.
-    pub seed: u64,
-}
-
-impl Turns {
-    /// A fixed number of runs of each, without time limits.
-    #[must_use]
-    pub fn of(warmups: usize, repeats: usize) -> Self {
-        Self { warmups, repeats, fewest: repeats, all: None, each: None, seed: 0 }
-    }
 }
 
 /// The times of one subject's runs.
@@ -147,24 +127,25 @@ impl Meter {
 
     /// Gives the device a little work, and waits for it and everything submitted before: none of it affects the next
     /// time or its wall clock.
-    pub fn keep_clocks(&self) {
+    pub async fn keep_clocks(&self) {
         self.load.iter().for_each(Load::submit);
-        self.machine.settle();
+        self.machine.settle().await;
     }
 
     /// The time of a fixed piece of work by the host's clock, in nanoseconds: it tells a slower machine from slower
-    /// kernels. On a GPU it is the load that keeps its clocks up, otherwise integer arithmetic on all cores.
+    /// kernels. On a GPU it is the load that keeps its clocks up, otherwise integer arithmetic on all cores. Blocks this
+    /// thread.
     #[must_use]
     pub fn fixed_work_ns(&self) -> u64 {
         /// About a millisecond on two cores.
         const TASKS: usize = 64;
         const STEPS: u64 = 1 << 15;
-        self.machine.settle();
+        self.machine.wait(self.machine.settle());
         let start = Instant::now();
         match &self.load {
             Some(load) if load.has_effect() => {
                 load.submit();
-                self.machine.settle();
+                self.machine.wait(self.machine.settle());
             }
             _ => {
                 // Knuth's MMIX generator.
@@ -176,11 +157,12 @@ impl Meter {
         start.elapsed().as_nanos() as u64
     }
 
-    /// Keeps the device busy for this long, until its clocks are up; what runs next should keep them there.
+    /// Keeps the device busy for this long, until its clocks are up; what runs next should keep them there. Blocks this
+    /// thread.
     pub fn raise_clocks(&self, time: Duration) {
         let start = Instant::now();
         while start.elapsed() < time {
-            self.keep_clocks();
+            self.machine.wait(self.keep_clocks());
         }
     }
 
@@ -188,15 +170,15 @@ impl Meter {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn run(
+    pub async fn run(
         &self,
         renderer: &mut Renderer,
         mut watch: impl FnMut(&Progress, Duration) -> ControlFlow<()>,
     ) -> Result<Ended, RenderError> {
         renderer.restart();
-        self.keep_clocks();
+        self.keep_clocks().await;
         let start = Instant::now();
-        let ended = self.machine.wait(renderer.run(|progress| watch(progress, start.elapsed())));
+        let ended = renderer.run(|progress| watch(progress, start.elapsed())).await;
         let wall_ns = start.elapsed().as_nanos() as u64;
         match ended {
             Ok(()) => Ok(Ended::Done(Time { wall_ns, device_ns: renderer.device_ns().filter(|&ns| ns > 0) })),
@@ -206,127 +188,9 @@ impl Meter {
     }
 }
 
-/// Runs all of `subjects`, interleaved. One that was stopped is not run again.
-///
-/// # Errors
-/// The first error of `run`.
-pub fn in_turn<T, E>(
-    subjects: &mut [T],
-    turns: Turns,
-    mut run: impl FnMut(&mut T) -> Result<Ended, E>,
-) -> Result<Vec<Times>, E> {
-    let mut times = vec![Times::default(); subjects.len()];
-    let mut spent = vec![Duration::ZERO; subjects.len()];
-    let begin = Instant::now();
-    let mut random = Random::new(turns.seed);
-    let mut order: Vec<usize> = (0..subjects.len()).collect();
-    for turn in 0..turns.warmups + turns.repeats {
-        let counting = turn.checked_sub(turns.warmups);
-        match counting {
-            Some(round) if round % 2 == 1 => order.reverse(),
-            _ => random.shuffle(&mut order),
-        }
-        let is_extra = counting.is_some_and(|done| done >= turns.fewest);
-        if is_extra && turns.all.is_some_and(|all| begin.elapsed() > all) {
-            break;
-        }
-        for (place, &i) in order.iter().enumerate() {
-            let (subject, times, spent) = (&mut subjects[i], &mut times[i], &mut spent[i]);
-            if times.is_given_up || is_extra && turns.each.is_some_and(|each| *spent > each) {
-                continue;
-            }
-            let start = Instant::now();
-            match (run(subject)?, counting) {
-                (Ended::GivenUp, _) => times.is_given_up = true,
-                (Ended::Done(time), Some(round)) => times.runs.push(Run { round, place, time }),
-                (Ended::Done(_), None) => {}
-            }
-            if counting.is_some() {
-                *spent += start.elapsed();
-            }
-        }
-    }
-    Ok(times)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn done(ns: u64) -> Result<Ended, ()> {
-        Ok(Ended::Done(Time { wall_ns: ns, device_ns: Some(ns) }))
-    }
-
-    #[test]
-    fn all_run_in_turn_and_warm_ups_do_not_count() {
-        let mut order = Vec::new();
-        let times = in_turn(&mut ['a', 'b'], Turns::of(1, 2), |subject| {
-            order.push(*subject);
-            done(order.len() as u64)
-        });
-        let times = times.expect("no error");
-        assert_eq!(times.iter().map(|times| times.runs.len()).collect::<Vec<_>>(), [2, 2]);
-        assert!(order.chunks(2).all(|round| round.contains(&'a') && round.contains(&'b')), "{order:?}");
-        assert!(times.iter().flat_map(Times::wall_ns).all(|ns| ns > 2.0), "{times:?}");
-        let failed = in_turn(&mut [1, 2], Turns::of(0, 1), |n| if *n == 2 { Err(*n) } else { Ok(Ended::GivenUp) });
-        assert_eq!(failed, Err(2));
-    }
-
-    #[test]
-    fn the_order_is_random_and_reversed_in_every_other_round() {
-        let orders = |seed| {
-            let mut order = Vec::new();
-            let run = |subject: &mut u32| {
-                order.push(*subject);
-                done(1)
-            };
-            let times = in_turn(&mut [0, 1, 2, 3], Turns { seed, ..Turns::of(0, 8) }, run).expect("no error");
-            for (subject, times) in times.iter().enumerate() {
-                for Run { round, place, .. } in &times.runs {
-                    assert_eq!(order[4 * round + place], subject as u32);
-                }
-            }
-            order
-        };
-        let first = orders(1);
-        for pair in first.chunks(8) {
-            assert!(pair[..4].iter().eq(pair[4..].iter().rev()), "{pair:?}");
-        }
-        assert_ne!(first[..8], first[8..16]);
-        assert_eq!(first, orders(1));
-        assert_ne!(first, orders(2));
-    }
-
-    #[test]
-    fn what_is_given_up_runs_no_more_and_holds_up_nobody() {
-        let mut runs = [0; 2];
-        let times = in_turn(&mut [0, 1], Turns::of(1, 3), |&mut i| {
-            runs[i] += 1;
-            if i == 0 && runs[0] == 2 { Ok(Ended::GivenUp) } else { done(1) }
-        });
-        let times = times.expect("no error");
-        assert_eq!((runs, times[0].runs.len(), times[1].runs.len()), ([2, 4], 0, 3));
-        assert!(times[0].is_given_up && !times[1].is_given_up);
-    }
-
-    #[test]
-    fn the_fewest_are_made_whatever_they_take() {
-        let none = Some(Duration::ZERO);
-        let count = |turns: Turns| {
-            let mut runs = 0;
-            let times = in_turn(&mut [()], turns, |()| {
-                runs += 1;
-                std::thread::sleep(Duration::from_millis(1));
-                done(1)
-            });
-            assert_eq!(times.map(|times| times[0].runs.len()), Ok(runs - turns.warmups));
-            runs
-        };
-        let turns = Turns { fewest: 2, ..Turns::of(1, 9) };
-        assert_eq!(count(Turns { all: none, ..turns }), 3);
-        assert_eq!(count(Turns { each: none, ..turns }), 3);
-        assert_eq!(count(turns), 10);
-    }
 
     #[test]
     fn runs_without_a_time_are_left_out_and_shift_no_ratios() {

@@ -22,8 +22,8 @@ mod rational;
 mod verdict;
 
 use glam::DVec3;
-use raystep_kernels::numbers::parallel::map_ranges;
 
+use crate::portions::map_in_portions;
 pub use rational::error_of_t;
 pub use verdict::{Counts, Mistake, Verdict};
 
@@ -32,13 +32,14 @@ const U: f64 = 1.0 / (1u64 << 24) as f64;
 /// Four times f32's smallest normal number: the loss if two products are flushed to 0.
 const UNDERFLOW: f64 = 4.0 * f32::MIN_POSITIVE as f64;
 
-/// What each ray (origin and direction) may hit, computed on all cores.
-#[must_use]
-pub fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates> {
+/// Tests of a core between two rests: some milliseconds in a browser, and much longer than it takes to share them out
+/// among cores.
+const TESTS_A_PORTION: usize = 1 << 19;
+
+/// What each ray (origin and direction) may hit, computed on all cores. Lets other tasks run every few milliseconds.
+pub async fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates> {
     let triangles = BruteForce::new(vertices);
-    let part =
-        |range: std::ops::Range<usize>| range.map(|i| triangles.candidates(rays[i][0], rays[i][1])).collect::<Vec<_>>();
-    map_ranges(rays.len(), 16, part).concat()
+    map_in_portions(rays.len(), triangles.rays_a_portion(), |i| triangles.candidates(rays[i][0], rays[i][1])).await
 }
 
 /// Every triangle in f64: vertices, and a bounding sphere for a fast, conservative rejection.
@@ -202,6 +203,11 @@ impl<'a> BruteForce<'a> {
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.spheres.len()
+    }
+
+    /// Rays that a core tests between two rests.
+    pub(crate) fn rays_a_portion(&self) -> usize {
+        TESTS_A_PORTION / self.triangles().max(1)
     }
 
     /// Tests every triangle.

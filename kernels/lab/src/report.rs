@@ -1,6 +1,7 @@
 //! Error against run time: what each choice costs in time and in wrong rays, as CSV files, plots and a page.
 //!
-//! Blocks while it waits for the device, and reads the host's clock: intended for a command line.
+//! Intended for a command line, which waits for it: most sections block while they wait for the device. An [`answer`]
+//! consists of those that do not, for a window.
 
 mod answer;
 mod choices;
@@ -20,13 +21,14 @@ mod words;
 mod work;
 
 use std::io;
-use std::rc::Rc;
-use std::time::Instant;
+use std::sync::Arc;
 
 use methods::Method;
 use page::{Part, Scene};
 use raystep_kernels::GridSize;
 use record::Record;
+use section::Run;
+use web_time::Instant;
 use work::Work;
 
 use crate::meter::Meter;
@@ -72,7 +74,7 @@ pub struct Wanted {
     /// Rays for the section `choices`, instead of the camera's.
     pub rays: Option<RaysFile>,
     /// The families of stiff scenes, measured if the section is wanted.
-    pub stiff: Rc<Start>,
+    pub stiff: Arc<Start>,
 }
 
 /// The seed unless another one is requested.
@@ -88,11 +90,12 @@ pub struct Report {
     record: Record,
 }
 
-/// Measures all sections for all scenes. A section that fails becomes a note on the page, unless all of them fail.
+/// Measures all sections for all scenes. A section that fails becomes a note on the page, unless all of them fail. Some
+/// sections block this thread.
 ///
 /// # Errors
 /// If the device fails, or no section could be measured.
-pub fn measure(
+pub async fn measure(
     wanted: &Wanted,
     subjects: &[Subject],
     run_id: String,
@@ -124,7 +127,11 @@ pub fn measure(
                 stiff: Some(stiff),
             };
             let before = table.rows.len();
-            let part = match (section.run)(&work, table) {
+            let ran = match section.run {
+                Run::Future(run) => run(&work, table).await,
+                Run::Blocking(run) => run(&work, table),
+            };
+            let part = match ran {
                 Ok(part) => {
                     has_worked = true;
                     part

@@ -2,8 +2,8 @@
 
 use crate::Error;
 
-/// Receives progress and notes of a measurement.
-pub trait Reporter {
+/// Receives progress and notes of a measurement, which may move from thread to thread.
+pub trait Reporter: Sync {
     /// Begins a stage of unknown length.
     fn stage(&self, name: &str);
 

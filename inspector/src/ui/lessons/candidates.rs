@@ -42,7 +42,7 @@ fn job(origin: [f32; 3], direction: [f32; 3]) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let data = context.session.renderer().shared_data();
-            let all = candidates_of(&data.vertices, &[[origin, direction]]).pop().unwrap_or_default().possible;
+            let all = candidates_of(&data.vertices, &[[origin, direction]]).await.pop().unwrap_or_default().possible;
             // Nothing behind a triangle that is surely hit can be the nearest.
             let definite = all.iter().filter(|p| p.is_definite).map(|p| p.t + p.t_bound);
             let by = definite.fold(f64::INFINITY, f64::min);

@@ -1,11 +1,10 @@
 //! The first screen of `raystep report`: which choice is fastest, what it costs, and what it gets wrong.
 
-use std::cell::{Cell, RefCell};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use egui::text::LayoutJob;
 use egui::{Align, Button, Grid, Layout, ScrollArea, TextFormat, TextStyle, Ui};
-use raystep_kernels::GridSize;
+use raystep_kernels::{Device, GridSize};
 use raystep_lab::Hash;
 use raystep_lab::report::Answer;
 use raystep_lab::reporter::Reporter;
@@ -68,39 +67,52 @@ pub(in crate::ui) struct Choices {
 }
 
 /// Passes progress on to the engine, and its wish to stop back.
-struct Teller<'a> {
-    tell: RefCell<&'a mut (dyn FnMut(u64, u64) -> bool + Send)>,
+struct Teller<'a>(Mutex<Told<'a>>);
+
+struct Told<'a> {
+    tell: &'a mut (dyn FnMut(u64, u64) -> bool + Send),
     /// What was last told: runs done, of all.
-    last: Cell<(u64, u64)>,
+    last: (u64, u64),
+}
+
+impl<'a> Teller<'a> {
+    fn told(&self) -> MutexGuard<'_, Told<'a>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Reporter for Teller<'_> {
     fn stage(&self, _name: &str) {
-        self.last.set((0, 0));
+        self.told().last = (0, 0);
     }
 
     fn part(&self, _what: &str, done: u64, of: u64) {
-        self.last.set((done, of));
+        self.told().last = (done, of);
     }
 
     fn note(&self, _text: &str) {}
 
     fn is_cancelled(&self) -> bool {
-        let (done, of) = self.last.get();
-        !self.tell.borrow_mut()(done, of)
+        let mut told = self.told();
+        let (done, of) = told.last;
+        !(told.tell)(done, of)
     }
 }
 
 fn job(of: Of, is_quick: bool) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
-            let JobContext { measure, progress, .. } = context;
-            let measure = measure.ok_or("choices are not measured here: use raystep report")?;
-            let Of { scene, view, size, grid, device } = of.clone();
+            let JobContext { measure, progress, device, .. } = context;
+            let device = match device {
+                Device::CpuF64(clock) => Device::Cpu(clock),
+                device => device,
+            };
+            let Of { scene, view, size, grid, .. } = of.clone();
             let (camera, scene) = (view.camera(&scene), Scene::clone(&scene));
             let subject = Subject { scene, camera, hash: Hash::default(), file: String::new() };
             let measurement = Measurement { subject, size, grid, is_quick, device };
-            let answer = measure(measurement, &Teller { tell: RefCell::new(progress), last: Cell::default() })?;
+            let teller = Teller(Mutex::new(Told { tell: progress, last: (0, 0) }));
+            let answer = measure(measurement, &teller).await?;
             Ok(Box::new((of, answer)) as Box<dyn std::any::Any + Send>)
         })
     })

@@ -74,7 +74,7 @@ impl Machine {
 
     /// See [`Meter::keep_clocks`].
     pub(crate) fn keep_clocks(&self) {
-        self.meter.keep_clocks();
+        self.wait(self.meter.keep_clocks());
     }
 
     pub(crate) fn device(&self) -> &Device {
@@ -118,15 +118,15 @@ impl Machine {
 
     /// Waits until the device is idle, uploads included, so that earlier work is not timed.
     pub(crate) fn settle(&self) {
-        self.meter.machine.settle();
+        self.wait(self.meter.machine.settle());
     }
 
     /// Runs from the start. Gives up after `most`.
     pub(crate) fn run(&self, renderer: &mut Renderer, most: Duration) -> Result<Ended, RenderError> {
-        self.meter.run(renderer, |_, spent| match spent > most {
+        self.wait(self.meter.run(renderer, |_, spent| match spent > most {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
-        })
+        }))
     }
 
     pub(crate) fn about(&self, args: &MeasureArgs) -> About {

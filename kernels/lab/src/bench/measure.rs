@@ -142,7 +142,7 @@ impl<'a> Bench<'a> {
             self.reporter.part("measuring", done, of);
             done += 1;
             fixed_work.push(self.meter.fixed_work_ns());
-            self.meter.run(&mut ready.renderer, |_, _| ControlFlow::Continue(()))
+            self.machine().wait(self.meter.run(&mut ready.renderer, |_, _| ControlFlow::Continue(())))
         })?;
         let first = self.measured.rows.len();
         let mut groups = Vec::new();

@@ -84,7 +84,7 @@ impl<'a> Builder<'a> {
         let (subject, machine) = (group.subject, self.machine());
         stage("counting");
         let counts = match self.extent {
-            Extent::Full => self.machine().counts(&group.subject.scene, options),
+            Extent::Full => self.machine().wait(self.machine().counts(&group.subject.scene, options)),
             _ => None,
         };
         stage("building");
@@ -164,10 +164,10 @@ impl<'a> Builder<'a> {
     ) -> Result<(Details, f64), Error> {
         let start = Instant::now();
         let mut renderer = self.machine().wait(compiling)?;
-        self.machine().settle();
+        self.machine().wait(self.machine().settle());
         let start_s = start.elapsed().as_secs_f64();
         for _ in 0..2 {
-            self.meter.run(&mut renderer, |_, _| ControlFlow::Continue(()))?;
+            self.machine().wait(self.meter.run(&mut renderer, |_, _| ControlFlow::Continue(())))?;
         }
         let shaders = renderer.plan().variants.iter();
         let shaders = shaders.map(|v| (v.kernel.name(), Hash::of(v.source.as_bytes()).to_string())).collect();

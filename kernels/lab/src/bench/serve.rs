@@ -68,7 +68,8 @@ impl<'a> Served<'a> {
     pub fn run(&mut self, place: usize) -> Result<Option<RunRow>, Error> {
         let Some(ready) = self.ready.get_mut(place) else { return Ok(None) };
         let fixed_work_ns = self.meter.fixed_work_ns();
-        match self.meter.run(&mut ready.renderer, |_, _| ControlFlow::Continue(()))? {
+        let running = self.meter.run(&mut ready.renderer, |_, _| ControlFlow::Continue(()));
+        match self.meter.machine.wait(running)? {
             Ended::Done(time) => Ok(Some(run_row(&ready.row, 0, 0, 0, time, fixed_work_ns))),
             Ended::GivenUp => Err(Error::GivenUp),
         }

@@ -1,6 +1,6 @@
 //! The first screen of a report, for a window: the answer in sentences, two diagrams and a small table.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use raystep_kernels::GridSize;
 
@@ -36,11 +36,12 @@ pub struct Answer {
     pub files: Vec<(String, Vec<u8>)>,
 }
 
-/// Measures every choice and rule for a view of a scene.
+/// Measures every choice and rule for a view of a scene. Never blocks, and on the CPU lets other tasks run every few
+/// milliseconds, or after a pass; only building a structure and drawing a diagram are done in one go.
 ///
 /// # Errors
 /// If the device fails, nothing could be measured, or it was cancelled.
-pub fn answer(
+pub async fn answer(
     subject: Subject,
     [width, height]: [u32; 2],
     grid: GridSize,
@@ -62,10 +63,10 @@ pub fn answer(
         has_rays: false,
         methods: Vec::new(),
         rays: None,
-        stiff: Rc::new(Start::new(stiff::Wanted::new(run_id.clone(), true), stiff::Kept::default(), |_, _| Ok(()))),
+        stiff: Arc::new(Start::new(stiff::Wanted::new(run_id.clone(), true), stiff::Kept::default(), |_, _| Ok(()))),
     };
     let adapter = meter.machine.name();
-    let report = measure(&wanted, std::slice::from_ref(&subject), run_id, meter, reporter)?;
+    let report = measure(&wanted, std::slice::from_ref(&subject), run_id, meter, reporter).await?;
     let mut answer = Answer::default();
     for (_, part) in report.scenes.iter().flat_map(|scene| &scene.parts) {
         answer.sentences.extend(part.lead.iter().map(|sentence| spans(sentence)));
@@ -92,20 +93,24 @@ fn files(report: Report) -> Result<Vec<(String, Vec<u8>)>, Error> {
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
+    use std::pin::pin;
+    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::task::{Context, Poll, Wake, Waker};
 
     use raystep_kernels::Device;
     use raystep_scenes::generate;
 
     use super::*;
     use crate::machine::now_ns;
+    use crate::reporter::Silent;
     use crate::{Hash, Machine};
 
     /// Cancels after some stages.
-    struct Patience(Cell<u32>);
+    struct Patience(AtomicU32);
 
     impl Reporter for Patience {
         fn stage(&self, _name: &str) {
-            self.0.set(self.0.get().saturating_sub(1));
+            let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
         }
 
         fn part(&self, _what: &str, _done: u64, _of: u64) {}
@@ -113,15 +118,22 @@ mod tests {
         fn note(&self, _text: &str) {}
 
         fn is_cancelled(&self) -> bool {
-            self.0.get() == 0
+            self.0.load(Ordering::Relaxed) == 0
         }
     }
 
-    fn of_cornell_box(patience: u32) -> Result<Answer, Error> {
+    fn cornell_box() -> Subject {
         let scene = generate::cornell_box();
-        let subject = Subject { camera: scene.cameras[0].clone(), scene, hash: Hash::default(), file: String::new() };
-        let meter = Meter::new(Machine { device: Device::Cpu(Some(now_ns)), reason: String::new() });
-        answer(subject, [32, 32], GridSize::Auto, true, &meter, &Patience(Cell::new(patience)))
+        Subject { camera: scene.cameras[0].clone(), scene, hash: Hash::default(), file: String::new() }
+    }
+
+    fn meter(clock: fn() -> u64) -> Meter {
+        Meter::new(Machine { device: Device::Cpu(Some(clock)), reason: String::new() })
+    }
+
+    fn of_cornell_box(patience: u32) -> Result<Answer, Error> {
+        let (meter, patience) = (meter(now_ns), Patience(AtomicU32::new(patience)));
+        meter.machine.wait(answer(cornell_box(), [32, 32], GridSize::Auto, true, &meter, &patience))
     }
 
     #[test]
@@ -139,6 +151,40 @@ mod tests {
         let names: Vec<&str> = answer.files.iter().map(|(name, _)| name.as_str()).collect();
         let expected = ["cornell-box-choices-precision.svg", "cornell-box-rules-rules.svg", "choices.csv", "rules.csv"];
         assert!(expected.iter().all(|name| names.contains(name)) && names.contains(&"runs.csv"), "{names:?}");
+    }
+
+    /// Counts how often it was woken.
+    #[derive(Default)]
+    struct Woken(AtomicU32);
+
+    impl Wake for Woken {
+        fn wake(self: Arc<Self>) {
+            self.0.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    #[test]
+    fn it_lets_others_run_after_every_pass() {
+        thread_local! { static READINGS: Cell<u32> = const { Cell::new(0) }; }
+        // Read before and after every pass.
+        let clock = || {
+            READINGS.set(READINGS.get() + 1);
+            now_ns()
+        };
+        let (meter, woken) = (meter(clock), Arc::new(Woken::default()));
+        let mut answer = pin!(answer(cornell_box(), [32, 32], GridSize::Auto, true, &meter, &Silent));
+        let mut polls = 0;
+        loop {
+            READINGS.set(0);
+            let state = answer.as_mut().poll(&mut Context::from_waker(&Waker::from(woken.clone())));
+            assert!(READINGS.get() <= 2, "poll {polls} ran {} passes", READINGS.get() / 2);
+            polls += 1;
+            match state {
+                Poll::Ready(answer) => break drop(answer.expect("an answer")),
+                Poll::Pending => assert_eq!(woken.0.load(Ordering::Relaxed), polls, "nobody would poll again"),
+            }
+        }
+        assert!(polls > 1000, "{polls} polls");
     }
 
     #[test]

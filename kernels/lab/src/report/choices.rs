@@ -21,6 +21,7 @@ use super::page::Part;
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
 use crate::html::escaped;
+use crate::portions::Portions;
 use crate::rays::view;
 use crate::statistics::interval;
 use crate::statistics::proportion::at_most;
@@ -96,8 +97,8 @@ const SHOWN_STRATA: &[&str] = &[
 /// Maximum number of tests in a run without an accelerator.
 const MOST_TESTS: u64 = 1 << 28;
 
-/// Most bytes of all choices together: they are timed in turn.
-const MOST_BYTES: u64 = 4 << 30;
+/// Most bytes of all choices together: they are timed in turn. A browser's module has 4 GiB for everything.
+const MOST_BYTES: u64 = if cfg!(target_pointer_width = "32") { 1 << 30 } else { 4 << 30 };
 
 /// Share of wrong rays, per million, up to which a choice is called accurate.
 pub(super) const MOST_WRONG: f64 = 100.0;
@@ -155,7 +156,7 @@ struct Measured {
     judged: Judged,
 }
 
-pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
+pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
     if work.subject.scene.triangles.is_empty() {
         let name = escaped(&work.subject.scene.name);
@@ -172,7 +173,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     for way in ways(work.is_quick) {
         let what = format!("{} {} {}", way.accelerator, way.schedule, way.numerics);
         work.stage(&format!("building {what}"));
-        match build(work, way, &rays, &ready, &mut part) {
+        match build(work, way, &rays, &ready, &mut part).await {
             Ok(Some(built)) => ready.push((way, built)),
             Ok(None) => {}
             Err(error) => {
@@ -187,12 +188,12 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     work.stage("timing choices");
     let names: Vec<String> = ready.iter().map(|(way, _)| way.id(work)).collect();
     let mut renderers: Vec<&mut Renderer> = ready.iter_mut().map(|(_, built)| &mut built.renderer).collect();
-    let times = work.time_in_turn(&names, &mut renderers, work.either(12, 24))?;
+    let times = work.time_in_turn(&names, &mut renderers, work.either(12, 24)).await?;
     work.stage("judging choices");
     let mut judge = Judge::default();
     let mut measured = Vec::new();
     for ((way, built), times) in ready.into_iter().zip(times) {
-        let judged = judge.judge(work, &built.renderer)?;
+        let judged = judge.judge(work, &built.renderer).await?;
         if times.is_given_up {
             part.notes.push(format!("{} {} {}: {}", way.accelerator, way.schedule, way.numerics, judged.given_up()));
         }
@@ -200,7 +201,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         measured.push(Measured { way, built, times, judged });
     }
     let limit = limit(&measured);
-    table.rows.extend(all_rows(work, &rays, &judge, &measured, limit));
+    table.rows.extend(all_rows(work, &rays, &judge, &measured, limit).await);
     let scene = &work.subject.scene.name;
     let own = work.methods.iter().filter(|m| m.scene.is_empty() || m.scene == *scene);
     table.rows.extend(own.map(|method| own_row(work, method, limit)));
@@ -220,7 +221,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
 }
 
 /// Builds a choice, unless it would take too long or too much memory beside those that are already `built`.
-fn build(
+async fn build(
     work: &Work<'_>,
     way: Way,
     rays: &[Ray],
@@ -243,10 +244,11 @@ fn build(
     let before: u64 = built.iter().map(|(_, built)| bytes(built.renderer.plan())).sum();
     if before + bytes(&planned.plan) > MOST_BYTES && !built.is_empty() {
         let [structure, schedule, numerics] = [way.accelerator.name(), way.schedule.name(), way.numerics.name()];
-        note(format!("{structure} {schedule} {numerics}: the choices together would take more than 4 GiB"));
+        let most = MOST_BYTES >> 30;
+        note(format!("{structure} {schedule} {numerics}: the choices together would take more than {most} GiB"));
         return Ok(None);
     }
-    Ok(Some(work.start(&planned, &options)?))
+    Ok(Some(work.start(&planned, &options).await?))
 }
 
 /// The share of wrong rays up to which a choice is called accurate: [`MOST_WRONG`], or what the judged rays can show.
@@ -271,8 +273,11 @@ fn is_halved(measured: &[Measured]) -> bool {
 }
 
 /// The rows, with their comparisons.
-fn all_rows(work: &Work<'_>, rays: &[Ray], judge: &Judge, measured: &[Measured], limit: f64) -> Vec<Row> {
-    let mut rows: Vec<Row> = measured.iter().map(|m| row(work, rays, judge, m, limit)).collect();
+async fn all_rows(work: &Work<'_>, rays: &[Ray], judge: &Judge, measured: &[Measured], limit: f64) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for m in measured {
+        rows.push(row(work, rays, judge, m, limit).await);
+    }
     let is_accurate = |row: &Row| row.get("is_accurate") == "true";
     // With fewer rounds, all of them serve both.
     let has_halves = is_halved(measured);
@@ -284,7 +289,9 @@ fn all_rows(work: &Work<'_>, rays: &[Ray], judge: &Judge, measured: &[Measured],
         let name = measured[fastest].way.id(work);
         let rest = |m: &Measured| m.times.in_rounds(|round| !has_halves || !is_for_choosing(round));
         let to = rest(&measured[fastest]);
+        let mut portions = Portions::new();
         for (i, row) in rows.iter_mut().enumerate() {
+            portions.rest().await;
             *row = rest(&measured[i]).fill_ratio(&to, &name, row.clone(), work.seed()).set("is_fastest", i == fastest);
         }
     }
@@ -334,10 +341,10 @@ fn front(rows: &[Row]) -> Vec<bool> {
     rows.iter().map(is_front).collect()
 }
 
-fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -> Row {
+async fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -> Row {
     let Measured { way, built, times, judged } = m;
     let plan = built.renderer.plan();
-    let sums = work.machine().counts(&work.subject.scene, &way.options(rays));
+    let sums = work.machine().counts(&work.subject.scene, &way.options(rays)).await;
     let per_ray = |sum: u64| (plan.rays > 0).then(|| sum as f64 / plan.rays as f64);
     let row = work
         .row(COLUMNS)
@@ -359,7 +366,7 @@ fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -
     let of_ray = |column: &str| row.number(column).filter(|_| plan.rays > 0).map(|ns| ns / plan.rays as f64);
     let (ns, low, high) = (of_ray("median_ns"), of_ray("low_ns"), of_ray("high_ns"));
     let is_accurate = judged.at_bound == 0 && is_within_limit(&row);
-    let witness = judge.witness(judged, &built.renderer, WITNESSED);
+    let witness = judge.witness(judged, &built.renderer, WITNESSED).await;
     row.set("ns_per_ray", ns)
         .set("ns_per_ray_low", low)
         .set("ns_per_ray_high", high)

@@ -120,7 +120,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     work.stage("grid resolution");
     let mut built: Vec<(Way, Built)> = Vec::new();
     for way in ways(work, &mut part)? {
-        match work.build(&way.options) {
+        match work.wait(work.build(&way.options)) {
             Ok(ready) => built.push((way, ready)),
             Err(error) => {
                 work.can_go_on()?;
@@ -133,7 +133,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut renderers: Vec<_> = built.iter_mut().map(|(_, b)| &mut b.renderer).collect();
     // Half of the rounds select a resolution; the others, enough for an interval, estimate it.
     let fewest = work.either(interval::FEWEST, 2 * interval::FEWEST);
-    let times = work.time_rounds(&names, &mut renderers, fewest, work.either(fewest, 24))?;
+    let times = work.wait(work.time_rounds(&names, &mut renderers, fewest, work.either(fewest, 24)))?;
     let automatic = built.iter().position(|(way, _)| way.is_automatic());
     let none = built.iter().position(|(way, _)| way.options.accelerator == Accelerator::None);
     let selected = automatic.and_then(|automatic| select(&built, &times, automatic));
@@ -143,7 +143,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     for (i, ((way, ready), times_of)) in built.iter().zip(&times).enumerate() {
         // Without an accelerator there may be fewer rays, and then the correct hits differ, too.
         let judge = &mut judges[usize::from(way.options.accelerator == Accelerator::None)];
-        let judged = judge.judge(work, &ready.renderer)?;
+        let judged = work.wait(judge.judge(work, &ready.renderer))?;
         judge.record(work, &ready.renderer, &judged, &work.configuration(&[&way.id()]), |_| "pixels");
         if times_of.is_given_up {
             part.notes.push(format!("{}: {}", way.name(), judged.given_up()));

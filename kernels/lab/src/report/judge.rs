@@ -12,9 +12,13 @@ use super::record::RAY_COLUMNS;
 use super::work::Work;
 use crate::Error;
 use crate::judge::{self, Cracks, Traced, sample};
+use crate::portions::Portions;
 use crate::reference::{Counts, Possible, Verdict, error_of_t};
 use crate::tidy::Row;
 use crate::tidy::fill::{Drawn, verdicts};
+
+/// Rays with a verdict between two looks at the clock.
+const RAYS_A_LOOK: usize = 64;
 
 /// The correct hits, computed for the first run and kept for later runs.
 #[derive(Default)]
@@ -65,15 +69,20 @@ impl Judge {
         (tests / work.subject.scene.triangles.len().max(1)).max(64)
     }
 
-    /// Judges a run that is over, or as far as it got.
-    pub(super) fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
+    /// Judges a run that is over, or as far as it got. Like [`witness`](Self::witness), lets other tasks run every few
+    /// milliseconds.
+    pub(super) async fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
         work.is_wanted()?;
-        let traced = work.machine().wait(Traced::read(renderer))?;
-        self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), work.seed()));
+        let traced = Traced::read(renderer).await?;
+        self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), work.seed())).await;
         let walking = (0..traced.rays()).filter(|&ray| !traced.is_decided(ray)).count() as u64;
         let mut judged = Judged { at_bound: renderer.unfinished().max(walking), ..Judged::default() };
         let verdicts = self.0.of(&traced, Cracks::Missed);
+        let mut portions = Portions::new();
         for (place, &ray) in self.sample().iter().enumerate() {
+            if place % RAYS_A_LOOK == 0 {
+                portions.rest().await;
+            }
             if !traced.is_decided(ray) {
                 judged.verdicts.push(None);
                 judged.found.push(None);
@@ -133,12 +142,14 @@ impl Judge {
     }
 
     /// Compares t of some correct hits with rational arithmetic.
-    pub(super) fn witness(&self, judged: &Judged, renderer: &Renderer, most: usize) -> Witness {
+    pub(super) async fn witness(&self, judged: &Judged, renderer: &Renderer, most: usize) -> Witness {
         let vertices = &renderer.data().vertices;
         let every = judged.right.len().div_ceil(most.max(1)).max(1);
         let mut witness = Witness::default();
         let largest = |old: &mut Option<f64>, new: f64| *old = Some(old.map_or(new, |old| old.max(new)));
+        let mut portions = Portions::new();
         for right in judged.right.iter().step_by(every) {
+            portions.rest().await;
             let [origin, direction] = self.0.ray(right.place);
             let first = 9 * right.exact.triangle as usize;
             let corners = [0, 3, 6].map(|c| [0, 1, 2].map(|axis| vertices[first + c + axis]));
@@ -220,11 +231,11 @@ mod tests {
         let work =
             Work { subject, meter, size, grid, is_quick, seeds, reporter, section, record, methods, rays, stiff };
         let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
-        let mut renderer = work.build(&options).expect("a plan").renderer;
+        let mut renderer = work.wait(work.build(&options)).expect("a plan").renderer;
         let mut judge = Judge::default();
         let mut judge_after = |passes: usize| {
-            work.machine().wait(renderer.run_to(passes, |_| ControlFlow::Continue(()))).expect("passes");
-            judge.judge(&work, &renderer).expect("streams")
+            work.wait(renderer.run_to(passes, |_| ControlFlow::Continue(()))).expect("passes");
+            work.wait(judge.judge(&work, &renderer)).expect("streams")
         };
         let halfway = (1..).map(|k| judge_after(4 * k)).find(|judged| judged.at_bound < 256).expect("a decided ray");
         assert!((1..256).contains(&halfway.at_bound), "{}", halfway.at_bound);

@@ -144,8 +144,8 @@ impl Here {
         let scene = &work.subject.scene;
         let rays = aimed(scene, Aim::Anywhere, count, work.seed());
         let options = Options { shade: false, ..Options::new(RaySource::Given(rays.clone())) };
-        let mut renderer = work.build(&options)?.renderer;
-        work.machine().wait(renderer.run(|_| ControlFlow::Continue(())))?;
+        let mut renderer = work.wait(work.build(&options))?.renderer;
+        work.wait(renderer.run(|_| ControlFlow::Continue(())))?;
         // All of them: there are few enough to judge.
         let traced: Vec<_> = rays
             .iter()
@@ -154,7 +154,8 @@ impl Here {
                 [ray.origin, ray.direction]
             })
             .collect();
-        let candidates = crate::reference::candidates_of(&renderer.data().vertices, &traced);
+        let judging = crate::reference::candidates_of(&renderer.data().vertices, &traced);
+        let candidates = work.wait(judging);
         let exact = candidates.iter().enumerate().map(|(i, c)| c.exact.map(|(k, t)| (k, t * renderer.t_scale(i))));
         Ok(Self { extent: extent(scene), exact: exact.collect(), rays })
     }
@@ -236,16 +237,16 @@ fn one(
     let mut rows = Vec::new();
     for numerics in [Numerics::Robust, Numerics::Paper] {
         let options = Options { numerics, shade: false, ..Options::new(RaySource::Given(rays.clone())) };
-        let mut renderer = work.build(&options)?.renderer;
-        if work.run(&mut renderer)? == Ended::GivenUp {
+        let mut renderer = work.wait(work.build(&options))?.renderer;
+        if work.wait(work.run(&mut renderer))? == Ended::GivenUp {
             part.notes.push(format!("{place}, {numerics}: stopped: too slow, or endless"));
             continue;
         }
-        let judged = judge.judge(&work, &renderer)?;
+        let judged = work.wait(judge.judge(&work, &renderer))?;
         let aim_of =
             |ray: usize| STRATA[ends[1..].iter().filter(|&&end| ray >= end).count().min(STRATA.len() - 1)].name();
         judge.record(&work, &renderer, &judged, &work.configuration(&[&place.id(), numerics.name()]), aim_of);
-        let hits = work.machine().wait(renderer.hits())?;
+        let hits = work.wait(renderer.hits())?;
         for (aim, ends) in STRATA.into_iter().zip(ends.windows(2)) {
             let of = ends[0]..ends[1];
             let counts = judged.counts_of(&judge, |ray| of.contains(&ray));

@@ -1,6 +1,6 @@
 //! What the sections of a report share beyond their own rows: every timed run, and on request every judged ray.
 
-use std::cell::RefCell;
+use std::sync::{Mutex, PoisonError};
 
 use crate::Hash;
 use crate::tidy::{KEYS, Row, Table, count, joined};
@@ -40,14 +40,18 @@ pub(super) struct Record {
     pub(super) run_id: String,
     /// Seed of rays, orders and bootstraps.
     pub(super) seed: u32,
-    runs: RefCell<Table>,
-    rays: Option<RefCell<Table>>,
+    runs: Mutex<Table>,
+    rays: Option<Mutex<Table>>,
+}
+
+fn add(table: &Mutex<Table>, rows: impl IntoIterator<Item = Row>) {
+    table.lock().unwrap_or_else(PoisonError::into_inner).rows.extend(rows);
 }
 
 impl Record {
     pub(super) fn new(run_id: String, seed: u32, has_rays: bool) -> Self {
-        let rays = has_rays.then(|| RefCell::new(Table::new(RAY_COLUMNS)));
-        Self { run_id, seed, runs: RefCell::new(Table::new(RUN_COLUMNS)), rays }
+        let rays = has_rays.then(|| Mutex::new(Table::new(RAY_COLUMNS)));
+        Self { run_id, seed, runs: Mutex::new(Table::new(RUN_COLUMNS)), rays }
     }
 
     /// An empty row with the columns that identify report, scene and adapter.
@@ -58,7 +62,7 @@ impl Record {
 
     /// Adds timed runs.
     pub(super) fn add_runs(&self, rows: impl IntoIterator<Item = Row>) {
-        self.runs.borrow_mut().rows.extend(rows);
+        add(&self.runs, rows);
     }
 
     /// Whether single rays are recorded.
@@ -69,13 +73,14 @@ impl Record {
     /// Adds judged rays, if they are recorded.
     pub(super) fn add_rays(&self, rows: impl IntoIterator<Item = Row>) {
         if let Some(rays) = &self.rays {
-            rays.borrow_mut().rows.extend(rows);
+            add(rays, rows);
         }
     }
 
     /// The files, with what their rows are.
     pub(super) fn into_tables(self) -> Vec<(&'static str, &'static str, Table)> {
-        let rays = self.rays.map(|rays| (RAYS, "a ray judged in one configuration", rays.into_inner()));
-        [(RUNS, "a timed run", self.runs.into_inner())].into_iter().chain(rays).collect()
+        let of = |table: Mutex<Table>| table.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let rays = self.rays.map(|rays| (RAYS, "a ray judged in one configuration", of(rays)));
+        [(RUNS, "a timed run", of(self.runs))].into_iter().chain(rays).collect()
     }
 }

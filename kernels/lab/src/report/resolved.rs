@@ -157,7 +157,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         Accelerator::None => Options { steps_per_pass: TESTS_PER_PASS, ..options },
         _ => options,
     };
-    let mut timed = work.build(&options)?.renderer;
+    let mut timed = work.wait(work.build(&options))?.renderer;
     if misses_all(&work.subject.scene, &options, timed.plan()) {
         part.notes.push(ALL_MISS.into());
     }
@@ -168,7 +168,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         part.notes.push(format!("{accelerator} {schedule} {numerics}: some passes have no valid time"));
     }
     let read = read_back(work, &mut timed, &passes, judge)?;
-    let judged = judge.judge(work, &timed)?;
+    let judged = work.wait(judge.judge(work, &timed))?;
     let last = read.len().saturating_sub(1);
     let row = |(i, r): (usize, &ReadBack)| {
         let resolved = judged.verdicts.iter().zip(&r.is_resolved).filter(|(_, is)| **is);
@@ -205,7 +205,7 @@ fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed
     let mut runs: Vec<Timed> = Vec::new();
     // The first run warms up.
     for run in 0..4 {
-        if work.run(renderer)? == Ended::GivenUp {
+        if work.wait(work.run(renderer))? == Ended::GivenUp {
             return Ok(None);
         }
         let ends = if has_clock { ends_of(renderer.passes()) } else { by_wall_clock(work, renderer)? };
@@ -235,10 +235,10 @@ fn ends_of(passes: &[Pass]) -> Vec<Option<f64>> {
 /// The same for devices without a reliable clock: waits for each pass.
 fn by_wall_clock(work: &Work<'_>, renderer: &mut Renderer) -> Result<Vec<Option<f64>>, Error> {
     renderer.restart();
-    work.machine().settle();
+    work.wait(work.machine().settle());
     let mut ends = Vec::new();
     let begin = Instant::now();
-    while work.machine().wait(renderer.step())?.is_some() {
+    while work.wait(renderer.step())?.is_some() {
         ends.push(Some(begin.elapsed().as_nanos() as f64));
     }
     Ok(ends)
@@ -259,7 +259,7 @@ fn read_back(
     judge: &mut Judge,
 ) -> Result<Vec<ReadBack>, Error> {
     // Judging chooses the sample; it needs the streams of a finished run.
-    judge.judge(work, renderer)?;
+    work.wait(judge.judge(work, renderer))?;
     let mut read: Vec<ReadBack> = Vec::new();
     let mut before = 0;
     renderer.restart();
@@ -270,9 +270,9 @@ fn read_back(
             continue;
         }
         work.reporter.part("reading back", index as u64, passes.len() as u64);
-        work.machine().wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
+        work.wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
         if now != before || is_last {
-            let tags = work.machine().wait(renderer.values(renderer.results()?.t.stream))?;
+            let tags = work.wait(renderer.values(renderer.results()?.t.stream))?;
             let is_done = |&ray: &usize| renderer.plan().program.states.is_decided(tags.get(STATE_TAG, ray));
             read.push(ReadBack { pass: index, is_resolved: judge.sample().iter().map(is_done).collect() });
         }

@@ -16,6 +16,7 @@ use super::judge::{Judge, Judged};
 use super::page::Part;
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
+use crate::portions::Portions;
 use crate::rays::{Aim, Planes, aimed};
 use crate::statistics::proportion::{holm, mcnemar};
 use crate::tidy::fill::{Drawn, verdicts};
@@ -145,7 +146,7 @@ struct Measured {
     judged: Judged,
 }
 
-pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
+pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
     if work.subject.scene.triangles.is_empty() {
         part.notes.push("the scene has no triangle to aim at".into());
@@ -156,7 +157,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut ready: Vec<(Way, Built)> = Vec::new();
     for way in ways(work, &strata.rays) {
         work.stage(&format!("rules: building {}", way.id(work)));
-        match work.build(&way.options) {
+        match work.build(&way.options).await {
             Ok(built) => ready.push((way, built)),
             Err(error) => {
                 work.can_go_on()?;
@@ -167,19 +168,21 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     work.stage("rules: timing");
     let names: Vec<String> = ready.iter().map(|(way, _)| way.id(work)).collect();
     let mut renderers: Vec<_> = ready.iter_mut().map(|(_, built)| &mut built.renderer).collect();
-    let times = work.time_in_turn(&names, &mut renderers, work.either(8, 20))?;
+    let times = work.time_in_turn(&names, &mut renderers, work.either(8, 20)).await?;
     work.stage("rules: judging");
     let mut judge = Judge::default();
     let mut measured = Vec::new();
     for ((way, built), times) in ready.into_iter().zip(times) {
-        let judged = judge.judge(work, &built.renderer)?;
+        let judged = judge.judge(work, &built.renderer).await?;
         if times.is_given_up {
             part.notes.push(format!("{}: {}", way.id(work), judged.given_up()));
         }
         judge.record(work, &built.renderer, &judged, &way.id(work), |ray| strata.of(ray));
         measured.push(Measured { way, built, times, judged });
     }
+    let mut portions = Portions::new();
     for m in &measured {
+        portions.rest().await;
         let robust = measured.iter().find(|r| {
             r.way.accelerator == m.way.accelerator && r.way.numerics == Numerics::Robust && r.way.rule.is_none()
         });

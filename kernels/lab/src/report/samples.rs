@@ -178,11 +178,11 @@ fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Refere
     let first = work.seed().wrapping_add(work.seeds);
     for seed in [first, first.wrapping_add(1)] {
         let samples = Samples { count: each, sampler: Sampler::Sobol, seed };
-        let mut renderer = work.build(&options(work, samples))?.renderer;
+        let mut renderer = work.wait(work.build(&options(work, samples)))?.renderer;
         if !run_to(work, &mut renderer, each, begin)? {
             return Ok(None);
         }
-        halves.push(work.machine().wait(renderer.image())?);
+        halves.push(work.wait(renderer.image())?);
     }
     let (Some(mut image), Some(other)) = (halves.pop(), halves.pop()) else { return Ok(None) };
     let is_edge = edges(work)?;
@@ -196,9 +196,9 @@ fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Refere
 /// Pixels where a neighbour's centre hits another triangle.
 fn edges(work: &Work<'_>) -> Result<Vec<bool>, Error> {
     let options = Options { shade: false, ..Options::new(rays(work)) };
-    let mut renderer = work.build(&options)?.renderer;
-    work.machine().wait(renderer.run(|_| ControlFlow::Continue(())))?;
-    let hits = work.machine().wait(renderer.hits())?;
+    let mut renderer = work.wait(work.build(&options))?.renderer;
+    work.wait(renderer.run(|_| ControlFlow::Continue(())))?;
+    let hits = work.wait(renderer.hits())?;
     let (width, height) = (renderer.plan().width as usize, renderer.plan().height as usize);
     let seen: Vec<Option<u32>> = hits.iter().map(|hit| hit.map(|h| h.triangle)).collect();
     Ok(edges_of(&seen, width, height))
@@ -241,7 +241,7 @@ impl Images<'_> {
         data.sampling.seed = seed;
         let (plan, data, device) = (planned.plan(), Arc::new(data), &work.machine().device);
         let options = options(work, samples);
-        let mut renderer = work.machine().wait(Renderer::from_plan(plan, data, &options, device))?;
+        let mut renderer = work.wait(Renderer::from_plan(plan, data, &options, device))?;
         let mut rows = Vec::new();
         // Not from 1: one of several samples is anywhere in its pixel, whereas an image with a single sample uses the
         // pixel's centre.
@@ -250,7 +250,7 @@ impl Images<'_> {
             if !run_to(work, &mut renderer, count, *begin)? {
                 return Ok(None);
             }
-            let image = work.machine().wait(renderer.image())?;
+            let image = work.wait(renderer.image())?;
             for (of, own) in Of::BOTH.into_iter().zip(reference.error) {
                 let is_edge = (of == Of::Edges).then_some(reference.is_edge.as_slice());
                 let pixels = is_edge.map_or(image.pixels.len(), |is| is.iter().filter(|is| **is).count());
@@ -274,12 +274,13 @@ fn timed(work: &Work<'_>, part: &mut Part) -> Result<Vec<Row>, Error> {
     work.stage("samples: their time");
     let mut built = Vec::new();
     for &sampler in Sampler::ALL {
-        built.push(work.build(&options(work, Samples { count: TIMED, sampler, seed: work.seed() }))?.renderer);
+        let samples = Samples { count: TIMED, sampler, seed: work.seed() };
+        built.push(work.wait(work.build(&options(work, samples)))?.renderer);
     }
     let names: Vec<_> = Sampler::ALL.iter().map(|s| work.configuration(&[s.name(), "time"])).collect();
     let rays = built.iter().map(|renderer| renderer.plan().rays * u64::from(TIMED)).collect::<Vec<_>>();
     let mut renderers: Vec<_> = built.iter_mut().collect();
-    let times = work.time_in_turn(&names, &mut renderers, work.either(6, 20))?;
+    let times = work.wait(work.time_in_turn(&names, &mut renderers, work.either(6, 20)))?;
     let (mut rows, mut first) = (Vec::new(), None);
     for (i, (sampler, times)) in Sampler::ALL.iter().zip(&times).enumerate() {
         if times.is_given_up {

@@ -1,5 +1,7 @@
 //! The table of a report's sections, in page order.
 
+use std::pin::Pin;
+
 use super::page::Part;
 use super::work::Work;
 use super::{choices, grid, left_out, moved, resolved, rules, samples, stiff};
@@ -28,8 +30,20 @@ pub struct Section {
     /// The CSV's columns.
     pub columns: &'static [&'static str],
     /// Measures a scene: adds rows, and returns the text of the page.
-    pub(super) run: fn(&Work<'_>, &mut Table) -> Result<Part, Error>,
+    pub(super) run: Run,
 }
+
+/// Measures a section.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Run {
+    /// Never blocks: waits in a future, and lets other tasks run every few milliseconds.
+    Future(for<'a> fn(&'a Work<'a>, &'a mut Table) -> Running<'a>),
+    /// Blocks its thread while it waits for the device.
+    Blocking(fn(&Work<'_>, &mut Table) -> Result<Part, Error>),
+}
+
+/// The future of a section.
+pub(super) type Running<'a> = Pin<Box<dyn Future<Output = Result<Part, Error>> + Send + 'a>>;
 
 /// All sections.
 pub const SECTIONS: &[Section] = &[
@@ -45,7 +59,7 @@ pub const SECTIONS: &[Section] = &[
         row: "a choice",
         seconds: 30.0,
         columns: choices::COLUMNS,
-        run: choices::run,
+        run: Run::Future(|work, table| Box::pin(choices::run(work, table))),
     },
     Section {
         name: "rules",
@@ -62,7 +76,7 @@ pub const SECTIONS: &[Section] = &[
         row: "a set of rules, for all rays or a stratum",
         seconds: 20.0,
         columns: rules::COLUMNS,
-        run: rules::run,
+        run: Run::Future(|work, table| Box::pin(rules::run(work, table))),
     },
     Section {
         name: "resolved",
@@ -75,7 +89,7 @@ pub const SECTIONS: &[Section] = &[
         row: "a pass of a configuration",
         seconds: 8.0,
         columns: resolved::COLUMNS,
-        run: resolved::run,
+        run: Run::Blocking(resolved::run),
     },
     Section {
         name: "moved",
@@ -88,7 +102,7 @@ pub const SECTIONS: &[Section] = &[
         row: "a place, a set of rules and a stratum of rays",
         seconds: 6.0,
         columns: moved::COLUMNS,
-        run: moved::moved,
+        run: Run::Blocking(moved::moved),
     },
     Section {
         name: "scaled",
@@ -101,7 +115,7 @@ pub const SECTIONS: &[Section] = &[
         row: "a scale, a set of rules and a stratum of rays",
         seconds: 8.0,
         columns: moved::SCALED_COLUMNS,
-        run: moved::scaled,
+        run: Run::Blocking(moved::scaled),
     },
     Section {
         name: "grid",
@@ -114,7 +128,7 @@ pub const SECTIONS: &[Section] = &[
         row: "a structure or resolution",
         seconds: 12.0,
         columns: grid::COLUMNS,
-        run: grid::run,
+        run: Run::Blocking(grid::run),
     },
     Section {
         name: "samples",
@@ -127,7 +141,7 @@ pub const SECTIONS: &[Section] = &[
         row: "a number of samples of a seed, or what quantity says",
         seconds: 20.0,
         columns: samples::COLUMNS,
-        run: samples::run,
+        run: Run::Blocking(samples::run),
     },
     Section {
         name: "left-out",
@@ -140,7 +154,7 @@ pub const SECTIONS: &[Section] = &[
         row: "an item, with an accelerator and a schedule",
         seconds: 25.0,
         columns: left_out::COLUMNS,
-        run: left_out::run,
+        run: Run::Blocking(left_out::run),
     },
     Section {
         name: "stiff",
@@ -153,6 +167,6 @@ pub const SECTIONS: &[Section] = &[
         row: "a structure with or without a rule, at a point of a family or in the scene",
         seconds: 900.0,
         columns: stiff::COLUMNS,
-        run: stiff::run,
+        run: Run::Blocking(stiff::run),
     },
 ];

@@ -2,16 +2,17 @@
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use raystep_kernels::export::csv::Timer;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer};
+use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer, let_others_run};
+use web_time::Instant;
 
 use super::methods::Method;
 use super::record::{RUN_COLUMNS, Record};
-use crate::meter::{Ended, Meter, Time, Turns, in_turn};
+use crate::meter::{Ended, Meter, Rounds, Time, Turns};
 use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
 use crate::statistics::interval::{self, Interval};
@@ -80,7 +81,8 @@ pub(super) struct Built {
     pub(super) renderer: Renderer,
     /// Seconds for planning: mostly for building the structure.
     pub(super) build_s: f64,
-    /// Seconds for allocating, uploading and compiling.
+    /// Seconds for allocating, uploading and compiling, by the host's clock: where a thread has other tasks, what they
+    /// did meanwhile is included.
     pub(super) start_s: f64,
 }
 
@@ -181,6 +183,11 @@ impl Work<'_> {
         if accelerator == Accelerator::Grid { self.grid } else { GridSize::Auto }
     }
 
+    /// Waits for a future of this machine: for sections that block.
+    pub(super) fn wait<T>(&self, future: impl Future<Output = T>) -> T {
+        self.machine().wait(future)
+    }
+
     /// Chooses between the quick and the normal amount.
     pub(super) fn either<T>(&self, quick: T, normal: T) -> T {
         if self.is_quick { quick } else { normal }
@@ -216,21 +223,22 @@ impl Work<'_> {
 
     /// Allocates, uploads and compiles anew; the driver may cache what it compiles. On a GPU, the caller chooses
     /// whether to time whole runs or passes; on the CPU the total is the sum of the passes.
-    pub(super) fn start(&self, planned: &Planned, options: &Options) -> Result<Built, Error> {
+    pub(super) async fn start(&self, planned: &Planned, options: &Options) -> Result<Built, Error> {
+        // Planning was done in one go.
+        let_others_run().await;
         let mut options = options.clone();
         options.timings |= self.machine().gpu().is_none();
         self.machine().forget_kernels();
         let begin = Instant::now();
         let Planned { plan, data, build_s } = planned;
-        let starting = Renderer::from_plan(plan.clone(), data.clone(), &options, &self.machine().device);
-        let renderer = self.machine().wait(starting)?;
-        self.machine().settle();
+        let renderer = Renderer::from_plan(plan.clone(), data.clone(), &options, &self.machine().device).await?;
+        self.machine().settle().await;
         Ok(Built { renderer, build_s: *build_s, start_s: begin.elapsed().as_secs_f64() })
     }
 
     /// Plans and starts.
-    pub(super) fn build(&self, options: &Options) -> Result<Built, Error> {
-        self.start(&self.plan(options)?, options)
+    pub(super) async fn build(&self, options: &Options) -> Result<Built, Error> {
+        self.start(&self.plan(options)?, options).await
     }
 
     /// The text of an error in a note.
@@ -250,7 +258,7 @@ impl Work<'_> {
     }
 
     /// Runs to the end, or until a limit is reached.
-    pub(super) fn run(&self, renderer: &mut Renderer) -> Result<Ended, Error> {
+    pub(super) async fn run(&self, renderer: &mut Renderer) -> Result<Ended, Error> {
         let is_over = |progress: &Progress, spent: Duration| {
             spent > LONGEST_RUN || progress.passes >= MOST_PASSES || self.reporter.is_cancelled()
         };
@@ -258,7 +266,7 @@ impl Work<'_> {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        let ended = self.meter.run(renderer, watch)?;
+        let ended = self.meter.run(renderer, watch).await?;
         self.is_wanted()?;
         Ok(ended)
     }
@@ -273,17 +281,17 @@ impl Work<'_> {
 
     /// Interleaves as many runs as there is time for, and records them under the names of their configurations. A
     /// stopped one has no times.
-    pub(super) fn time_in_turn(
+    pub(super) async fn time_in_turn(
         &self,
         names: &[String],
         renderers: &mut [&mut Renderer],
         repeats: usize,
     ) -> Result<Vec<Times>, Error> {
-        self.time_rounds(names, renderers, interval::FEWEST.min(repeats), repeats)
+        self.time_rounds(names, renderers, interval::FEWEST.min(repeats), repeats).await
     }
 
     /// The same with a minimum number of rounds, however long they take.
-    pub(super) fn time_rounds(
+    pub(super) async fn time_rounds(
         &self,
         names: &[String],
         renderers: &mut [&mut Renderer],
@@ -293,14 +301,15 @@ impl Work<'_> {
         let all = Some(REPEATS_TAKE * renderers.len() as u32);
         let turns = Turns { all, fewest, seed: u64::from(self.seed()), ..Turns::of(1, repeats) };
         let of = ((1 + repeats) * renderers.len()) as u64;
+        let mut rounds = Rounds::new(renderers.len(), turns);
         let mut done = 0;
-        let times = in_turn(renderers, turns, |renderer| {
+        while let Some(subject) = rounds.next_subject() {
             self.reporter.part("timing", done, of);
             done += 1;
-            self.run(renderer)
-        })?;
+            rounds.ended(self.run(renderers[subject]).await?);
+        }
         let mut all = Vec::new();
-        for (name, times) in names.iter().zip(times) {
+        for (name, times) in names.iter().zip(rounds.into_times()) {
             if times.is_given_up {
                 all.push(Times { runs: Vec::new(), is_given_up: true });
                 continue;

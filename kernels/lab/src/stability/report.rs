@@ -1,6 +1,6 @@
 //! All cases in all configurations, with their results.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use raystep_kernels::{Accelerator, Numerics, RaySource, ScheduleKind};
 
@@ -31,7 +31,7 @@ pub struct Wanted {
     /// Whether to compare pipelines, too.
     pub pipelines: bool,
     /// The cost of stiff scenes, if wanted, on the first device.
-    pub cost: Option<Rc<Start>>,
+    pub cost: Option<Arc<Start>>,
     /// Identifies this invocation, in all files.
     pub run_id: String,
 }
@@ -247,7 +247,7 @@ mod tests {
             accelerators: vec![Accelerator::Grid],
             is_quick: true,
             pipelines: true,
-            cost: Some(Rc::new(Start::new(stiff, Kept::default(), |_, _| Ok(())))),
+            cost: Some(Arc::new(Start::new(stiff, Kept::default(), |_, _| Ok(())))),
             run_id: "1-2".into(),
         };
         let places = [(Place { device: "cpu_f32", adapter: "cpu".into() }, machine)];

@@ -63,7 +63,7 @@ impl Score {
     /// If the device fails.
     pub async fn of(judge: &mut Judge, truth: Truth, renderer: &Renderer) -> Result<Self, RenderError> {
         let traced = Traced::read(renderer).await?;
-        judge.prepare(&traced, (0..traced.rays()).collect());
+        judge.prepare(&traced, (0..traced.rays()).collect()).await;
         let mut score = Self { non_finite: non_finite(renderer, traced.rays()).await?, ..Self::default() };
         score.undecidable = judge.candidates().iter().filter(|c| c.is_open()).count() as u64;
         // For a closed surface, [`Truth`] itself says that every ray hits it.

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use raystep_kernels::plan::structure_bytes;
-use raystep_kernels::{Accelerator, GridSize, Options, RaySource, Renderer, Rule};
+use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer, Rule};
 use raystep_scenes::Scene;
 
 use super::number::Predicted;
@@ -121,14 +121,15 @@ impl Work<'_> {
     fn run(&self, renderer: &mut Renderer) -> Result<(Ended, Duration), Error> {
         let longest = self.wanted.longest_run;
         let mut so_far = Duration::ZERO;
-        let ended = self.meter.run(renderer, |progress, spent| {
+        let watch = |progress: &Progress, spent| {
             so_far = spent;
             let is_over = progress.rays_decided == progress.rays;
             match !is_over && (spent > longest || progress.passes >= MOST_PASSES) {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             }
-        })?;
+        };
+        let ended = self.meter.machine.wait(self.meter.run(renderer, watch))?;
         Ok((ended, so_far))
     }
 
@@ -230,7 +231,7 @@ impl Work<'_> {
 
     fn judge(&self, one: &Ready, judge: &mut Judge) -> Result<Verdicts, Error> {
         let traced = self.meter.machine.wait(Traced::read(&one.renderer))?;
-        judge.prepare(&traced, (0..traced.rays()).collect());
+        self.meter.machine.wait(judge.prepare(&traced, (0..traced.rays()).collect()));
         let mut verdicts = Verdicts::default();
         let verdict_of = judge.of(&traced, Cracks::Missed);
         for ray in 0..traced.rays() {

@@ -1,8 +1,8 @@
 //! A measurement that is made once, when it is first needed.
 
-use std::cell::RefCell;
 use std::fmt;
 use std::io;
+use std::sync::{Mutex, PoisonError};
 
 use raystep_scenes::Scene;
 
@@ -11,14 +11,18 @@ use crate::Error;
 use crate::meter::Meter;
 use crate::reporter::Reporter;
 
-type Append = Box<dyn FnMut(&'static str, &[u8]) -> io::Result<()>>;
+type Append = Box<dyn FnMut(&'static str, &[u8]) -> io::Result<()> + Send>;
 
 /// What to measure, what is finished, and where finished rows go.
 pub struct Start {
     wanted: Wanted,
-    kept: RefCell<Kept>,
-    append: RefCell<Append>,
-    cost: RefCell<Option<Cost>>,
+    state: Mutex<State>,
+}
+
+struct State {
+    kept: Kept,
+    append: Append,
+    cost: Option<Cost>,
 }
 
 impl fmt::Debug for Start {
@@ -32,9 +36,9 @@ impl Start {
     pub fn new(
         wanted: Wanted,
         kept: Kept,
-        append: impl FnMut(&'static str, &[u8]) -> io::Result<()> + 'static,
+        append: impl FnMut(&'static str, &[u8]) -> io::Result<()> + Send + 'static,
     ) -> Self {
-        Self { wanted, kept: RefCell::new(kept), append: RefCell::new(Box::new(append)), cost: RefCell::new(None) }
+        Self { wanted, state: Mutex::new(State { kept, append: Box::new(append), cost: None }) }
     }
 
     /// The families, measured at the first call.
@@ -42,12 +46,12 @@ impl Start {
     /// # Errors
     /// If the device fails, or finished rows cannot be kept.
     pub fn cost(&self, meter: &Meter, reporter: &dyn Reporter) -> Result<Cost, Error> {
-        let mut cost = self.cost.borrow_mut();
-        if let Some(cost) = &*cost {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let State { kept, append, cost } = &mut *state;
+        if let Some(cost) = cost {
             return Ok(cost.clone());
         }
-        let kept = self.kept.take();
-        let measured = measure(&self.wanted, kept, meter, reporter, &mut **self.append.borrow_mut())?;
+        let measured = measure(&self.wanted, std::mem::take(kept), meter, reporter, &mut **append)?;
         Ok(cost.insert(measured).clone())
     }
 

@@ -256,7 +256,7 @@ fn measure(work: &Work<'_>, all: &mut [Started<'_>], time: Duration) -> Result<V
         done += 1;
         // The memory of the old one is free before the new one takes its own.
         one.last = None;
-        let built = work.start(one.planned, one.options)?;
+        let built = work.wait(work.start(one.planned, one.options))?;
         one.last = Some(built.renderer);
         Ok(Ended::Done(Time { wall_ns: (built.start_s * 1e9) as u64, device_ns: None }))
     })?;
@@ -267,16 +267,16 @@ fn measure(work: &Work<'_>, all: &mut [Started<'_>], time: Duration) -> Result<V
     let mut renderers: Vec<&mut Renderer> = all.iter_mut().filter_map(|one| one.last.as_mut()).collect();
     let Some(first) = renderers.first_mut() else { return Err(Error::NothingBuilt) };
     let begin = Instant::now();
-    if work.run(first)? == Ended::GivenUp {
+    if work.wait(work.run(first))? == Ended::GivenUp {
         return Err(Error::GivenUp);
     }
     let round = begin.elapsed().mul_f64(renderers.len() as f64).max(Duration::from_nanos(1));
     let repeats = ((0.5 * time.as_secs_f64() / round.as_secs_f64()) as usize).clamp(interval::FEWEST, RUNS);
-    let runs = work.time_in_turn(&names, &mut renderers, repeats)?;
+    let runs = work.wait(work.time_in_turn(&names, &mut renderers, repeats))?;
     if runs.iter().any(|times| times.is_given_up) {
         return Err(Error::GivenUp);
     }
-    let hits = renderers.iter().map(|renderer| work.machine().wait(renderer.hits())).collect::<Result<Vec<_>, _>>()?;
+    let hits = renderers.iter().map(|renderer| work.wait(renderer.hits())).collect::<Result<Vec<_>, _>>()?;
     let seconds = |i: usize| -> Vec<f64> { starts[i].wall_ns().iter().map(|ns| ns / 1e9).collect() };
     let later = |i: usize| Times::of(seconds(i).into_iter().skip(1).map(Some).collect());
     let mut measured = Vec::new();

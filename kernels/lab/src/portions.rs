@@ -1,0 +1,88 @@
+//! Long work cut into portions, between which other tasks of the same thread run: a browser's worker draws its window
+//! and serves its events there.
+
+use std::ops::Range;
+use std::time::Duration;
+
+use raystep_kernels::let_others_run;
+use raystep_kernels::numbers::parallel::map_ranges;
+use web_time::Instant;
+
+/// How long work goes on before others run: with one more piece of it, not much longer than half of a frame.
+pub(crate) const PORTION: Duration = Duration::from_millis(5);
+
+/// Lets others run once a portion's time is over.
+pub(crate) struct Portions {
+    begin: Instant,
+}
+
+impl Portions {
+    pub(crate) fn new() -> Self {
+        Self { begin: Instant::now() }
+    }
+
+    /// To be called between small pieces of work.
+    pub(crate) async fn rest(&mut self) {
+        if self.begin.elapsed() >= PORTION {
+            let_others_run().await;
+            self.begin = Instant::now();
+        }
+    }
+}
+
+/// Maps `0..len` on all cores, in order, `a_portion` items on each of them between two rests.
+pub(crate) async fn map_in_portions<T: Send>(len: usize, a_portion: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    /// Items of a core at a time, so that none waits long for another.
+    const CHUNK: usize = 16;
+    // One in a browser, which has no threads.
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let a_portion = a_portion.max(1).saturating_mul(cores);
+    let map = |range: Range<usize>| range.map(&f).collect::<Vec<T>>();
+    let mut all = Vec::with_capacity(len);
+    let mut portions = Portions::new();
+    while all.len() < len {
+        let first = all.len();
+        let count = a_portion.min(len - first);
+        let part = |range: Range<usize>| map(first + range.start..first + range.end);
+        map_ranges(count, CHUNK.min(count.div_ceil(cores)), part).into_iter().for_each(|part| all.extend(part));
+        portions.rest().await;
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use std::pin::pin;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::task::{Context, Waker};
+
+    use super::*;
+
+    #[test]
+    fn everything_is_mapped_once_and_in_order() {
+        for (len, a_portion) in [(0, 1), (1, 0), (1000, 7), (1000, 10_000)] {
+            let all = pollster::block_on(map_in_portions(len, a_portion, |i| i));
+            assert!(all.iter().copied().eq(0..len), "{len} items, {a_portion} a portion");
+        }
+    }
+
+    #[test]
+    fn others_run_between_portions() {
+        const MS: u64 = 1;
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let (len, done) = (32 * cores, AtomicUsize::new(0));
+        let mut mapped = pin!(map_in_portions(len, 1, |_| {
+            std::thread::sleep(Duration::from_millis(MS));
+            done.fetch_add(1, Ordering::Relaxed);
+        }));
+        let mut before = 0;
+        while mapped.as_mut().poll(&mut Context::from_waker(Waker::noop())).is_pending() {
+            // Each takes longer on a busy machine, never shorter.
+            let most = cores * (PORTION.as_millis() as usize / MS as usize + 1);
+            let now = done.load(Ordering::Relaxed);
+            assert!(now - before <= most, "{} at once", now - before);
+            before = now;
+        }
+        assert!(before > 0 && done.load(Ordering::Relaxed) == len, "nobody else has run");
+    }
+}
