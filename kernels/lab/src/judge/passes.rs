@@ -5,13 +5,13 @@
 //! does not change any more, so each ray is judged once, at the end; only for wrong rays is the pass that resolved them
 //! determined, by running the same passes again.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 
-use raystep_kernels::numbers::parallel::map_ranges;
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Pass, Plan, RenderError, Renderer};
 
 use super::{Traced, judge, rays_a_batch, sample};
+use crate::portions::map_in_portions;
 use crate::reference::{BruteForce, Counts, Mistake, Verdict};
 
 /// Maximum number of ray/triangle tests: some seconds on a few cores.
@@ -89,7 +89,7 @@ pub fn why_not(plan: &Plan) -> Option<&'static str> {
 /// Runs `renderer` from start to end and judges what its rays hit. Use a separate renderer: it is restarted, and left
 /// after some pass. [`why_not`] says whether it can be judged.
 ///
-/// `progress` gets the work done and the total, and may stop.
+/// `progress` gets the work done and the total, and may stop. Other tasks run every few milliseconds.
 ///
 /// # Errors
 /// If the device fails, the plan omits a required stream, or `progress` stopped it.
@@ -116,9 +116,8 @@ pub async fn judge_passes(
             return Err(RenderError::Cancelled { passes: passes.len() });
         }
         // The possible hits of all rays together need too much memory, so none are kept.
-        let judged =
-            |range: Range<usize>| rays[range].iter().map(|&ray| judge(&scene, &traced, ray)).collect::<Vec<_>>();
-        for (Mistake { ray, verdict, .. }, _) in map_ranges(rays.len(), 16, judged).into_iter().flatten() {
+        let judged = |i: usize| judge(&scene, &traced, rays[i]);
+        for (Mistake { ray, verdict, .. }, _) in map_in_portions(rays.len(), scene.rays_a_portion(), judged).await {
             judgement.counts.add(verdict);
             if verdict.is_error() {
                 judgement.wrong.push(WrongRay { ray, verdict, resolved_by: None });
