@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use egui::{Key, Modifiers, Role};
+use raystep_inspector::session::measure::on_its_device;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::Command;
@@ -10,7 +11,7 @@ use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::GridSize;
 
 use crate::ui::desk::{CORNELL, TRIANGLE};
-use crate::ui::stage::Stage;
+use crate::ui::stage::{Plan, Stage};
 
 const SENTENCE: &str = "bvh, fused, robust is fastest";
 const OTHER: &str = "measured with another view, grid or device";
@@ -59,6 +60,24 @@ fn the_answer_is_shown_and_saved_and_marked_when_it_is_of_something_else() {
     assert!(stage.reads(SENTENCE) && stage.reads(OTHER), "{}", stage.read_out());
     stage.open(TRIANGLE, settings(GridSize::Auto), Arrival::default());
     assert!(!stage.reads(SENTENCE) && !stage.reads(OTHER));
+}
+
+/// As in a browser; the other tests' answer is always the same.
+#[test]
+fn the_sessions_own_device_is_measured_and_can_be_cancelled() {
+    let mut stage = Stage::new(Plan { measure: on_its_device(), ..Plan::default() });
+    stage.open(CORNELL, settings(GridSize::Auto), Arrival::default());
+    stage.perform(Command::Show(PaneKind::Choices));
+    let place = stage.place();
+    stage.click(Role::Button, "Measure");
+    stage.until("runs are timed", |stage| stage.harness.state().is_busy() && stage.reads("measuring choices"));
+    stage.key(Modifiers::NONE, Key::Escape);
+    stage.settle();
+    assert!(!stage.reads("wrong (95%"), "it was not cancelled, it ended by itself");
+    stage.click(Role::Button, "Measure");
+    stage.settle();
+    assert!(stage.reads("cornell-box, CPU, ") && stage.reads(" of 4,096 rays wrong (95%"), "{}", stage.read_out());
+    assert_eq!(stage.place(), place, "the session stays where it is");
 }
 
 #[test]

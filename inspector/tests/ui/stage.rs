@@ -10,6 +10,7 @@ use egui_kittest::{Harness, Node, SnapshotOptions, TestRenderer};
 use egui_wgpu::{Renderer, RendererOptions};
 use raystep_inspector::draw::picture::FORMAT;
 use raystep_inspector::session::engine::Devices;
+use raystep_inspector::session::measure::Measure;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::retained::Retained;
@@ -50,11 +51,12 @@ pub(crate) struct Plan {
     pub(crate) scale: f32,
     pub(crate) theme: egui::Theme,
     pub(crate) gpu: Arc<Gpu>,
+    pub(crate) measure: Measure,
 }
 
 impl Default for Plan {
     fn default() -> Self {
-        Self { size: [1280.0, 800.0], scale: 1.0, theme: egui::Theme::Dark, gpu: gpu() }
+        Self { size: [1280.0, 800.0], scale: 1.0, theme: egui::Theme::Dark, gpu: gpu(), measure: measured() }
     }
 }
 
@@ -77,7 +79,8 @@ impl Stage {
         let retained = Arc::new(Mutex::new(Retained::default()));
         let host = TestHost { gpu: plan.gpu.clone(), desk: desk.clone() };
         // Frames are drawn one after another here: there is nothing to wake.
-        let devices = Devices { gpu: plan.gpu.clone(), clock: Some(clock), measure: measured(), wake: Arc::new(|| {}) };
+        let devices =
+            Devices { gpu: plan.gpu.clone(), clock: Some(clock), measure: plan.measure, wake: Arc::new(|| {}) };
         let inspector = Inspector::new(devices, renderer.clone(), Box::new(host));
         let harness = Harness::builder()
             // The harness adds a margin of 8 points around its contents.
