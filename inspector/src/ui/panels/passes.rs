@@ -174,16 +174,29 @@ mod tests {
     use raystep_kernels::programs::closest_hit::kernels::INTERSECT;
 
     use super::*;
-    use crate::ui::panels::timings::tests::pass;
+
+    fn pass(index: usize, duration_ns: Option<u64>, rounding: Option<Rounding>) -> Pass {
+        Pass {
+            index,
+            iteration: 0,
+            kernel: INTERSECT,
+            rays_in: 1,
+            counts: Default::default(),
+            threads_launched: 0,
+            begin_ns: None,
+            duration_ns,
+            rounding,
+        }
+    }
 
     #[test]
     fn a_pass_too_short_to_tell_is_below_a_bound() {
         let rounded = |runs| Some(Rounding { runs, error_ns: 2048, below_ns: 67_584 });
         let passes = [
-            Pass { rounding: rounded(256), ..pass(0, INTERSECT, 1, None) },
-            Pass { rounding: rounded(40), ..pass(1, INTERSECT, 1, Some(20_000)) },
-            pass(2, INTERSECT, 1, None),
-            pass(3, INTERSECT, 1, Some(20_000)),
+            pass(0, None, rounded(256)),
+            pass(1, Some(20_000), rounded(40)),
+            pass(2, None, None),
+            pass(3, Some(20_000), None),
         ];
         let list = List { passes: &passes, shown: None, current: 0, unit: TimeUnit::Micros, bookmarks: &[] };
         let rows =

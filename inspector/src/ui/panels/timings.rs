@@ -245,12 +245,12 @@ pub(super) fn time_of(pass: &Pass) -> Option<String> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use raystep_kernels::programs::closest_hit::kernels::{INTERSECT, SETUP, TRAVERSE_GRID};
 
     use super::*;
 
-    pub(in crate::ui::panels) fn pass(index: usize, kernel: Kernel, rays_in: u32, duration_ns: Option<u64>) -> Pass {
+    pub(super) fn pass(index: usize, kernel: Kernel, rays_in: u32, duration_ns: Option<u64>) -> Pass {
         let (iteration, counts, threads_launched, begin_ns) = (0, Default::default(), 0, None);
         Pass { index, iteration, kernel, rays_in, counts, threads_launched, begin_ns, duration_ns, rounding: None }
     }
