@@ -107,13 +107,14 @@ fn a_lost_device() {
     let mut stage = Stage::new(Plan { gpu: gpu.clone(), ..Plan::default() });
     stage.open(CORNELL, small(), Arrival { place: Some(9), ..Arrival::default() });
     stage.perform(Command::Show(PaneKind::Log));
+    let hash = stage.inspector().link().and_then(|link| link.scene_hash).expect("a hash");
     gpu.device.destroy();
     stage.perform(Command::NextPass);
     stage.perform(Command::End);
     stage.frames(5);
     assert!(gpu.health().is_err());
     assert!(stage.reads("the GPU device was lost"), "{}", stage.read_out());
-    let link = "raystep:1?scene=cornell-box&size=32x32&device=gpu&pixel=16,16&pass=9";
+    let link = format!("raystep:1?scene=cornell-box&scene-hash={hash}&size=32x32&device=gpu&pixel=16,16&pass=9");
     assert_eq!(stage.inspector().how_to_go_on(), format!("; to resume: raystep inspect --link \"{link}\""));
     tour_without_drawing(&mut stage);
 }

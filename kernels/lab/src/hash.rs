@@ -75,7 +75,8 @@ impl FromStr for Hash {
     type Err = NotAHash;
 
     fn from_str(text: &str) -> Result<Self, NotAHash> {
-        let digits = text.strip_prefix("fnv1a64:").filter(|digits| digits.len() == 16).ok_or(NotAHash)?;
+        let is_hash = |digits: &&str| digits.len() == 16 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+        let digits = text.strip_prefix("fnv1a64:").filter(is_hash).ok_or(NotAHash)?;
         u64::from_str_radix(digits, 16).map(Self).map_err(|_| NotAHash)
     }
 }

@@ -14,7 +14,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::clock_check::ClockCheck;
+use super::clock_check::{Clock, ClockCheck};
 use super::clock_step::coarse_step;
 use super::readback::Readback;
 use super::timers::{Ticks, Times, read_times};
@@ -61,14 +61,6 @@ fn clock(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) grou
     }
 }
 ";
-
-/// The host's clock, and what the device's was found to be.
-pub(super) struct Clock {
-    now: fn() -> u64,
-    check: Option<ClockCheck>,
-    coarse_step_ns: Option<f64>,
-    was_rounded: bool,
-}
 
 impl Gpu {
     /// Compares the device's clock with the host's: `now`, in nanoseconds from any start; and finds its step. Only the

@@ -15,6 +15,14 @@ pub struct ClockCheck {
     pub host_ns: u64,
 }
 
+/// The host's clock, and what the device's was found to be.
+pub(super) struct Clock {
+    pub(super) now: fn() -> u64,
+    pub(super) check: Option<ClockCheck>,
+    pub(super) coarse_step_ns: Option<f64>,
+    pub(super) was_rounded: bool,
+}
+
 impl ClockCheck {
     /// The device's time as a share of the host's.
     #[must_use]

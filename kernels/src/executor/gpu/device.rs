@@ -4,7 +4,7 @@ use std::future::poll_fn;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::task::Poll;
 
-use super::clock::Clock;
+use super::clock_check::Clock;
 use super::compiled::Pipelines;
 use super::error::{GpuError, first_line};
 use super::gate::{Gate, Held};
