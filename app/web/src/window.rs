@@ -33,6 +33,8 @@ pub struct Window {
     files: Rc<Files>,
     input: Input,
     title: String,
+    /// The last error that assistive technology was told.
+    told: String,
     cursor: egui::CursorIcon,
     /// The link in the page's address, and when it was put there.
     address: (String, f64),
@@ -80,6 +82,7 @@ impl Window {
             files,
             input,
             title: String::new(),
+            told: String::new(),
             cursor: egui::CursorIcon::Default,
             address: (String::new(), 0.0),
             kept_ms: shell::now(),
@@ -302,6 +305,11 @@ impl Window {
         if title != self.title {
             shell::title(&title);
             self.title = title;
+        }
+        let error = self.inspector.last_error().unwrap_or_default();
+        if error != self.told {
+            shell::tell(error);
+            error.clone_into(&mut self.told);
         }
     }
 
