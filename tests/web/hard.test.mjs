@@ -209,8 +209,8 @@ test("a slow processor, and other zooms, change nothing but the speed", async ()
         const metrics = { width: Math.round(1280 / scale), height: Math.round(800 / scale), deviceScaleFactor: scale, mobile: false };
         await session.send("Emulation.setDeviceMetricsOverride", metrics);
         await tab.page.waitForFunction((scale) => window.devicePixelRatio === scale, scale);
-        const { place, error } = await tab.press("F10");
-        assert.equal(error, "");
+        const { place, error, size } = await tab.press("F10");
+        assert.deepEqual([error, size], ["", [metrics.width * scale, metrics.height * scale].map(Math.round)]);
         assert.ok(place > 3);
         await tab.screenshot(`zoom-${scale}`);
     }

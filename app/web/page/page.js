@@ -19,7 +19,7 @@ const worker = new Worker("worker.js", { type: "module" });
 const post = (kind, values = {}, transfer = []) => worker.postMessage({ kind, ...values }, transfer);
 
 // For tests, and for pages that embed this one: `await raystep.state()` tells whether anything is left to do, the link to
-// what is shown, the number of passes that have run, the last error, the device, and the bytes of memory.
+// what is shown, the number of passes that have run, the last error, the device, the bytes of memory, and the pixels.
 const asked = new Map();
 let lastAsked = 0;
 window.raystep = {
@@ -111,11 +111,10 @@ const handlers = {
         window.raystep.drawnBy = computes ? "WebGPU" : "WebGL 2";
         panel.hide();
     },
-    frame: ({ busy, place, share }) => {
+    frame: ({ busy, place }) => {
         window.raystep.isBusy = busy;
         window.raystep.place = place;
         window.raystep.frames += 1;
-        window.raystep.drawnShare = share;
         answered();
     },
     answer: ({ id, state }) => {

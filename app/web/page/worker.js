@@ -20,7 +20,7 @@ function frame() {
     }
     guarded(() => {
         const why = inspector.frame();
-        post("frame", { busy: inspector.is_busy(), place: inspector.place(), share: inspector.drawn_share() });
+        post("frame", { busy: inspector.is_busy(), place: inspector.place() });
         if (why !== undefined) {
             lost(why);
         }
@@ -146,6 +146,7 @@ const state = () => ({
     error: inspector.last_error(),
     device: inspector.device(),
     bytes: inspector.memory_bytes(),
+    size: Array.from(inspector.size()),
 });
 
 const handlers = {

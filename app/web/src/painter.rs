@@ -24,8 +24,6 @@ pub(crate) struct Painter {
     blitter: TextureBlitter,
     /// The canvas does not show the last frame.
     is_stale: bool,
-    /// The share of the window that the last frame had to draw.
-    pub(crate) drawn_share: f32,
 }
 
 /// What egui wants to be drawn.
@@ -51,7 +49,7 @@ impl Painter {
         let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, configuration.format, options)));
         let blitter = TextureBlitter::new(&gpu.device, configuration.format);
         let retained = Retained::default();
-        Ok(Self { gpu, surface, canvas, configuration, renderer, retained, blitter, is_stale: true, drawn_share: 1.0 })
+        Ok(Self { gpu, surface, canvas, configuration, renderer, retained, blitter, is_stale: true })
     }
 
     /// Draws a frame, as far as it differs from the last one; where that fails, only uploads its textures.
@@ -68,13 +66,17 @@ impl Painter {
         let (format, points) = (self.configuration.format, frame.pixels_per_point);
         let drawn = self.retained.draw(&self.gpu, &mut renderer, format, frame.jobs, frame.background, size, points);
         self.is_stale |= drawn.is_some();
-        self.drawn_share = drawn.unwrap_or(0.0);
         for id in &textures.free {
             renderer.free_texture(id);
         }
         drop(renderer);
         textures.clear();
         if self.is_stale { self.present(size) } else { Ok(()) }
+    }
+
+    /// The canvas, in pixels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.configuration.width, self.configuration.height]
     }
 
     fn present(&mut self, [width, height]: [u32; 2]) -> Result<(), String> {

@@ -132,9 +132,9 @@ impl Window {
         self.inspector.is_busy()
     }
 
-    /// The share of the window that the last frame had to draw: what differed from the one before.
-    pub fn drawn_share(&self) -> f32 {
-        self.painter.drawn_share
+    /// Width and height of the last frame, in pixels.
+    pub fn size(&self) -> Vec<u32> {
+        self.painter.size().to_vec()
     }
 
     /// Passes that have run.

@@ -3,7 +3,7 @@
 
 mod tiles;
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 use egui::epaint::{Mesh, Primitive, WHITE_UV};
 use egui::{ClippedPrimitive, Color32, Rect, TextureId, TexturesDelta};
@@ -16,8 +16,8 @@ use tiles::Tiles;
 #[derive(Default)]
 pub struct Retained {
     last: Option<Last>,
-    /// How often the contents of a texture were replaced.
-    editions: HashMap<TextureId, u64>,
+    /// Textures whose contents were replaced since.
+    replaced: BTreeSet<TextureId>,
 }
 
 struct Last {
@@ -33,12 +33,7 @@ impl Retained {
         // A part of the font's texture is written only to add letters that were not drawn before.
         let is_replaced = |id: TextureId, is_whole: bool| is_whole || id != TextureId::default();
         let set = textures.set.iter().filter(|(id, all)| all.iter().any(|delta| is_replaced(**id, delta.is_whole())));
-        for id in set.map(|(id, _)| id).chain(redrawn) {
-            *self.editions.entry(*id).or_default() += 1;
-        }
-        for id in &textures.free {
-            self.editions.remove(id);
-        }
+        self.replaced.extend(set.map(|(id, _)| id).chain(redrawn));
     }
 
     /// Draws what differs of a frame that egui tessellated, over a background. `renderer` draws in `format`, `size` is in
@@ -63,7 +58,7 @@ impl Retained {
             _ => Last::new(&gpu.device, format, size),
         };
         let last = self.last.insert(last);
-        let parts = last.tiles.changed(&jobs, pixels_per_point, |id| self.editions.get(&id).copied().unwrap_or(0));
+        let parts = last.tiles.changed(&jobs, pixels_per_point, &std::mem::take(&mut self.replaced));
         if parts.is_empty() {
             return None;
         }
@@ -93,6 +88,12 @@ impl Retained {
         let area: f32 = parts.iter().map(|part| part.intersect(whole).area()).sum();
         Some(area / whole.area())
     }
+
+    /// The last frame.
+    #[must_use]
+    pub fn texture(&self) -> Option<&wgpu::Texture> {
+        self.last.as_ref().map(|last| &last.texture)
+    }
 }
 
 impl Last {
@@ -111,14 +112,6 @@ impl Last {
         });
         let view = texture.create_view(&Default::default());
         Self { texture, view, tiles: Tiles::new([width, height]) }
-    }
-}
-
-impl Retained {
-    /// The last frame.
-    #[must_use]
-    pub fn texture(&self) -> Option<&wgpu::Texture> {
-        self.last.as_ref().map(|last| &last.texture)
     }
 }
 

@@ -1,12 +1,14 @@
 //! An inspector in egui's test harness, drawn with our own device.
 
+mod paint;
+
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use egui::mutex::RwLock;
 use egui::{Event, Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
-use egui_kittest::{Harness, Node, SnapshotOptions, TestRenderer};
+use egui_kittest::{Harness, Node, SnapshotOptions};
 use egui_wgpu::{Renderer, RendererOptions};
 use raystep_inspector::draw::picture::FORMAT;
 use raystep_inspector::session::engine::Devices;
@@ -14,12 +16,13 @@ use raystep_inspector::session::measure::Measure;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::retained::Retained;
-use raystep_inspector::ui::{Arrival, Inspector, background, offscreen};
+use raystep_inspector::ui::{Arrival, Inspector};
 use raystep_kernels::{Gpu, Stream};
 
-use crate::ui::adapter::{block_on, gpu};
+use crate::ui::adapter::gpu;
 use crate::ui::desk::{Desk, TestHost};
 use crate::ui::measured::measured;
+use paint::Painter;
 
 /// Time limit for any wait, on a slow and busy machine.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(240);
@@ -292,42 +295,6 @@ impl Stage {
         self.painted().iter().any(|text| text.contains(part))
     }
 
-    /// The window without its texts, as an image.
-    pub(crate) fn draw_without_text(&self) -> image::RgbaImage {
-        fn without(shape: &egui::Shape) -> egui::Shape {
-            match shape {
-                egui::Shape::Text(_) => egui::Shape::Noop,
-                egui::Shape::Vec(shapes) => egui::Shape::Vec(shapes.iter().map(without).collect()),
-                other => other.clone(),
-            }
-        }
-        let shapes = self.harness.output().shapes.iter();
-        let shapes = shapes.map(|clipped| egui::epaint::ClippedShape { shape: without(&clipped.shape), ..*clipped });
-        let shapes = shapes.collect();
-        draw(&self.gpu, &self.renderer, &self.harness.ctx, shapes).expect("it can be drawn")
-    }
-
-    /// The window, drawn as a whole.
-    pub(crate) fn image(&self) -> image::RgbaImage {
-        let shapes = self.harness.output().shapes.clone();
-        draw(&self.gpu, &self.renderer, &self.harness.ctx, shapes).expect("it can be drawn")
-    }
-
-    /// The window, drawn where it differs from the one that was drawn so before; and the share that was drawn.
-    pub(crate) fn image_over_the_last(&self) -> (image::RgbaImage, f32) {
-        let ctx = &self.harness.ctx;
-        let points = ctx.pixels_per_point();
-        let jobs = ctx.tessellate(self.harness.output().shapes.clone(), points);
-        let mut retained = self.retained.lock().expect("not poisoned");
-        retained.note(&egui::TexturesDelta::default(), &self.harness.state().take_redrawn());
-        let mut renderer = self.renderer.write();
-        let drawn = retained.draw(&self.gpu, &mut renderer, FORMAT, jobs, background(ctx), size_in_pixels(ctx), points);
-        let texture = retained.texture().expect("a frame");
-        let texels = block_on(&self.gpu, self.gpu.read_rgba8(texture)).expect("it can be read");
-        let image = image::RgbaImage::from_raw(texture.width(), texture.height(), texels).expect("of this size");
-        (image, drawn.unwrap_or(0.0))
-    }
-
     /// Compares the window with the image and the text of this name.
     #[track_caller]
     pub(crate) fn snapshot(&mut self, name: &str) {
@@ -368,47 +335,4 @@ const SNAPSHOTS: &str = "tests/ui/snapshots";
 /// may change. A digit has fewer pixels than that, so texts are compared separately.
 fn snapshot_options() -> SnapshotOptions {
     SnapshotOptions::new().threshold(0.6).max_failed_pixels(40).output_path(SNAPSHOTS)
-}
-
-/// Draws with our own device.
-struct Painter {
-    gpu: Arc<Gpu>,
-    renderer: Arc<RwLock<Renderer>>,
-    retained: Arc<Mutex<Retained>>,
-}
-
-impl TestRenderer for Painter {
-    fn handle_delta(&mut self, delta: &mut egui::TexturesDelta) {
-        self.retained.lock().expect("not poisoned").note(delta, &Default::default());
-        let mut renderer = self.renderer.write();
-        for (id, images) in delta.set.drain() {
-            for image in images {
-                renderer.update_texture(&self.gpu.device, &self.gpu.queue, id, &image);
-            }
-        }
-        for id in delta.free.drain() {
-            renderer.free_texture(&id);
-        }
-    }
-
-    fn render(&mut self, ctx: &egui::Context, output: &egui::FullOutput) -> Result<image::RgbaImage, String> {
-        draw(&self.gpu, &self.renderer, ctx, output.shapes.clone())
-    }
-}
-
-fn size_in_pixels(ctx: &egui::Context) -> [u32; 2] {
-    let size = ctx.content_rect().size() * ctx.pixels_per_point();
-    [size.x, size.y].map(|side| side.round().max(1.0) as u32)
-}
-
-fn draw(
-    gpu: &Arc<Gpu>,
-    renderer: &RwLock<Renderer>,
-    ctx: &egui::Context,
-    shapes: Vec<egui::epaint::ClippedShape>,
-) -> Result<image::RgbaImage, String> {
-    let points = ctx.pixels_per_point();
-    let jobs = ctx.tessellate(shapes, points);
-    let drawn = offscreen::draw(gpu, renderer, &jobs, background(ctx), size_in_pixels(ctx), points);
-    block_on(gpu, drawn).map_err(|e| e.to_string())
 }

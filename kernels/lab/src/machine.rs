@@ -53,7 +53,7 @@ impl Machine {
     /// The clock for its passes, or for its runs if passes cannot be timed.
     #[must_use]
     pub fn timer(&self) -> Timer {
-        match self.gpu().map(Gpu::clock_period_ns) {
+        match self.gpu().map(Gpu::clock_step_ns) {
             Some(Some(resolution_ns)) => Timer::GpuTimestamp { resolution_ns },
             Some(None) => Timer::Host { resolution_ns: clock_step_ns() },
             None => Timer::CpuClock { resolution_ns: clock_step_ns() },

@@ -4,9 +4,9 @@
 //! on a second; counter events (C) are the rays in each state after a pass; metadata events (M) name them all. `ts` and
 //! `dur` are microseconds from the beginning of the first pass.
 //!
-//! A pass without a valid time, or too short to tell by a coarse clock, is left out, and so is one that begins before the previous one: its time is counted as
-//! part of the gap, and `passes_without_times` counts it. On a device that overlaps passes, the time that two of them
-//! share is counted as an overlap, not a gap, so that always
+//! A pass without a valid time, or too short to tell by a coarse clock, is left out, and so is one that begins before the
+//! previous one: its time is counted as part of the gap, and `passes_without_times` counts it. On a device that overlaps
+//! passes, the time that two of them share is counted as an overlap, not a gap, so that always
 //!
 //! `whole_us` = `passes_us` + `gaps_us` − `overlaps_us`.
 //!

@@ -1,7 +1,8 @@
 //! Which tiles of a frame differ from those of the last one, by signatures of the triangles that may cover them (Anglada
 //! and others 2019, "Rendering Elimination").
 
-use std::hash::Hasher as _;
+use std::collections::BTreeSet;
+use std::hash::{Hash as _, Hasher as _};
 
 use egui::epaint::{Primitive, Vertex};
 use egui::{ClippedPrimitive, Rect, TextureId, pos2};
@@ -18,7 +19,6 @@ pub(super) struct Tiles {
     columns: usize,
     rows: usize,
     signatures: Vec<u64>,
-    frames: u64,
 }
 
 /// Tiles from the first up to, but without, the second of each pair.
@@ -43,47 +43,49 @@ impl Tiles {
     /// Tiles of a frame that was never drawn.
     pub(super) fn new(size: [u32; 2]) -> Self {
         let [columns, rows] = size.map(|side| side.div_ceil(SIDE) as usize);
-        Self { columns, rows, signatures: vec![0; columns * rows], frames: 0 }
+        Self { columns, rows, signatures: vec![0; columns * rows] }
     }
 
-    /// Rectangles in points that cover all that differs from the last frame. `edition` counts how often the contents of
-    /// a texture were replaced.
+    /// Rectangles in points that cover all that differs from the last frame. `replaced`: textures whose contents do.
     pub(super) fn changed(
         &mut self,
         jobs: &[ClippedPrimitive],
         pixels_per_point: f32,
-        edition: impl Fn(TextureId) -> u64,
+        replaced: &BTreeSet<TextureId>,
     ) -> Vec<Rect> {
-        self.frames += 1;
         // Never those of a frame that was not drawn.
         let mut signatures = vec![1; self.signatures.len()];
+        let mut changed = vec![false; self.signatures.len()];
         for ClippedPrimitive { clip_rect, primitive } in jobs {
             let mut head = FxHasher::default();
             head.write(bytemuck::bytes_of(&[clip_rect.min.x, clip_rect.min.y, clip_rect.max.x, clip_rect.max.y]));
-            let mut add = |rect: Rect, signature: u64| {
+            let mut add = |rect: Rect, signature: u64, is_changed: bool| {
                 for tile in self.tiles(self.span(rect.intersect(*clip_rect) * pixels_per_point)) {
                     let mut hasher = FxHasher::default();
                     hasher.write_u64(signatures[tile]);
                     hasher.write_u64(signature);
                     signatures[tile] = hasher.finish();
+                    changed[tile] |= is_changed;
                 }
             };
             match primitive {
                 Primitive::Mesh(mesh) => {
-                    head.write_u64(edition(mesh.texture_id));
-                    std::hash::Hash::hash(&mesh.texture_id, &mut head);
+                    mesh.texture_id.hash(&mut head);
+                    let is_replaced = replaced.contains(&mesh.texture_id);
                     for corners in mesh.indices.chunks_exact(3) {
                         let Some(corners) = vertices(&mesh.vertices, corners) else { continue };
                         let mut triangle = head.clone();
                         triangle.write(bytemuck::bytes_of(&corners));
-                        add(Rect::from_points(&corners.map(|corner| corner.pos)), triangle.finish());
+                        add(Rect::from_points(&corners.map(|corner| corner.pos)), triangle.finish(), is_replaced);
                     }
                 }
                 // Nobody knows what it draws.
-                Primitive::Callback(callback) => add(callback.rect, self.frames),
+                Primitive::Callback(callback) => add(callback.rect, head.finish(), true),
             }
         }
-        let changed: Vec<bool> = signatures.iter().zip(&self.signatures).map(|(now, last)| now != last).collect();
+        for (changed, (now, last)) in changed.iter_mut().zip(signatures.iter().zip(&self.signatures)) {
+            *changed |= now != last;
+        }
         self.signatures = signatures;
         let scale = SIDE as f32 / pixels_per_point;
         let point = |x: usize, y: usize| pos2(x as f32 * scale, y as f32 * scale);
@@ -175,8 +177,8 @@ mod tests {
         let all = rect([0.0; 2], [320.0, 160.0]);
         let background = || job(all, all, Color32::BLACK);
         let small = |x: f32, color| job(rect([x, 40.0], [x + 10.0, 50.0]), all, color);
-        let none = |_| 0;
-        let mut changed = |jobs: &[ClippedPrimitive], scale: f32| tiles.changed(jobs, scale, none);
+        let none = BTreeSet::new();
+        let mut changed = |jobs: &[ClippedPrimitive], scale: f32| tiles.changed(jobs, scale, &none);
 
         assert_eq!(changed(&[background()], 1.0), [all], "the first frame");
         assert_eq!(changed(&[background()], 1.0), [], "the same again");
@@ -201,10 +203,12 @@ mod tests {
     fn a_replaced_texture_is_a_difference_and_points_may_be_several_pixels() {
         let mut tiles = Tiles::new([320, 160]);
         let jobs = [job(rect([40.0, 40.0], [60.0, 60.0]), rect([0.0; 2], [160.0, 80.0]), Color32::RED)];
-        tiles.changed(&jobs, 2.0, |_| 0);
-        assert_eq!(tiles.changed(&jobs, 2.0, |_| 0), []);
+        let (none, font) = (BTreeSet::new(), BTreeSet::from([TextureId::default()]));
+        tiles.changed(&jobs, 2.0, &none);
+        assert_eq!(tiles.changed(&jobs, 2.0, &none), []);
         // From pixel 79 to 121.
-        assert_eq!(tiles.changed(&jobs, 2.0, |_| 1), [rect([32.0, 32.0], [64.0, 64.0])]);
+        assert_eq!(tiles.changed(&jobs, 2.0, &font), [rect([32.0, 32.0], [64.0, 64.0])]);
+        assert_eq!(tiles.changed(&jobs, 2.0, &none), [], "once is enough");
     }
 
     #[test]
@@ -217,9 +221,9 @@ mod tests {
             rect([f32::NAN, 0.0], [1.0, 1.0]),
             rect([f32::NEG_INFINITY; 2], [f32::INFINITY; 2]),
         ];
-        tiles.changed(&far.map(|far| job(far, all, Color32::RED)), 1.0, |_| 0);
+        tiles.changed(&far.map(|far| job(far, all, Color32::RED)), 1.0, &BTreeSet::new());
         let mut tiles = Tiles::new([0, 0]);
-        assert_eq!(tiles.changed(&[job(all, all, Color32::RED)], 1.0, |_| 0), []);
+        assert_eq!(tiles.changed(&[job(all, all, Color32::RED)], 1.0, &BTreeSet::new()), []);
     }
 
     #[test]

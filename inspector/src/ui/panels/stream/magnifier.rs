@@ -5,10 +5,10 @@ use egui::{Area, Color32, Frame, Grid, Id, Order, Pos2, Rect, RichText, Sense, S
 
 use raystep_kernels::Stream;
 
+use super::StreamView;
+use super::paint::Drawn;
 use super::tile::Tiles;
 use super::values::{self, Reader, Value};
-use super::{Drawn, StreamView};
-use crate::draw::stream;
 use crate::ui::canvas::Picture;
 use crate::ui::pane::Context;
 
@@ -91,20 +91,7 @@ impl StreamView {
         let drawn = Drawn { offset: first.map(|at| -at * scale), scale, ..drawn };
         let is_changed = self.magnifier.drawn != Some(drawn);
         if let Some(target) = self.magnifier.picture.target(cx.canvas, [side as u32; 2], is_changed) {
-            let picture = stream::Picture {
-                stream,
-                states,
-                texture,
-                minus: None,
-                layer: drawn.layer,
-                meaning: drawn.meaning,
-                range: drawn.range,
-                exposure: drawn.exposure,
-                colors: drawn.colors,
-                offset: drawn.offset,
-                scale: drawn.scale,
-            };
-            cx.canvas.streams.draw(&picture, target);
+            cx.canvas.streams.draw(&drawn.picture(states, texture), target);
             self.magnifier.drawn = Some(drawn);
         }
     }
