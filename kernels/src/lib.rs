@@ -44,6 +44,7 @@
 pub mod compose;
 pub mod executor;
 pub mod export;
+pub mod fragment;
 pub mod history;
 pub mod interpret;
 pub mod numbers;

@@ -17,6 +17,7 @@ pub const FLOORS: &[&[&str]] = &[
     &["program"],
     &["programs"],
     &["compose", "shader"],
+    &["fragment"],
     &["plan"],
     &["executor"],
     &["renderer"],

@@ -13,6 +13,7 @@ mod divergence;
 mod floors;
 mod intervals;
 mod library;
+mod mapping;
 mod names;
 mod parity;
 mod plan;

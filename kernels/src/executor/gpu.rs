@@ -9,6 +9,7 @@ mod compiled;
 mod device;
 mod error;
 mod fill;
+pub mod fragment;
 mod gate;
 mod limits;
 mod load;
@@ -106,21 +107,7 @@ impl GpuExecutor {
         let sizes = Sizes::new(plan);
         let streams = plan.streams.iter().filter_map(|s| Some((s.what, stream_texture(device, plan, &sizes, s.what)?)));
         let streams: Vec<_> = streams.collect();
-        let mut buffers = Vec::new();
-        for planned in &plan.buffers {
-            let Some(info) = plan.program.buffer(planned.what) else { continue };
-            // Two runs may look at the scene from different places.
-            if let Some(uploaded) = other.filter(|_| !info.is_of_view).and_then(|other| other.buffer(planned.what)) {
-                buffers.push((planned.what, uploaded.clone()));
-                continue;
-            }
-            let contents = info.contents(data);
-            let kind = if info.is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
-            let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-            let descriptor =
-                wgpu::util::BufferInitDescriptor { label: Some(&plan.label(planned.what)), contents, usage };
-            buffers.push((planned.what, device.create_buffer_init(&descriptor)));
-        }
+        let buffers = scene_buffers(device, plan, data, |name: &str| other.and_then(|other| other.buffer(name)));
         let books = Books::new(device, plan);
         let bindable = Bindable { device, streams: &streams, buffers: &buffers, books: &books };
         let pipelines = Pipelines::new(&gpu, plan, data, &bindable)?;
@@ -325,6 +312,30 @@ impl GpuExecutor {
         }
         true
     }
+}
+
+/// The buffers of scene data that a plan has, with their contents; those that another run has `uploaded` are shared.
+fn scene_buffers<'a>(
+    device: &wgpu::Device,
+    plan: &Plan,
+    data: &SceneData,
+    uploaded: impl Fn(&str) -> Option<&'a wgpu::Buffer>,
+) -> Vec<(&'static str, wgpu::Buffer)> {
+    let mut buffers = Vec::new();
+    for planned in &plan.buffers {
+        let Some(info) = plan.program.buffer(planned.what) else { continue };
+        // Two runs may look at the scene from different places.
+        if let Some(uploaded) = uploaded(planned.what).filter(|_| !info.is_of_view) {
+            buffers.push((planned.what, uploaded.clone()));
+            continue;
+        }
+        let contents = info.contents(data);
+        let kind = if info.is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+        let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(&plan.label(planned.what)), contents, usage };
+        buffers.push((planned.what, device.create_buffer_init(&descriptor)));
+    }
+    buffers
 }
 
 /// Most rays that one dispatch of the fused kernel may trace, so that none takes much longer than 200 ms, after which

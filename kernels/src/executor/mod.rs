@@ -14,8 +14,10 @@ pub use sizes::TooMany;
 pub struct PassResult {
     /// The kernel that ran.
     pub kernel: Kernel,
-    /// Rays in each state after it.
-    pub counts: StateCounts,
+    /// Rays in each state after it; `None` if they were not counted.
+    pub counts: Option<StateCounts>,
+    /// Whether any ray was in one of its states, if an occlusion query was asked.
+    pub is_active: Option<bool>,
     /// Number of elements it was launched over.
     pub elements: u32,
     /// Threads launched, see [`crate::Pass::threads_launched`].

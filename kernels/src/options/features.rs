@@ -39,6 +39,7 @@ features! {
     ray_padding: "Boxes of the BVH are grown as they are tested, by their distance; else when they are built.",
     skip: "Rays skip empty cells of the grid, several at a time.",
     live_lists: "Only rays that wait for a kernel are launched.",
+    fragments: "Kernels run as fragment programs.",
     many_steps: "A ray may take several steps in one pass.",
     resumes: "A walk may take more loop iterations than one dispatch allows: it continues in the next.",
     resumes_scan: "The same for the search for repeated tests.",

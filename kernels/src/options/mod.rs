@@ -2,6 +2,7 @@
 
 pub mod features;
 pub mod keep;
+pub mod mapping;
 pub mod reasons;
 pub mod samples;
 
@@ -10,6 +11,7 @@ use raystep_scenes::Camera;
 pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
 use keep::Keep;
+use mapping::Mapping;
 use samples::Samples;
 
 /// The program to run.
@@ -269,6 +271,8 @@ pub struct Options {
     pub accelerator: Accelerator,
     /// `--schedule`
     pub schedule: ScheduleKind,
+    /// `--mapping`, and the choices of the fragment mapping
+    pub mapping: Mapping,
     /// `--numerics`
     pub numerics: Numerics,
     /// A rule of robust numerics to switch off.
@@ -312,6 +316,7 @@ impl Options {
             program: ProgramName::default(),
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
+            mapping: Mapping::default(),
             numerics: Numerics::default(),
             without: None,
             contracted: false,

@@ -3,10 +3,11 @@
 use raystep_scenes::{Projection, Scene};
 
 use super::limits::Limits;
+use crate::fragment::TEXEL_BYTES as DRAWN_BYTES;
 use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Options, Ray, RaySource};
+use crate::options::{Accelerator, Options, Ray, RaySource, ScheduleKind};
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
 use crate::structures::bvh::BvhError;
@@ -55,6 +56,9 @@ pub enum PlanError {
     /// The paper does not know the structure.
     #[error("the paper has no rules for an irregular grid: use --numerics robust, or --accelerator grid")]
     NoPaperRules,
+    /// Kernels cannot be mapped to fragment programs in such a run.
+    #[error("{0}")]
+    Mapping(&'static str),
     /// The program builds grids only.
     #[error("the program grid-build builds grids: use --accelerator grid or irregular, not {0}")]
     NotBuilt(Accelerator),
@@ -251,6 +255,27 @@ pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
         RaySource::Camera { .. } => return Ok(()),
     };
     Err(PlanError::Samples { count, reason })
+}
+
+/// Whether the kernels of a run can be fragment programs, if they are to be.
+pub(super) fn check_mapping(options: &Options, limits: &Limits) -> Result<(), PlanError> {
+    let Some(how) = options.mapping.fragment() else { return Ok(()) };
+    let fault = match options.schedule {
+        _ if u64::from(limits.color_bytes) < DRAWN_BYTES => {
+            Some("--mapping fragment draws on a GPU: use --device gpu, which may be a software driver")
+        }
+        ScheduleKind::Compact => {
+            Some("--mapping fragment has no lists of live rays: use --schedule second or first, not compact")
+        }
+        ScheduleKind::Fused => {
+            Some("--mapping fragment is for kernels that take one step: use --schedule second or first, not fused")
+        }
+        _ if options.samples.count > 1 => Some(
+            "--mapping fragment takes one sample per pixel: a mean of samples does not fit a texel with four components",
+        ),
+        _ => how.fault(),
+    };
+    fault.map_or(Ok(()), |fault| Err(PlanError::Mapping(fault)))
 }
 
 pub(super) fn check_buffer(name: &'static str, bytes: u64, limits: &Limits) -> Result<(), PlanError> {

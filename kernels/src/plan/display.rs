@@ -23,6 +23,9 @@ pub(crate) fn element(program: &Program, name: &str) -> &'static str {
         (None, "given") => "input rays: initial contents of some streams",
         (None, "live_rays") => "u32 per ray in the list of a kernel: x and y << 16",
         (None, "sent") => "256 bytes per pass: number of rays that the pass moved to each state",
+        (None, "depth") => "f32 per ray: the kernel that takes it, as a depth",
+        (None, "queries") => "8 bytes per pass: whether its last draw wrote a fragment",
+        (None, "queries_copy") => "copy of queries, for the host to read",
         (None, "sent_copy") => "copy of sent, for the host to read",
         (None, _) => "256 bytes per pass of its kernel: its arguments, and the position of its list",
     }

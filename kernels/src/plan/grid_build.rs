@@ -137,6 +137,7 @@ pub(crate) fn of(
         pass_bound: schedule.steps.len() as u64,
         schedule,
         variants,
+        drawn: None,
         streams,
         buffers,
         left_out: Vec::new(),

@@ -30,6 +30,8 @@ pub struct Limits {
     pub storage_bytes: u64,
     /// Most rays.
     pub rays: u64,
+    /// Most bytes per texel of all the streams that a fragment program writes; 0 if nothing is drawn.
+    pub color_bytes: u32,
     /// Most loop iterations of one thread in one dispatch, all of its loops together; the rest continues in the next
     /// dispatch.
     pub turns: u32,
@@ -41,5 +43,6 @@ pub(crate) const TURNS_WITHOUT_LIMIT: u32 = 1 << 22;
 
 impl Limits {
     /// The limits of the twins: memory is the only one, but images are kept to 2²⁶ pixels, about 6 GB of streams.
-    pub const CPU: Self = Self { image_side: 32_768, storage_bytes: 1 << 32, rays: 1 << 26, turns: u32::MAX };
+    pub const CPU: Self =
+        Self { image_side: 32_768, storage_bytes: 1 << 32, rays: 1 << 26, color_bytes: 0, turns: u32::MAX };
 }

@@ -7,6 +7,7 @@ mod again;
 mod check;
 mod decide;
 pub(crate) mod display;
+pub mod drawn;
 pub(crate) mod grid_build;
 pub(crate) mod limits;
 mod resolve;
@@ -21,6 +22,7 @@ use raystep_scenes::Scene;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
+use crate::options::mapping::Until;
 use crate::options::{Accelerator, Numerics, Options, ProgramName, RaySource, ScheduleKind};
 use crate::program::schedule::{Schedule, Step};
 use crate::program::{Kernel, Program};
@@ -38,9 +40,10 @@ pub use crate::options::reasons::Because;
 pub use crate::tables::elements::{folded_width as given_width, tiled};
 pub(crate) use check::{FARTHEST, why_untraceable};
 pub use check::{MAX_TEXELS, PlanError};
-use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};
+use check::{check_buffer, check_mapping, check_rays, check_samples, check_scene, check_texels, image_size};
 use decide::left_out;
 pub use display::PlanText;
+pub use drawn::DrawnPlan;
 pub use limits::{Limits, Loops};
 pub(crate) use resolve::Built;
 use resolve::{Resolved, resolve};
@@ -105,6 +108,8 @@ pub struct Plan {
     pub schedule: Schedule,
     /// The kernels as they will be compiled, in order of first use.
     pub variants: Vec<Variant>,
+    /// The kernels as fragment programs, if they are mapped to those.
+    pub drawn: Option<DrawnPlan>,
     /// Streams to allocate.
     pub streams: Vec<Planned<Stream>>,
     /// Uniforms and buffers to allocate, by name.
@@ -188,10 +193,16 @@ impl Allocated {
         size: Size,
         given: bool,
         limits: &Limits,
+        drawn: Option<&DrawnPlan>,
     ) -> Result<Self, PlanError> {
         let sets = vec![PlannedSet { what: program.elements[0], size: Some(size) }];
-        let streams = planned_streams(program, &sets, bound);
+        let mut streams = planned_streams(program, &sets, bound);
         let mut buffers = planned_buffers(program, bound, data, limits)?;
+        if let Some(drawn) = drawn {
+            streams.iter_mut().for_each(|stream| stream.bytes = drawn.stream_bytes(stream.what, size));
+            buffers.extend(drawn.housekeeping(size));
+            return Ok(Self { sets, streams, buffers });
+        }
         buffers.extend(housekeeping(program, bound, size.texels()));
         buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
         if given {
@@ -248,11 +259,17 @@ impl Plan {
         built: Option<Built>,
     ) -> Result<(Self, SceneData), PlanError> {
         if options.program == ProgramName::GridBuild {
+            if options.mapping.fragment().is_some() {
+                return Err(PlanError::Mapping(
+                    "--mapping fragment traces rays: the program grid-build cannot be drawn",
+                ));
+            }
             return grid_build::plan(scene, options, limits);
         }
         let units = Units::of(&scene.bounds());
         let (width, height, rays) = image_size(options, limits)?;
         check_scene(scene, units)?;
+        check_mapping(options, limits)?;
         check_rays(options, units)?;
         check_samples(options)?;
         if options.accelerator == Accelerator::Irregular && options.numerics == Numerics::Paper {
@@ -272,10 +289,15 @@ impl Plan {
         features.turns = if resumes == Resumes::default() { 0 } else { limits.turns };
         let features = features;
         let pass_bound = Walk { features: &features, structure: &structure, triangles }.most_passes(is_fused);
+        // A query finds out with a pass that a kernel has no rays.
+        let is_queried = options.mapping.fragment().is_some_and(|how| how.until == Until::Query);
+        let pass_bound = if is_queried { pass_bound.saturating_mul(2).saturating_add(4) } else { pass_bound };
 
         let program = &closest_hit::PROGRAM;
         let schedule = closest_hit::schedule::of(options, accelerator, &features);
         let variants = variants(program, &schedule, &features)?;
+        let drawn =
+            options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, &features, limits)).transpose()?;
         let bound = bound_by(&variants);
         if bound.contains("texels") {
             check_texels(scene, limits)?;
@@ -292,7 +314,8 @@ impl Plan {
         (data.bounds, data.reach) = (extent.bounds, extent.reach);
 
         let size = Size { width, height, count: rays as u32 };
-        let Allocated { sets, streams, buffers } = Allocated::new(program, &bound, &data, size, given, limits)?;
+        let Allocated { sets, streams, buffers } =
+            Allocated::new(program, &bound, &data, size, given, limits, drawn.as_ref())?;
         let mut plan = Self {
             program,
             sets,
@@ -306,6 +329,7 @@ impl Plan {
             features,
             schedule,
             variants,
+            drawn,
             streams,
             buffers,
             left_out: Vec::new(),

@@ -40,7 +40,8 @@ impl Plan {
             check_buffer("live_rays", LIVE_REGIONS * 4 * size.texels(), limits)?;
         }
         let bound = bound_by(&self.variants);
-        let Allocated { sets, streams, buffers } = Allocated::new(self.program, &bound, data, size, false, limits)?;
+        let Allocated { sets, streams, buffers } =
+            Allocated::new(self.program, &bound, data, size, false, limits, self.drawn.as_ref())?;
         Ok(Self { sets, streams, buffers, width, height, rays, ..self.clone() })
     }
 }

@@ -16,6 +16,7 @@ pub struct Checkpoint {
     kept: Kept,
     cursor: Cursor,
     counts: StateCounts,
+    believed: Option<StateCounts>,
     records: Records,
     unfinished: u64,
     alone: Option<[u32; 2]>,
@@ -62,6 +63,7 @@ impl Renderer {
             kept,
             cursor: self.cursor.clone(),
             counts: self.counts,
+            believed: self.believed,
             records: self.records.clone(),
             unfinished: self.unfinished,
             alone: self.alone,
@@ -80,6 +82,7 @@ impl Renderer {
         self.executor.restore(&checkpoint.kept)?;
         self.cursor = checkpoint.cursor.clone();
         self.counts = checkpoint.counts;
+        self.believed = checkpoint.believed;
         self.records.clone_from(&checkpoint.records);
         self.unfinished = checkpoint.unfinished;
         self.alone = checkpoint.alone;

@@ -11,8 +11,13 @@ use super::RenderError;
 use crate::executor::PassResult;
 use crate::executor::cpu::CpuExecutor;
 #[cfg(feature = "gpu")]
+use crate::executor::gpu::fragment::{self, FragmentExecutor};
+#[cfg(feature = "gpu")]
 use crate::executor::gpu::{Gpu, GpuExecutor, MOST_PASSES, Snapshot};
 use crate::executor::sizes::Sizes;
+use crate::options::Options;
+#[cfg(feature = "gpu")]
+use crate::options::mapping::Until;
 use crate::plan::{Limits, Plan};
 use crate::program::Kernel;
 use crate::scene_data::SceneData;
@@ -70,6 +75,8 @@ impl Device {
 pub(super) enum Executor {
     #[cfg(feature = "gpu")]
     Gpu(Box<GpuExecutor>),
+    #[cfg(feature = "gpu")]
+    Fragment(Box<FragmentExecutor>),
     Cpu(CpuExecutor<f32>),
     CpuF64(CpuExecutor<f64>),
 }
@@ -78,23 +85,38 @@ pub(super) enum Executor {
 pub(super) enum Kept {
     #[cfg(feature = "gpu")]
     Gpu(Box<Snapshot>),
+    #[cfg(feature = "gpu")]
+    Fragment(Box<fragment::Snapshot>),
     Cpu(Box<CpuExecutor<f32>>),
     CpuF64(Box<CpuExecutor<f64>>),
 }
 
 impl Executor {
-    /// With `timed`, passes are timed if the device has a clock. `given` are the input streams. An executor `beside` it
-    /// has the same data on the same device.
+    /// Passes are timed if the options ask for it and the device has a clock. `given` are the input streams. An executor
+    /// `beside` it has the same data on the same device.
     pub(super) async fn new(
         device: &Device,
         plan: &Arc<Plan>,
         data: &SceneData,
-        timed: bool,
+        options: &Options,
         given: &[StreamData],
         beside: Option<&Self>,
     ) -> Result<Self, RenderError> {
+        let timed = options.timings;
         let timer = |clock: &Option<fn() -> u64>| clock.filter(|_| timed);
         Ok(match device {
+            #[cfg(feature = "gpu")]
+            Device::Gpu(gpu) if let Some(drawn) = &plan.drawn => {
+                let other = match beside {
+                    Some(Self::Fragment(other)) => Some(&**other),
+                    _ => None,
+                };
+                let counts_each = options.keep_passes || drawn.how.until == Until::Count;
+                let mut executor = FragmentExecutor::new(gpu.clone(), plan, data, timed, counts_each, other).await?;
+                executor.give(given);
+                executor.clear();
+                Self::Fragment(Box::new(executor))
+            }
             #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => {
                 let other = match beside {
@@ -115,6 +137,8 @@ impl Executor {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.give(given),
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => e.give(given),
             // They take them at every clear.
             Self::Cpu(_) | Self::CpuF64(_) => {}
         }
@@ -125,6 +149,8 @@ impl Executor {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.set_view(data),
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => e.set_view(data),
             // They are given the data with every pass.
             Self::Cpu(_) | Self::CpuF64(_) => {}
         }
@@ -136,6 +162,8 @@ impl Executor {
             // It keeps copies of the input streams.
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => return e.clear(),
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => return e.clear(),
             Self::Cpu(e) => e.clear(),
             Self::CpuF64(e) => e.clear(),
         }
@@ -154,6 +182,8 @@ impl Executor {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(_) => MOST_PASSES,
+            #[cfg(feature = "gpu")]
+            Self::Fragment(_) => MOST_PASSES,
             Self::Cpu(_) | Self::CpuF64(_) => 1,
         }
     }
@@ -168,6 +198,8 @@ impl Executor {
         Ok(match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.run(passes, counts).await?,
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => e.run(passes).await?,
             Self::Cpu(e) => {
                 let result = e.run(passes[0], data)?;
                 let_others_run().await;
@@ -185,6 +217,8 @@ impl Executor {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => Ok(e.health()?),
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => Ok(e.health()?),
             Self::Cpu(_) | Self::CpuF64(_) => Ok(()),
         }
     }
@@ -193,6 +227,8 @@ impl Executor {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.size(elements),
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => e.size(elements),
             Self::Cpu(e) => e.size(elements),
             Self::CpuF64(e) => e.size(elements),
         }
@@ -203,6 +239,8 @@ impl Executor {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.sizes(),
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => e.sizes(),
             Self::Cpu(e) => e.sizes(),
             Self::CpuF64(e) => e.sizes(),
         }
@@ -212,6 +250,9 @@ impl Executor {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.resize(sizes)?,
+            #[cfg(feature = "gpu")]
+            // All sets have their sizes from the plan.
+            Self::Fragment(_) => {}
             Self::Cpu(e) => e.resize(sizes)?,
             Self::CpuF64(e) => e.resize(sizes)?,
         }
@@ -222,6 +263,8 @@ impl Executor {
         Ok(match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.read(stream).await?,
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => e.read(stream).await?,
             Self::Cpu(e) => e.read(stream),
             Self::CpuF64(e) => e.read(stream),
         })
@@ -236,6 +279,8 @@ impl Executor {
         Ok(match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.read_texels(streams, x, y).await?,
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => e.read_texels(streams, x, y).await?,
             Self::Cpu(e) => e.read_texels(streams, x, y),
             Self::CpuF64(e) => e.read_texels(streams, x, y),
         })
@@ -245,6 +290,8 @@ impl Executor {
         Ok(match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.read_region(stream, region).await?,
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => e.read_region(stream, region).await?,
             Self::Cpu(e) => e.read_region(stream, region),
             Self::CpuF64(e) => e.read_region(stream, region),
         })
@@ -255,6 +302,8 @@ impl Executor {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => e.write(data),
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => e.write(data),
             Self::Cpu(e) => e.write(data),
             Self::CpuF64(e) => e.write(data),
         }
@@ -276,6 +325,9 @@ impl Executor {
                 e.write_component(stream, layer, x, y, bits);
                 None
             }
+            // Streams are written whole.
+            #[cfg(feature = "gpu")]
+            Self::Fragment(_) => None,
             Self::Cpu(e) => {
                 e.write_component(stream, layer, x, y, bits);
                 Some(e.counts())
@@ -291,6 +343,8 @@ impl Executor {
         Ok(match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(e) => Kept::Gpu(Box::new(e.snapshot(counts).await?)),
+            #[cfg(feature = "gpu")]
+            Self::Fragment(e) => Kept::Fragment(Box::new(e.snapshot().await?)),
             Self::Cpu(e) => Kept::Cpu(Box::new(e.snapshot()?)),
             Self::CpuF64(e) => Kept::CpuF64(Box::new(e.snapshot()?)),
         })
@@ -301,6 +355,8 @@ impl Executor {
         match (self, kept) {
             #[cfg(feature = "gpu")]
             (Self::Gpu(e), Kept::Gpu(snapshot)) if snapshot.is_on(e.gpu()) => e.restore(snapshot)?,
+            #[cfg(feature = "gpu")]
+            (Self::Fragment(e), Kept::Fragment(snapshot)) if snapshot.is_on(e.gpu()) => e.restore(snapshot),
             (Self::Cpu(e), Kept::Cpu(kept)) => e.restore(kept)?,
             (Self::CpuF64(e), Kept::CpuF64(kept)) => e.restore(kept)?,
             _ => return Err(RenderError::OtherRun),
@@ -315,6 +371,8 @@ impl Kept {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(snapshot) => snapshot.parts().collect(),
+            #[cfg(feature = "gpu")]
+            Self::Fragment(snapshot) => snapshot.parts().collect(),
             Self::Cpu(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
             Self::CpuF64(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
         }

@@ -15,6 +15,7 @@ impl Renderer {
             // The counts decide which kernel runs next.
             self.counts = StateCounts::default();
             data.layer(STATE_TAG).iter().for_each(|&tag| self.counts[(tag as usize).min(state::COUNT - 1)] += 1);
+            self.believe_counts();
         }
         is_written
     }
@@ -36,13 +37,15 @@ impl Renderer {
             return Err(RenderError::NoLayer { stream: stream.name(), layer });
         }
         let is_tag = Some(stream) == self.plan.program.state_stream() && layer == STATE_TAG;
-        if is_tag && self.executor.is_gpu() {
-            // Counts and lists of live rays depend on every ray's tag.
+        if self.executor.is_gpu() && (is_tag || self.plan.drawn.is_some()) {
+            // Counts and lists of live rays depend on every ray's tag; and a part of a texel cannot be written.
             let mut data = self.values(stream).await?;
-            data.bits[y as usize * data.width as usize + x as usize] = bits;
+            let (width, height) = (data.width as usize, data.height as usize);
+            data.bits[(layer * height + y as usize) * width + x as usize] = bits;
             self.write(&data);
         } else if let Some(counts) = self.executor.write_component(stream, layer, x, y, bits) {
             self.counts = counts;
+            self.believe_counts();
         }
         Ok(())
     }
@@ -69,6 +72,7 @@ impl Renderer {
         }
         self.cursor = other.cursor.clone();
         self.counts = other.counts;
+        self.believed = other.believed;
         self.records.clone_from(&other.records);
         self.unfinished = other.unfinished;
         self.alone = other.alone;

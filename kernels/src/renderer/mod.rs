@@ -22,6 +22,7 @@ use crate::executor::Rounding;
 use crate::executor::cpu::CpuExecutor;
 #[cfg(feature = "gpu")]
 use crate::executor::gpu::GpuExecutor;
+use crate::options::mapping::Until;
 use crate::options::{Options, Ray, RaySource};
 use crate::plan::Plan;
 use crate::program::schedule::Cursor;
@@ -98,6 +99,8 @@ pub struct Renderer {
     given: Option<GivenRays>,
     cursor: Cursor,
     counts: StateCounts,
+    /// Rays in each state as far as occlusion queries tell, if those decide what runs next.
+    believed: Option<StateCounts>,
     records: Records,
     pass_bound: u64,
     unfinished: u64,
@@ -152,7 +155,7 @@ impl Renderer {
             RaySource::Camera { .. } => None,
         };
         let streams = given.as_ref().map_or(&[][..], |given| &given.streams);
-        let executor = Executor::new(device, &plan, &data, options.timings, streams, beside).await?;
+        let executor = Executor::new(device, &plan, &data, options, streams, beside).await?;
         Ok(Self::with(plan, data, options, given, executor))
     }
 
@@ -166,7 +169,7 @@ impl Renderer {
         beside: Option<&Self>,
     ) -> Result<Self, RenderError> {
         let beside = beside.map(|other| &other.executor);
-        let executor = Executor::new(device, &plan, &data, options.timings, &[], beside).await?;
+        let executor = Executor::new(device, &plan, &data, options, &[], beside).await?;
         Ok(Self::with(plan, data, options, None, executor))
     }
 
@@ -192,6 +195,7 @@ impl Renderer {
             given,
             cursor: Cursor::start(),
             counts: StateCounts::default(),
+            believed: None,
             records: Records::new(options.keep_passes),
             pass_bound,
             unfinished: 0,
@@ -230,6 +234,13 @@ impl Renderer {
         if let Some(ray) = self.alone {
             self.leave_out_others(ray);
         }
+        self.believe_counts();
+    }
+
+    /// Lets the schedule know all rays in each state.
+    fn believe_counts(&mut self) {
+        let is_queried = self.plan.drawn.as_ref().is_some_and(|drawn| drawn.how.until == Until::Query);
+        self.believed = is_queried.then_some(self.counts);
     }
 
     /// Sets the number of elements in a state, if the program has states.
@@ -322,6 +333,8 @@ impl Renderer {
         match &self.executor {
             #[cfg(feature = "gpu")]
             Executor::Gpu(e) => e.device_ns(),
+            #[cfg(feature = "gpu")]
+            Executor::Fragment(e) => e.device_ns(),
             _ => self.records.totals().duration_ns,
         }
     }
@@ -334,6 +347,8 @@ impl Renderer {
         match &self.executor {
             #[cfg(feature = "gpu")]
             Executor::Gpu(e) => e.host_ns(),
+            #[cfg(feature = "gpu")]
+            Executor::Fragment(e) => e.host_ns(),
             _ => self.device_ns(),
         }
     }

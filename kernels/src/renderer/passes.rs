@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use super::{Pass, Progress, RenderError, Renderer};
 use crate::program::Kernel;
+use crate::tables::state::StateCounts;
 use crate::tables::stream::STATE_TAG;
 
 /// Most rays times passes per submission, unless that is fewer than two passes.
@@ -32,7 +33,7 @@ impl Renderer {
         if self.is_over_bound() {
             cursor.leave_walk(&self.plan.schedule);
         }
-        let kernel = cursor.next(&self.plan.schedule, &self.counts)?;
+        let kernel = cursor.next(&self.plan.schedule, self.scheduled())?;
         Some((kernel, cursor.iteration))
     }
 
@@ -130,18 +131,21 @@ impl Renderer {
         if self.is_over_bound() {
             self.give_up_walks().await?;
         }
-        let guess = self.cursor.guess(&self.plan.schedule, &self.counts, most);
+        let guess = self.cursor.guess(&self.plan.schedule, self.scheduled(), most);
         if guess.is_empty() {
             return Ok(0);
         }
         self.is_ahead = true;
         let results = self.executor.run(&guess, &self.counts, &self.data).await?;
         let mut recorded = 0;
+        // Whether the rays in each state are known.
+        let mut is_counted = true;
         for result in &results {
             let mut ahead = self.cursor.clone();
-            if ahead.next(&self.plan.schedule, &self.counts) != Some(result.kernel) {
+            if ahead.next(&self.plan.schedule, self.scheduled()) != Some(result.kernel) {
                 // The remaining passes were submitted ahead, for rays that have already left.
-                if results[recorded..].iter().any(|r| r.counts != self.counts) {
+                let differs = |counts: StateCounts| is_counted && counts != self.counts;
+                if results[recorded..].iter().any(|r| r.counts.is_some_and(differs)) {
                     return Err(RenderError::Overshoot(self.pass_count()));
                 }
                 break;
@@ -151,22 +155,45 @@ impl Renderer {
                 _ => result.kernel.live(&self.counts),
             };
             self.cursor = ahead;
-            self.counts = result.counts;
-            self.records.push(Pass {
+            is_counted &= result.counts.is_some();
+            self.counts = result.counts.unwrap_or(self.counts);
+            self.believe(result.kernel, result.is_active.unwrap_or(rays_in > 0));
+            let pass = Pass {
                 index: self.pass_count(),
                 iteration: self.cursor.iteration,
                 kernel: result.kernel,
                 rays_in,
-                counts: result.counts,
+                counts: self.counts,
                 threads_launched: result.threads_launched,
                 begin_ns: result.begin_ns,
                 duration_ns: result.duration_ns,
                 rounding: result.rounding,
-            });
+            };
+            self.records.push(pass, is_counted);
             recorded += 1;
+        }
+        // Passes that were not needed have changed nothing.
+        if let Some(counts) = results.last().and_then(|last| last.counts) {
+            self.counts = counts;
         }
         self.is_ahead = false;
         Ok(recorded)
+    }
+
+    /// The rays in each state as far as the schedule knows.
+    fn scheduled(&self) -> &StateCounts {
+        self.believed.as_ref().unwrap_or(&self.counts)
+    }
+
+    /// What an occlusion query tells after a pass of a kernel: whether rays were there, not where they are now. If so, some
+    /// may be in any state that the kernel sends them to; if not, none is in its own states.
+    fn believe(&mut self, kernel: Kernel, is_active: bool) {
+        let Some(believed) = &mut self.believed else { return };
+        let rays = self.plan.width * self.plan.height;
+        match is_active {
+            true => kernel.info().sends.iter().for_each(|sent| believed[sent.to as usize] = rays),
+            false => kernel.info().takes.iter().for_each(|&tag| believed[tag as usize] = 0),
+        }
     }
 
     /// Only possible with the paper's numerics: a ray wraps over a face of the grid.

@@ -11,8 +11,8 @@ use crate::tables::kernel::Role;
 pub struct KernelSummary {
     /// Number of passes.
     pub passes: usize,
-    /// Rays worked on, summed over its passes.
-    pub rays_in: u64,
+    /// Rays worked on, summed over its passes; `null` unless they were counted in every pass.
+    pub rays_in: Option<u64>,
     /// Device time; `null` unless every pass was timed.
     pub duration_ns: Option<u64>,
 }
@@ -39,20 +39,24 @@ impl Default for PassTotals {
 impl PassTotals {
     /// Adds a pass.
     pub fn add(&mut self, pass: &Pass) {
+        self.add_counted(pass, true);
+    }
+
+    fn add_counted(&mut self, pass: &Pass, is_counted: bool) {
         let plus = |sum: Option<u64>| sum.zip(pass.duration_ns).map(|(a, b)| a.saturating_add(b));
         self.passes += 1;
         self.threads_launched += pass.threads_launched;
         self.duration_ns = plus(self.duration_ns);
-        let none = KernelSummary { duration_ns: Some(0), ..KernelSummary::default() };
+        let none = KernelSummary { passes: 0, rays_in: Some(0), duration_ns: Some(0) };
         let kernel = self.kernels.entry(pass.kernel.name()).or_insert(none);
         kernel.passes += 1;
-        kernel.rays_in += u64::from(pass.rays_in);
+        kernel.rays_in = kernel.rays_in.filter(|_| is_counted).map(|rays| rays + u64::from(pass.rays_in));
         kernel.duration_ns = plus(kernel.duration_ns);
     }
 
-    /// [`Pass::rays_in`], summed.
+    /// [`Pass::rays_in`], summed; `None` unless rays were counted in every pass.
     #[must_use]
-    pub fn rays_in(&self) -> u64 {
+    pub fn rays_in(&self) -> Option<u64> {
         self.kernels.values().map(|kernel| kernel.rays_in).sum()
     }
 }
@@ -86,10 +90,11 @@ impl Records {
         *self = Self::new(self.is_kept);
     }
 
-    pub(super) fn push(&mut self, pass: Pass) {
-        self.totals.add(&pass);
+    /// Adds a pass. Unless `is_counted`, its numbers of rays are not known, and it is not kept.
+    pub(super) fn push(&mut self, pass: Pass, is_counted: bool) {
+        self.totals.add_counted(&pass, is_counted);
         self.of_sample = if pass.kernel.role() == Role::Source { 0 } else { self.of_sample + 1 };
-        self.last = Some(pass);
+        self.last = Some(pass).filter(|_| is_counted);
         if self.is_kept {
             self.kept.push(pass);
         }

@@ -108,8 +108,17 @@ impl GpuExecutor {
             }
             let duration_ns = runs.map_or(duration_ns, |runs: Runs| runs.duration_ns());
             let rounding = runs.and_then(|runs| runs.rounding());
-            let counts = now;
-            results.push(PassResult { kernel, counts, elements, threads_launched, begin_ns, duration_ns, rounding });
+            let counts = Some(now);
+            results.push(PassResult {
+                kernel,
+                counts,
+                is_active: None,
+                elements,
+                threads_launched,
+                begin_ns,
+                duration_ns,
+                rounding,
+            });
         }
         Ok(results)
     }

@@ -43,9 +43,17 @@ pub(super) struct Timers {
 impl Timers {
     /// `None` if the device's timestamps are not valid times.
     pub(super) fn new(gpu: &Gpu, plan: &Plan, each_pass: bool) -> Option<Self> {
+        Self::with_room(gpu, plan, each_pass, 2 * MOST_PASSES as u32)
+    }
+
+    /// As [`new`](Self::new), for passes that are several draws each.
+    pub(super) fn of_draws(gpu: &Gpu, plan: &Plan, each_pass: bool) -> Option<Self> {
+        Self::with_room(gpu, plan, each_pass, wgpu::QUERY_SET_MAX_QUERIES)
+    }
+
+    fn with_room(gpu: &Gpu, plan: &Plan, each_pass: bool, count: u32) -> Option<Self> {
         let ticks = gpu.clock_period_ns().and_then(|_| gpu.ticks())?;
         let device = &gpu.device;
-        let count = 2 * MOST_PASSES as u32;
         let buffer = |name, usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(&plan.label(name)),
@@ -84,6 +92,21 @@ impl Timers {
 
     pub(super) fn writes(&self, begin: Option<u32>, end: Option<u32>) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         (begin.is_some() || end.is_some()).then_some(wgpu::ComputePassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: begin,
+            end_of_pass_write_index: end,
+        })
+    }
+}
+
+impl Timers {
+    /// The same for a render pass.
+    pub(super) fn draw_writes(
+        &self,
+        begin: Option<u32>,
+        end: Option<u32>,
+    ) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        (begin.is_some() || end.is_some()).then_some(wgpu::RenderPassTimestampWrites {
             query_set: &self.set,
             beginning_of_pass_write_index: begin,
             end_of_pass_write_index: end,

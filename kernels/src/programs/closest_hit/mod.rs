@@ -105,8 +105,9 @@ pub fn own(kernel: Kernel) -> Option<&'static Own> {
 
 /// WGSL modules that kernels import from, by name: `package::NAME`.
 fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
+    let live = if features.fragments { include_str!("live_fragment.wgsl") } else { include_str!("live.wgsl") };
     let own = [
-        ("live", include_str!("live.wgsl")),
+        ("live", live),
         ("ray", include_str!("ray.wgsl")),
         ("arrival", include_str!("arrival.wgsl")),
         ("grid_lists", include_str!("grid_lists.wgsl")),

@@ -1,0 +1,192 @@
+//! Runs kernels as fragment programs: each pass is one or more draws of a quad over all rays.
+
+mod batch;
+mod pipelines;
+mod results;
+mod snapshot;
+mod streams;
+
+use std::mem::offset_of;
+use std::sync::Arc;
+
+use super::timers::Timers;
+use super::{Gpu, GpuError, scene_buffers};
+use crate::executor::sizes::Sizes;
+use crate::plan::{DrawnPlan, Plan};
+use crate::scene_data::SceneData;
+use crate::shared::scene::SceneInfo;
+use crate::tables::elements::{Elements, Size};
+use crate::tables::stream::{Region, Stream, StreamData};
+use pipelines::Pipelines;
+use results::Results;
+use snapshot::Copies;
+pub(crate) use snapshot::Snapshot;
+use streams::StreamTextures;
+pub use streams::component_of;
+
+/// Runs a plan's kernels as fragment programs.
+pub struct FragmentExecutor {
+    gpu: Arc<Gpu>,
+    plan: Arc<Plan>,
+    drawn: DrawnPlan,
+    /// Whether rays are counted after every pass, rather than at the end of a batch.
+    counts_each: bool,
+    streams: StreamTextures,
+    buffers: Vec<(&'static str, wgpu::Buffer)>,
+    pipelines: Pipelines,
+    results: Results,
+    timers: Option<Timers>,
+    given: Vec<StreamData>,
+    device_ns: Option<u64>,
+    host_ns: Option<u64>,
+    copies: Copies,
+}
+
+impl FragmentExecutor {
+    /// Allocates the plan's streams and buffers, uploads the buffers and compiles the draws. Validation and out-of-memory
+    /// errors are returned and cause no panic. `counts_each`: the number of rays in each state is wanted after every pass.
+    /// An executor `beside` it has the same data.
+    ///
+    /// # Errors
+    /// If the plan has no draws, or the device refuses or is lost.
+    pub(crate) async fn new(
+        gpu: Arc<Gpu>,
+        plan: &Arc<Plan>,
+        data: &SceneData,
+        timed: bool,
+        counts_each: bool,
+        beside: Option<&Self>,
+    ) -> Result<Self, GpuError> {
+        gpu.health()?;
+        let drawn = plan.drawn.clone().ok_or(GpuError::Missing("fragment"))?;
+        let scopes = gpu.push_scopes();
+        let buffers = scene_buffers(&gpu.device, plan, data, |name: &str| beside.and_then(|other| other.buffer(name)));
+        let streams = StreamTextures::new(&gpu.device, plan, &drawn);
+        let results = Results::new(&gpu.device, plan);
+        let pipelines = Pipelines::new(&gpu.device, plan, &drawn);
+        let timers = Timers::of_draws(&gpu, plan, timed);
+        let mut executor = Self {
+            plan: plan.clone(),
+            drawn,
+            counts_each,
+            streams,
+            buffers,
+            pipelines,
+            results,
+            timers,
+            given: Vec::new(),
+            device_ns: None,
+            host_ns: None,
+            copies: Copies::default(),
+            gpu,
+        };
+        executor.clear();
+        executor.set_size();
+        executor.gpu.pop_scopes(scopes).await?;
+        Ok(executor)
+    }
+
+    /// Whether the device can still run passes.
+    pub(crate) fn health(&self) -> Result<(), GpuError> {
+        self.gpu.health()
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> &Arc<Gpu> {
+        &self.gpu
+    }
+
+    fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
+        self.buffers.iter().find(|(n, _)| *n == name).map(|(_, b)| b)
+    }
+
+    /// Uploads what depends on the camera.
+    pub(crate) fn set_view(&self, data: &SceneData) {
+        for (name, buffer) in &self.buffers {
+            if let Some(info) = self.plan.program.buffer(name).filter(|info| info.is_of_view) {
+                self.gpu.queue.write_buffer(buffer, 0, info.contents(data));
+            }
+        }
+        self.set_size();
+    }
+
+    fn set_size(&self) {
+        if let Some(scene) = self.buffer("scene") {
+            let size = [self.plan.width, self.plan.height];
+            self.gpu.queue.write_buffer(scene, offset_of!(SceneInfo, size) as u64, bytemuck::bytes_of(&size));
+        }
+    }
+
+    /// Sets the initial contents of some streams from now on: input rays.
+    pub(crate) fn give(&mut self, streams: &[StreamData]) {
+        self.given = streams.to_vec();
+    }
+
+    /// Resets every stream to its initial contents.
+    pub(crate) fn clear(&mut self) {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.streams.clear(&mut encoder);
+        self.gpu.submit([encoder.finish()]);
+        self.copies.forget_all();
+        self.device_ns = self.timers.as_ref().map(|_| 0);
+        self.host_ns = self.gpu.host_clock().map(|_| 0);
+        for data in std::mem::take(&mut self.given) {
+            // A plan for input rays has these streams.
+            let _: bool = self.write(&data);
+            self.given.push(data);
+        }
+    }
+
+    /// Replaces a stream. Returns false if the plan left it out or the size differs.
+    pub(crate) fn write(&mut self, data: &StreamData) -> bool {
+        self.copies.forget(data.stream);
+        self.streams.write(&self.gpu, data)
+    }
+
+    /// The texture of a stream: `rgba32uint`, a texel per ray, a component per layer.
+    #[must_use]
+    pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
+        self.streams.get(stream).map(|textures| textures.current())
+    }
+
+    /// The size of a set.
+    #[must_use]
+    pub fn size(&self, elements: &Elements) -> Option<Size> {
+        self.plan.sets.iter().find(|set| set.what.name == elements.name).and_then(|set| set.size)
+    }
+
+    /// The size of each set.
+    pub(crate) fn sizes(&self) -> Sizes {
+        Sizes::new(&self.plan)
+    }
+
+    /// Names and sizes in bytes of everything that is allocated on the device.
+    #[must_use]
+    pub fn allocated(&self) -> Vec<(&'static str, u64)> {
+        let buffers = self.buffers.iter().map(|(name, buffer)| (*name, buffer.size()));
+        let depth = self.pipelines.depth_bytes().map(|bytes| ("depth", bytes));
+        self.streams.allocated().chain(buffers).chain(self.results.allocated()).chain(depth).collect()
+    }
+
+    /// Device time of all passes so far, see [`GpuExecutor::device_ns`](super::GpuExecutor::device_ns).
+    #[must_use]
+    pub fn device_ns(&self) -> Option<u64> {
+        self.device_ns
+    }
+
+    /// Host time of all passes so far, see [`GpuExecutor::host_ns`](super::GpuExecutor::host_ns).
+    #[must_use]
+    pub fn host_ns(&self) -> Option<u64> {
+        self.host_ns
+    }
+
+    /// The values of a stream; `None` if the plan left it out.
+    ///
+    /// # Errors
+    /// If the device is lost or refuses.
+    pub async fn read(&self, stream: Stream) -> Result<Option<StreamData>, GpuError> {
+        let region = Region { x: 0, y: 0, width: self.plan.width, height: self.plan.height };
+        self.read_region(stream, region).await
+    }
+}

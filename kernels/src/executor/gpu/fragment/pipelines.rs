@@ -1,0 +1,401 @@
+//! Render pipelines of the draws, the depth test between rays and kernels, and the bind groups of all.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+use super::streams::{FORMAT, StreamTextures};
+use crate::executor::gpu::GpuError;
+use crate::fragment::{DrawnKernel, ENTRY, Shader, depth_of};
+use crate::options::mapping::{Cull, Update};
+use crate::plan::{DrawnPlan, Plan};
+use crate::program::Kernel;
+use crate::shader::{Binding, Resource};
+use crate::tables::sizes::COUNT_SLOT_BYTES;
+use crate::tables::state::COUNT;
+use crate::tables::stream::Stream;
+
+/// A quad of the image's size, at the depth of the kernel that is drawn.
+const QUAD: &str = "override depth: f32;
+
+@vertex
+fn quad(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    let corner = vec2<f32>(f32(index & 1u), f32(index >> 1u));
+    return vec4<f32>(2.0 * corner - 1.0, depth, 1.0);
+}
+";
+
+const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Vertices of the quad, a strip of two triangles.
+pub(super) const CORNERS: u32 = 4;
+
+/// What a shader binds.
+struct Bound {
+    bindings: Vec<Binding>,
+    layouts: Vec<wgpu::BindGroupLayout>,
+    /// Bind groups, by which textures of the streams they hold: a bit for each binding of a stream.
+    groups: HashMap<u64, Vec<wgpu::BindGroup>>,
+}
+
+/// A draw of a kernel.
+pub(super) struct DrawPipeline {
+    pub(super) label: String,
+    pub(super) targets: Vec<Stream>,
+    pipeline: wgpu::RenderPipeline,
+    bound: Bound,
+}
+
+/// A kernel's draws.
+pub(super) struct Drawn {
+    pub(super) kernel: Kernel,
+    /// The streams that it reads and writes.
+    pub(super) updates: Vec<Stream>,
+    pub(super) draws: Vec<DrawPipeline>,
+}
+
+impl Drawn {
+    /// The streams that it writes.
+    pub(super) fn writes(&self) -> impl Iterator<Item = Stream> + '_ {
+        self.draws.iter().flat_map(|draw| draw.targets.iter().copied())
+    }
+}
+
+/// The draw that turns states into depths.
+struct Depth {
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    pipeline: wgpu::RenderPipeline,
+    bound: Bound,
+}
+
+/// The compute shader that counts rays.
+struct Counter {
+    pipeline: wgpu::ComputePipeline,
+    bound: Bound,
+    groups: [u32; 2],
+}
+
+/// Everything that draws and counts.
+pub(super) struct Pipelines {
+    pub(super) drawn: Vec<Drawn>,
+    depth: Option<Depth>,
+    counter: Counter,
+    update: Update,
+}
+
+/// What shaders bind.
+pub(super) struct Bindable<'a> {
+    pub(super) device: &'a wgpu::Device,
+    pub(super) streams: &'a StreamTextures,
+    pub(super) buffers: &'a [(&'static str, wgpu::Buffer)],
+    pub(super) sent: &'a wgpu::Buffer,
+    /// The streams that are read from their other texture, where the copy is.
+    pub(super) copied: &'a [Stream],
+}
+
+impl Pipelines {
+    pub(super) fn new(device: &wgpu::Device, plan: &Plan, drawn: &DrawnPlan) -> Self {
+        let quad = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("quad"),
+            source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(QUAD)),
+        });
+        let is_tested = drawn.how.cull == Cull::EarlyZ;
+        let kernels = drawn.kernels.iter().map(|kernel| kernel_pipelines(device, &quad, kernel, is_tested)).collect();
+        let depth = drawn.depths.as_ref().map(|shader| {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(&plan.label("depth")),
+                size: wgpu::Extent3d { width: plan.width, height: plan.height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: DEPTH_FORMAT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            });
+            let bound = Bound::new(device, shader, wgpu::ShaderStages::FRAGMENT);
+            let state = depth_state(true, wgpu::CompareFunction::Always);
+            let pipeline = pipeline(device, &quad, "depth", shader, &bound, 0, 0.0, Some(state));
+            Depth { view: texture.create_view(&Default::default()), texture, pipeline, bound }
+        });
+        let bound = Bound::new(device, &drawn.counter, wgpu::ShaderStages::COMPUTE);
+        let label = plan.label("count");
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&bound.layout(device, &label)),
+            module: &module(device, &label, &drawn.counter.source),
+            entry_point: Some(ENTRY),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let side = crate::shared::constants::LIST_SIDE;
+        let groups = [plan.width, plan.height].map(|length| length.div_ceil(side));
+        Self { drawn: kernels, depth, counter: Counter { pipeline, bound, groups }, update: drawn.how.update }
+    }
+
+    pub(super) fn depth_bytes(&self) -> Option<u64> {
+        let bytes = |texture: &wgpu::Texture| 4 * u64::from(texture.width()) * u64::from(texture.height());
+        self.depth.as_ref().map(|depth| bytes(&depth.texture))
+    }
+
+    pub(super) fn index(&self, kernel: Kernel) -> Option<usize> {
+        self.drawn.iter().position(|drawn| drawn.kernel == kernel)
+    }
+
+    /// Whether a draw of depths comes before those of a kernel.
+    pub(super) fn has_depth(&self) -> bool {
+        self.depth.is_some()
+    }
+
+    /// Turns the states into depths.
+    pub(super) fn draw_depth(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        with: &Bindable<'_>,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> Result<(), GpuError> {
+        let Some(depth) = &mut self.depth else { return Ok(()) };
+        let groups = depth.bound.groups(with, "depth")?;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("depth"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth.view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            timestamp_writes,
+            ..Default::default()
+        });
+        pass.set_pipeline(&depth.pipeline);
+        set(&mut pass, groups);
+        pass.draw(0..CORNERS, 0..1);
+        Ok(())
+    }
+
+    /// Draws into the targets of a draw; `query`: a set and an index for whether it wrote any fragment.
+    pub(super) fn draw(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        (kernel, draw): (usize, usize),
+        with: &Bindable<'_>,
+        query: Option<(&wgpu::QuerySet, u32)>,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> Result<(), GpuError> {
+        let name = self.drawn[kernel].kernel.name();
+        let draw = &mut self.drawn[kernel].draws[draw];
+        let is_swapped = self.update == Update::Swap;
+        let mut targets = Vec::new();
+        for &stream in &draw.targets {
+            let textures = with.streams.get(stream).ok_or(GpuError::Missing(stream.name()))?;
+            let index = if is_swapped { textures.other_index() } else { textures.holder };
+            targets.push(Some(wgpu::RenderPassColorAttachment {
+                view: textures.view(index),
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+            }));
+        }
+        let depth = self.depth.as_ref().map(|depth| wgpu::RenderPassDepthStencilAttachment {
+            view: &depth.view,
+            // Only tested.
+            depth_ops: None,
+            stencil_ops: None,
+        });
+        let groups = draw.bound.groups(with, name)?;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(&draw.label),
+            color_attachments: &targets,
+            depth_stencil_attachment: depth,
+            timestamp_writes,
+            occlusion_query_set: query.map(|(set, _)| set),
+            ..Default::default()
+        });
+        pass.set_pipeline(&draw.pipeline);
+        set(&mut pass, groups);
+        if let Some((_, index)) = query {
+            pass.begin_occlusion_query(index);
+        }
+        pass.draw(0..CORNERS, 0..1);
+        if query.is_some() {
+            pass.end_occlusion_query();
+        }
+        Ok(())
+    }
+
+    /// Counts the rays in each state, in a slot of `sent`.
+    pub(super) fn count(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        with: &Bindable<'_>,
+        slot: u32,
+    ) -> Result<(), GpuError> {
+        let Counter { pipeline, bound, groups: [x, y] } = &mut self.counter;
+        let live: Vec<bool> = (0..bound.layouts.len() as u32).map(|group| bound.is_live(group)).collect();
+        let groups = bound.groups(with, "count")?;
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("count"), timestamp_writes: None });
+        pass.set_pipeline(pipeline);
+        for ((group, bind_group), is_live) in (0..).zip(groups).zip(live) {
+            let offset = [slot * COUNT_SLOT_BYTES as u32];
+            pass.set_bind_group(group, bind_group, if is_live { &offset } else { &[] });
+        }
+        pass.dispatch_workgroups(*x, *y, 1);
+        Ok(())
+    }
+}
+
+fn set(pass: &mut wgpu::RenderPass<'_>, groups: &[wgpu::BindGroup]) {
+    for (index, group) in (0..).zip(groups) {
+        pass.set_bind_group(index, group, &[]);
+    }
+}
+
+fn kernel_pipelines(device: &wgpu::Device, quad: &wgpu::ShaderModule, drawn: &DrawnKernel, is_tested: bool) -> Drawn {
+    let kernel = drawn.kernel;
+    let depth = is_tested.then(|| depth_state(false, wgpu::CompareFunction::Equal));
+    let draw = |draw: &crate::fragment::Draw| {
+        let names: Vec<&str> = draw.targets.iter().map(|stream| stream.name()).collect();
+        let label = format!("{}.{} to {}", kernel.program().name, kernel.name(), names.join(", "));
+        let bound = Bound::new(device, &draw.shader, wgpu::ShaderStages::FRAGMENT);
+        let targets = draw.targets.len();
+        let pipeline = pipeline(device, quad, &label, &draw.shader, &bound, targets, depth_of(kernel), depth.clone());
+        DrawPipeline { label, targets: draw.targets.clone(), pipeline, bound }
+    };
+    Drawn { kernel, updates: drawn.updates.clone(), draws: drawn.draws.iter().map(draw).collect() }
+}
+
+fn depth_state(is_written: bool, compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(is_written),
+        depth_compare: Some(compare),
+        stencil: Default::default(),
+        bias: Default::default(),
+    }
+}
+
+fn module(device: &wgpu::Device, label: &str, source: &str) -> wgpu::ShaderModule {
+    let source = wgpu::ShaderSource::Wgsl(Cow::Borrowed(source));
+    device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source })
+}
+
+#[expect(clippy::too_many_arguments, reason = "all differ between the draws")]
+fn pipeline(
+    device: &wgpu::Device,
+    quad: &wgpu::ShaderModule,
+    label: &str,
+    shader: &Shader,
+    bound: &Bound,
+    targets: usize,
+    depth: f32,
+    depth_stencil: Option<wgpu::DepthStencilState>,
+) -> wgpu::RenderPipeline {
+    let constants = [("depth", f64::from(depth))];
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(label),
+        layout: Some(&bound.layout(device, label)),
+        vertex: wgpu::VertexState {
+            module: quad,
+            entry_point: Some("quad"),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
+        depth_stencil,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module(device, label, &shader.source),
+            entry_point: Some(ENTRY),
+            compilation_options: Default::default(),
+            targets: &vec![Some(FORMAT.into()); targets],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+impl Bound {
+    fn new(device: &wgpu::Device, shader: &Shader, visibility: wgpu::ShaderStages) -> Self {
+        let count = shader.bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
+        let layout = |group: u32| {
+            let entries = shader.bindings.iter().filter(|b| b.group == group).map(|b| wgpu::BindGroupLayoutEntry {
+                binding: b.index,
+                visibility,
+                ty: binding_type(&b.resource),
+                count: None,
+            });
+            let entries: Vec<_> = entries.collect();
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+        };
+        let layouts = (0..count).map(layout).collect();
+        Self { bindings: shader.bindings.clone(), layouts, groups: HashMap::new() }
+    }
+
+    fn layout(&self, device: &wgpu::Device, label: &str) -> wgpu::PipelineLayout {
+        device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &self.layouts.iter().map(Some).collect::<Vec<_>>(),
+            immediate_size: 0,
+        })
+    }
+
+    /// Whether a group holds counters.
+    fn is_live(&self, group: u32) -> bool {
+        self.bindings.iter().any(|b| b.group == group && matches!(b.resource, Resource::Live { .. }))
+    }
+
+    /// The bind groups, with the textures that hold the streams' values now.
+    fn groups(&mut self, with: &Bindable<'_>, name: &'static str) -> Result<&[wgpu::BindGroup], GpuError> {
+        let missing = || GpuError::Missing(name);
+        let mut held = Vec::new();
+        for binding in &self.bindings {
+            held.push(match binding.stream() {
+                None => None,
+                Some(stream) => {
+                    let textures = with.streams.get(stream).ok_or_else(missing)?;
+                    let is_copied = with.copied.contains(&stream);
+                    Some((textures, if is_copied { textures.other_index() } else { textures.holder }))
+                }
+            });
+        }
+        let key = held.iter().flatten().enumerate().fold(0, |key, (bit, (_, index))| key | (*index as u64) << bit);
+        if !self.groups.contains_key(&key) {
+            let mut made = Vec::new();
+            for (group, layout) in (0..).zip(&self.layouts) {
+                let mut entries = Vec::new();
+                for (binding, held) in self.bindings.iter().zip(&held).filter(|(binding, _)| binding.group == group) {
+                    let resource = match (held, &binding.resource) {
+                        (Some((textures, index)), _) => wgpu::BindingResource::TextureView(textures.view(*index)),
+                        (None, Resource::Live { .. }) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                            buffer: with.sent,
+                            offset: 0,
+                            size: std::num::NonZeroU64::new(4 * COUNT as u64),
+                        }),
+                        (None, _) => {
+                            let found = with.buffers.iter().find(|(name, _)| *name == binding.name);
+                            found.map(|(_, buffer)| buffer.as_entire_binding()).ok_or_else(missing)?
+                        }
+                    };
+                    entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
+                }
+                let descriptor = wgpu::BindGroupDescriptor { label: Some(name), layout, entries: &entries };
+                made.push(with.device.create_bind_group(&descriptor));
+            }
+            self.groups.insert(key, made);
+        }
+        self.groups.get(&key).map(Vec::as_slice).ok_or_else(missing)
+    }
+}
+
+fn binding_type(resource: &Resource) -> wgpu::BindingType {
+    let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+    match resource {
+        Resource::ReadStream(_) | Resource::WriteStream { .. } => wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Uint,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        Resource::Uniform | Resource::Launch => buffer(wgpu::BufferBindingType::Uniform, false),
+        Resource::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
+        Resource::Live { writable } => buffer(wgpu::BufferBindingType::Storage { read_only: !writable }, true),
+    }
+}

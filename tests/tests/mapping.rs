@@ -1,0 +1,124 @@
+//! Kernels as fragment programs leave the same bits in every stream as compute shaders, after every pass.
+
+use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Until, Update};
+use raystep_kernels::plan::DrawnPlan;
+use raystep_kernels::{Accelerator, Device, Limits, Numerics, Options, Pass, Plan, Renderer, ScheduleKind};
+use raystep_tests::{block_on, differences, gpu, options, scene, streams_of, thorough};
+
+/// Every choice that goes together.
+fn choices() -> Vec<Fragment> {
+    let mut all = Vec::new();
+    for &targets in Targets::ALL {
+        for &update in Update::ALL {
+            for &cull in Cull::ALL {
+                all.extend(Until::ALL.iter().map(|&until| Fragment { targets, update, cull, until }));
+            }
+        }
+    }
+    all.retain(|how| how.fault().is_none());
+    all
+}
+
+/// The next pass that worked on a ray: a query only finds out with a pass more that a kernel has none.
+async fn next_with_rays(renderer: &mut Renderer) -> Option<Pass> {
+    loop {
+        match renderer.step().await.expect("a pass") {
+            Some(pass) if pass.rays_in == 0 => {}
+            other => return other,
+        }
+    }
+}
+
+/// Runs both mappings side by side, the drawn one with a changed plan; returns the number of passes that were compared, or
+/// what differs.
+fn compare(name: &str, options: &Options, how: Fragment, change: impl FnOnce(&mut DrawnPlan)) -> Result<usize, String> {
+    let (gpu, scene) = (gpu(), scene(name));
+    let device = Device::Gpu(gpu.clone());
+    block_on(Some(&gpu), async {
+        let mut computed = Renderer::new(&scene, options, &device).await.expect("a renderer");
+        let options = Options { mapping: Mapping::Fragment(how), ..options.clone() };
+        let (mut plan, data) = Plan::new(&scene, &options, &Limits::from(&*gpu)).map_err(|e| e.to_string())?;
+        change(plan.drawn.as_mut().expect("draws"));
+        let mut drawn = Renderer::from_plan(plan, data, &options, &device).await.map_err(|e| e.to_string())?;
+        let mut passes = 0;
+        loop {
+            let (wanted, found) = (next_with_rays(&mut computed).await, next_with_rays(&mut drawn).await);
+            let what = |pass: &Pass| (pass.kernel, pass.rays_in);
+            if wanted.as_ref().map(what) != found.as_ref().map(what) {
+                return Err(format!(
+                    "pass {passes} is {:?}, not {:?}",
+                    found.map(|p| what(&p)),
+                    wanted.map(|p| what(&p))
+                ));
+            }
+            let Some(kernel) = wanted.map(|pass| pass.kernel) else { return Ok(passes) };
+            for stream in streams_of(computed.plan()) {
+                let (a, b) =
+                    (computed.values(stream).await.expect("values"), drawn.values(stream).await.expect("values"));
+                if let Some(first) = differences(&a, &b).next() {
+                    return Err(format!("{kernel:?}: {stream:?} differs after pass {passes}: {first:?}"));
+                }
+            }
+            if (wanted.map(|pass| pass.counts)) != found.map(|pass| pass.counts) {
+                return Err(format!("{kernel:?}: rays are counted wrong after pass {passes}"));
+            }
+            passes += 1;
+        }
+    })
+}
+
+#[test]
+fn fragment_programs_leave_the_bits_of_compute_shaders() {
+    let names: &[&str] = if thorough() { &["cornell-box.gltf", "teapot.glb"] } else { &["cornell-box.gltf"] };
+    let mut number = 0;
+    for name in names {
+        let base = options(&scene(name), 20, 16);
+        for (accelerator, numerics) in [
+            (Accelerator::Grid, Numerics::Robust),
+            (Accelerator::Grid, Numerics::Paper),
+            (Accelerator::Irregular, Numerics::Robust),
+            (Accelerator::Bvh, Numerics::Robust),
+            (Accelerator::None, Numerics::Robust),
+        ] {
+            for schedule in [ScheduleKind::First, ScheduleKind::Second] {
+                for (index, how) in choices().into_iter().enumerate() {
+                    number += 1;
+                    if !thorough() && number % 5 != index % 5 {
+                        continue;
+                    }
+                    let counters = index % 2 == 0;
+                    let options = Options { accelerator, numerics, schedule, counters, ..base.clone() };
+                    let which = format!("{name} {accelerator} {schedule} {numerics} {how:?}");
+                    match compare(name, &options, how, |_| {}) {
+                        Ok(passes) => assert!(passes > 4, "{which}: {passes} passes"),
+                        Err(difference) => panic!("{which}: {difference}"),
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What is wrong with a draw is found by the comparison, in the kernel's pass.
+#[test]
+fn a_broken_draw_is_named() {
+    let name = "cornell-box.gltf";
+    let options = Options { schedule: ScheduleKind::Second, ..options(&scene(name), 20, 16) };
+    let paper = Fragment::default();
+    let broken = |how, change: fn(&mut DrawnPlan)| compare(name, &options, how, change).expect_err("a difference");
+
+    let early = Fragment { cull: Cull::EarlyZ, ..paper };
+    let found = broken(early, |drawn| {
+        let depths = drawn.depths.as_mut().expect("depths");
+        depths.source = depths.source.replace("return 0.0234375", "return 0.0234376");
+    });
+    assert!(found.contains("intersect"), "another depth: {found}");
+
+    // Texels that are discarded then hold what they held two passes before.
+    let found = broken(paper, |drawn| drawn.how.update = Update::Swap);
+    assert!(found.contains("differs"), "no copy: {found}");
+
+    // The query of the last draw then counts hits.
+    let found = broken(paper, |drawn| drawn.kernels.iter_mut().for_each(|kernel| kernel.draws.reverse()));
+    assert!(found.contains("pass"), "states first: {found}");
+}
