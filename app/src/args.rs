@@ -13,6 +13,7 @@ use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
 
 use crate::error::Error;
+use crate::mapping::MappingArgs;
 
 /// The scene file.
 #[derive(Args, Debug)]
@@ -152,12 +153,29 @@ pub(crate) struct RunArgs {
     /// How the walk of a ray is divided into passes: intersect until no ray is active there, then traverse once
     /// (first); intersect and traverse alternately (second); several steps per pass, for active rays only (compact);
     /// the whole walk in one pass (fused)
-    #[arg(long, default_value = "compact", value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
+    #[arg(long, default_value = "compact", default_value_if("mapping", "fragment", "second"),
+          value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
     pub(crate) schedule: ScheduleKind,
+    #[command(flatten)]
+    pub(crate) mapping: MappingArgs,
     #[command(flatten)]
     pub(crate) tuning: TuningArgs,
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
+}
+
+impl RunArgs {
+    /// Refuses options that would have no effect.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.mapping.check()?;
+        self.tuning.check(&[self.accelerator], &[self.schedule])
+    }
+
+    /// The options of a run.
+    pub(crate) fn options(&self, rays: RaySource) -> Options {
+        let Self { accelerator, schedule, mapping, tuning, .. } = self;
+        Options { accelerator: *accelerator, schedule: *schedule, mapping: mapping.mapping(), ..tuning.options(rays) }
+    }
 }
 
 /// Tracing options except for the two that 'bench' combines itself.
@@ -245,7 +263,7 @@ impl TuningArgs {
 }
 
 /// Where passes run.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Device")]
 pub(crate) struct DeviceArgs {
     /// Where passes run: on a GPU adapter or on the CPU

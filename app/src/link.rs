@@ -31,7 +31,8 @@ pub(crate) struct LinkArgs {
         value_name = "LINK",
         conflicts_with_all = [
             "scene", "scene_index", "size", "camera", "eye", "look_at", "up", "fov", "accelerator", "schedule",
-            "numerics", "grid", "skip", "steps_per_pass", "keep_all", "spp", "sampler", "seed",
+            "mapping", "targets", "update", "cull", "until", "numerics", "grid", "skip", "steps_per_pass", "keep_all", "spp",
+            "sampler", "seed",
         ]
     )]
     pub(crate) link: Option<String>,
@@ -100,6 +101,7 @@ fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, E
         run: RunArgs {
             accelerator: link.accelerator,
             schedule: link.schedule,
+            mapping: link.mapping.into(),
             tuning: TuningArgs {
                 numerics: link.numerics,
                 grid: link.grid,
@@ -139,6 +141,7 @@ pub(crate) fn link_of(wanted: &Wanted) -> Result<Link, Error> {
         size: [view.size.width, view.size.height],
         accelerator: run.accelerator,
         schedule: run.schedule,
+        mapping: run.mapping.mapping(),
         numerics: run.tuning.numerics,
         grid: run.tuning.grid,
         skip: run.tuning.skip,

@@ -7,6 +7,7 @@ mod device;
 mod error;
 mod interrupt;
 mod link;
+mod mapping;
 mod output;
 mod rays_file;
 mod scene_file;

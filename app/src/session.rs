@@ -69,7 +69,7 @@ impl Session {
         progress: &Progress,
         adjust: impl FnOnce(&mut Options),
     ) -> Result<Self, Error> {
-        run.tuning.check(&[run.accelerator], &[run.schedule])?;
+        run.check()?;
         view.samples.check()?;
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
@@ -84,10 +84,10 @@ impl Session {
         }
         watch.lap("load");
         progress.stage("looking for a device");
-        let chosen = device::choose(&run.device)?;
+        let chosen = device::choose(&run.mapping.device(&run.device))?;
         watch.lap("device");
         let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
-        let mut options = Options { accelerator: run.accelerator, schedule: run.schedule, ..run.tuning.options(rays) };
+        let mut options = run.options(rays);
         options.samples = view.samples.into();
         adjust(&mut options);
         progress.stage("planning and building");

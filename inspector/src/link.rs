@@ -15,6 +15,7 @@
 //! | `camera`; or `eye`, `look-at`, `up`, `fov` | number of the scene's camera; or points, and degrees | the first; up 0,1,0, fov 40 |
 //! | `size` | WxH, pixels | 512x512 |
 //! | `accelerator`, `schedule`, `numerics` | as the options | grid, compact, robust |
+//! | `mapping`; `targets`, `update`, `cull`, `until` | as the options | compute; those of the option, and schedule second |
 //! | `grid`, `skip` | as the options | auto |
 //! | `steps-per-pass` | of the compact schedule | 1: every step is a pass |
 //! | `keep-all` | true, false | false |
@@ -33,6 +34,7 @@ use std::fmt;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use raystep_kernels::options::ProgramName;
+use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream};
 use raystep_lab::Hash;
 
@@ -50,7 +52,7 @@ pub const MOST_CELLS: u32 = 4096;
 pub const MOST_STEPS: u32 = 4096;
 
 /// Every key, in the order in which they are written.
-pub const KEYS: [&str; 28] = [
+pub const KEYS: [&str; 33] = [
     "scene",
     "scene-index",
     "scene-hash",
@@ -63,6 +65,11 @@ pub const KEYS: [&str; 28] = [
     "program",
     "accelerator",
     "schedule",
+    "mapping",
+    "targets",
+    "update",
+    "cull",
+    "until",
     "numerics",
     "grid",
     "skip",
@@ -113,6 +120,8 @@ pub struct Link {
     pub schedule: ScheduleKind,
     /// Rules for planes, steps and hits.
     pub numerics: Numerics,
+    /// How kernels are mapped to a GPU.
+    pub mapping: Mapping,
     /// Cells of the grid.
     pub grid: GridSize,
     /// Whether rays skip over empty cells.
@@ -225,6 +234,7 @@ impl Default for Link {
             accelerator: Accelerator::Grid,
             schedule: ScheduleKind::Compact,
             numerics: Numerics::Robust,
+            mapping: Mapping::Compute,
             grid: GridSize::Auto,
             skip: Skip::Auto,
             steps_per_pass: 1,
@@ -242,6 +252,14 @@ impl Default for Link {
 }
 
 impl Link {
+    /// The schedule that is left out of a link with this mapping.
+    fn schedule_of(mapping: Mapping) -> ScheduleKind {
+        match mapping {
+            Mapping::Compute => ScheduleKind::Compact,
+            Mapping::Fragment(_) => ScheduleKind::Second,
+        }
+    }
+
     /// The keys and values that differ from the defaults.
     fn pairs(&self) -> Vec<(&'static str, String)> {
         let default = Self::default();
@@ -264,7 +282,16 @@ impl Link {
         add("size", (self.size != default.size).then(|| format!("{width}x{height}")));
         add("program", (self.program != default.program).then(|| self.program.to_string()));
         add("accelerator", (self.accelerator != default.accelerator).then(|| self.accelerator.to_string()));
-        add("schedule", (self.schedule != default.schedule).then(|| self.schedule.to_string()));
+        let schedule = Self::schedule_of(self.mapping);
+        add("schedule", (self.schedule != schedule).then(|| self.schedule.to_string()));
+        if let Mapping::Fragment(how) = self.mapping {
+            let paper = Fragment::default();
+            add("mapping", Some(MappingName::Fragment.to_string()));
+            add("targets", (how.targets != paper.targets).then(|| how.targets.to_string()));
+            add("update", (how.update != paper.update).then(|| how.update.to_string()));
+            add("cull", (how.cull != paper.cull).then(|| how.cull.to_string()));
+            add("until", (how.until != paper.until).then(|| how.until.to_string()));
+        }
         add("numerics", (self.numerics != default.numerics).then(|| self.numerics.to_string()));
         add(
             "grid",

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use raystep_kernels::options::ProgramName;
+use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{
     Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip,
 };
@@ -84,6 +85,9 @@ pub struct Settings {
     pub accelerator: Accelerator,
     /// The schedule, one with steps.
     pub schedule: ScheduleKind,
+    /// How kernels are mapped to a GPU.
+    #[serde(default)]
+    pub mapping: Mapping,
     /// The rules for planes, steps and hits.
     pub numerics: Numerics,
     /// How fine the grid is.
@@ -115,6 +119,7 @@ impl Default for Settings {
             program: ProgramName::ClosestHit,
             accelerator: Accelerator::Grid,
             schedule: ScheduleKind::Compact,
+            mapping: Mapping::Compute,
             numerics: Numerics::Robust,
             grid: GridSize::Auto,
             skip: Skip::Auto,
@@ -179,6 +184,7 @@ impl From<&Link> for Settings {
             program: link.program,
             accelerator: link.accelerator,
             schedule: link.schedule,
+            mapping: link.mapping,
             numerics: link.numerics,
             grid: link.grid,
             skip: link.skip,
@@ -190,7 +196,8 @@ impl From<&Link> for Settings {
             samples: link.samples,
             device: match link.device {
                 // An adapter's name is the name of a GPU.
-                LinkDevice::Auto if link.adapter.is_none() => DeviceKind::Auto,
+                // Fragment programs are drawn, if only by software.
+                LinkDevice::Auto if link.adapter.is_none() && link.mapping == Mapping::Compute => DeviceKind::Auto,
                 LinkDevice::Auto | LinkDevice::Gpu => DeviceKind::Gpu,
                 LinkDevice::Cpu => DeviceKind::Cpu,
             },
@@ -219,6 +226,7 @@ impl Settings {
             program: self.program,
             accelerator: self.accelerator,
             schedule: self.schedule,
+            mapping: self.mapping,
             numerics: self.numerics,
             grid: self.grid,
             skip: self.skip,
@@ -254,6 +262,7 @@ impl Settings {
             program: self.program,
             accelerator: self.accelerator,
             schedule: if self.schedule.is_stepped() { self.schedule } else { ScheduleKind::Compact },
+            mapping: self.mapping,
             numerics: self.numerics,
             grid: self.grid,
             skip: self.skip,

@@ -1,23 +1,9 @@
 //! Kernels as fragment programs leave the same bits in every stream as compute shaders, after every pass.
 
-use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Until, Update};
+use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Update};
 use raystep_kernels::plan::DrawnPlan;
 use raystep_kernels::{Accelerator, Device, Limits, Numerics, Options, Pass, Plan, Renderer, ScheduleKind};
 use raystep_tests::{block_on, differences, gpu, options, scene, streams_of, thorough};
-
-/// Every choice that goes together.
-fn choices() -> Vec<Fragment> {
-    let mut all = Vec::new();
-    for &targets in Targets::ALL {
-        for &update in Update::ALL {
-            for &cull in Cull::ALL {
-                all.extend(Until::ALL.iter().map(|&until| Fragment { targets, update, cull, until }));
-            }
-        }
-    }
-    all.retain(|how| how.fault().is_none());
-    all
-}
 
 /// The next pass that worked on a ray: a query only finds out with a pass more that a kernel has none.
 async fn next_with_rays(renderer: &mut Renderer) -> Option<Pass> {
@@ -81,7 +67,7 @@ fn fragment_programs_leave_the_bits_of_compute_shaders() {
             (Accelerator::None, Numerics::Robust),
         ] {
             for schedule in [ScheduleKind::First, ScheduleKind::Second] {
-                for (index, how) in choices().into_iter().enumerate() {
+                for (index, how) in Fragment::all().enumerate() {
                     number += 1;
                     if !thorough() && number % 5 != index % 5 {
                         continue;

@@ -57,8 +57,8 @@ pub(crate) struct InspectArgs {
         value_name = "F.md",
         conflicts_with_all = [
             "scene", "scene_index", "link", "pixel", "pass", "program", "size", "camera", "eye", "look_at", "up", "fov",
-            "accelerator", "schedule", "numerics", "grid", "skip", "steps_per_pass", "keep_all", "spp", "sampler",
-            "seed",
+            "accelerator", "schedule", "mapping", "targets", "update", "cull", "until", "numerics", "grid", "skip",
+            "steps_per_pass", "keep_all", "spp", "sampler", "seed",
         ]
     )]
     lesson: Option<PathBuf>,
@@ -196,8 +196,8 @@ fn of_session(args: InspectArgs, path: &Path) -> Result<(WindowArgs, Start), Err
     let own = InspectArgs::of(path)?;
     let of_run = |args: &InspectArgs| {
         let InspectArgs { link, pixel, pass, program, view, run, .. } = args;
-        let RunArgs { accelerator, schedule, tuning, device } = run;
-        let run = format!("{accelerator:?} {schedule:?} {tuning:?} {:?}", device.device);
+        let RunArgs { accelerator, schedule, mapping, tuning, device } = run;
+        let run = format!("{accelerator:?} {schedule:?} {mapping:?} {tuning:?} {:?}", device.device);
         format!("{:?} {pixel:?} {pass:?} {program:?} {view:?} {run}", link.scene_index)
     };
     if of_run(&args) != of_run(&own) {
@@ -257,7 +257,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
         link.wanted(view, run)?
     };
     let run = &wanted.run;
-    run.tuning.check(&[run.accelerator], &[run.schedule])?;
+    run.check()?;
     wanted.view.samples.check()?;
     if !run.schedule.is_stepped() {
         return Err(Error::usage(

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use percent_encoding::percent_decode_str;
 use raystep_kernels::options::ProgramName;
+use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
 use raystep_kernels::programs;
 use raystep_kernels::{GridSize, Ray, Samples, Stream};
 
@@ -28,6 +29,7 @@ impl FromStr for Link {
         let pairs = Pairs::read(query)?;
         let default = Self::default();
         let program = pairs.take("program", named)?.unwrap_or(default.program);
+        let mapping = mapping(&pairs)?;
         let link = Self {
             scene: pairs.take("scene", |v| not_empty(v).ok_or("expected a file".into()))?,
             scene_index: pairs.take("scene-index", count)?,
@@ -36,7 +38,8 @@ impl FromStr for Link {
             size: pairs.take("size", size)?.unwrap_or(default.size),
             program,
             accelerator: pairs.take("accelerator", named)?.unwrap_or(default.accelerator),
-            schedule: pairs.take("schedule", named)?.unwrap_or(default.schedule),
+            schedule: pairs.take("schedule", named)?.unwrap_or(Self::schedule_of(mapping)),
+            mapping,
             numerics: pairs.take("numerics", named)?.unwrap_or(default.numerics),
             grid: pairs.take("grid", grid)?.unwrap_or(default.grid),
             skip: pairs.take("skip", named)?.unwrap_or(default.skip),
@@ -101,6 +104,24 @@ impl Pairs {
     ) -> Result<Option<T>, LinkError> {
         let Some((_, value)) = self.0.iter().find(|(k, _)| *k == key) else { return Ok(None) };
         parse(value).map(Some).map_err(|wanted| LinkError::Value { key, value: start(value), wanted })
+    }
+}
+
+fn mapping(pairs: &Pairs) -> Result<Mapping, LinkError> {
+    let how = Fragment::of(
+        pairs.take("targets", named)?,
+        pairs.take("update", named)?,
+        pairs.take("cull", named)?,
+        pairs.take("until", named)?,
+    );
+    match pairs.take("mapping", named)?.unwrap_or(MappingName::Compute) {
+        MappingName::Fragment => match how.fault() {
+            None => Ok(Mapping::Fragment(how)),
+            Some(fault) => {
+                Err(LinkError::Value { key: "mapping", value: "fragment".into(), wanted: fault.replace("--", "") })
+            }
+        },
+        MappingName::Compute => Ok(Mapping::Compute),
     }
 }
 

@@ -1,5 +1,6 @@
+use raystep_kernels::options::mapping::{Cull, Fragment, Mapping};
 use raystep_kernels::programs::stream;
-use raystep_kernels::{Accelerator, Numerics, Sampler, Samples};
+use raystep_kernels::{Accelerator, Numerics, Sampler, Samples, ScheduleKind};
 
 use super::*;
 use crate::link::{Link, LinkRay};
@@ -39,6 +40,11 @@ fn recipes() -> Vec<Recipe> {
         of(Settings {
             view: free(Some(33.3)),
             samples: Samples { count: 4, sampler: Sampler::Sobol, seed: 7 },
+            ..Settings::default()
+        }),
+        of(Settings {
+            mapping: Mapping::Fragment(Fragment { cull: Cull::EarlyZ, ..Fragment::default() }),
+            schedule: ScheduleKind::First,
             ..Settings::default()
         }),
         of(Settings { ray: Some([0.1, 0.2, 3.0, 0.0, -0.0, -1.0]), size: [512, 512], ..Settings::default() }),

@@ -2,6 +2,7 @@
 
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
 use raystep_kernels::options::ProgramName;
+use raystep_kernels::options::mapping::{Fragment, Mapping};
 use raystep_kernels::programs;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip};
@@ -69,6 +70,10 @@ impl Random {
             program,
             accelerator: self.of(Accelerator::ALL),
             schedule: self.of(ScheduleKind::ALL),
+            mapping: match self.below(2) {
+                0 => Mapping::Compute,
+                _ => Mapping::Fragment(self.of(&Fragment::all().collect::<Vec<_>>())),
+            },
             numerics: self.of(Numerics::ALL),
             grid: self.maybe(|r| [0; 3].map(|_| 1 + r.below(4096) as u32)).map_or(GridSize::Auto, GridSize::Cells),
             skip: self.of(Skip::ALL),

@@ -1,6 +1,6 @@
 use super::*;
 use crate::options::features::Features;
-use crate::options::mapping::{Cull, Fragment, Targets, Until, Update};
+use crate::options::mapping::{Fragment, Targets};
 use crate::programs::closest_hit::{kernels, streams};
 
 /// Options of the kernels that change what a fragment program reads or writes.
@@ -31,26 +31,12 @@ fn kernels_of(features: &Features) -> Vec<Kernel> {
     [kernels::GENERATE, kernels::SETUP, kernels::INTERSECT, kernels::SHADE].into_iter().chain(step).collect()
 }
 
-fn choices() -> Vec<Fragment> {
-    let mut all = Vec::new();
-    for &targets in Targets::ALL {
-        for &cull in Cull::ALL {
-            for &update in Update::ALL {
-                let until = if cull == Cull::None { Until::Count } else { Until::Query };
-                all.push(Fragment { targets, update, cull, until });
-            }
-        }
-    }
-    all.retain(|how| how.fault().is_none());
-    all
-}
-
 #[test]
 fn every_kernel_becomes_valid_draws_of_all_its_streams() {
     for features in features() {
         for kernel in kernels_of(&features) {
             let variant = Variant::new(kernel, &features).expect("a variant");
-            for how in choices() {
+            for how in Fragment::all() {
                 for most in [1, 2, 4] {
                     let drawn =
                         DrawnKernel::new(&variant, how, most).unwrap_or_else(|e| panic!("{features:?} {how:?}: {e}"));
@@ -67,19 +53,4 @@ fn every_kernel_becomes_valid_draws_of_all_its_streams() {
             }
         }
     }
-}
-
-#[test]
-fn show() {
-    let features = features()[2];
-    let variant = Variant::new(kernels::INTERSECT, &features).expect("a variant");
-    for targets in [Targets::One, Targets::Many] {
-        let how = Fragment { targets, ..Fragment::default() };
-        for draw in DrawnKernel::new(&variant, how, 2).expect("draws").draws {
-            println!("=== {:?}\n{}", draw.targets, draw.shader.source);
-        }
-    }
-    let count = Variant::new(kernels::COUNT, &features).expect("count");
-    println!("{}", reader(&count).expect("a reader").source);
-    println!("{}", depths(streams::STATE, &kernels_of(&features)).source);
 }

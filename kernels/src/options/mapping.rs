@@ -2,8 +2,19 @@
 
 use crate::numbers::named::named;
 
+/// How kernels are mapped to a GPU, without the choices of a mapping.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MappingName {
+    /// As compute shaders.
+    #[default]
+    Compute,
+    /// As fragment programs.
+    Fragment,
+}
+
 /// How kernels are mapped to a GPU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mapping {
     /// As compute shaders, which update streams in place.
     #[default]
@@ -16,10 +27,10 @@ pub enum Mapping {
 impl Mapping {
     /// Its name: the value of `--mapping`.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> MappingName {
         match self {
-            Self::Compute => "compute",
-            Self::Fragment(_) => "fragment",
+            Self::Compute => MappingName::Compute,
+            Self::Fragment(_) => MappingName::Fragment,
         }
     }
 
@@ -35,6 +46,7 @@ impl Mapping {
 
 /// The choices of the fragment mapping. The default is what the paper's hardware allowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fragment {
     /// `--targets`
     pub targets: Targets,
@@ -88,12 +100,31 @@ pub enum Until {
     Count,
 }
 
+named!(MappingName, "compute, fragment", Compute "compute", Fragment "fragment");
 named!(Targets, "one, many", One "one", Many "many");
 named!(Update, "copy, swap", Copy "copy", Swap "swap");
 named!(Cull, "none, discard, early-z", None "none", Discard "discard", EarlyZ "early-z");
 named!(Until, "query, count", Query "query", Count "count");
 
 impl Fragment {
+    /// These choices, and for the others what goes with them, or the default.
+    #[must_use]
+    pub fn of(targets: Option<Targets>, update: Option<Update>, cull: Option<Cull>, until: Option<Until>) -> Self {
+        let update = update.unwrap_or_default();
+        let cull = cull.unwrap_or(if update == Update::Swap { Cull::None } else { Cull::default() });
+        let until = until.unwrap_or(if cull == Cull::None { Until::Count } else { Until::default() });
+        Self { targets: targets.unwrap_or_default(), update, cull, until }
+    }
+
+    /// All choices that go together.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let targets = Targets::ALL.iter().map(|&targets| Self { targets, ..Self::default() });
+        let updates = targets.flat_map(|how| Update::ALL.iter().map(move |&update| Self { update, ..how }));
+        let culls = updates.flat_map(|how| Cull::ALL.iter().map(move |&cull| Self { cull, ..how }));
+        let all = culls.flat_map(|how| Until::ALL.iter().map(move |&until| Self { until, ..how }));
+        all.filter(|how| how.fault().is_none())
+    }
+
     /// Why these choices do not go together.
     #[must_use]
     pub fn fault(&self) -> Option<&'static str> {

@@ -175,10 +175,8 @@ impl Server {
     async fn at(&mut self) -> Result<Option<At>, Trouble> {
         let Some(run) = &mut self.run else { return Ok(None) };
         let renderer = run.session.renderer();
-        if renderer.gpu().is_some() {
-            // Without its device the run has no place: the last known place is where to resume.
-            self.devices.gpu.health().map_err(|error| Trouble::Failed(error.to_string()))?;
-        }
+        // Without its device the run has no place: the last known place is where to resume.
+        renderer.health().map_err(|error| Trouble::Failed(error.to_string()))?;
         // Streams come and go with the sizes of their elements.
         let is_fixed = renderer.plan().sets.iter().all(|set| set.size.is_some());
         let now = textures(&self.devices.gpu, renderer, &mut run.copies);

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use egui::{ComboBox, DragValue, Ui};
+use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, MappingName, Targets, Until, Update};
 use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip};
 
 use crate::session::request::Request;
@@ -88,9 +89,13 @@ fn choice<T: Copy + PartialEq + Display>(ui: &mut Ui, name: &str, about: &str, a
 }
 
 fn tracing(ui: &mut Ui, draft: &mut Settings) {
-    let stepped: Vec<ScheduleKind> = ScheduleKind::ALL.iter().copied().filter(|s| s.is_stepped()).collect();
     choice(ui, "accelerator", "acceleration structure", Accelerator::ALL, &mut draft.accelerator);
+    let is_drawn = draft.mapping != Mapping::Compute;
+    // Fragment programs append to no lists.
+    let possible = |schedule: &ScheduleKind| schedule.is_stepped() && !(is_drawn && *schedule == ScheduleKind::Compact);
+    let stepped: Vec<ScheduleKind> = ScheduleKind::ALL.iter().copied().filter(possible).collect();
     choice(ui, "schedule", "the order in which kernels run", &stepped, &mut draft.schedule);
+    mapping(ui, draft);
     choice(ui, "numerics", "the rules for planes, steps and hits", Numerics::ALL, &mut draft.numerics);
     if draft.accelerator == Accelerator::Grid {
         choice(ui, "skip empty space", "whether rays skip over empty cells", Skip::ALL, &mut draft.skip);
@@ -116,6 +121,43 @@ fn tracing(ui: &mut Ui, draft: &mut Settings) {
     });
     response.response.labelled_by(label.id);
     ui.end_row();
+}
+
+/// How kernels are mapped to a GPU.
+fn mapping(ui: &mut Ui, draft: &mut Settings) {
+    let mut name = draft.mapping.name();
+    let about =
+        "how kernels run: as compute shaders, or as fragment programs that draw into streams, as on GPUs before 2006";
+    choice(ui, "mapping", about, MappingName::ALL, &mut name);
+    if name != draft.mapping.name() {
+        draft.mapping = match name {
+            MappingName::Compute => Mapping::Compute,
+            MappingName::Fragment => Mapping::Fragment(Fragment::default()),
+        };
+    }
+    let Mapping::Fragment(how) = &mut draft.mapping else { return };
+    choice(ui, "targets", "streams that a draw writes", Targets::ALL, &mut how.targets);
+    choice(ui, "update", "how a kernel reads a stream that it also writes", Update::ALL, &mut how.update);
+    // What does not go together cannot be chosen.
+    if how.update == Update::Swap {
+        how.cull = Cull::None;
+    }
+    choice(ui, "cull", "how a kernel avoids rays in other states", Cull::ALL, &mut how.cull);
+    if how.cull == Cull::None {
+        how.until = Until::Count;
+    } else {
+        how.update = Update::Copy;
+    }
+    choice(ui, "until", "what ends the loops of the schedule", Until::ALL, &mut how.until);
+    if how.cull == Cull::None {
+        how.until = Until::Count;
+    }
+    if draft.schedule == ScheduleKind::Compact {
+        draft.schedule = ScheduleKind::Second;
+    }
+    if draft.device != DeviceKind::Gpu {
+        draft.device = DeviceKind::Gpu;
+    }
 }
 
 fn grid(ui: &mut Ui, size: &mut GridSize) {
