@@ -4,10 +4,12 @@
 
 use std::io::Cursor;
 
-use raystep_kernels::export::csv::{PassWork, PassesCsv, RunContext};
+use raystep_kernels::DrawTime;
+use raystep_kernels::export::csv::{DrawnPart, PassesCsv, RunContext};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, npy};
+use raystep_kernels::plan::Plan;
 use raystep_kernels::{Kernel, Pass, StreamData};
 use raystep_lab::text::counted;
 use serde::Serialize;
@@ -67,16 +69,22 @@ impl Export {
     }
 }
 
-/// Passes as rows of `passes.csv`, as in `bench`. `work` has what each pass did, if counters were requested.
+/// Passes as rows of `passes.csv`, as in `bench`. `draws` are the parts of each, if passes are drawn.
 ///
 /// # Errors
 /// [`ExportError::Csv`].
-pub fn passes_csv(run: &RunContext, passes: &[Pass], work: &[PassWork]) -> Result<Export, ExportError> {
+pub fn passes_csv(
+    run: &RunContext,
+    plan: &Plan,
+    passes: &[Pass],
+    draws: &[Vec<DrawTime>],
+) -> Result<Export, ExportError> {
     let mut bytes = Vec::new();
     let failed = |e: std::io::Error| ExportError::Csv(e.to_string());
     let mut csv = PassesCsv::new(&mut bytes).map_err(failed)?;
     for (i, pass) in passes.iter().enumerate() {
-        csv.write(run, pass, work.get(i).copied()).map_err(failed)?;
+        let parts = draws.get(i).map(|draws| DrawnPart::of(plan, pass, draws));
+        csv.write(run, pass, parts.as_deref().unwrap_or_default(), None).map_err(failed)?;
     }
     csv.finish().map_err(failed)?;
     Ok(Export::new(&format!("{}.passes", run.scene), "csv", bytes, counted(passes.len(), "row")))

@@ -59,9 +59,9 @@ pub mod shared;
 pub mod structures;
 pub mod tables;
 
-pub use executor::Rounding;
 #[cfg(feature = "gpu")]
 pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, HostPolls, Load, adapters};
+pub use executor::{DrawTime, Drawing, Rounding};
 pub use options::keep::{Item, Keep};
 pub use options::samples::Samples;
 pub use options::{Accelerator, BuiltBy, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
+use raystep_kernels::options::ParseOptionError;
+use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Accelerator, RaySource, ScheduleKind};
 use raystep_lab::bench::gate::{self, Gate, Verdict};
 use raystep_lab::bench::{self, Baseline};
@@ -17,7 +19,7 @@ use raystep_lab::meter::Meter;
 use raystep_lab::{RayKind, Size, Subject};
 
 use crate::args::{
-    CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, TuningArgs, counted, named, parse_size, whole,
+    CameraArgs, DeviceArgs, DeviceKind, QuietArgs, ReadArgs, SceneArgs, TuningArgs, counted, named, parse_size, whole,
 };
 use crate::commands::distinct;
 use crate::commands::input::{self, Input};
@@ -70,6 +72,11 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "S,T…", value_delimiter = ',', default_value = ScheduleKind::default().name(),
           value_parser = named(ScheduleKind::ALL, ScheduleKind::name), help_heading = "What is measured")]
     schedules: Vec<ScheduleKind>,
+    /// How kernels are mapped to the GPU: compute, or fragment, with choices that differ from those of the paper, such as
+    /// fragment+many+early-z; see 'raystep render --help'. Fragment programs run with schedules first and second
+    #[arg(long, value_name = "M,N…", value_delimiter = ',', default_value = "compute", value_parser = parse_mapping,
+          help_heading = "What is measured")]
+    mappings: Vec<Mapping>,
     /// Width and height in pixels
     #[arg(
         long,
@@ -135,6 +142,11 @@ pub(crate) struct BenchArgs {
     device: DeviceArgs,
 }
 
+/// Parses `--mappings`.
+fn parse_mapping(text: &str) -> Result<Mapping, ParseOptionError> {
+    text.parse()
+}
+
 /// Parses `--at-most`.
 fn parse_ratio(text: &str) -> Result<f64, String> {
     let ratio = text.parse::<f64>().ok().filter(|ratio| (0.01..=1000.0).contains(ratio));
@@ -151,6 +163,7 @@ impl BenchArgs {
         Ok(bench::Wanted {
             accelerators: distinct(&self.accelerators),
             schedules: distinct(&self.schedules),
+            mappings: distinct(&self.mappings),
             sizes: distinct(&self.sizes),
             rays: distinct(&self.rays),
             file: self.rays_file.as_deref().map(|path| rays_file::read(path, None)).transpose()?.map(Arc::new),
@@ -159,6 +172,16 @@ impl BenchArgs {
             seed: self.seed,
             tuning: self.tuning.options(RaySource::Given(Vec::new())),
         })
+    }
+
+    /// Where passes run: fragment programs need a GPU, if only one in software.
+    fn device(&self) -> DeviceArgs {
+        let mut device = self.device.clone();
+        let draws = self.mappings.iter().any(|&mapping| mapping != Mapping::Compute);
+        if draws && device.device == DeviceKind::Auto && device.adapter.is_none() {
+            device.device = DeviceKind::Gpu;
+        }
+        device
     }
 
     fn repeats(&self) -> u32 {
@@ -178,6 +201,13 @@ struct Done {
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
     args.tuning.check(&args.accelerators, &args.schedules)?;
+    let is_drawn = |schedule: &ScheduleKind| matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
+    let draws = args.mappings.iter().any(|&mapping| mapping != Mapping::Compute);
+    if draws && !args.schedules.iter().any(is_drawn) {
+        return Err(Error::usage(
+            "--mappings: fragment programs run with schedules first and second: add --schedules second",
+        ));
+    }
     if args.serve {
         return serve::run(args);
     }
@@ -223,7 +253,7 @@ fn fill(args: &BenchArgs, folder: &TargetFolder, output: &Path) -> Result<Done, 
     progress.stage("reading scenes");
     let (inputs, subjects) = read_scenes(args, Some(folder), &progress)?;
     progress.stage("looking for a device");
-    let meter = Meter::new(device::choose(&args.device)?);
+    let meter = Meter::new(device::choose(&args.device())?);
     let wanted = args.wanted()?;
     let mut measured = bench::measure(&wanted, &subjects, run_id(), &meter, &progress)?;
     if let Some(baseline) = &baseline {

@@ -180,7 +180,7 @@ fn passes_csv(running: &Running) -> Result<Vec<u8>, Error> {
     let mut file = Vec::new();
     let mut csv = PassesCsv::new(&mut file).map_err(cannot)?;
     for pass in running.renderer.passes() {
-        csv.write(&context, pass, None).map_err(cannot)?;
+        csv.write(&context, pass, &[], None).map_err(cannot)?;
     }
     csv.finish().map_err(cannot)?;
     Ok(file)

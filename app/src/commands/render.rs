@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use image::ImageEncoder as _;
-use raystep_kernels::export::csv::{PassWork, PassesCsv};
+use raystep_kernels::export::csv::{DrawnPart, PassWork, PassesCsv};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, json};
@@ -47,6 +47,9 @@ pub(crate) struct RenderArgs {
     /// Time every pass, and write one row per pass
     #[arg(long, value_name = "F")]
     passes_csv: Option<PathBuf>,
+    /// Also count the fragments that each draw runs, where the adapter can, with --mapping fragment and --until count
+    #[arg(long, requires = "passes_csv")]
+    count_fragments: bool,
     /// Time every pass, and write a trace for Perfetto: passes as slices, rays in each state as counters
     #[arg(long, value_name = "F")]
     trace_json: Option<PathBuf>,
@@ -87,6 +90,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
         options.counters = args.counters;
         options.timings = args.passes_csv.is_some() || args.trace_json.is_some();
         options.keep_passes = options.timings;
+        options.count_fragments = args.count_fragments;
     })?;
     refuse_inputs(&targets, &session.inputs)?;
     if let Some(note) = session.chosen.note_on_times().filter(|_| session.options.timings) {
@@ -233,7 +237,10 @@ fn passes_csv(running: &Running, work: Option<&[PassWork]>) -> Result<Vec<u8>, E
     let mut file = Vec::new();
     let mut csv = PassesCsv::new(&mut file).map_err(cannot)?;
     for (i, pass) in running.renderer.passes().iter().enumerate() {
-        csv.write(&context, pass, work.and_then(|all| all.get(i)).copied()).map_err(cannot)?;
+        let draws = running.renderer.draws().get(i);
+        let parts = draws.map(|draws| DrawnPart::of(running.renderer.plan(), pass, draws));
+        let work = work.and_then(|all| all.get(i)).copied();
+        csv.write(&context, pass, parts.as_deref().unwrap_or_default(), work).map_err(cannot)?;
     }
     csv.finish().map_err(cannot)?;
     Ok(file)

@@ -3,8 +3,10 @@
 use std::any::Any;
 use std::ops::ControlFlow;
 
+use raystep_kernels::DrawTime;
 use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::trace::{Trace, TraceRow};
+use raystep_kernels::plan::Plan;
 use raystep_kernels::{Pass, Progress, Stream};
 
 use super::Inspector;
@@ -29,8 +31,8 @@ impl Inspector {
     /// Performs an export command.
     pub(super) fn take(&mut self, command: Command) {
         let export = match command {
-            Command::ExportPasses => self.take_passes(|run, passes| exports::passes_csv(run, passes, &[])),
-            Command::ExportTrace => self.take_passes(exports::passes_trace),
+            Command::ExportPasses => self.take_passes(exports::passes_csv),
+            Command::ExportTrace => self.take_passes(|run, _, passes, _| exports::passes_trace(run, passes)),
             Command::ExportRay => self.take_ray(),
             Command::ExportExr | Command::ExportNpy => {
                 let Some(stream) = self.shared.stream else { return };
@@ -51,14 +53,15 @@ impl Inspector {
     fn take_passes(&mut self, write: WritePasses) -> Option<Result<Export, ExportError>> {
         let is_up_to_here = std::mem::take(&mut self.shared.is_up_to_here);
         let run = self.context()?;
-        let known = &self.model.passes;
-        if is_up_to_here {
-            return Some(write(&run, &known[..self.model.place.min(known.len())]));
+        let (model, plan) = (&self.model, &self.model.opened.as_ref()?.plan);
+        let known = &model.passes;
+        let up_to = if is_up_to_here { model.place.min(known.len()) } else { known.len() };
+        // The parts of passes that are drawn are with the session.
+        if plan.drawn.is_none() && (is_up_to_here || model.is_complete) {
+            return Some(write(&run, plan, &known[..up_to], &[]));
         }
-        if self.model.is_complete {
-            return Some(write(&run, known));
-        }
-        self.model.ask(Request::Job(EXPORTING, run_and_write(run, write)));
+        let target = if is_up_to_here { Target::Pass(up_to) } else { Target::End };
+        self.model.ask(Request::Job(EXPORTING, run_and_write(run, write, target)));
         None
     }
 
@@ -100,6 +103,7 @@ impl Inspector {
             accelerator: plan.accelerator.name(),
             schedule: settings.schedule.name(),
             numerics: settings.numerics.name(),
+            mapping: settings.mapping.to_string(),
             adapter: if settings.device == DeviceKind::Gpu { opened.device.clone() } else { "cpu".into() },
             width_px: plan.width,
             height_px: plan.height,
@@ -121,10 +125,10 @@ impl Inspector {
     }
 }
 
-type WritePasses = fn(&RunContext, &[Pass]) -> Result<Export, ExportError>;
+type WritePasses = fn(&RunContext, &Plan, &[Pass], &[Vec<DrawTime>]) -> Result<Export, ExportError>;
 
-/// Runs to the end, writes all passes, and returns.
-fn run_and_write(run: RunContext, write: WritePasses) -> Job {
+/// Runs to a place, writes all passes before it, and returns.
+fn run_and_write(run: RunContext, write: WritePasses, target: Target) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let JobContext { session, progress, .. } = context;
@@ -132,12 +136,13 @@ fn run_and_write(run: RunContext, write: WritePasses) -> Job {
             let mut tell = |at: &Progress| {
                 if progress(at.rays_decided, at.rays) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             };
-            let ran = session.step(Target::End, &mut tell).await;
-            let passes = session.passes().to_vec();
+            let ran = session.step(target, &mut tell).await;
+            let passes = session.passes()[..session.place().min(session.passes().len())].to_vec();
+            let draws = session.renderer().draws().to_vec();
             // Returns even if it was stopped: an export must not move the user's view.
             session.step(Target::Pass(here), &mut go_on).await.map_err(|e| e.to_string())?;
             ran.map_err(|e| e.to_string())?;
-            let export = write(&run, &passes).map_err(|e| e.to_string())?;
+            let export = write(&run, session.renderer().plan(), &passes, &draws).map_err(|e| e.to_string())?;
             Ok(Box::new(export) as Box<dyn Any + Send>)
         })
     })

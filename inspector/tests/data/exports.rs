@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use raystep_inspector::exports::{self, Export};
 use raystep_inspector::link::Link;
-use raystep_kernels::export::csv::{COLUMNS, PassWork, RunContext, Timer};
+use raystep_kernels::export::csv::{COLUMNS, RunContext, Timer};
 use raystep_kernels::export::trace::{Rays, trace};
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind};
@@ -25,6 +25,7 @@ fn run() -> (RunContext, Renderer) {
         accelerator: "grid",
         schedule: "second",
         numerics: "robust",
+        mapping: "compute".into(),
         adapter: "cpu".into(),
         width_px: 9,
         height_px: 7,
@@ -47,13 +48,13 @@ fn exports_are_the_command_lines_formats() {
     let life = pollster::block_on(trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(()))).expect("a ray");
     let passes = renderer.passes();
 
-    let csv = exports::passes_csv(&run, passes, &[PassWork { cells_visited: 5, triangles_tested: 6 }]).expect("CSV");
+    let csv = exports::passes_csv(&run, renderer.plan(), passes, &[]).expect("CSV");
     assert_eq!(named(&csv), "a-b--c--深.passes.csv");
     let mut reader = csv::Reader::from_reader(csv.bytes.as_slice());
     assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
     let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
     assert_eq!(rows.len(), passes.len());
-    assert_eq!((&rows[0][21], &rows[1][21], &rows[0][3]), ("5", "", "a/b \"c\"\n深"));
+    assert_eq!((&rows[0][21], &rows[0][3]), ("", "a/b \"c\"\n深"));
 
     let events = exports::passes_trace(&run, passes).expect("JSON");
     assert_eq!(named(&events), "a-b--c--深.trace.json");

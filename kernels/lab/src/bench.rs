@@ -14,12 +14,14 @@ pub mod summary;
 mod table;
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::Arc;
 
 use measure::Bench;
 use prepare::Group;
 use rays::Viewed;
-use raystep_kernels::export::csv::RunContext;
+use raystep_kernels::export::csv::{DrawnPart, RunContext};
+use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Accelerator, GridSize, Options, Pass, RaySource, ScheduleKind};
 
 use crate::Error;
@@ -42,6 +44,8 @@ pub struct Wanted {
     pub accelerators: Vec<Accelerator>,
     /// Schedules.
     pub schedules: Vec<ScheduleKind>,
+    /// How kernels are mapped to the GPU.
+    pub mappings: Vec<Mapping>,
     /// Image sizes; they determine the number of rays.
     pub sizes: Vec<Size>,
     /// Kinds of rays.
@@ -54,7 +58,7 @@ pub struct Wanted {
     pub warmups: u32,
     /// Seed of rays, and of the orders within rounds.
     pub seed: u32,
-    /// All other options. The rays, accelerator and schedule in it are ignored.
+    /// All other options. The rays, accelerator, schedule and mapping in it are ignored.
     pub tuning: Options,
 }
 
@@ -80,13 +84,15 @@ pub struct Details {
     pub context: RunContext,
     /// Its passes.
     pub passes: Vec<Pass>,
+    /// The parts of each of them, if they are drawn.
+    pub parts: Vec<Vec<DrawnPart>>,
     /// Hashes of the kernels' sources, by name.
     pub shaders: BTreeMap<&'static str, String>,
 }
 
 impl Details {
     fn without_passes(context: RunContext) -> Self {
-        Self { context, passes: Vec::new(), shaders: BTreeMap::new() }
+        Self { context, passes: Vec::new(), parts: Vec::new(), shaders: BTreeMap::new() }
     }
 }
 
@@ -140,8 +146,23 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
     Ok(())
 }
 
-/// Accelerators paired with schedules; a note for each pair that would measure nothing new.
-fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<(Accelerator, ScheduleKind)> {
+/// What is measured: a structure, a schedule, and how kernels are mapped to the GPU.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    accelerator: Accelerator,
+    schedule: ScheduleKind,
+    mapping: Mapping,
+}
+
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.accelerator, self.schedule)?;
+        if self.mapping == Mapping::Compute { Ok(()) } else { write!(f, " {}", self.mapping) }
+    }
+}
+
+/// Every combination that is possible; a note for each that would measure nothing new.
+fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<Way> {
     let mut ways = Vec::new();
     for &accelerator in &wanted.accelerators {
         for &schedule in &wanted.schedules {
@@ -151,9 +172,12 @@ fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<(Accelerator, ScheduleKin
                 bench.skip(format!(
                     "accelerator {accelerator} with schedule {schedule}: same passes as with schedule first"
                 ));
-            } else {
-                ways.push((accelerator, schedule));
+                continue;
             }
+            // Others cannot be drawn.
+            let is_drawn = matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
+            let mappings = wanted.mappings.iter().filter(|&&mapping| is_drawn || mapping == Mapping::Compute);
+            ways.extend(mappings.map(|&mapping| Way { accelerator, schedule, mapping }));
         }
     }
     ways

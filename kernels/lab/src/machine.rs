@@ -110,6 +110,7 @@ impl Machine {
             accelerator: options.accelerator.name(),
             schedule: options.schedule.name(),
             numerics: options.numerics.name(),
+            mapping: options.mapping.to_string(),
             adapter: self.name(),
             width_px: plan.width,
             height_px: plan.height,

@@ -220,8 +220,8 @@ impl<R: Precision> CpuExecutor<R> {
         let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
         let elements = self.size(kernel.instance().over).map_or(0, |size| size.count);
         let (counts, rounding) = (self.counts(), None);
-        let (counts, is_active) = (Some(counts), None);
-        Ok(PassResult { kernel, counts, is_active, elements, threads_launched, begin_ns, duration_ns, rounding })
+        let (counts, is_active, draws) = (Some(counts), None, Vec::new());
+        Ok(PassResult { kernel, counts, is_active, elements, threads_launched, begin_ns, duration_ns, rounding, draws })
     }
 
     /// Calls a twin for each element of every task with work for it; returns the number of calls.

@@ -9,8 +9,32 @@ use crate::program::Kernel;
 use crate::tables::state::StateCounts;
 pub use sizes::TooMany;
 
-/// What one pass did.
+/// A part of a pass that is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drawing {
+    /// Copies of the streams that the kernel reads and writes.
+    Copies,
+    /// The draw that turns states into depths.
+    Depths,
+    /// A draw of the kernel: its index in [`DrawnKernel::draws`](crate::fragment::DrawnKernel::draws).
+    Draw(usize),
+}
+
+/// A part of a pass that is drawn, and how long it took.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawTime {
+    /// What it is.
+    pub what: Drawing,
+    /// When it began, on the executor's clock; `None` if passes were not timed.
+    pub begin_ns: Option<u64>,
+    /// How long it took; `None` if passes were not timed, or the timer's value is not valid.
+    pub duration_ns: Option<u64>,
+    /// Fragments for which its program ran, by the device's pipeline statistics; `None` if they were not asked for.
+    pub fragments: Option<u64>,
+}
+
+/// What one pass did.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PassResult {
     /// The kernel that ran.
     pub kernel: Kernel,
@@ -28,6 +52,8 @@ pub struct PassResult {
     pub duration_ns: Option<u64>,
     /// How well that is known, if the clock is coarse.
     pub rounding: Option<Rounding>,
+    /// Its parts, in order, if it was drawn.
+    pub draws: Vec<DrawTime>,
 }
 
 /// How well a pass's duration is known, by a clock that rounds times to multiples of a step of 10 µs or more, as browsers

@@ -1,4 +1,4 @@
-//! `passes.csv`: one row per pass, RFC 4180, raw numbers with their unit in the column's name. Unknown values are
+//! `passes.csv`: one row per pass, or per part of a pass that is drawn, RFC 4180, raw numbers with their unit in the column's name. Unknown values are
 //! empty, never 0.
 //!
 //! | column | holds |
@@ -23,18 +23,26 @@
 //! | `duration_runs` | how often the pass was run to time it: `gpu_duration_ns` is the mean. Known, like the next two, if `clock` is coarse: it steps by 10 µs or more, as browsers' do |
 //! | `duration_error_ns` | largest standard error of the duration by rounding |
 //! | `duration_below_ns` | what the duration is certainly less than, also if the pass was too short to tell |
+//! | `mapping` | how kernels are mapped to the GPU: `compute`, or [`fragment`](crate::options::mapping::Mapping) and its choices |
+//! | `draw` | with fragment programs, the row's part of the pass, from 0: copies of streams, the draw of depths, the kernel's draws. Begin, duration and threads are the part's; the numbers of rays are the pass's, and what it did is in its last row |
+//! | `targets` | the streams that the part writes, separated by spaces; `depth` for depths |
+//! | `fragments_run` | fragments for which the draw ran its program, by the device's pipeline statistics, if they were asked for |
+//! | `bytes_copied` | bytes that the part copies |
 
 use std::io::Write;
 
 use serde::{Serialize, Serializer};
 
+use crate::executor::{DrawTime, Drawing};
+use crate::plan::Plan;
 use crate::renderer::Pass;
+use crate::tables::stream::Stream;
 
 /// Version of the columns.
-pub const SCHEMA_VERSION: u32 = 2;
+pub const SCHEMA_VERSION: u32 = 3;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 30] = [
+pub const COLUMNS: [&str; 35] = [
     "schema_version",
     "run_id",
     "configuration",
@@ -65,6 +73,11 @@ pub const COLUMNS: [&str; 30] = [
     "duration_runs",
     "duration_error_ns",
     "duration_below_ns",
+    "mapping",
+    "draw",
+    "targets",
+    "fragments_run",
+    "bytes_copied",
 ];
 
 /// Which clock timed the passes.
@@ -134,6 +147,8 @@ pub struct RunContext {
     pub schedule: &'static str,
     /// `--numerics`
     pub numerics: &'static str,
+    /// `--mapping`, with its choices.
+    pub mapping: String,
     /// The adapter's name, or `cpu`.
     pub adapter: String,
     /// Texels per row.
@@ -199,6 +214,55 @@ pub fn known(value: Option<impl ToString>) -> String {
     value.map(|v| v.to_string()).unwrap_or_default()
 }
 
+/// A part of a pass that is drawn, for a row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DrawnPart {
+    /// How long it took.
+    pub time: DrawTime,
+    /// Names of the streams that it writes, separated by spaces.
+    pub targets: String,
+    /// Fragments that it covers.
+    pub fragments_drawn: u64,
+    /// Bytes that it copies.
+    pub bytes_copied: u64,
+}
+
+impl DrawnPart {
+    /// The parts of a pass of this plan.
+    #[must_use]
+    pub fn of(plan: &Plan, pass: &Pass, draws: &[DrawTime]) -> Vec<Self> {
+        let Some(drawn) = plan.drawn.as_ref() else { return Vec::new() };
+        let texels = plan.size().texels();
+        let names = |streams: &[Stream]| streams.iter().map(|stream| stream.name()).collect::<Vec<_>>().join(" ");
+        let kernel = drawn.of(pass.kernel);
+        let part = |time: &DrawTime| {
+            let (targets, fragments_drawn, bytes_copied) = match time.what {
+                Drawing::Copies => {
+                    let copied = kernel.map_or(&[][..], |kernel| &kernel.updates);
+                    (names(copied), 0, drawn.copied_bytes(pass.kernel, plan.size()))
+                }
+                Drawing::Depths => ("depth".to_owned(), texels, 0),
+                Drawing::Draw(draw) => {
+                    let targets = kernel.and_then(|kernel| kernel.draws.get(draw)).map(|draw| names(&draw.targets));
+                    (targets.unwrap_or_default(), texels, 0)
+                }
+            };
+            Self { time: *time, targets, fragments_drawn, bytes_copied }
+        };
+        draws.iter().map(part).collect()
+    }
+}
+
+/// A row to be written.
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    pass: &'a Pass,
+    part: Option<(usize, &'a DrawnPart)>,
+    work: Option<PassWork>,
+    begin_ns: Option<u64>,
+    duration_ns: Option<u64>,
+}
+
 /// Writes `passes.csv`.
 pub struct PassesCsv<W: Write> {
     writer: ::csv::Writer<W>,
@@ -226,16 +290,39 @@ impl<W: Write> PassesCsv<W> {
         }
     }
 
-    /// Writes a pass; the passes of a run must come in order. `work` is known if counters were requested.
+    /// Writes a pass; the passes of a run must come in order. `work` is known if counters were requested. `parts` are those
+    /// of a pass that is drawn.
     ///
     /// # Errors
     /// If the output fails.
-    pub fn write(&mut self, run: &RunContext, pass: &Pass, work: Option<PassWork>) -> std::io::Result<()> {
+    pub fn write(
+        &mut self,
+        run: &RunContext,
+        pass: &Pass,
+        parts: &[DrawnPart],
+        work: Option<PassWork>,
+    ) -> std::io::Result<()> {
+        let row = Row { pass, part: None, work, begin_ns: pass.begin_ns, duration_ns: pass.duration_ns };
+        if parts.is_empty() {
+            return self.write_row(run, &row);
+        }
+        for (index, part) in parts.iter().enumerate() {
+            let is_last = index + 1 == parts.len();
+            let (begin_ns, duration_ns) = (part.time.begin_ns, part.time.duration_ns);
+            let work = work.filter(|_| is_last);
+            self.write_row(run, &Row { part: Some((index, part)), work, begin_ns, duration_ns, ..row })?;
+        }
+        Ok(())
+    }
+
+    fn write_row(&mut self, run: &RunContext, row: &Row<'_>) -> std::io::Result<()> {
+        let Row { pass, part, work, .. } = *row;
         // Times from an invalid clock are not written, even if they were read.
         let is_timed = run.timer.is_some_and(Timer::times_passes);
-        let (begin_ns, duration_ns) = (pass.begin_ns.filter(|_| is_timed), pass.duration_ns.filter(|_| is_timed));
-        let rounding = pass.rounding.filter(|_| is_timed);
+        let (begin_ns, duration_ns) = (row.begin_ns.filter(|_| is_timed), row.duration_ns.filter(|_| is_timed));
+        let rounding = pass.rounding.filter(|_| is_timed && part.is_none());
         let since_start_ns = begin_ns.map(|begin| begin.saturating_sub(self.run_began_ns(run, begin)));
+        let threads = part.map_or(pass.threads_launched, |(_, part)| part.fragments_drawn);
         let row: [String; COLUMNS.len()] = [
             SCHEMA_VERSION.to_string(),
             run.run_id.clone(),
@@ -257,7 +344,7 @@ impl<W: Write> PassesCsv<W> {
             String::new(),
             pass.rays_in.to_string(),
             rays_out(pass).to_string(),
-            pass.threads_launched.to_string(),
+            threads.to_string(),
             known(work.map(|w| w.cells_visited)),
             known(work.map(|w| w.triangles_tested)),
             known(run.timer.map(Timer::name)),
@@ -267,6 +354,11 @@ impl<W: Write> PassesCsv<W> {
             known(rounding.map(|rounding| rounding.runs)),
             known(rounding.map(|rounding| rounding.error_ns)),
             known(rounding.map(|rounding| rounding.below_ns)),
+            run.mapping.clone(),
+            known(part.map(|(index, _)| index)),
+            part.map(|(_, part)| part.targets.clone()).unwrap_or_default(),
+            known(part.and_then(|(_, part)| part.time.fragments)),
+            known(part.map(|(_, part)| part.bytes_copied)),
         ];
         Ok(self.writer.write_record(row)?)
     }

@@ -3,14 +3,17 @@
 use serde::Serialize;
 
 use super::json::{SCHEMA_VERSION, StreamSummary, stream};
+use crate::fragment::{DrawnKernel, depth_of};
 use crate::options::Accelerator;
 use crate::options::keep::Item;
+use crate::options::mapping::Fragment;
 use crate::plan::display::element;
-use crate::plan::{Plan, Planned, Structure};
+use crate::plan::{DrawnPlan, Plan, Planned, Structure};
 use crate::program::schedule::Step;
 use crate::program::{Kernel, Program};
 use crate::scene_data::SceneData;
 use crate::shader::{Resource, Variant};
+use crate::tables::stream::Stream;
 
 /// A plan, for `raystep plan --json`.
 #[derive(Clone, Debug, Serialize)]
@@ -34,6 +37,9 @@ pub struct PlanSummary {
     pub schedule: Vec<StepSummary>,
     /// Kernels and what they bind.
     pub kernels: Vec<PlannedKernel>,
+    /// The draws of each kernel, if they are fragment programs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub draws: Option<DrawsSummary>,
     /// Streams to allocate.
     pub streams: Vec<StreamSummary>,
     /// Buffers to allocate.
@@ -79,6 +85,73 @@ pub struct PlannedKernel {
     pub rays_in: Vec<&'static str>,
     /// What it binds.
     pub bindings: Vec<BindingSummary>,
+}
+
+/// Kernels as draws.
+#[derive(Clone, Debug, Serialize)]
+pub struct DrawsSummary {
+    /// `--targets`
+    pub targets: &'static str,
+    /// `--update`
+    pub update: &'static str,
+    /// `--cull`
+    pub cull: &'static str,
+    /// `--until`
+    pub until: &'static str,
+    /// The kernels.
+    pub kernels: Vec<DrawnKernelSummary>,
+}
+
+/// The draws of a kernel.
+#[derive(Clone, Debug, Serialize)]
+pub struct DrawnKernelSummary {
+    /// Its name.
+    pub name: &'static str,
+    /// The streams that it reads and writes.
+    pub updates: Vec<&'static str>,
+    /// Bytes that are copied before each pass.
+    pub bytes_copied: u64,
+    /// The depth that names it, with a depth test.
+    pub depth: Option<f32>,
+    /// Its draws, in order.
+    pub draws: Vec<DrawSummary>,
+}
+
+/// A draw.
+#[derive(Clone, Debug, Serialize)]
+pub struct DrawSummary {
+    /// The streams that it writes.
+    pub targets: Vec<&'static str>,
+    /// The streams that it reads.
+    pub reads: Vec<&'static str>,
+}
+
+impl DrawsSummary {
+    fn of(plan: &Plan, drawn: &DrawnPlan) -> Self {
+        let names = |streams: &[Stream]| streams.iter().map(|stream| stream.name()).collect::<Vec<_>>();
+        let kernel = |kernel: &DrawnKernel| DrawnKernelSummary {
+            name: kernel.kernel.name(),
+            updates: names(&kernel.updates),
+            bytes_copied: drawn.copied_bytes(kernel.kernel, plan.size()),
+            depth: drawn.depths.as_ref().map(|_| depth_of(kernel.kernel)),
+            draws: kernel
+                .draws
+                .iter()
+                .map(|draw| DrawSummary {
+                    targets: names(&draw.targets),
+                    reads: names(&draw.reads().collect::<Vec<_>>()),
+                })
+                .collect(),
+        };
+        let Fragment { targets, update, cull, until } = drawn.how;
+        Self {
+            targets: targets.name(),
+            update: update.name(),
+            cull: cull.name(),
+            until: until.name(),
+            kernels: drawn.kernels.iter().map(kernel).collect(),
+        }
+    }
 }
 
 /// A binding of a kernel.
@@ -162,7 +235,8 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         scene_units_per_stream_unit: data.units.scene_units_per_stream_unit(),
         schedule: steps(&plan.schedule.steps, plan.program),
         kernels: plan.variants.iter().map(kernel).collect(),
-        streams: plan.streams.iter().map(|s| stream(s.what, texels)).collect(),
+        draws: plan.drawn.as_ref().map(|drawn| DrawsSummary::of(plan, drawn)),
+        streams: plan.streams.iter().map(|s| StreamSummary { bytes: s.bytes, ..stream(s.what, texels) }).collect(),
         buffers: plan.buffers.iter().map(buffer).collect(),
         bytes: plan.bytes(),
         left_out: left_out.collect(),

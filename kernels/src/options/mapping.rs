@@ -1,6 +1,9 @@
 //! How kernels are mapped to a GPU: as compute shaders, or as fragment programs, as GPUs before 2006 ran them.
 
-use crate::numbers::named::named;
+use std::fmt;
+use std::str::FromStr;
+
+use crate::numbers::named::{ParseOptionError, named};
 
 /// How kernels are mapped to a GPU, without the choices of a mapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -100,6 +103,59 @@ pub enum Until {
     Count,
 }
 
+/// `compute`; or `fragment`, and after each `+` a choice that differs from what goes with the others:
+/// `fragment+many+early-z`.
+impl fmt::Display for Mapping {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self::Fragment(how) = *self else { return f.write_str("compute") };
+        let implied = Fragment::of(None, Some(how.update), None, None);
+        let until = Fragment::of(None, None, Some(how.cull), None).until;
+        f.write_str("fragment")?;
+        for (name, is_implied) in [
+            (how.targets.name(), how.targets == Targets::default()),
+            (how.update.name(), how.update == Update::default()),
+            (how.cull.name(), how.cull == implied.cull),
+            (how.until.name(), how.until == until),
+        ] {
+            if !is_implied {
+                write!(f, "+{name}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Mapping {
+    type Err = ParseOptionError;
+
+    fn from_str(text: &str) -> Result<Self, ParseOptionError> {
+        const EXPECTED: &str = "compute, or fragment with choices that go together, such as fragment+many+early-z";
+        let wrong = || ParseOptionError::new(text, EXPECTED);
+        let mut names = text.split('+');
+        match names.next().map(MappingName::from_str) {
+            Some(Ok(MappingName::Fragment)) => {}
+            Some(Ok(MappingName::Compute)) if text == "compute" => return Ok(Self::Compute),
+            _ => return Err(wrong()),
+        }
+        let (mut targets, mut update, mut cull, mut until) = (None, None, None, None);
+        for name in names {
+            // A choice is made once.
+            let is_new = match (name.parse(), name.parse(), name.parse(), name.parse()) {
+                (Ok(choice), ..) => targets.replace(choice).is_none(),
+                (_, Ok(choice), ..) => update.replace(choice).is_none(),
+                (_, _, Ok(choice), _) => cull.replace(choice).is_none(),
+                (.., Ok(choice)) => until.replace(choice).is_none(),
+                _ => false,
+            };
+            if !is_new {
+                return Err(wrong());
+            }
+        }
+        let how = Fragment::of(targets, update, cull, until);
+        if how.fault().is_some() { Err(wrong()) } else { Ok(Self::Fragment(how)) }
+    }
+}
+
 named!(MappingName, "compute, fragment", Compute "compute", Fragment "fragment");
 named!(Targets, "one, many", One "one", Many "many");
 named!(Update, "copy, swap", Copy "copy", Swap "swap");
@@ -135,5 +191,29 @@ impl Fragment {
             return Some("--cull none needs --until count: every fragment writes, so that no query ever counts none");
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mapping_comes_back_from_its_text() {
+        let all: Vec<Mapping> =
+            std::iter::once(Mapping::Compute).chain(Fragment::all().map(Mapping::Fragment)).collect();
+        for mapping in &all {
+            assert_eq!(mapping.to_string().parse(), Ok(*mapping), "{mapping}");
+        }
+        let texts: std::collections::BTreeSet<String> = all.iter().map(Mapping::to_string).collect();
+        assert_eq!(texts.len(), all.len());
+        assert_eq!(Mapping::Fragment(Fragment::default()).to_string(), "fragment");
+        let swap = Fragment::of(None, Some(Update::Swap), None, None);
+        assert_eq!(Mapping::Fragment(swap).to_string(), "fragment+swap");
+        for wrong in
+            ["", "fragment+", "compute+many", "fragment+many+one", "fragment+swap+discard", "fragment+none+query"]
+        {
+            assert!(wrong.parse::<Mapping>().is_err(), "{wrong}");
+        }
     }
 }

@@ -298,6 +298,9 @@ pub struct Options {
     pub counters: bool,
     /// Time every pass, if the adapter can.
     pub timings: bool,
+    /// Count the fragments that draws run, where the adapter has pipeline statistics. Only with [`mapping::Until::Count`]:
+    /// a query of that kind and an occlusion query exclude each other.
+    pub count_fragments: bool,
     /// Keep a record of every pass, for [`Renderer::passes`](crate::Renderer::passes). Without it, only sums are kept,
     /// and a run of many samples takes no more memory than one of few.
     pub keep_passes: bool,
@@ -329,6 +332,7 @@ impl Options {
             shade: true,
             counters: false,
             timings: false,
+            count_fragments: false,
             keep_passes: true,
             keep: Keep::NONE,
             samples: Samples::default(),

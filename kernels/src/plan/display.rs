@@ -4,9 +4,12 @@ use std::fmt;
 
 use super::Plan;
 use super::structure::Structure;
+use crate::fragment::depth_of;
 use crate::numbers::bytes::Bytes;
+use crate::options::mapping::{Fragment, Update};
 use crate::program::Program;
 use crate::shader::Resource;
+use crate::tables::stream::Stream;
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -65,6 +68,33 @@ impl Plan {
         Ok(())
     }
 
+    /// The draws of each kernel, if they are drawn.
+    fn write_draws(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(drawn) = &self.drawn else { return Ok(()) };
+        let names = |streams: &[Stream]| streams.iter().map(|stream| stream.name()).collect::<Vec<_>>().join(", ");
+        let Fragment { targets, update, cull, until } = drawn.how;
+        writeln!(f, "\ndraws (targets {targets}, update {update}, cull {cull}, until {until})")?;
+        for kernel in &drawn.kernels {
+            writeln!(f, "  {}", kernel.kernel.name())?;
+            let copied = drawn.copied_bytes(kernel.kernel, self.size());
+            match update {
+                Update::Copy if copied > 0 => {
+                    writeln!(f, "    copy  {:<28} {}", names(&kernel.updates), Bytes(copied))?;
+                }
+                Update::Swap if !kernel.updates.is_empty() => writeln!(f, "    swap  {}", names(&kernel.updates))?,
+                _ => {}
+            }
+            if drawn.depths.is_some() {
+                writeln!(f, "    depth {:<28} drawn where it is {:?}", "from state", depth_of(kernel.kernel))?;
+            }
+            for draw in &kernel.draws {
+                let reads: Vec<Stream> = draw.reads().collect();
+                writeln!(f, "    draw  {:<28} reads {}", names(&draw.targets), names(&reads))?;
+            }
+        }
+        Ok(())
+    }
+
     fn write_tables(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\nkernels")?;
         for variant in &self.variants {
@@ -89,6 +119,7 @@ impl Plan {
                 writeln!(f, "    {access} {kind:<7} {}", binding.name)?;
             }
         }
+        self.write_draws(f)?;
         writeln!(f, "\nstreams")?;
         for s in &self.streams {
             let info = s.what.info();

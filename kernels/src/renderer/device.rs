@@ -16,8 +16,6 @@ use crate::executor::gpu::fragment::{self, FragmentExecutor};
 use crate::executor::gpu::{Gpu, GpuExecutor, MOST_PASSES, Snapshot};
 use crate::executor::sizes::Sizes;
 use crate::options::Options;
-#[cfg(feature = "gpu")]
-use crate::options::mapping::Until;
 use crate::plan::{Limits, Plan};
 use crate::program::Kernel;
 use crate::scene_data::SceneData;
@@ -106,13 +104,12 @@ impl Executor {
         let timer = |clock: &Option<fn() -> u64>| clock.filter(|_| timed);
         Ok(match device {
             #[cfg(feature = "gpu")]
-            Device::Gpu(gpu) if let Some(drawn) = &plan.drawn => {
+            Device::Gpu(gpu) if plan.drawn.is_some() => {
                 let other = match beside {
                     Some(Self::Fragment(other)) => Some(&**other),
                     _ => None,
                 };
-                let counts_each = options.keep_passes || drawn.how.until == Until::Count;
-                let mut executor = FragmentExecutor::new(gpu.clone(), plan, data, timed, counts_each, other).await?;
+                let mut executor = FragmentExecutor::new(gpu.clone(), plan, data, options, other).await?;
                 executor.give(given);
                 executor.clear();
                 Self::Fragment(Box::new(executor))

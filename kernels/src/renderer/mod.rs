@@ -18,10 +18,10 @@ use std::sync::Arc;
 
 use raystep_scenes::Scene;
 
-use crate::executor::Rounding;
 use crate::executor::cpu::CpuExecutor;
 #[cfg(feature = "gpu")]
 use crate::executor::gpu::GpuExecutor;
+use crate::executor::{DrawTime, Rounding};
 use crate::options::mapping::Until;
 use crate::options::{Options, Ray, RaySource};
 use crate::plan::Plan;
@@ -293,6 +293,12 @@ impl Renderer {
     #[must_use]
     pub fn passes(&self) -> &[Pass] {
         self.records.kept()
+    }
+
+    /// The parts of each of [`passes`](Self::passes), if they are drawn; else none.
+    #[must_use]
+    pub fn draws(&self) -> &[Vec<DrawTime>] {
+        self.records.draws()
     }
 
     /// Number of passes so far.

@@ -169,7 +169,7 @@ impl Renderer {
                 duration_ns: result.duration_ns,
                 rounding: result.rounding,
             };
-            self.records.push(pass, is_counted);
+            self.records.push(pass, is_counted, &result.draws);
             recorded += 1;
         }
         // Passes that were not needed have changed nothing.

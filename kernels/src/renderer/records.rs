@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Pass;
+use crate::executor::DrawTime;
 use crate::tables::kernel::Role;
 
 /// A kernel's share of a run.
@@ -74,6 +75,8 @@ impl<'a> FromIterator<&'a Pass> for PassTotals {
 pub(super) struct Records {
     is_kept: bool,
     kept: Vec<Pass>,
+    /// The parts of each of them, if passes are drawn.
+    draws: Vec<Vec<DrawTime>>,
     totals: PassTotals,
     last: Option<Pass>,
     of_sample: usize,
@@ -91,12 +94,15 @@ impl Records {
     }
 
     /// Adds a pass. Unless `is_counted`, its numbers of rays are not known, and it is not kept.
-    pub(super) fn push(&mut self, pass: Pass, is_counted: bool) {
+    pub(super) fn push(&mut self, pass: Pass, is_counted: bool, draws: &[DrawTime]) {
         self.totals.add_counted(&pass, is_counted);
         self.of_sample = if pass.kernel.role() == Role::Source { 0 } else { self.of_sample + 1 };
         self.last = Some(pass).filter(|_| is_counted);
         if self.is_kept {
             self.kept.push(pass);
+            if !draws.is_empty() {
+                self.draws.push(draws.to_vec());
+            }
         }
     }
 
@@ -107,6 +113,11 @@ impl Records {
     /// Each of the passes if they are kept, else none.
     pub(super) fn kept(&self) -> &[Pass] {
         &self.kept
+    }
+
+    /// The parts of each of the kept passes, if passes are drawn, else none.
+    pub(super) fn draws(&self) -> &[Vec<DrawTime>] {
+        &self.draws
     }
 
     pub(super) fn totals(&self) -> &PassTotals {

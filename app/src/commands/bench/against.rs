@@ -259,7 +259,10 @@ fn arguments(args: &BenchArgs) -> Vec<OsString> {
     let device = clap::ValueEnum::to_possible_value(&args.device.device);
     let vector = |v: crate::args::Vector| v.0.map(|v| v.to_string()).join(",");
     let camera = &args.camera;
+    let mappings: Vec<String> = args.mappings.iter().map(ToString::to_string).collect();
     let optional: BTreeMap<&str, Option<String>> = BTreeMap::from([
+        // An earlier build knows compute shaders only.
+        ("--mappings", Some(mappings.join(",")).filter(|mappings| mappings != "compute")),
         ("--steps-per-pass", args.tuning.steps_per_pass.map(|steps| steps.to_string())),
         ("--device", device.filter(|_| args.device.adapter.is_none()).map(|device| device.get_name().to_owned())),
         ("--adapter", args.device.adapter.clone()),

@@ -68,6 +68,7 @@ struct AboutMachine<'a> {
 struct AboutOptions {
     accelerators: Vec<&'static str>,
     schedules: Vec<&'static str>,
+    mappings: Vec<String>,
     numerics: &'static str,
     sizes: Vec<String>,
     rays: Vec<&'static str>,
@@ -147,7 +148,10 @@ pub(super) fn write(
         folder.write(PASSES, |out| {
             let mut csv = PassesCsv::new(out)?;
             for run in &measured.details {
-                run.passes.iter().try_for_each(|pass| csv.write(&run.context, pass, None))?;
+                for (index, pass) in run.passes.iter().enumerate() {
+                    let parts = run.parts.get(index).map_or(&[][..], Vec::as_slice);
+                    csv.write(&run.context, pass, parts, None)?;
+                }
             }
             csv.finish()
         })?;
@@ -176,6 +180,7 @@ impl<'a> About<'a> {
             options: AboutOptions {
                 accelerators: args.accelerators.iter().map(|a| a.name()).collect(),
                 schedules: args.schedules.iter().map(|s| s.name()).collect(),
+                mappings: args.mappings.iter().map(ToString::to_string).collect(),
                 numerics: args.tuning.numerics.name(),
                 sizes: args.sizes.iter().map(ToString::to_string).collect(),
                 rays: args.rays.iter().map(|k| k.name()).collect(),

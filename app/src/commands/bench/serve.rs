@@ -30,7 +30,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Error> {
     };
     let progress = Progress::new(true);
     let (_, subjects) = read_scenes(args, None, &progress)?;
-    let (meter, wanted) = (Meter::new(device::choose(&args.device)?), args.wanted()?);
+    let (meter, wanted) = (Meter::new(device::choose(&args.device())?), args.wanted()?);
     let mut served = Served::new(&wanted, &subjects, is_brief, &meter, &progress)?;
     answer(&Answer::Ready { configurations: served.announced(), notes: std::mem::take(&mut served.notes) })?;
     while let Some(request) = next()? {

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use raystep_kernels::{Accelerator, RaySource, ScheduleKind};
+use raystep_kernels::RaySource;
 
 use super::prepare::{Builder, Extent, Group, Ready, options};
 use super::runs::{RunRow, pairs};
-use super::{Measured, SCHEMA_VERSION, SummaryRow, Wanted};
+use super::{Measured, SCHEMA_VERSION, SummaryRow, Wanted, Way};
 use crate::meter::{Meter, Time, Turns, in_turn};
 use crate::reporter::Reporter;
 use crate::{Error, Machine};
@@ -84,17 +84,12 @@ impl<'a> Bench<'a> {
     }
 
     /// Builds every configuration of a group. Measures what is built so far when memory is full.
-    pub(super) fn group(
-        &mut self,
-        group: Group<'_>,
-        rays: RaySource,
-        ways: &[(Accelerator, ScheduleKind)],
-    ) -> Result<(), Error> {
+    pub(super) fn group(&mut self, group: Group<'_>, rays: RaySource, ways: &[Way]) -> Result<(), Error> {
         let mut options = options(self.wanted, rays, group.ends_early);
         let mut of_group = Vec::new();
-        for &(accelerator, schedule) in ways {
-            let what = format!("{}, {accelerator} {schedule}", group.name);
-            (options.accelerator, options.schedule) = (accelerator, schedule);
+        for way @ &Way { accelerator, schedule, mapping } in ways {
+            let what = format!("{}, {way}", group.name);
+            (options.accelerator, options.schedule, options.mapping) = (accelerator, schedule, mapping);
             let (reporter, mut notes) = (self.reporter, Vec::new());
             let builder = Builder { wanted: self.wanted, meter: self.meter, extent: self.extent };
             let ids = [self.measured.run_id.clone(), self.configurations.to_string()];
@@ -165,7 +160,7 @@ impl<'a> Bench<'a> {
     /// Adds the row of a measured configuration, and compares its hits with its group's.
     fn finish_one(&mut self, ready: Ready) {
         let Ready { group, row, details, .. } = ready;
-        let name = |row: &SummaryRow| format!("{} {}", row.accelerator, row.schedule);
+        let name = |row: &SummaryRow| format!("{} {} {}", row.accelerator, row.schedule, row.mapping);
         if row.invalid_runs > 0 {
             let (invalid, repeats) = (row.invalid_runs, self.wanted.repeats);
             self.note(format!("{group}, {}: {invalid} of {repeats} times were invalid and do not count", name(&row)));

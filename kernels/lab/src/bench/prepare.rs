@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use raystep_kernels::export::csv::RunContext;
+use raystep_kernels::export::csv::{DrawnPart, RunContext};
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::{Structure, structure_bytes};
 use raystep_kernels::plan::Plan;
@@ -172,7 +172,10 @@ impl<'a> Builder<'a> {
         let shaders = renderer.plan().variants.iter();
         let shaders = shaders.map(|v| (v.kernel.name(), Hash::of(v.source.as_bytes()).to_string())).collect();
         let context = RunContext { host_run_ns: renderer.host_ns(), ..context };
-        Ok((Details { context, passes: renderer.passes().to_vec(), shaders }, start_s))
+        let passes = renderer.passes().to_vec();
+        let parts = passes.iter().zip(renderer.draws()).map(|(p, draws)| DrawnPart::of(renderer.plan(), p, draws));
+        let parts = parts.collect();
+        Ok((Details { context, passes, parts, shaders }, start_s))
     }
 }
 

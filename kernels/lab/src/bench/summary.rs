@@ -18,7 +18,7 @@ pub(super) const HOST: &str = "host";
 pub const THIS: &str = "this";
 
 /// The columns of `summary.csv`.
-pub const COLUMNS: [&str; 49] = [
+pub const COLUMNS: [&str; 50] = [
     "schema_version",
     "run_id",
     "configuration",
@@ -68,6 +68,7 @@ pub const COLUMNS: [&str; 49] = [
     "hits",
     "hits_hash",
     "baseline_ratio",
+    "mapping",
 ];
 
 /// A row of `summary.csv`. `start_s` includes compiling: raystep compiles every kernel anew, but the driver may have
@@ -124,6 +125,7 @@ pub struct SummaryRow {
     pub hits: u64,
     pub hits_hash: String,
     pub baseline_ratio: Option<f64>,
+    pub mapping: String,
 }
 
 /// A file of a benchmark that cannot be read.
@@ -206,9 +208,10 @@ impl SummaryRow {
     /// Whether two rows have the same configuration, possibly on different devices.
     #[must_use]
     pub fn is_same_configuration(&self, other: &Self) -> bool {
-        type Key<'a> = ([&'a str; 7], Option<u32>, bool, u32, u32, u32);
+        type Key<'a> = ([&'a str; 8], Option<u32>, bool, u32, u32, u32);
         fn key(r: &SummaryRow) -> Key<'_> {
-            let texts = [&r.scene, &r.accelerator, &r.schedule, &r.numerics, &r.grid, &r.skip, &r.rays_kind];
+            let texts =
+                [&r.scene, &r.accelerator, &r.schedule, &r.mapping, &r.numerics, &r.grid, &r.skip, &r.rays_kind];
             (texts.map(String::as_str), r.steps_per_pass, r.keep_all, r.width_px, r.height_px, r.seed)
         }
         key(self) == key(other)
@@ -221,6 +224,9 @@ impl SummaryRow {
         let mut name = format!("{scene} {width_px}x{height_px} {rays_kind}, {accelerator} {schedule} {numerics}");
         if (grid.as_str(), skip.as_str()) != ("auto", "auto") {
             name += &format!(" grid={grid} skip={skip}");
+        }
+        if self.mapping != "compute" {
+            name += &format!(" {}", self.mapping);
         }
         if let Some(steps) = self.steps_per_pass {
             name += &format!(" steps_per_pass={steps}");

@@ -4,7 +4,7 @@ use super::SummaryRow;
 use crate::text::aligned;
 
 /// The text columns.
-const NAMES: [&str; 2] = ["accelerator", "schedule"];
+const NAMES: [&str; 3] = ["accelerator", "schedule", "mapping"];
 
 /// The numeric columns.
 const COLUMNS: [&str; 6] = ["median ms", "low", "high", "Mray/s", "to fastest", "to baseline"];
@@ -18,7 +18,7 @@ pub fn text(rows: &[SummaryRow]) -> String {
     let mut lines: Vec<Vec<String>> = vec![names.map(|n| (*n).to_owned()).collect()];
     let groups = || rows.chunk_by(|a, b| title(a) == title(b));
     for row in rows {
-        let mut cells = vec![row.accelerator.clone(), row.schedule.clone()];
+        let mut cells = vec![row.accelerator.clone(), row.schedule.clone(), row.mapping.clone()];
         cells.extend(numbers(row).into_iter().take(columns.len()));
         lines.push(cells);
     }

@@ -118,6 +118,7 @@ impl GpuExecutor {
                 begin_ns,
                 duration_ns,
                 rounding,
+                draws: Vec::new(),
             });
         }
         Ok(results)

@@ -140,12 +140,14 @@ fn rank(info: &wgpu::AdapterInfo) -> (u8, u8) {
 }
 
 impl Gpu {
-    /// Opens a device on the chosen adapter, with all the limits it offers, and with timestamps if it has them.
+    /// Opens a device on the chosen adapter, with all the limits it offers, and with timestamps and pipeline statistics if
+    /// it has them.
     ///
     /// # Errors
     /// If there is no such adapter, or it gives no device.
     pub async fn new(choice: &AdapterChoice) -> Result<Arc<Self>, GpuError> {
-        Self::with_features(choice, wgpu::Features::TIMESTAMP_QUERY).await
+        let optional = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PIPELINE_STATISTICS_QUERY;
+        Self::with_features(choice, optional).await
     }
 
     /// As [`new`](Self::new), but with only those of the `optional` features that the adapter has.

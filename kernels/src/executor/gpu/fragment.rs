@@ -1,6 +1,7 @@
 //! Runs kernels as fragment programs: each pass is one or more draws of a quad over all rays.
 
 mod batch;
+mod parts;
 mod pipelines;
 mod results;
 mod snapshot;
@@ -12,6 +13,8 @@ use std::sync::Arc;
 use super::timers::Timers;
 use super::{Gpu, GpuError, scene_buffers};
 use crate::executor::sizes::Sizes;
+use crate::options::Options;
+use crate::options::mapping::Until;
 use crate::plan::{DrawnPlan, Plan};
 use crate::scene_data::SceneData;
 use crate::shared::scene::SceneInfo;
@@ -44,8 +47,7 @@ pub struct FragmentExecutor {
 
 impl FragmentExecutor {
     /// Allocates the plan's streams and buffers, uploads the buffers and compiles the draws. Validation and out-of-memory
-    /// errors are returned and cause no panic. `counts_each`: the number of rays in each state is wanted after every pass.
-    /// An executor `beside` it has the same data.
+    /// errors are returned and cause no panic. An executor `beside` it has the same data.
     ///
     /// # Errors
     /// If the plan has no draws, or the device refuses or is lost.
@@ -53,8 +55,7 @@ impl FragmentExecutor {
         gpu: Arc<Gpu>,
         plan: &Arc<Plan>,
         data: &SceneData,
-        timed: bool,
-        counts_each: bool,
+        options: &Options,
         beside: Option<&Self>,
     ) -> Result<Self, GpuError> {
         gpu.health()?;
@@ -62,13 +63,14 @@ impl FragmentExecutor {
         let scopes = gpu.push_scopes();
         let buffers = scene_buffers(&gpu.device, plan, data, |name: &str| beside.and_then(|other| other.buffer(name)));
         let streams = StreamTextures::new(&gpu.device, plan, &drawn);
-        let results = Results::new(&gpu.device, plan);
+        let is_counted = drawn.how.until == Until::Count;
+        let results = Results::new(&gpu.device, plan, options.count_fragments && is_counted);
         let pipelines = Pipelines::new(&gpu.device, plan, &drawn);
-        let timers = Timers::of_draws(&gpu, plan, timed);
+        let timers = Timers::of_draws(&gpu, plan, options.timings);
         let mut executor = Self {
             plan: plan.clone(),
             drawn,
-            counts_each,
+            counts_each: options.keep_passes || is_counted,
             streams,
             buffers,
             pipelines,

@@ -11,6 +11,7 @@ fn run(timer: Option<Timer>) -> RunContext {
         accelerator: "grid",
         schedule: "second",
         numerics: "robust",
+        mapping: "compute".into(),
         adapter: "cpu".into(),
         width_px: 9,
         height_px: 8,
@@ -46,7 +47,7 @@ fn rows(timer: Option<Timer>, duration_ns: Option<u64>, work: Option<PassWork>) 
 fn fields(run: &RunContext, pass: &Pass, work: Option<PassWork>) -> Vec<(String, String)> {
     let mut file = Vec::new();
     let mut csv = PassesCsv::new(&mut file).expect("memory");
-    csv.write(run, pass, work).expect("memory");
+    csv.write(run, pass, &[], work).expect("memory");
     csv.finish().expect("memory");
     let mut reader = ::csv::ReaderBuilder::new().flexible(false).from_reader(file.as_slice());
     let names: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
@@ -148,7 +149,7 @@ fn each_run_and_repetition_begins_at_0() {
         (&other, [Some(9), Some(9), Some(11)]),
     ] {
         for begin_ns in begin_ns {
-            csv.write(run, &Pass { begin_ns, ..pass(begin_ns) }, None).expect("memory");
+            csv.write(run, &Pass { begin_ns, ..pass(begin_ns) }, &[], None).expect("memory");
         }
     }
     csv.finish().expect("memory");

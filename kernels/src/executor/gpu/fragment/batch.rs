@@ -1,13 +1,15 @@
 //! Submits passes in batches, and reads back what each of them did.
 
 use super::FragmentExecutor;
-use super::pipelines::Bindable;
-use super::results::read_queries;
-use crate::executor::PassResult;
+use super::parts::{Parts, Read};
+use super::pipelines::{Bindable, Query};
+use super::results::{read_queries, read_statistics};
 use crate::executor::gpu::books::read_sent;
 use crate::executor::gpu::readback::Readback;
-use crate::executor::gpu::timers::{Times, read_times};
+use crate::executor::gpu::rounding::Runs;
+use crate::executor::gpu::timers::read_times;
 use crate::executor::gpu::{GpuError, MOST_PASSES};
+use crate::executor::{Drawing, PassResult};
 use crate::options::mapping::{Until, Update};
 use crate::program::Kernel;
 use crate::tables::sizes::COUNT_SLOT_BYTES;
@@ -27,61 +29,71 @@ impl FragmentExecutor {
         let begin = host_clock.map(|now| now());
         let scopes = self.gpu.push_scopes();
         let count = passes.len() as u32;
+        let sent_bytes = u64::from(count) * COUNT_SLOT_BYTES;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        encoder.clear_buffer(&self.results.sent, 0, Some(u64::from(count) * COUNT_SLOT_BYTES));
-        // An empty pass, from whose timestamp on copies count, too.
-        let each = self.timers.as_ref().is_some_and(|timers| timers.each_pass);
-        let mut stamps = Stamps { each, next: 0, of_passes: Vec::new() };
+        encoder.clear_buffer(&self.results.sent, 0, Some(sent_bytes));
+        let mut parts = Parts::new(self.timers.as_ref().map(|timers| timers.each_pass));
         for (slot, &kernel) in (0..).zip(passes) {
-            self.encode(&mut encoder, kernel, slot, slot + 1 == count, &mut stamps)?;
+            parts.begin_pass();
+            self.encode(&mut encoder, kernel, slot, slot + 1 == count, &mut parts)?;
         }
-        encoder.copy_buffer_to_buffer(
-            &self.results.sent,
-            0,
-            &self.results.sent_copy,
-            0,
-            u64::from(count) * COUNT_SLOT_BYTES,
-        );
+        encoder.copy_buffer_to_buffer(&self.results.sent, 0, &self.results.sent_copy, 0, sent_bytes);
         let is_queried = self.drawn.how.until == Until::Query;
         let query_bytes = if is_queried { self.results.encode_queries(&mut encoder, count) } else { 0 };
-        let time_bytes = self.timers.as_ref().map_or(0, |timers| timers.encode_read(&mut encoder, stamps.next));
+        let time_bytes = self.timers.as_ref().map_or(0, |timers| timers.encode_read(&mut encoder, parts.stamps()));
+        let statistics = self.results.statistics.as_ref();
+        let statistics = statistics.map(|s| (s.copy.clone(), s.encode_read(&mut encoder, parts.statistics())));
         self.gpu.submit([encoder.finish()]);
-        let sent = Readback::start(&self.gpu, self.results.sent_copy.clone(), u64::from(count) * COUNT_SLOT_BYTES);
-        let queries = is_queried.then(|| Readback::start(&self.gpu, self.results.queries_copy.clone(), query_bytes));
-        let times = self.timers.as_ref().map(|t| (t.ticks, Readback::start(&self.gpu, t.copy.clone(), time_bytes)));
+        let read = |buffer: &wgpu::Buffer, bytes| Readback::start(&self.gpu, buffer.clone(), bytes);
+        let sent = read(&self.results.sent_copy, sent_bytes);
+        let queries = is_queried.then(|| read(&self.results.queries_copy, query_bytes));
+        let times = self.timers.as_ref().map(|timers| (timers.ticks, read(&timers.copy, time_bytes)));
+        let statistics = statistics.map(|(copy, bytes)| (read(&copy, bytes), bytes));
         self.gpu.pop_scopes(scopes).await?;
 
-        let sent = sent.finish(u64::from(count) * COUNT_SLOT_BYTES, read_sent).await?;
+        let sent = sent.finish(sent_bytes, read_sent).await?;
         let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
         self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
-        let active = match queries {
-            Some(queries) => Some(queries.finish(query_bytes, read_queries).await?),
-            None => None,
-        };
-        let times = match times {
-            Some((ticks, times)) => times.finish(time_bytes, |bytes| read_times(bytes, ticks)).await?,
-            None => Vec::new(),
-        };
-        self.note_span(&times);
+        let mut active = Vec::new();
+        if let Some(queries) = queries {
+            active = queries.finish(query_bytes, read_queries).await?;
+        }
+        let mut found = Read::default();
+        if let Some((ticks, times)) = times {
+            found.times = times.finish(time_bytes, |bytes| read_times(bytes, ticks)).await?;
+        }
+        if let Some((statistics, bytes)) = statistics {
+            found.fragments = statistics.finish(bytes, read_statistics).await?;
+        }
+        let span = found.span();
+        // Without the time of one batch, the sum is unknown.
+        self.device_ns = self.device_ns.zip(span).map(|(sum, span)| sum + span);
         let size = self.plan.size();
-        let mut results = Vec::with_capacity(passes.len());
-        for (index, &kernel) in passes.iter().enumerate() {
+        let step_ns = self.timers.as_ref().and_then(|timers| timers.coarse_step_ns);
+        let result = |(index, &kernel): (usize, &Kernel)| {
             let is_counted = self.counts_each || index + 1 == passes.len();
-            let (begin_ns, duration_ns) = stamps.of(index, &times);
-            let draws =
-                self.drawn.of(kernel).map_or(0, |drawn| drawn.draws.len()) + usize::from(self.pipelines.has_depth());
-            results.push(PassResult {
+            let draws = parts.of_pass(index, &found);
+            let (begin_ns, mut duration_ns) = parts.time_of_pass(index, &found);
+            let runs = step_ns.map(|step_ns| {
+                let mut runs = Runs::new(step_ns);
+                runs.add(&[(begin_ns, duration_ns)]);
+                duration_ns = runs.duration_ns();
+                runs
+            });
+            let drawn = draws.iter().filter(|draw| draw.what != Drawing::Copies).count() as u64;
+            PassResult {
                 kernel,
                 counts: is_counted.then(|| sent[index]),
-                is_active: active.as_ref().map(|active| active[index]),
+                is_active: active.get(index).copied(),
                 elements: size.count,
-                threads_launched: size.texels() * draws as u64,
+                threads_launched: size.texels() * drawn,
                 begin_ns,
                 duration_ns,
-                rounding: None,
-            });
-        }
-        Ok(results)
+                rounding: runs.and_then(|runs| runs.rounding()),
+                draws,
+            }
+        };
+        Ok(passes.iter().enumerate().map(result).collect())
     }
 
     /// A pass of a kernel: copies, the depths, its draws, and a count of its rays.
@@ -91,43 +103,43 @@ impl FragmentExecutor {
         kernel: Kernel,
         slot: u32,
         is_last: bool,
-        stamps: &mut Stamps,
+        parts: &mut Parts,
     ) -> Result<(), GpuError> {
         let Self { pipelines, streams, timers, results, buffers, gpu, drawn, copies, .. } = self;
         let index = pipelines.index(kernel).ok_or(GpuError::Missing(kernel.name()))?;
-        let first = stamps.next;
-        let writes = |stamps: &mut Stamps, is_end: bool| stamps.writes(timers.as_ref(), is_end);
-        if stamps.each || first == 0 {
-            let timestamp_writes =
-                timers.as_ref().and_then(|timers| timers.writes(Some(first), stamps.each.then_some(first + 1)));
-            if timestamp_writes.is_some() {
-                stamps.next += 2;
-                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("begin"), timestamp_writes });
-            }
-        }
+        let timers = timers.as_ref();
         let copied = match drawn.how.update {
             Update::Copy => pipelines.drawn[index].updates.clone(),
             Update::Swap => Vec::new(),
         };
+        // An empty pass: copies alone have no timestamps.
+        if let Some([begin, end]) = parts.begin_copies(!copied.is_empty()) {
+            let timestamp_writes = timers.and_then(|timers| timers.writes(begin, end));
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("begin"), timestamp_writes });
+        }
         for &stream in &copied {
             let textures = streams.get(stream).ok_or(GpuError::Missing(stream.name()))?;
             let (from, to) = (textures.current(), textures.other());
             encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
         }
+        let with = Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, copied: &copied };
+        let statistics = results.statistics.as_ref();
         let draws = pipelines.drawn[index].draws.len();
-        {
-            let with = Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, copied: &copied };
-            if pipelines.has_depth() {
-                pipelines.draw_depth(encoder, &with, writes(stamps, false))?;
-            }
-            for draw in 0..draws {
-                let is_last_draw = draw + 1 == draws;
-                let query = (drawn.how.until == Until::Query && is_last_draw).then_some((&results.queries, slot));
-                let timestamp_writes = writes(stamps, is_last && is_last_draw);
-                pipelines.draw(encoder, (index, draw), &with, query, timestamp_writes)?;
-            }
+        if pipelines.has_depth() {
+            let [begin, end] = parts.begin_draw(Drawing::Depths, false);
+            let query = statistics.map(|statistics| Query::Fragments(&statistics.set, parts.next_statistic()));
+            pipelines.draw_depth(encoder, &with, query, timers.and_then(|timers| timers.draw_writes(begin, end)))?;
         }
-        stamps.of_passes.push(first..stamps.next);
+        for draw in 0..draws {
+            let is_last_draw = draw + 1 == draws;
+            let [begin, end] = parts.begin_draw(Drawing::Draw(draw), is_last && is_last_draw);
+            let query = match drawn.how.until {
+                Until::Query => is_last_draw.then_some(Query::Occlusion(&results.queries, slot)),
+                Until::Count => statistics.map(|statistics| Query::Fragments(&statistics.set, parts.next_statistic())),
+            };
+            let timestamp_writes = timers.and_then(|timers| timers.draw_writes(begin, end));
+            pipelines.draw(encoder, (index, draw), &with, query, timestamp_writes)?;
+        }
         let written: Vec<_> = pipelines.drawn[index].writes().collect();
         for stream in written {
             copies.forget(stream);
@@ -140,51 +152,5 @@ impl FragmentExecutor {
             pipelines.count(encoder, &with, slot)?;
         }
         Ok(())
-    }
-
-    /// Adds the time from a batch's first begin to its last end.
-    fn note_span(&mut self, times: &Times) {
-        let span = match times.as_slice() {
-            [(Some(_), Some(duration))] => Some(*duration),
-            [(Some(begin), _), .., (Some(last), Some(duration))] => (last + duration).checked_sub(*begin),
-            _ => None,
-        };
-        self.device_ns = self.device_ns.zip(span).map(|(sum, span)| sum + span);
-    }
-}
-
-/// The timestamps of a batch: around each draw, or around the batch.
-struct Stamps {
-    each: bool,
-    next: u32,
-    of_passes: Vec<std::ops::Range<u32>>,
-}
-
-impl Stamps {
-    /// The timestamps of the next draw; `is_end`: it is the batch's last.
-    fn writes<'a>(
-        &mut self,
-        timers: Option<&'a super::Timers>,
-        is_end: bool,
-    ) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
-        let timers = timers?;
-        if self.each {
-            self.next += 2;
-            return timers.draw_writes(Some(self.next - 2), Some(self.next - 1));
-        }
-        // The other half of the pair that the batch began with.
-        if is_end { timers.draw_writes(None, Some(1)) } else { None }
-    }
-
-    /// Begin and duration of a pass, from its first to its last timestamp.
-    fn of(&self, pass: usize, times: &Times) -> (Option<u64>, Option<u64>) {
-        if !self.each || times.is_empty() {
-            return (None, None);
-        }
-        let range = &self.of_passes[pass];
-        let times = &times[range.start as usize / 2..range.end as usize / 2];
-        let (Some(&(begin, _)), Some(&(last, duration))) = (times.first(), times.last()) else { return (None, None) };
-        let end = last.zip(duration).map(|(last, duration)| last + duration);
-        (begin, begin.zip(end).and_then(|(begin, end)| end.checked_sub(begin)))
     }
 }

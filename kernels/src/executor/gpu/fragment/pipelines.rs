@@ -27,7 +27,7 @@ fn quad(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Vertices of the quad, a strip of two triangles.
-pub(super) const CORNERS: u32 = 4;
+const CORNERS: u32 = 4;
 
 /// What a shader binds.
 struct Bound {
@@ -81,6 +81,50 @@ pub(super) struct Pipelines {
     depth: Option<Depth>,
     counter: Counter,
     update: Update,
+}
+
+/// A query around a draw: its set, and an index.
+#[derive(Clone, Copy)]
+pub(super) enum Query<'a> {
+    /// Whether it wrote any fragment.
+    Occlusion(&'a wgpu::QuerySet, u32),
+    /// How many fragments it ran.
+    Fragments(&'a wgpu::QuerySet, u32),
+}
+
+impl Query<'_> {
+    fn begin(&self, pass: &mut wgpu::RenderPass<'_>) {
+        match *self {
+            Self::Occlusion(_, index) => pass.begin_occlusion_query(index),
+            Self::Fragments(set, index) => pass.begin_pipeline_statistics_query(set, index),
+        }
+    }
+
+    fn end(&self, pass: &mut wgpu::RenderPass<'_>) {
+        match *self {
+            Self::Occlusion(..) => pass.end_occlusion_query(),
+            Self::Fragments(..) => pass.end_pipeline_statistics_query(),
+        }
+    }
+
+    /// The set that a render pass is begun with.
+    fn occlusion_set(&self) -> Option<&wgpu::QuerySet> {
+        match *self {
+            Self::Occlusion(set, _) => Some(set),
+            Self::Fragments(..) => None,
+        }
+    }
+}
+
+/// Draws the quad.
+fn draw_quad(pass: &mut wgpu::RenderPass<'_>, query: Option<Query<'_>>) {
+    if let Some(query) = &query {
+        query.begin(pass);
+    }
+    pass.draw(0..CORNERS, 0..1);
+    if let Some(query) = &query {
+        query.end(pass);
+    }
 }
 
 /// What shaders bind.
@@ -151,6 +195,7 @@ impl Pipelines {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         with: &Bindable<'_>,
+        query: Option<Query<'_>>,
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> Result<(), GpuError> {
         let Some(depth) = &mut self.depth else { return Ok(()) };
@@ -167,17 +212,17 @@ impl Pipelines {
         });
         pass.set_pipeline(&depth.pipeline);
         set(&mut pass, groups);
-        pass.draw(0..CORNERS, 0..1);
+        draw_quad(&mut pass, query);
         Ok(())
     }
 
-    /// Draws into the targets of a draw; `query`: a set and an index for whether it wrote any fragment.
+    /// Draws into the targets of a draw.
     pub(super) fn draw(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         (kernel, draw): (usize, usize),
         with: &Bindable<'_>,
-        query: Option<(&wgpu::QuerySet, u32)>,
+        query: Option<Query<'_>>,
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> Result<(), GpuError> {
         let name = self.drawn[kernel].kernel.name();
@@ -206,18 +251,12 @@ impl Pipelines {
             color_attachments: &targets,
             depth_stencil_attachment: depth,
             timestamp_writes,
-            occlusion_query_set: query.map(|(set, _)| set),
+            occlusion_query_set: query.as_ref().and_then(Query::occlusion_set),
             ..Default::default()
         });
         pass.set_pipeline(&draw.pipeline);
         set(&mut pass, groups);
-        if let Some((_, index)) = query {
-            pass.begin_occlusion_query(index);
-        }
-        pass.draw(0..CORNERS, 0..1);
-        if query.is_some() {
-            pass.end_occlusion_query();
-        }
+        draw_quad(&mut pass, query);
         Ok(())
     }
 

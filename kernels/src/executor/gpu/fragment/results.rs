@@ -11,11 +11,53 @@ pub(super) struct Results {
     pub(super) queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     pub(super) queries_copy: wgpu::Buffer,
+    pub(super) statistics: Option<Statistics>,
+}
+
+/// How many fragments each draw of a batch ran.
+pub(super) struct Statistics {
+    pub(super) set: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    pub(super) copy: wgpu::Buffer,
+}
+
+impl Statistics {
+    fn new(device: &wgpu::Device, plan: &Plan) -> Self {
+        use wgpu::BufferUsages as U;
+        let buffer = |name: &str, usage| {
+            let (label, size) = (plan.label(name), QUERY_BYTES * u64::from(wgpu::QUERY_SET_MAX_QUERIES));
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(&label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        Self {
+            set: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some(&plan.label("statistics")),
+                ty: wgpu::QueryType::PipelineStatistics(wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS),
+                count: wgpu::QUERY_SET_MAX_QUERIES,
+            }),
+            resolved: buffer("statistics, resolved", U::QUERY_RESOLVE | U::COPY_SRC),
+            copy: buffer("statistics, copy", U::COPY_DST | U::MAP_READ),
+        }
+    }
+
+    /// Copies the first results to where they are read. Returns their size in bytes.
+    pub(super) fn encode_read(&self, encoder: &mut wgpu::CommandEncoder, count: u32) -> u64 {
+        let bytes = QUERY_BYTES * u64::from(count);
+        encoder.resolve_query_set(&self.set, 0..count, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.copy, 0, bytes);
+        bytes
+    }
 }
 
 impl Results {
-    pub(super) fn new(device: &wgpu::Device, plan: &Plan) -> Self {
+    /// `counts_fragments`: if the device can.
+    pub(super) fn new(device: &wgpu::Device, plan: &Plan, counts_fragments: bool) -> Self {
         use wgpu::BufferUsages as U;
+        let can_count = device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY);
         let buffer = |name: &'static str, usage| {
             let size = plan.buffers.iter().find(|planned| planned.what == name).map_or(0, |planned| planned.bytes);
             let label = plan.label(name);
@@ -36,6 +78,7 @@ impl Results {
             }),
             resolved: buffer("queries", U::QUERY_RESOLVE | U::COPY_SRC),
             queries_copy: buffer("queries_copy", U::COPY_DST | U::MAP_READ),
+            statistics: (counts_fragments && can_count).then(|| Statistics::new(device, plan)),
         }
     }
 
@@ -54,6 +97,12 @@ impl Results {
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.queries_copy, 0, bytes);
         bytes
     }
+}
+
+/// How many fragments each draw ran.
+pub(super) fn read_statistics(bytes: &[u8]) -> Vec<u64> {
+    let number = |b: &[u8]| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]);
+    bytes.chunks_exact(QUERY_BYTES as usize).map(number).collect()
 }
 
 /// Whether each draw wrote any fragment.
