@@ -2,7 +2,11 @@
 
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Update};
 use raystep_kernels::plan::DrawnPlan;
-use raystep_kernels::{Accelerator, Device, Limits, Numerics, Options, Pass, Plan, Renderer, ScheduleKind};
+use raystep_kernels::programs::closest_hit::{kernels, states};
+use raystep_kernels::shader::{Binding, Resource};
+use raystep_kernels::{
+    Accelerator, AdapterChoice, Device, Gpu, Kernel, Limits, Numerics, Options, Pass, Plan, Renderer, ScheduleKind,
+};
 use raystep_tests::{block_on, differences, gpu, options, scene, streams_of, thorough};
 
 /// The next pass that worked on a ray: a query only finds out with a pass more that a kernel has none.
@@ -107,4 +111,51 @@ fn a_broken_draw_is_named() {
     // The query of the last draw then counts hits.
     let found = broken(paper, |drawn| drawn.kernels.iter_mut().for_each(|kernel| kernel.draws.reverse()));
     assert!(found.contains("pass"), "states first: {found}");
+}
+
+/// Makes the draws of a kernel count the fragments that run, as rays in a state that has none after the first pass. A counter
+/// alone would make the depth test late, so it is forced to be early.
+fn count_fragments(drawn: &mut DrawnPlan, kernel: Kernel) {
+    const COUNTER: &str = "@group(2) @binding(0) var<storage, read_write> sent: array<atomic<u32>, 8>;\n";
+    let is_tested = drawn.depths.is_some();
+    for draw in drawn.kernels.iter_mut().filter(|drawn| drawn.kernel == kernel).flat_map(|drawn| &mut drawn.draws) {
+        let (declarations, entry) = draw.shader.source.split_once("@fragment").expect("an entry point");
+        let (head, body) = entry.split_once("-> Targets {").expect("a body");
+        let early = if is_tested { "@early_depth_test(force) " } else { "" };
+        let count = "atomicAdd(&sent[0], 1u);";
+        draw.shader.source = format!("{COUNTER}{declarations}{early}@fragment{head}-> Targets {{ {count}{body}");
+        let (name, resource) = ("sent".to_owned(), Resource::Live { writable: true });
+        draw.shader.bindings.push(Binding { group: 2, index: 0, name, resource, reads: true, writes: true });
+    }
+}
+
+/// With a depth test, only fragments with a ray run; without, all of them do.
+#[test]
+fn a_depth_test_keeps_the_kernel_from_running() {
+    let features = wgpu::Features::SHADER_EARLY_DEPTH_TEST;
+    let gpu = pollster::block_on(Gpu::with_features(&AdapterChoice::Best, features)).expect("a device");
+    assert!(gpu.device.features().contains(features), "Vulkan adapters can force depth tests to be early");
+    let (scene, device) = (scene("cornell-box.gltf"), Device::Gpu(gpu.clone()));
+    let rays = 64 * 48;
+    for cull in [Cull::Discard, Cull::EarlyZ] {
+        let mapping = Mapping::Fragment(Fragment { cull, ..Fragment::default() });
+        let options = Options { schedule: ScheduleKind::Second, mapping, ..options(&scene, 64, 48) };
+        let (mut plan, data) = Plan::new(&scene, &options, &Limits::from(&*gpu)).expect("a plan");
+        let drawn = plan.drawn.as_mut().expect("draws");
+        count_fragments(drawn, kernels::INTERSECT);
+        let draws = drawn.of(kernels::INTERSECT).expect("draws").draws.len() as u32;
+        block_on(Some(&gpu), async {
+            let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.expect("a renderer");
+            let mut partial = 0;
+            while let Some(pass) = renderer.step().await.expect("a pass") {
+                if pass.kernel == kernels::INTERSECT {
+                    let ran = pass.counts[states::UNWRITTEN as usize];
+                    let expected = if cull == Cull::EarlyZ { pass.rays_in } else { rays };
+                    assert_eq!(ran, draws * expected, "{cull}: {pass:?}");
+                    partial += u32::from(pass.rays_in < rays);
+                }
+            }
+            assert!(partial > 10, "{partial} passes with a part of the rays");
+        });
+    }
 }

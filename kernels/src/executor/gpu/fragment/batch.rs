@@ -122,7 +122,7 @@ impl FragmentExecutor {
             let (from, to) = (textures.current(), textures.other());
             encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
         }
-        let with = Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, copied: &copied };
+        let with = Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, slot, copied: &copied };
         let statistics = results.statistics.as_ref();
         let draws = pipelines.drawn[index].draws.len();
         if pipelines.has_depth() {
@@ -148,8 +148,8 @@ impl FragmentExecutor {
             }
         }
         if self.counts_each || is_last {
-            let with = Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, copied: &[] };
-            pipelines.count(encoder, &with, slot)?;
+            let with = Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, slot, copied: &[] };
+            pipelines.count(encoder, &with)?;
         }
         Ok(())
     }

@@ -34,7 +34,20 @@ struct Bound {
     bindings: Vec<Binding>,
     layouts: Vec<wgpu::BindGroupLayout>,
     /// Bind groups, by which textures of the streams they hold: a bit for each binding of a stream.
-    groups: HashMap<u64, Vec<wgpu::BindGroup>>,
+    groups: HashMap<u64, Vec<Group>>,
+}
+
+/// A bind group.
+struct Group {
+    group: wgpu::BindGroup,
+    /// Whether it holds counters, of which each pass has its own.
+    is_live: bool,
+}
+
+impl Group {
+    fn offsets<'a>(&self, of_pass: &'a [u32]) -> &'a [u32] {
+        if self.is_live { of_pass } else { &[] }
+    }
 }
 
 /// A draw of a kernel.
@@ -133,6 +146,8 @@ pub(super) struct Bindable<'a> {
     pub(super) streams: &'a StreamTextures,
     pub(super) buffers: &'a [(&'static str, wgpu::Buffer)],
     pub(super) sent: &'a wgpu::Buffer,
+    /// The pass's slot in `sent`.
+    pub(super) slot: u32,
     /// The streams that are read from their other texture, where the copy is.
     pub(super) copied: &'a [Stream],
 }
@@ -211,7 +226,7 @@ impl Pipelines {
             ..Default::default()
         });
         pass.set_pipeline(&depth.pipeline);
-        set(&mut pass, groups);
+        set(&mut pass, groups, with.slot);
         draw_quad(&mut pass, query);
         Ok(())
     }
@@ -255,36 +270,29 @@ impl Pipelines {
             ..Default::default()
         });
         pass.set_pipeline(&draw.pipeline);
-        set(&mut pass, groups);
+        set(&mut pass, groups, with.slot);
         draw_quad(&mut pass, query);
         Ok(())
     }
 
-    /// Counts the rays in each state, in a slot of `sent`.
-    pub(super) fn count(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        with: &Bindable<'_>,
-        slot: u32,
-    ) -> Result<(), GpuError> {
+    /// Counts the rays in each state.
+    pub(super) fn count(&mut self, encoder: &mut wgpu::CommandEncoder, with: &Bindable<'_>) -> Result<(), GpuError> {
         let Counter { pipeline, bound, groups: [x, y] } = &mut self.counter;
-        let live: Vec<bool> = (0..bound.layouts.len() as u32).map(|group| bound.is_live(group)).collect();
         let groups = bound.groups(with, "count")?;
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("count"), timestamp_writes: None });
         pass.set_pipeline(pipeline);
-        for ((group, bind_group), is_live) in (0..).zip(groups).zip(live) {
-            let offset = [slot * COUNT_SLOT_BYTES as u32];
-            pass.set_bind_group(group, bind_group, if is_live { &offset } else { &[] });
+        for (index, group) in (0..).zip(groups) {
+            pass.set_bind_group(index, &group.group, group.offsets(&[with.slot * COUNT_SLOT_BYTES as u32]));
         }
         pass.dispatch_workgroups(*x, *y, 1);
         Ok(())
     }
 }
 
-fn set(pass: &mut wgpu::RenderPass<'_>, groups: &[wgpu::BindGroup]) {
+fn set(pass: &mut wgpu::RenderPass<'_>, groups: &[Group], slot: u32) {
     for (index, group) in (0..).zip(groups) {
-        pass.set_bind_group(index, group, &[]);
+        pass.set_bind_group(index, &group.group, group.offsets(&[slot * COUNT_SLOT_BYTES as u32]));
     }
 }
 
@@ -383,7 +391,7 @@ impl Bound {
     }
 
     /// The bind groups, with the textures that hold the streams' values now.
-    fn groups(&mut self, with: &Bindable<'_>, name: &'static str) -> Result<&[wgpu::BindGroup], GpuError> {
+    fn groups(&mut self, with: &Bindable<'_>, name: &'static str) -> Result<&[Group], GpuError> {
         let missing = || GpuError::Missing(name);
         let mut held = Vec::new();
         for binding in &self.bindings {
@@ -417,7 +425,7 @@ impl Bound {
                     entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
                 }
                 let descriptor = wgpu::BindGroupDescriptor { label: Some(name), layout, entries: &entries };
-                made.push(with.device.create_bind_group(&descriptor));
+                made.push(Group { group: with.device.create_bind_group(&descriptor), is_live: self.is_live(group) });
             }
             self.groups.insert(key, made);
         }
