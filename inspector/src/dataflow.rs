@@ -69,6 +69,8 @@ pub enum Access {
     Write,
     /// Reads and writes it: an update in place.
     Update,
+    /// Reads a copy, or the other one of two textures, and draws into it.
+    Redraw,
 }
 
 /// A binding.
@@ -102,8 +104,14 @@ impl Access {
             Self::Read => "reads",
             Self::Write => "writes",
             Self::Update => "updates in place",
+            Self::Redraw => "reads a copy of and draws",
         }
     }
+}
+
+impl Access {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Read, Self::Write, Self::Update, Self::Redraw];
 }
 
 impl DataFlow {
@@ -112,7 +120,10 @@ impl DataFlow {
     pub fn new(plan: &Plan) -> Self {
         let variants: Vec<_> = plan.variants.iter().filter(|v| v.kernel.role() != Role::Count).collect();
         let kernels = variants.iter().map(|v| kernel_node(v.kernel));
-        let streams = plan.streams.iter().map(|s| stream_node(s.what));
+        let streams = plan.streams.iter().map(|s| {
+            let is_double = plan.drawn.as_ref().is_some_and(|drawn| drawn.is_double(s.what));
+            stream_node(s.what, is_double)
+        });
         let buffers = plan.buffers.iter().filter_map(|b| buffer_node(plan.program, b.what, b.bytes));
         let nodes: Vec<Node> = kernels.chain(streams).chain(buffers).collect();
         let mut edges = Vec::new();
@@ -120,7 +131,9 @@ impl DataFlow {
             for binding in variant.bindings.iter().filter(|b| !matches!(b.resource, Resource::Live { .. })) {
                 let is_bound = |n: &Node| !matches!(n.kind, NodeKind::Kernel(_)) && n.label == binding.name;
                 if let Some(data) = nodes.iter().position(is_bound) {
-                    let access = Access::of(binding);
+                    let drawn = plan.drawn.as_ref().and_then(|drawn| drawn.of(variant.kernel));
+                    let is_redrawn = drawn.zip(binding.stream()).is_some_and(|(drawn, s)| drawn.updates.contains(&s));
+                    let access = if is_redrawn { Access::Redraw } else { Access::of(binding) };
                     edges.push(Edge { kernel, data, access, at_kernel: [0.0; 2], at_data: [0.0; 2] });
                 }
             }
@@ -134,6 +147,11 @@ impl DataFlow {
             }
         }
         layout::place(nodes, edges)
+    }
+
+    /// The kinds of access that it has.
+    pub(crate) fn accesses(&self) -> impl Iterator<Item = Access> {
+        Access::ALL.into_iter().filter(|&access| self.edges.iter().any(|edge| edge.access == access))
     }
 
     /// All accesses, in the order in which they are drawn.
@@ -163,9 +181,11 @@ fn kernel_node(kernel: Kernel) -> Node {
     node(NodeKind::Kernel(kernel), kernel.name(), String::new(), kernel.info().summary.into())
 }
 
-fn stream_node(stream: Stream) -> Node {
+/// `is_double`: it has two textures.
+fn stream_node(stream: Stream, is_double: bool) -> Node {
     let info = stream.info();
-    node(NodeKind::Stream(stream), info.name, info.layers.join(" "), info.unit.into())
+    let textures = if is_double { ", 2 textures" } else { "" };
+    node(NodeKind::Stream(stream), info.name, info.layers.join(" ") + textures, info.unit.into())
 }
 
 /// `None` for buffers that are not scene data but belong to the executor.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::options::mapping::Mapping;
+use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
 use raystep_kernels::{
     Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip,
 };
@@ -241,6 +241,30 @@ impl Settings {
             ray: given,
             ..Link::default()
         }
+    }
+
+    /// Maps kernels to a GPU in this way, and changes what does not go with it.
+    pub fn map_kernels(&mut self, mapping: MappingName) {
+        self.mapping = match mapping {
+            MappingName::Compute => Mapping::Compute,
+            MappingName::Fragment => Mapping::Fragment(Fragment::default()),
+        };
+        if mapping == MappingName::Fragment {
+            if self.schedule == ScheduleKind::Compact {
+                (self.schedule, self.steps_per_pass) = (ScheduleKind::Second, 1);
+            }
+            self.samples.count = 1;
+            self.device = DeviceKind::Gpu;
+        }
+    }
+
+    /// The schedules that can be stepped with this mapping: fragment programs append to no lists.
+    #[must_use]
+    pub fn schedules(&self) -> Vec<ScheduleKind> {
+        let is_drawn = self.mapping != Mapping::Compute;
+        let is_possible =
+            |schedule: &ScheduleKind| schedule.is_stepped() && !(is_drawn && *schedule == ScheduleKind::Compact);
+        ScheduleKind::ALL.iter().copied().filter(is_possible).collect()
     }
 
     /// A single ray has no pixel to distribute samples over.

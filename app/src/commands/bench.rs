@@ -100,6 +100,10 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole::<u32>(0, MOST_RUNS), allow_negative_numbers = true,
           help_heading = "What is measured")]
     warmups: u32,
+    /// Submit exactly the passes that a run needs, known from an earlier one; otherwise some are submitted ahead, for rays
+    /// that have left
+    #[arg(long, conflicts_with = "against", help_heading = "What is measured")]
+    replay: bool,
     /// Seed of the rays and of the order within rounds
     #[arg(long, value_name = "N", default_value_t = bench::SEED, allow_negative_numbers = true,
           value_parser = whole::<u32>(0, u64::from(u32::MAX)), help_heading = "What is measured")]
@@ -169,6 +173,7 @@ impl BenchArgs {
             file: self.rays_file.as_deref().map(|path| rays_file::read(path, None)).transpose()?.map(Arc::new),
             repeats: self.repeats(),
             warmups: self.warmups,
+            replay: self.replay,
             seed: self.seed,
             tuning: self.tuning.options(RaySource::Given(Vec::new())),
         })

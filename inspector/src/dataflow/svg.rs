@@ -15,12 +15,13 @@ const HEAD: f32 = 8.0;
 /// Of edges that are not the current kernel's. No opacity: not every viewer knows it.
 const FADED: &str = "#dcdcdc";
 
-/// Blue, orange, purple: apart for every kind of colour vision, and by their arrowheads without any.
+/// Blue, orange, purple, green: apart for every kind of colour vision, and by their arrowheads without any.
 fn color(access: Access) -> &'static str {
     match access {
         Access::Read => "#2a6fbb",
         Access::Write => "#c8621b",
         Access::Update => "#7a3b9a",
+        Access::Redraw => "#147a5a",
     }
 }
 
@@ -50,7 +51,7 @@ impl DataFlow {
         }
         let mut x = 16.0;
         let y = height + LEGEND / 2.0 - 4.0;
-        for access in [Access::Read, Access::Write, Access::Update] {
+        for access in self.accesses() {
             let [kernel, data] = [[x, y], [x + 40.0, y]];
             out.append(arrow(Group::new(), access, kernel, data, color(access)));
             let name = format!("kernel {}", access.verb());

@@ -1,6 +1,7 @@
 //! The data flow graph: it agrees with the paper's Table 1, and nothing overlaps.
 
 use raystep_inspector::dataflow::{Access, DataFlow, Edge, Node, NodeKind};
+use raystep_kernels::options::mapping::{Fragment, Mapping};
 use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::{Accelerator, Keep, Kernel, Limits, Options, Plan, ScheduleKind, Stream};
 use raystep_scenes::generate;
@@ -48,6 +49,28 @@ fn the_papers_schedule_is_drawn_as_table_1_says() {
     assert!(reads(kernels::INTERSECT, "ray_origin") && reads(kernels::INTERSECT, "vertices"));
     assert!(reads(kernels::TRAVERSE_GRID, "grid") && !reads(kernels::TRAVERSE_GRID, "grid_items"));
     assert!(!graph.nodes.iter().any(|n| n.label == "sent" || n.label == "fill"), "the executor's buffers are shown");
+}
+
+/// The same with fragment programs, as in 2004: what a kernel reads and writes, it reads from a copy.
+#[test]
+fn fragment_programs_read_copies_of_what_they_draw() {
+    use streams::{HIT, RAY_DIRECTION, STATE, TMAX};
+    let scene = generate::cornell_box();
+    let mapping = Mapping::Fragment(Fragment::default());
+    let options = Options { mapping, ..options(&scene, Accelerator::Grid, ScheduleKind::Second, [8, 8]) };
+    let limits = Limits { color_bytes: 32, ..Limits::CPU };
+    let graph = DataFlow::new(&Plan::new(&scene, &options, &limits).expect("a plan").0);
+    let redrawn = |kernel| {
+        let of = graph.of(kernel).filter(|(_, access)| *access == Access::Redraw).map(|(node, _)| node.kind);
+        of.collect::<Vec<_>>()
+    };
+    let streams = |streams: &[Stream]| streams.iter().map(|&s| NodeKind::Stream(s)).collect::<Vec<_>>();
+    assert_eq!(redrawn(kernels::GENERATE), streams(&[STATE]));
+    assert_eq!(redrawn(kernels::INTERSECT), streams(&[STATE, HIT]));
+    assert_eq!(redrawn(kernels::TRAVERSE_GRID), streams(&[STATE, TMAX]));
+    let detail = |stream: Stream| graph.nodes.iter().find(|n| n.kind == NodeKind::Stream(stream)).map(|n| &*n.detail);
+    assert_eq!((detail(TMAX), detail(RAY_DIRECTION)), (Some("x y z, 2 textures"), Some("x y z")));
+    assert_is_readable(&graph, "fragment programs");
 }
 
 fn is_inside([x, y]: [f32; 2], node: &Node) -> bool {

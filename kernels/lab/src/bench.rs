@@ -56,6 +56,8 @@ pub struct Wanted {
     pub repeats: u32,
     /// Warm-up runs before them.
     pub warmups: u32,
+    /// Whether counted runs submit exactly the passes that they need.
+    pub replay: bool,
     /// Seed of rays, and of the orders within rounds.
     pub seed: u32,
     /// All other options. The rays, accelerator, schedule and mapping in it are ignored.

@@ -106,6 +106,8 @@ pub struct Renderer {
     unfinished: u64,
     /// The pixel of the only ray, in a run that leaves out all others.
     alone: Option<[u32; 2]>,
+    /// The kernels of all passes, if they are known from a run before.
+    foreseen: Vec<Kernel>,
     /// Whether passes were submitted whose results are not recorded: a caller dropped the future that waited for them.
     is_ahead: bool,
 }
@@ -200,6 +202,7 @@ impl Renderer {
             pass_bound,
             unfinished: 0,
             alone: None,
+            foreseen: Vec::new(),
             is_ahead: false,
         };
         renderer.restart();
@@ -248,6 +251,13 @@ impl Renderer {
         if let Some(course) = &self.plan.program.course {
             self.counts[state(course) as usize] = elements;
         }
+    }
+
+    /// Makes runs from now on submit exactly these passes, which an earlier run of the same plan needed. Without them,
+    /// passes are submitted ahead, some of them for rays that have left: see
+    /// [`Cursor::guess`](crate::program::schedule::Cursor::guess).
+    pub fn foresee(&mut self, passes: impl IntoIterator<Item = Kernel>) {
+        self.foreseen = passes.into_iter().collect();
     }
 
     /// The plan.

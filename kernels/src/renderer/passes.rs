@@ -131,7 +131,11 @@ impl Renderer {
         if self.is_over_bound() {
             self.give_up_walks().await?;
         }
-        let guess = self.cursor.guess(&self.plan.schedule, self.scheduled(), most);
+        let foreseen = self.foreseen.get(self.pass_count()..).filter(|left| !left.is_empty());
+        let guess = match foreseen {
+            Some(left) => left[..left.len().min(most)].to_vec(),
+            None => self.cursor.guess(&self.plan.schedule, self.scheduled(), most),
+        };
         if guess.is_empty() {
             return Ok(0);
         }

@@ -5,6 +5,7 @@ mod placed;
 
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use raystep_kernels::export::trace::Trace;
+use raystep_kernels::options::mapping::{Mapping, MappingName};
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::state::States;
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind, Stream, StreamData};
@@ -204,8 +205,9 @@ impl Panel for Compare {
 
 /// The settings that distinguish a run.
 fn text_of(settings: &Settings) -> String {
-    let Settings { accelerator, schedule, numerics, device, .. } = settings;
-    format!("{accelerator}, {schedule}, {numerics}, {}", device.name())
+    let Settings { accelerator, schedule, mapping, numerics, device, .. } = settings;
+    let mapping = if *mapping == Mapping::Compute { String::new() } else { format!(", {mapping}") };
+    format!("{accelerator}, {schedule}{mapping}, {numerics}, {}", device.name())
 }
 
 /// The settings of the other run, if they were changed.
@@ -220,7 +222,12 @@ fn edit(ui: &mut Ui, settings: &Settings) -> Option<Settings> {
         });
         response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("B's {name}")));
     }
-    let stepped: Vec<ScheduleKind> = ScheduleKind::ALL.iter().copied().filter(|s| s.is_stepped()).collect();
+    let stepped = new.schedules();
+    let mut mapping = new.mapping.name();
+    combo(ui, "mapping", MappingName::ALL, MappingName::name, &mut mapping);
+    if mapping != new.mapping.name() {
+        new.map_kernels(mapping);
+    }
     combo(ui, "accelerator", Accelerator::ALL, Accelerator::name, &mut new.accelerator);
     combo(ui, "schedule", &stepped, ScheduleKind::name, &mut new.schedule);
     combo(ui, "numerics", Numerics::ALL, Numerics::name, &mut new.numerics);

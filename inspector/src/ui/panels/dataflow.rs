@@ -98,8 +98,9 @@ impl Panel for Dataflow {
 
 impl Dataflow {
     fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let accesses: Vec<Access> = self.flow.iter().flat_map(|(_, flow)| flow.accesses()).collect();
         ui.horizontal_wrapped(|ui| {
-            for access in [Access::Read, Access::Write, Access::Update] {
+            for access in accesses {
                 let (rect, _) = ui.allocate_exact_size(vec2(14.0, 10.0), Sense::hover());
                 ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.5, access_color(access, ui)));
                 ui.small(access.verb());

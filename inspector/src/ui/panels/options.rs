@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use egui::{ComboBox, DragValue, Ui};
-use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, MappingName, Targets, Until, Update};
+use raystep_kernels::options::mapping::{Cull, Mapping, MappingName, Targets, Until, Update};
 use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip};
 
 use crate::session::request::Request;
@@ -90,10 +90,7 @@ fn choice<T: Copy + PartialEq + Display>(ui: &mut Ui, name: &str, about: &str, a
 
 fn tracing(ui: &mut Ui, draft: &mut Settings) {
     choice(ui, "accelerator", "acceleration structure", Accelerator::ALL, &mut draft.accelerator);
-    let is_drawn = draft.mapping != Mapping::Compute;
-    // Fragment programs append to no lists.
-    let possible = |schedule: &ScheduleKind| schedule.is_stepped() && !(is_drawn && *schedule == ScheduleKind::Compact);
-    let stepped: Vec<ScheduleKind> = ScheduleKind::ALL.iter().copied().filter(possible).collect();
+    let stepped = draft.schedules();
     choice(ui, "schedule", "the order in which kernels run", &stepped, &mut draft.schedule);
     mapping(ui, draft);
     choice(ui, "numerics", "the rules for planes, steps and hits", Numerics::ALL, &mut draft.numerics);
@@ -130,10 +127,7 @@ fn mapping(ui: &mut Ui, draft: &mut Settings) {
         "how kernels run: as compute shaders, or as fragment programs that draw into streams, as on GPUs before 2006";
     choice(ui, "mapping", about, MappingName::ALL, &mut name);
     if name != draft.mapping.name() {
-        draft.mapping = match name {
-            MappingName::Compute => Mapping::Compute,
-            MappingName::Fragment => Mapping::Fragment(Fragment::default()),
-        };
+        draft.map_kernels(name);
     }
     let Mapping::Fragment(how) = &mut draft.mapping else { return };
     choice(ui, "targets", "streams that a draw writes", Targets::ALL, &mut how.targets);
@@ -151,12 +145,6 @@ fn mapping(ui: &mut Ui, draft: &mut Settings) {
     choice(ui, "until", "what ends the loops of the schedule", Until::ALL, &mut how.until);
     if how.cull == Cull::None {
         how.until = Until::Count;
-    }
-    if draft.schedule == ScheduleKind::Compact {
-        draft.schedule = ScheduleKind::Second;
-    }
-    if draft.device != DeviceKind::Gpu {
-        draft.device = DeviceKind::Gpu;
     }
 }
 

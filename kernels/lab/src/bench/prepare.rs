@@ -112,7 +112,10 @@ impl<'a> Builder<'a> {
             Extent::Brief => (Details::without_passes(context), 0.0),
         };
         (options.timings, options.keep_passes) = (times_every_pass(machine), false);
-        let renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device))?;
+        let mut renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device))?;
+        if self.wanted.replay {
+            renderer.foresee(details.passes.iter().map(|pass| pass.kernel));
+        }
 
         let plan = renderer.plan();
         let per_ray = |count: fn(&CounterSums) -> Option<u64>| {
@@ -128,6 +131,7 @@ impl<'a> Builder<'a> {
             triangles: plan.triangles,
             accelerator: options.accelerator.to_string(),
             schedule: options.schedule.to_string(),
+            mapping: options.mapping.to_string(),
             numerics: options.numerics.to_string(),
             grid: grid_text(options.grid),
             skip: options.skip.to_string(),

@@ -21,15 +21,17 @@ const WIDTH: f32 = 0.58;
 /// The smallest scale at which the names can be read.
 pub(super) const LEAST: Vec2 = vec2(WIDTH * SMALLEST / CHARACTER, SMALLEST / (LINES[2] * HEIGHT));
 
-/// Blue, orange, purple, as in the exported drawing: distinguishable with any colour vision.
+/// Blue, orange, purple, green, as in the exported drawing: distinguishable with any colour vision.
 pub(super) fn access_color(access: Access, ui: &Ui) -> Color32 {
     let [r, g, b] = match (access, ui.visuals().dark_mode) {
         (Access::Read, false) => [42, 111, 187],
         (Access::Write, false) => [200, 98, 27],
         (Access::Update, false) => [122, 59, 154],
+        (Access::Redraw, false) => [20, 122, 90],
         (Access::Read, true) => [104, 168, 240],
         (Access::Write, true) => [245, 150, 80],
         (Access::Update, true) => [196, 140, 230],
+        (Access::Redraw, true) => [90, 200, 160],
     };
     Color32::from_rgb(r, g, b)
 }
