@@ -167,7 +167,7 @@ pub(crate) struct RunArgs {
 impl RunArgs {
     /// Refuses options that would have no effect.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        self.mapping.check()?;
+        self.mapping.check(self.schedule, self.device.device)?;
         self.tuning.check(&[self.accelerator], &[self.schedule])
     }
 

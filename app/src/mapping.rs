@@ -1,7 +1,8 @@
 //! The options of how kernels are mapped to a GPU.
 
 use clap::Args;
-use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, MappingName, Targets, Until, Update};
+use raystep_kernels::ScheduleKind;
+use raystep_kernels::options::mapping::{self, Cull, Fragment, Mapping, MappingName, Targets, Until, Update};
 
 use crate::args::{DeviceArgs, DeviceKind, named};
 use crate::error::Error;
@@ -61,8 +62,8 @@ impl MappingArgs {
         }
     }
 
-    /// Refuses options that would have no effect, and choices that do not go together.
-    pub(crate) fn check(self) -> Result<(), Error> {
+    /// Refuses options that would have no effect, and what does not go together.
+    pub(crate) fn check(self, schedule: ScheduleKind, device: DeviceKind) -> Result<(), Error> {
         let Self { targets, update, cull, until, .. } = self;
         let given = [
             ("--targets", targets.is_some()),
@@ -73,10 +74,12 @@ impl MappingArgs {
         if let Some((option, _)) = given.iter().find(|(_, is_given)| *is_given && !self.is_fragment()) {
             return Err(Error::usage(format!("{option} is for fragment programs: omit it, or add --mapping fragment")));
         }
-        match self.mapping().fragment().and_then(|how| how.fault()) {
-            Some(fault) => Err(Error::usage(fault)),
-            None => Ok(()),
-        }
+        let Some(how) = self.mapping().fragment() else { return Ok(()) };
+        let fault = match device {
+            DeviceKind::Cpu => Some(mapping::NO_GPU),
+            _ => how.fault().or(mapping::fault_of(schedule)),
+        };
+        fault.map_or(Ok(()), |fault| Err(Error::usage(fault)))
     }
 
     /// Where passes run: fragment programs need a GPU, if only one in software.

@@ -6,6 +6,7 @@ use std::time::Instant;
 use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::json::RunOptions;
 use raystep_kernels::export::structure::Structure;
+use raystep_kernels::options::mapping;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Keep, Options, RaySource, Renderer, ScheduleKind};
@@ -70,6 +71,9 @@ impl Session {
         adjust: impl FnOnce(&mut Options),
     ) -> Result<Self, Error> {
         run.check()?;
+        if run.mapping.is_fragment() && view.samples.spp > 1 {
+            return Err(Error::usage(mapping::ONE_SAMPLE));
+        }
         view.samples.check()?;
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
@@ -140,6 +144,7 @@ impl Running {
             scene_path: self.scene_path.to_string_lossy().into_owned(),
             accelerator: options.accelerator.name(),
             schedule: options.schedule.name(),
+            mapping: options.mapping.to_string(),
             numerics: options.numerics.name(),
             width_px: plan.width,
             height_px: plan.height,

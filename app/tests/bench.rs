@@ -53,7 +53,8 @@ fn every_configuration_has_its_row_and_the_files_agree() {
          steps_per_pass,keep_all,rays_kind,seed,adapter,width_px,height_px,rays,build_s,start_s,clock,runs,\
          invalid_runs,median_ns,low_ns,high_ns,min_ns,max_ns,interval_method,interval_level,median_wall_ns,\
          fixed_work_ns,rays_per_s,time_ratio,time_ratio_low,time_ratio_high,ratio_to,passes,useful_steps_per_thread,\
-         cells_per_ray,tests_per_ray,repeated_per_ray,structure_bytes,bytes_per_triangle,hits,hits_hash,baseline_ratio"
+         cells_per_ray,tests_per_ray,repeated_per_ray,structure_bytes,bytes_per_triangle,hits,hits_hash,baseline_ratio,\
+         mapping"
     );
     let groups: Vec<_> = summary.chunks(3).collect();
     let expected: Vec<_> = ["cornell-box", "teapot"]

@@ -13,6 +13,7 @@ mod inspect;
 mod left_out;
 mod lesson;
 mod link;
+mod mapping;
 mod messages;
 mod rays_file;
 mod report;

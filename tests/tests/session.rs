@@ -4,11 +4,13 @@ use std::ops::ControlFlow;
 
 use raystep_inspector::{Session, Target, go_on};
 use raystep_kernels::export::trace::{Rays, trace};
+use raystep_kernels::options::mapping::{Fragment, Mapping, Update};
 use raystep_kernels::programs::closest_hit::{kernels, streams};
-use raystep_kernels::{Accelerator, Device, RenderError, ScheduleKind, StreamData};
+use raystep_kernels::{Accelerator, Device, Options, RenderError, ScheduleKind, StreamData};
+use raystep_scenes::Scene;
 use raystep_tests::sessions::{go, streams};
 use raystep_tests::ways::{STEPPED, Way, stepped};
-use raystep_tests::{block_on, devices, gpu_of, options, scene};
+use raystep_tests::{block_on, devices, gpu, gpu_of, options, scene};
 
 const TREE: Way = Way::new(Accelerator::Bvh, ScheduleKind::Second, 1);
 
@@ -38,38 +40,52 @@ fn every_pass_looks_the_same_when_it_is_reached_again() {
     for (name, device) in devices() {
         for (file, way) in ways {
             let scene = scene(file);
-            let options = way.of(&options(&scene, 12, 10));
-            block_on(gpu_of(&device), async {
-                let mut session = Session::new(&scene, &options, &device).await.expect("a session");
-                // Pretend that these few rays are many, for a checkpoint every few passes.
-                session.set_span(3 * 120);
-                let seen = history(&mut session).await;
-                let last = seen.len() - 1;
-                assert!(last > 10, "{file} {way}: {last} passes");
-                let (all, most) = (session.kept_bytes(), session.kept_places().count());
-                assert!(most > 1, "{file} {name} {way}: nothing was kept of {last} passes");
-                for budget in [u64::MAX, all / 2, 0] {
-                    session.set_budget(budget);
-                    assert!(session.kept_bytes() <= budget);
-                    assert_eq!(go(&mut session, Target::End).await, last);
-                    // One pass at a time down to the start; with nothing kept that takes long, so skip some.
-                    let every = if budget == 0 { 1 + last / 12 } else { 1 };
-                    for place in (0..last).rev().step_by(every) {
-                        let target = if every == 1 { Target::Previous } else { Target::Pass(place) };
-                        assert_eq!(go(&mut session, target).await, place, "{file} {name} {way}");
-                        let now = streams(&session).await;
-                        assert!(now == seen[place], "{file} {name} {way}: after {place} passes, budget {budget}");
-                        assert!(session.kept_bytes() <= budget);
-                    }
-                    for place in [3, last, 1, last / 2, last / 3] {
-                        assert_eq!(go(&mut session, Target::Pass(place)).await, place);
-                        assert!(streams(&session).await == seen[place], "{file} {name} {way}: at {place}");
-                    }
-                    assert_eq!(session.known().len(), last);
-                }
-            });
+            check_history(&scene, &way.of(&options(&scene, 12, 10)), &device, &format!("{file} {name} {way}"));
         }
     }
+}
+
+/// Textures that take turns must do so when they are restored, too.
+#[test]
+fn passes_that_are_drawn_look_the_same_when_they_are_reached_again() {
+    let scene = scene("cornell-box.gltf");
+    for update in [Update::Copy, Update::Swap] {
+        let mapping = Mapping::Fragment(Fragment::of(None, Some(update), None, None));
+        let options = Options { mapping, ..STEPPED.of(&options(&scene, 12, 10)) };
+        check_history(&scene, &options, &Device::Gpu(gpu()), &mapping.to_string());
+    }
+}
+
+fn check_history(scene: &Scene, options: &Options, device: &Device, which: &str) {
+    block_on(gpu_of(device), async {
+        let mut session = Session::new(scene, options, device).await.expect("a session");
+        // Pretend that these few rays are many, for a checkpoint every few passes.
+        session.set_span(3 * 120);
+        let seen = history(&mut session).await;
+        let last = seen.len() - 1;
+        assert!(last > 10, "{which}: {last} passes");
+        let (all, most) = (session.kept_bytes(), session.kept_places().count());
+        assert!(most > 1, "{which}: nothing was kept of {last} passes");
+        for budget in [u64::MAX, all / 2, 0] {
+            session.set_budget(budget);
+            assert!(session.kept_bytes() <= budget);
+            assert_eq!(go(&mut session, Target::End).await, last);
+            // One pass at a time down to the start; with nothing kept that takes long, so skip some.
+            let every = if budget == 0 { 1 + last / 12 } else { 1 };
+            for place in (0..last).rev().step_by(every) {
+                let target = if every == 1 { Target::Previous } else { Target::Pass(place) };
+                assert_eq!(go(&mut session, target).await, place, "{which}");
+                let now = streams(&session).await;
+                assert!(now == seen[place], "{which}: after {place} passes, budget {budget}");
+                assert!(session.kept_bytes() <= budget);
+            }
+            for place in [3, last, 1, last / 2, last / 3] {
+                assert_eq!(go(&mut session, Target::Pass(place)).await, place);
+                assert!(streams(&session).await == seen[place], "{which}: at {place}");
+            }
+            assert_eq!(session.known().len(), last);
+        }
+    });
 }
 
 #[test]

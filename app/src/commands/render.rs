@@ -10,6 +10,7 @@ use raystep_kernels::export::csv::{DrawnPart, PassWork, PassesCsv};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, json};
+use raystep_kernels::options::mapping::Until;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Image, Numerics, RayHit};
 use raystep_lab::judge::{Report, Traced, check_rays};
@@ -85,6 +86,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
     let targets = [Some(&target), passes_target.as_ref(), trace_target.as_ref(), summary_target.as_ref()];
     refuse_doubles(&targets)?;
 
+    let is_counted = args.run.mapping.mapping().fragment().is_some_and(|how| how.until == Until::Count);
+    if args.count_fragments && !is_counted {
+        return Err(Error::usage(
+            "--count-fragments counts in draws, without queries: add --mapping fragment --until count",
+        ));
+    }
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.counters = args.counters;

@@ -14,7 +14,7 @@ use crate::Hash;
 pub use of_time::is_of_time;
 
 /// Schema version of all files; it rises when the meaning of a column changes.
-pub const SCHEMA_VERSION: u32 = 3;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// The number of columns in groups of columns.
 #[must_use]

@@ -132,6 +132,8 @@ pub struct RunOptions {
     pub accelerator: &'static str,
     /// `--schedule`
     pub schedule: &'static str,
+    /// `--mapping`, with its choices.
+    pub mapping: String,
     /// `--numerics`
     pub numerics: &'static str,
     /// Texels per row.

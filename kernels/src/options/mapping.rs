@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::ScheduleKind;
 use crate::numbers::named::{ParseOptionError, named};
 
 /// How kernels are mapped to a GPU, without the choices of a mapping.
@@ -161,6 +162,27 @@ named!(Targets, "one, many", One "one", Many "many");
 named!(Update, "copy, swap", Copy "copy", Swap "swap");
 named!(Cull, "none, discard, early-z", None "none", Discard "discard", EarlyZ "early-z");
 named!(Until, "query, count", Query "query", Count "count");
+
+/// Why fragment programs cannot run on the CPU.
+pub const NO_GPU: &str = "--mapping fragment draws on a GPU: use --device gpu, which may be a software driver";
+
+/// Why fragment programs cannot average samples.
+pub const ONE_SAMPLE: &str =
+    "--mapping fragment takes one sample per pixel: a mean of samples does not fit a texel with four components";
+
+/// Why fragment programs cannot follow a schedule.
+#[must_use]
+pub fn fault_of(schedule: ScheduleKind) -> Option<&'static str> {
+    match schedule {
+        ScheduleKind::First | ScheduleKind::Second => None,
+        ScheduleKind::Compact => {
+            Some("--mapping fragment has no lists of live rays: use --schedule second or first, not compact")
+        }
+        ScheduleKind::Fused => {
+            Some("--mapping fragment is for kernels that take one step: use --schedule second or first, not fused")
+        }
+    }
+}
 
 impl Fragment {
     /// These choices, and for the others what goes with them, or the default.

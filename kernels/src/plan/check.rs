@@ -7,7 +7,7 @@ use crate::fragment::TEXEL_BYTES as DRAWN_BYTES;
 use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Options, Ray, RaySource, ScheduleKind};
+use crate::options::{Accelerator, Options, Ray, RaySource, mapping};
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
 use crate::structures::bvh::BvhError;
@@ -260,20 +260,12 @@ pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
 /// Whether the kernels of a run can be fragment programs, if they are to be.
 pub(super) fn check_mapping(options: &Options, limits: &Limits) -> Result<(), PlanError> {
     let Some(how) = options.mapping.fragment() else { return Ok(()) };
-    let fault = match options.schedule {
-        _ if u64::from(limits.color_bytes) < DRAWN_BYTES => {
-            Some("--mapping fragment draws on a GPU: use --device gpu, which may be a software driver")
-        }
-        ScheduleKind::Compact => {
-            Some("--mapping fragment has no lists of live rays: use --schedule second or first, not compact")
-        }
-        ScheduleKind::Fused => {
-            Some("--mapping fragment is for kernels that take one step: use --schedule second or first, not fused")
-        }
-        _ if options.samples.count > 1 => Some(
-            "--mapping fragment takes one sample per pixel: a mean of samples does not fit a texel with four components",
-        ),
-        _ => how.fault(),
+    let fault = if u64::from(limits.color_bytes) < DRAWN_BYTES {
+        Some(mapping::NO_GPU)
+    } else if options.samples.count > 1 {
+        Some(mapping::ONE_SAMPLE)
+    } else {
+        mapping::fault_of(options.schedule).or(how.fault())
     };
     fault.map_or(Ok(()), |fault| Err(PlanError::Mapping(fault)))
 }

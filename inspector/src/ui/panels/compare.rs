@@ -210,6 +210,29 @@ fn text_of(settings: &Settings) -> String {
     format!("{accelerator}, {schedule}{mapping}, {numerics}, {}", device.name())
 }
 
+/// Where passes run, and how: fragment programs run on a GPU only.
+#[derive(Clone, Copy, PartialEq)]
+struct Place {
+    device: DeviceKind,
+    mapping: MappingName,
+}
+
+impl Place {
+    const ALL: [Self; 4] = [
+        Self { device: DeviceKind::Gpu, mapping: MappingName::Compute },
+        Self { device: DeviceKind::Gpu, mapping: MappingName::Fragment },
+        Self { device: DeviceKind::Cpu, mapping: MappingName::Compute },
+        Self { device: DeviceKind::CpuF64, mapping: MappingName::Compute },
+    ];
+
+    fn name(self) -> &'static str {
+        match self.mapping {
+            MappingName::Compute => self.device.name(),
+            MappingName::Fragment => "GPU, fragment",
+        }
+    }
+}
+
 /// The settings of the other run, if they were changed.
 fn edit(ui: &mut Ui, settings: &Settings) -> Option<Settings> {
     let mut new = settings.clone();
@@ -223,15 +246,15 @@ fn edit(ui: &mut Ui, settings: &Settings) -> Option<Settings> {
         response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("B's {name}")));
     }
     let stepped = new.schedules();
-    let mut mapping = new.mapping.name();
-    combo(ui, "mapping", MappingName::ALL, MappingName::name, &mut mapping);
-    if mapping != new.mapping.name() {
-        new.map_kernels(mapping);
-    }
     combo(ui, "accelerator", Accelerator::ALL, Accelerator::name, &mut new.accelerator);
     combo(ui, "schedule", &stepped, ScheduleKind::name, &mut new.schedule);
     combo(ui, "numerics", Numerics::ALL, Numerics::name, &mut new.numerics);
-    combo(ui, "device", &DeviceKind::ALL, DeviceKind::name, &mut new.device);
+    let mut place = Place { device: new.device, mapping: new.mapping.name() };
+    combo(ui, "device", &Place::ALL, Place::name, &mut place);
+    if place.mapping != new.mapping.name() {
+        new.map_kernels(place.mapping);
+    }
+    new.device = place.device;
     (new != *settings).then_some(new)
 }
 

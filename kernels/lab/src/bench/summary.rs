@@ -3,6 +3,7 @@
 
 use std::io::{Read, Write};
 
+use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::renderer::Pass;
 use serde::{Deserialize, Serialize};
 
@@ -125,7 +126,14 @@ pub struct SummaryRow {
     pub hits: u64,
     pub hits_hash: String,
     pub baseline_ratio: Option<f64>,
+    /// Earlier files lack it.
+    #[serde(default = "compute")]
     pub mapping: String,
+}
+
+/// The only mapping of earlier files.
+fn compute() -> String {
+    Mapping::Compute.to_string()
 }
 
 /// A file of a benchmark that cannot be read.
@@ -225,7 +233,7 @@ impl SummaryRow {
         if (grid.as_str(), skip.as_str()) != ("auto", "auto") {
             name += &format!(" grid={grid} skip={skip}");
         }
-        if self.mapping != "compute" {
+        if self.mapping != compute() {
             name += &format!(" {}", self.mapping);
         }
         if let Some(steps) = self.steps_per_pass {

@@ -3,7 +3,7 @@
 use super::SummaryRow;
 use crate::text::aligned;
 
-/// The text columns.
+/// The text columns; the last one if there are several mappings.
 const NAMES: [&str; 3] = ["accelerator", "schedule", "mapping"];
 
 /// The numeric columns.
@@ -14,15 +14,17 @@ const COLUMNS: [&str; 6] = ["median ms", "low", "high", "Mray/s", "to fastest", 
 pub fn text(rows: &[SummaryRow]) -> String {
     let has_baseline = rows.iter().any(|row| row.baseline_ratio.is_some());
     let columns = &COLUMNS[..COLUMNS.len() - usize::from(!has_baseline)];
-    let names = NAMES.iter().chain(columns);
-    let mut lines: Vec<Vec<String>> = vec![names.map(|n| (*n).to_owned()).collect()];
+    let has_mappings = rows.iter().any(|row| row.mapping != rows[0].mapping);
+    let names = &NAMES[..NAMES.len() - usize::from(!has_mappings)];
+    let mut lines: Vec<Vec<String>> = vec![names.iter().chain(columns).map(|n| (*n).to_owned()).collect()];
     let groups = || rows.chunk_by(|a, b| title(a) == title(b));
     for row in rows {
-        let mut cells = vec![row.accelerator.clone(), row.schedule.clone(), row.mapping.clone()];
+        let mut cells = vec![row.accelerator.clone(), row.schedule.clone()];
+        cells.extend(has_mappings.then(|| row.mapping.clone()));
         cells.extend(numbers(row).into_iter().take(columns.len()));
         lines.push(cells);
     }
-    let lines: Vec<String> = aligned(&lines, NAMES.len()).into_iter().map(|line| format!("  {line}")).collect();
+    let lines: Vec<String> = aligned(&lines, names.len()).into_iter().map(|line| format!("  {line}")).collect();
     let (head, mut lines) = (&lines[0], &lines[1..]);
     let table = |group: &[SummaryRow]| {
         let (of_group, rest) = lines.split_at(group.len());
