@@ -135,7 +135,7 @@ impl GpuExecutor {
             work_a_dispatch,
         };
         executor.clear();
-        executor.set_size();
+        upload_size(&executor.gpu, &executor.plan, &executor.buffers);
         if let Err(error) = executor.gpu.pop_scopes(scopes).await {
             executor.gpu.compiled.clear();
             return Err(error);
@@ -145,20 +145,7 @@ impl GpuExecutor {
 
     /// Uploads what depends on the camera.
     pub(crate) fn set_view(&self, data: &SceneData) {
-        for (name, buffer) in &self.buffers {
-            if let Some(info) = self.plan.program.buffer(name).filter(|info| info.is_of_view) {
-                self.gpu.queue.write_buffer(buffer, 0, info.contents(data));
-            }
-        }
-        self.set_size();
-    }
-
-    /// Uploads the size of the streams, which differs from the data's if runs of several sizes share them.
-    fn set_size(&self) {
-        if let Some(scene) = self.buffer("scene") {
-            let size = [self.plan.width, self.plan.height];
-            self.gpu.queue.write_buffer(scene, offset_of!(SceneInfo, size) as u64, bytemuck::bytes_of(&size));
-        }
+        upload_view(&self.gpu, &self.plan, &self.buffers, data);
     }
 
     /// The device.
@@ -336,6 +323,40 @@ fn scene_buffers<'a>(
         buffers.push((planned.what, device.create_buffer_init(&descriptor)));
     }
     buffers
+}
+
+/// Uploads what depends on the camera.
+fn upload_view(gpu: &Gpu, plan: &Plan, buffers: &[(&'static str, wgpu::Buffer)], data: &SceneData) {
+    for (name, buffer) in buffers {
+        if let Some(info) = plan.program.buffer(name).filter(|info| info.is_of_view) {
+            gpu.queue.write_buffer(buffer, 0, info.contents(data));
+        }
+    }
+    upload_size(gpu, plan, buffers);
+}
+
+/// Uploads the size of the streams, which differs from the data's if runs of several sizes share them.
+fn upload_size(gpu: &Gpu, plan: &Plan, buffers: &[(&'static str, wgpu::Buffer)]) {
+    if let Some((_, scene)) = buffers.iter().find(|(name, _)| *name == "scene") {
+        let size = [plan.width, plan.height];
+        gpu.queue.write_buffer(scene, offset_of!(SceneInfo, size) as u64, bytemuck::bytes_of(&size));
+    }
+}
+
+/// A buffer of the executor's own, of the size that the plan has for it; `None` if the run needs none.
+fn own_buffer(
+    device: &wgpu::Device,
+    plan: &Plan,
+    name: &'static str,
+    usage: wgpu::BufferUsages,
+) -> Option<wgpu::Buffer> {
+    let planned = plan.buffers.iter().find(|planned| planned.what == name)?;
+    Some(labelled_buffer(device, &plan.label(name), planned.bytes, usage))
+}
+
+/// An empty buffer.
+fn labelled_buffer(device: &wgpu::Device, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
 }
 
 /// Most rays that one dispatch of the fused kernel may trace, so that none takes much longer than 200 ms, after which

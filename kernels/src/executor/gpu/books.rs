@@ -1,5 +1,6 @@
 //! Counters of each pass and the lists of live rays.
 
+use super::{labelled_buffer, own_buffer};
 use crate::plan::Plan;
 use crate::program::{Kernel, Program};
 use crate::shader::{Binding, LAUNCH, Resource};
@@ -99,15 +100,7 @@ impl Place {
 impl Books {
     pub(super) fn new(device: &wgpu::Device, plan: &Plan) -> Self {
         use wgpu::BufferUsages as U;
-        let buffer = |name: &'static str, usage| {
-            let planned = plan.buffers.iter().find(|b| b.what == name)?;
-            Some(device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(&plan.label(name)),
-                size: planned.bytes,
-                usage,
-                mapped_at_creation: false,
-            }))
-        };
+        let buffer = |name: &'static str, usage| own_buffer(device, plan, name, usage);
         let slots = |name| buffer(name, U::STORAGE | U::INDIRECT | U::COPY_SRC | U::COPY_DST);
         let kernels = plan.schedule.kernels();
         let list = |index: usize| {
@@ -115,16 +108,7 @@ impl Books {
             let kernel = kernels.iter().copied().find(|kernel| kernel.info().list == Some(index))?;
             Some(List { kernel, slots: [slots(even)?, slots(odd)?], turn: 0 })
         };
-        let own = |name, usage| {
-            let label = plan.label(name);
-            let size = COUNT_SLOTS * COUNT_SLOT_BYTES;
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(&label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
+        let own = |name, usage| labelled_buffer(device, &plan.label(name), COUNT_SLOTS * COUNT_SLOT_BYTES, usage);
         Self {
             sent: own("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST),
             copy: own("sent_copy", U::COPY_DST | U::MAP_READ),

@@ -1,31 +1,29 @@
 //! Runs kernels as fragment programs: each pass is one or more draws of a quad over all rays.
 
 mod batch;
+mod bound;
 mod parts;
 mod pipelines;
 mod results;
 mod snapshot;
 mod streams;
 
-use std::mem::offset_of;
 use std::sync::Arc;
 
+use super::snapshot::Copies;
 use super::timers::Timers;
-use super::{Gpu, GpuError, scene_buffers};
+use super::{Gpu, GpuError, scene_buffers, upload_size, upload_view};
 use crate::executor::sizes::Sizes;
 use crate::options::Options;
 use crate::options::mapping::Until;
 use crate::plan::{DrawnPlan, Plan};
 use crate::scene_data::SceneData;
-use crate::shared::scene::SceneInfo;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::stream::{Region, Stream, StreamData};
 use pipelines::Pipelines;
 use results::Results;
-use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use streams::StreamTextures;
-pub use streams::component_of;
 
 /// Runs a plan's kernels as fragment programs.
 pub struct FragmentExecutor {
@@ -64,7 +62,7 @@ impl FragmentExecutor {
         let buffers = scene_buffers(&gpu.device, plan, data, |name: &str| beside.and_then(|other| other.buffer(name)));
         let streams = StreamTextures::new(&gpu.device, plan, &drawn);
         let is_counted = drawn.how.until == Until::Count;
-        let results = Results::new(&gpu.device, plan, options.count_fragments && is_counted);
+        let results = Results::new(&gpu.device, plan, options.count_fragments && is_counted)?;
         let pipelines = Pipelines::new(&gpu.device, plan, &drawn);
         let timers = Timers::of_draws(&gpu, plan, options.timings);
         let mut executor = Self {
@@ -83,7 +81,7 @@ impl FragmentExecutor {
             gpu,
         };
         executor.clear();
-        executor.set_size();
+        upload_size(&executor.gpu, &executor.plan, &executor.buffers);
         executor.gpu.pop_scopes(scopes).await?;
         Ok(executor)
     }
@@ -105,19 +103,7 @@ impl FragmentExecutor {
 
     /// Uploads what depends on the camera.
     pub(crate) fn set_view(&self, data: &SceneData) {
-        for (name, buffer) in &self.buffers {
-            if let Some(info) = self.plan.program.buffer(name).filter(|info| info.is_of_view) {
-                self.gpu.queue.write_buffer(buffer, 0, info.contents(data));
-            }
-        }
-        self.set_size();
-    }
-
-    fn set_size(&self) {
-        if let Some(scene) = self.buffer("scene") {
-            let size = [self.plan.width, self.plan.height];
-            self.gpu.queue.write_buffer(scene, offset_of!(SceneInfo, size) as u64, bytemuck::bytes_of(&size));
-        }
+        upload_view(&self.gpu, &self.plan, &self.buffers, data);
     }
 
     /// Sets the initial contents of some streams from now on: input rays.

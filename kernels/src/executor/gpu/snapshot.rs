@@ -35,8 +35,13 @@ impl Copies {
         self.0.clear();
     }
 
-    fn of(&self, stream: Stream) -> Option<Arc<wgpu::Texture>> {
+    pub(super) fn of(&self, stream: Stream) -> Option<Arc<wgpu::Texture>> {
         self.0.get(&stream)?.upgrade()
+    }
+
+    /// Copies that are up to date now.
+    pub(super) fn new(streams: &[(Stream, Arc<wgpu::Texture>)]) -> Self {
+        Self(streams.iter().map(|(stream, copy)| (*stream, Arc::downgrade(copy))).collect())
     }
 }
 
@@ -78,7 +83,7 @@ impl GpuExecutor {
         let lists = self.books.keep(&self.gpu.device, &mut encoder, counts);
         self.gpu.submit([encoder.finish()]);
         self.gpu.pop_scopes(scopes).await?;
-        self.note_copies(&streams);
+        self.copies = Copies::new(&streams);
         let Self { device_ns, host_ns, .. } = *self;
         Ok(Snapshot { gpu: self.gpu.clone(), streams, lists, sizes: self.sizes.clone(), device_ns, host_ns })
     }
@@ -109,13 +114,9 @@ impl GpuExecutor {
         }
         self.books.restore(&mut encoder, &snapshot.lists);
         self.gpu.submit([encoder.finish()]);
-        self.note_copies(&snapshot.streams);
+        self.copies = Copies::new(&snapshot.streams);
         (self.device_ns, self.host_ns) = (snapshot.device_ns, snapshot.host_ns);
         Ok(())
-    }
-
-    fn note_copies(&mut self, streams: &[(Stream, Arc<wgpu::Texture>)]) {
-        self.copies = Copies(streams.iter().map(|(stream, copy)| (*stream, Arc::downgrade(copy))).collect());
     }
 
     /// Marks the streams as changed that passes of these kernels are about to write.

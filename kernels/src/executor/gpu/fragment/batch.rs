@@ -1,8 +1,9 @@
 //! Submits passes in batches, and reads back what each of them did.
 
 use super::FragmentExecutor;
+use super::bound::Bindable;
 use super::parts::{Parts, Read};
-use super::pipelines::{Bindable, Query};
+use super::pipelines::Query;
 use super::results::{read_queries, read_statistics};
 use crate::executor::gpu::books::read_sent;
 use crate::executor::gpu::readback::Readback;

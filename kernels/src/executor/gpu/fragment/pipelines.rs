@@ -1,17 +1,14 @@
-//! Render pipelines of the draws, the depth test between rays and kernels, and the bind groups of all.
+//! Render pipelines of the draws, and the depth test between rays and kernels.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 
-use super::streams::{FORMAT, StreamTextures};
+use super::bound::{Bindable, Bound};
+use super::streams::FORMAT;
 use crate::executor::gpu::GpuError;
 use crate::fragment::{DrawnKernel, ENTRY, Shader, depth_of};
 use crate::options::mapping::{Cull, Update};
 use crate::plan::{DrawnPlan, Plan};
 use crate::program::Kernel;
-use crate::shader::{Binding, Resource};
-use crate::tables::sizes::COUNT_SLOT_BYTES;
-use crate::tables::state::COUNT;
 use crate::tables::stream::Stream;
 
 /// A quad of the image's size, at the depth of the kernel that is drawn.
@@ -28,27 +25,6 @@ const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Vertices of the quad, a strip of two triangles.
 const CORNERS: u32 = 4;
-
-/// What a shader binds.
-struct Bound {
-    bindings: Vec<Binding>,
-    layouts: Vec<wgpu::BindGroupLayout>,
-    /// Bind groups, by which textures of the streams they hold: a bit for each binding of a stream.
-    groups: HashMap<u64, Vec<Group>>,
-}
-
-/// A bind group.
-struct Group {
-    group: wgpu::BindGroup,
-    /// Whether it holds counters, of which each pass has its own.
-    is_live: bool,
-}
-
-impl Group {
-    fn offsets<'a>(&self, of_pass: &'a [u32]) -> &'a [u32] {
-        if self.is_live { of_pass } else { &[] }
-    }
-}
 
 /// A draw of a kernel.
 pub(super) struct DrawPipeline {
@@ -140,18 +116,6 @@ fn draw_quad(pass: &mut wgpu::RenderPass<'_>, query: Option<Query<'_>>) {
     }
 }
 
-/// What shaders bind.
-pub(super) struct Bindable<'a> {
-    pub(super) device: &'a wgpu::Device,
-    pub(super) streams: &'a StreamTextures,
-    pub(super) buffers: &'a [(&'static str, wgpu::Buffer)],
-    pub(super) sent: &'a wgpu::Buffer,
-    /// The pass's slot in `sent`.
-    pub(super) slot: u32,
-    /// The streams that are read from their other texture, where the copy is.
-    pub(super) copied: &'a [Stream],
-}
-
 impl Pipelines {
     pub(super) fn new(device: &wgpu::Device, plan: &Plan, drawn: &DrawnPlan) -> Self {
         let quad = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -226,7 +190,10 @@ impl Pipelines {
             ..Default::default()
         });
         pass.set_pipeline(&depth.pipeline);
-        set(&mut pass, groups, with.slot);
+        for (index, group) in (0..).zip(groups) {
+            let (group, offsets) = group.of_pass(with.slot);
+            pass.set_bind_group(index, group, &offsets);
+        }
         draw_quad(&mut pass, query);
         Ok(())
     }
@@ -270,7 +237,10 @@ impl Pipelines {
             ..Default::default()
         });
         pass.set_pipeline(&draw.pipeline);
-        set(&mut pass, groups, with.slot);
+        for (index, group) in (0..).zip(groups) {
+            let (group, offsets) = group.of_pass(with.slot);
+            pass.set_bind_group(index, group, &offsets);
+        }
         draw_quad(&mut pass, query);
         Ok(())
     }
@@ -283,16 +253,11 @@ impl Pipelines {
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("count"), timestamp_writes: None });
         pass.set_pipeline(pipeline);
         for (index, group) in (0..).zip(groups) {
-            pass.set_bind_group(index, &group.group, group.offsets(&[with.slot * COUNT_SLOT_BYTES as u32]));
+            let (group, offsets) = group.of_pass(with.slot);
+            pass.set_bind_group(index, group, &offsets);
         }
         pass.dispatch_workgroups(*x, *y, 1);
         Ok(())
-    }
-}
-
-fn set(pass: &mut wgpu::RenderPass<'_>, groups: &[Group], slot: u32) {
-    for (index, group) in (0..).zip(groups) {
-        pass.set_bind_group(index, &group.group, group.offsets(&[slot * COUNT_SLOT_BYTES as u32]));
     }
 }
 
@@ -358,91 +323,4 @@ fn pipeline(
         multiview_mask: None,
         cache: None,
     })
-}
-
-impl Bound {
-    fn new(device: &wgpu::Device, shader: &Shader, visibility: wgpu::ShaderStages) -> Self {
-        let count = shader.bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
-        let layout = |group: u32| {
-            let entries = shader.bindings.iter().filter(|b| b.group == group).map(|b| wgpu::BindGroupLayoutEntry {
-                binding: b.index,
-                visibility,
-                ty: binding_type(&b.resource),
-                count: None,
-            });
-            let entries: Vec<_> = entries.collect();
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-        };
-        let layouts = (0..count).map(layout).collect();
-        Self { bindings: shader.bindings.clone(), layouts, groups: HashMap::new() }
-    }
-
-    fn layout(&self, device: &wgpu::Device, label: &str) -> wgpu::PipelineLayout {
-        device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(label),
-            bind_group_layouts: &self.layouts.iter().map(Some).collect::<Vec<_>>(),
-            immediate_size: 0,
-        })
-    }
-
-    /// Whether a group holds counters.
-    fn is_live(&self, group: u32) -> bool {
-        self.bindings.iter().any(|b| b.group == group && matches!(b.resource, Resource::Live { .. }))
-    }
-
-    /// The bind groups, with the textures that hold the streams' values now.
-    fn groups(&mut self, with: &Bindable<'_>, name: &'static str) -> Result<&[Group], GpuError> {
-        let missing = || GpuError::Missing(name);
-        let mut held = Vec::new();
-        for binding in &self.bindings {
-            held.push(match binding.stream() {
-                None => None,
-                Some(stream) => {
-                    let textures = with.streams.get(stream).ok_or_else(missing)?;
-                    let is_copied = with.copied.contains(&stream);
-                    Some((textures, if is_copied { textures.other_index() } else { textures.holder }))
-                }
-            });
-        }
-        let key = held.iter().flatten().enumerate().fold(0, |key, (bit, (_, index))| key | (*index as u64) << bit);
-        if !self.groups.contains_key(&key) {
-            let mut made = Vec::new();
-            for (group, layout) in (0..).zip(&self.layouts) {
-                let mut entries = Vec::new();
-                for (binding, held) in self.bindings.iter().zip(&held).filter(|(binding, _)| binding.group == group) {
-                    let resource = match (held, &binding.resource) {
-                        (Some((textures, index)), _) => wgpu::BindingResource::TextureView(textures.view(*index)),
-                        (None, Resource::Live { .. }) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                            buffer: with.sent,
-                            offset: 0,
-                            size: std::num::NonZeroU64::new(4 * COUNT as u64),
-                        }),
-                        (None, _) => {
-                            let found = with.buffers.iter().find(|(name, _)| *name == binding.name);
-                            found.map(|(_, buffer)| buffer.as_entire_binding()).ok_or_else(missing)?
-                        }
-                    };
-                    entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
-                }
-                let descriptor = wgpu::BindGroupDescriptor { label: Some(name), layout, entries: &entries };
-                made.push(Group { group: with.device.create_bind_group(&descriptor), is_live: self.is_live(group) });
-            }
-            self.groups.insert(key, made);
-        }
-        self.groups.get(&key).map(Vec::as_slice).ok_or_else(missing)
-    }
-}
-
-fn binding_type(resource: &Resource) -> wgpu::BindingType {
-    let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-    match resource {
-        Resource::ReadStream(_) | Resource::WriteStream { .. } => wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Uint,
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        },
-        Resource::Uniform | Resource::Launch => buffer(wgpu::BufferBindingType::Uniform, false),
-        Resource::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
-        Resource::Live { writable } => buffer(wgpu::BufferBindingType::Storage { read_only: !writable }, true),
-    }
 }

@@ -1,6 +1,6 @@
 //! What a batch tells the host: rays in each state, and whether a draw wrote any fragment.
 
-use crate::executor::gpu::MOST_PASSES;
+use crate::executor::gpu::{GpuError, MOST_PASSES, labelled_buffer, own_buffer};
 use crate::plan::Plan;
 use crate::plan::drawn::QUERY_BYTES;
 
@@ -24,15 +24,8 @@ pub(super) struct Statistics {
 impl Statistics {
     fn new(device: &wgpu::Device, plan: &Plan) -> Self {
         use wgpu::BufferUsages as U;
-        let buffer = |name: &str, usage| {
-            let (label, size) = (plan.label(name), QUERY_BYTES * u64::from(wgpu::QUERY_SET_MAX_QUERIES));
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(&label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
+        let size = QUERY_BYTES * u64::from(wgpu::QUERY_SET_MAX_QUERIES);
+        let buffer = |name: &str, usage| labelled_buffer(device, &plan.label(name), size, usage);
         Self {
             set: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some(&plan.label("statistics")),
@@ -55,31 +48,22 @@ impl Statistics {
 
 impl Results {
     /// `counts_fragments`: if the device can.
-    pub(super) fn new(device: &wgpu::Device, plan: &Plan, counts_fragments: bool) -> Self {
+    pub(super) fn new(device: &wgpu::Device, plan: &Plan, counts_fragments: bool) -> Result<Self, GpuError> {
         use wgpu::BufferUsages as U;
         let can_count = device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY);
-        let buffer = |name: &'static str, usage| {
-            let size = plan.buffers.iter().find(|planned| planned.what == name).map_or(0, |planned| planned.bytes);
-            let label = plan.label(name);
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(&label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        Self {
-            sent: buffer("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST),
-            sent_copy: buffer("sent_copy", U::COPY_DST | U::MAP_READ),
+        let buffer = |name, usage| own_buffer(device, plan, name, usage).ok_or(GpuError::Missing(name));
+        Ok(Self {
+            sent: buffer("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST)?,
+            sent_copy: buffer("sent_copy", U::COPY_DST | U::MAP_READ)?,
             queries: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some(&plan.label("queries")),
                 ty: wgpu::QueryType::Occlusion,
                 count: MOST_PASSES as u32,
             }),
-            resolved: buffer("queries", U::QUERY_RESOLVE | U::COPY_SRC),
-            queries_copy: buffer("queries_copy", U::COPY_DST | U::MAP_READ),
+            resolved: buffer("queries", U::QUERY_RESOLVE | U::COPY_SRC)?,
+            queries_copy: buffer("queries_copy", U::COPY_DST | U::MAP_READ)?,
             statistics: (counts_fragments && can_count).then(|| Statistics::new(device, plan)),
-        }
+        })
     }
 
     /// Names and sizes in bytes.

@@ -1,10 +1,10 @@
 //! Copies of streams after some pass, kept on the GPU.
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
 
 use super::FragmentExecutor;
 use super::streams::texture;
+use crate::executor::gpu::snapshot::Copies;
 use crate::executor::gpu::{Gpu, GpuError};
 use crate::fragment::TEXEL_BYTES;
 use crate::tables::stream::Stream;
@@ -15,20 +15,6 @@ pub(crate) struct Snapshot {
     streams: Vec<(Stream, Arc<wgpu::Texture>)>,
     device_ns: Option<u64>,
     host_ns: Option<u64>,
-}
-
-/// Copies that are still up to date. A stream that no pass has written since is not copied again.
-#[derive(Default)]
-pub(super) struct Copies(BTreeMap<Stream, Weak<wgpu::Texture>>);
-
-impl Copies {
-    pub(super) fn forget(&mut self, stream: Stream) {
-        self.0.remove(&stream);
-    }
-
-    pub(super) fn forget_all(&mut self) {
-        self.0.clear();
-    }
 }
 
 impl Snapshot {
@@ -58,7 +44,7 @@ impl FragmentExecutor {
             .streams
             .iter()
             .map(|textures| {
-                let kept = self.copies.0.get(&textures.stream).and_then(Weak::upgrade).unwrap_or_else(|| {
+                let kept = self.copies.of(textures.stream).unwrap_or_else(|| {
                     let label = format!("{}, kept", self.plan.label(textures.stream.name()));
                     let copy = texture(&self.gpu.device, &label, width, height);
                     let from = textures.current();
@@ -70,7 +56,7 @@ impl FragmentExecutor {
             .collect();
         self.gpu.submit([encoder.finish()]);
         self.gpu.pop_scopes(scopes).await?;
-        self.note_copies(&streams);
+        self.copies = Copies::new(&streams);
         let Self { device_ns, host_ns, .. } = *self;
         Ok(Snapshot { gpu: self.gpu.clone(), streams, device_ns, host_ns })
     }
@@ -85,11 +71,7 @@ impl FragmentExecutor {
             }
         }
         self.gpu.submit([encoder.finish()]);
-        self.note_copies(&snapshot.streams);
+        self.copies = Copies::new(&snapshot.streams);
         (self.device_ns, self.host_ns) = (snapshot.device_ns, snapshot.host_ns);
-    }
-
-    fn note_copies(&mut self, streams: &[(Stream, Arc<wgpu::Texture>)]) {
-        self.copies = Copies(streams.iter().map(|(stream, copy)| (*stream, Arc::downgrade(copy))).collect());
     }
 }

@@ -13,13 +13,6 @@ pub(super) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// Bytes per read-back, or a row if that is larger.
 const TRIP_BYTES: u64 = 1 << 26;
 
-/// The component of a texel that holds a layer, and the array layer of the texture: with one layer per component of
-/// `components`, as here 4, or 1 where each layer is a plane of its own.
-#[must_use]
-pub fn component_of(layer: usize, components: usize) -> (usize, usize) {
-    (layer % components, layer / components)
-}
-
 /// The textures of a stream: two if a kernel both reads and writes it.
 pub(super) struct Textures {
     pub(super) stream: Stream,
