@@ -1,11 +1,14 @@
 //! Kernels as fragment programs leave the same bits in every stream as compute shaders, after every pass.
 
+use std::ops::ControlFlow;
+
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Update};
 use raystep_kernels::plan::DrawnPlan;
 use raystep_kernels::programs::closest_hit::{kernels, states};
 use raystep_kernels::shader::{Binding, Resource};
 use raystep_kernels::{
-    Accelerator, AdapterChoice, Device, Gpu, Kernel, Limits, Numerics, Options, Pass, Plan, Renderer, ScheduleKind,
+    Accelerator, AdapterChoice, BuiltBy, Caster, Device, Gpu, Kernel, Limits, Numerics, Options, Pass, Plan, Ray,
+    Renderer, ScheduleKind,
 };
 use raystep_tests::{block_on, differences, gpu, options, scene, scene_files, streams_of, thorough};
 
@@ -171,4 +174,29 @@ fn a_depth_test_keeps_the_kernel_from_running() {
             assert!(partial > 10, "{partial} passes with a part of the rays");
         });
     }
+}
+
+/// What is not drawn still works beside it: a device that builds the grid, and rays that are cast.
+#[test]
+fn grids_are_built_and_rays_cast_with_the_options_of_a_drawn_run() {
+    let (gpu, scene) = (gpu(), scene("cornell-box.gltf"));
+    let device = Device::Gpu(gpu.clone());
+    let mapping = Mapping::Fragment(Fragment::default());
+    let accelerator = Accelerator::Irregular;
+    let base = Options { accelerator, schedule: ScheduleKind::Second, mapping, ..options(&scene, 20, 16) };
+    let hits = |build| {
+        let options = Options { build, ..base.clone() };
+        let hits = async {
+            let mut renderer = Renderer::new(&scene, &options, &device).await?;
+            renderer.run(|_| ControlFlow::Continue(())).await?;
+            renderer.hits().await
+        };
+        block_on(Some(&gpu), hits).expect("a run")
+    };
+    let wanted = hits(BuiltBy::Host);
+    assert!(wanted.iter().all(Option::is_some), "the box is closed");
+    assert_eq!(hits(BuiltBy::Device), wanted);
+    let ray = Ray::new([0.0, 0.0, 0.0], [0.0, 0.0, -1.0]);
+    let cast = async { Caster::new(scene.clone(), &base, &device).await?.cast(&[ray]).await };
+    assert!(block_on(Some(&gpu), cast).expect("a hit")[0].t.is_finite());
 }

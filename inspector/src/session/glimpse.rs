@@ -1,5 +1,6 @@
 //! Quick pictures at a lower resolution, while a camera turns or an option is dragged.
 
+use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Device, Options, RenderError, Renderer, Samples, ScheduleKind, Stream};
 use raystep_scenes::Scene;
 
@@ -68,7 +69,15 @@ impl Glimpses {
         let size = settings.size.map(|side| side.div_ceil(1 << self.coarse).max(1));
         let samples = Samples::default();
         let (schedule, steps_per_pass) = (ScheduleKind::Compact, STEPS);
-        Settings { size, samples, schedule, steps_per_pass, counters: false, ..settings.clone() }
+        Settings {
+            size,
+            samples,
+            schedule,
+            steps_per_pass,
+            mapping: Mapping::Compute,
+            counters: false,
+            ..settings.clone()
+        }
     }
 
     /// The run of the last glimpse if only the camera is another.

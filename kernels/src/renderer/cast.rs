@@ -10,6 +10,7 @@ use raystep_scenes::Scene;
 
 use super::{Device, RenderError, Renderer};
 use crate::numbers::units::Units;
+use crate::options::mapping::Mapping;
 use crate::options::samples::Samples;
 use crate::options::{Accelerator, Options, ProgramName, Ray, RaySource, ScheduleKind};
 use crate::plan::{FARTHEST, Plan, PlanError, tiled, why_untraceable};
@@ -103,7 +104,7 @@ impl Caster {
         Options { accelerator: Accelerator::Bvh, schedule: ScheduleKind::Fused, ..Options::new(rays) }
     }
 
-    /// Builds the structure. Of `options`, the rays, shading, samples, counters and timings do not matter; with
+    /// Builds the structure. Of `options`, the mapping, rays, shading, samples, counters and timings do not matter; with
     /// [`Options::any_hit`], a ray's result is any hit in its interval instead of the closest.
     ///
     /// # Errors
@@ -112,6 +113,7 @@ impl Caster {
         let scene = scene.into();
         let options = Options {
             program: ProgramName::ClosestHit,
+            mapping: Mapping::Compute,
             shade: false,
             counters: false,
             timings: false,

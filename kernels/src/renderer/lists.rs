@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use raystep_scenes::Scene;
 
 use super::{Device, RenderError, Renderer};
+use crate::options::mapping::Mapping;
 use crate::options::{Accelerator, BuiltBy, LEAST_FOR_DEVICE, Options, ProgramName};
 use crate::plan::{Built, Plan};
 use crate::programs::grid_build::elements::REFERENCES;
@@ -109,8 +110,14 @@ impl Plan {
         if !is_for_device || options.program != ProgramName::ClosestHit {
             return Ok(Self::new(scene, options, &limits)?);
         }
-        let building =
-            Options { program: ProgramName::GridBuild, timings: false, keep_passes: false, ..options.clone() };
+        let building = Options {
+            program: ProgramName::GridBuild,
+            // A build appends to lists, so it is computed.
+            mapping: Mapping::Compute,
+            timings: false,
+            keep_passes: false,
+            ..options.clone()
+        };
         let mut renderer = Renderer::new(scene, &building, device).await?;
         renderer.run(|_| ControlFlow::Continue(())).await?;
         let built = match renderer.plan().accelerator {
