@@ -1,19 +1,20 @@
 //! The options that subcommands share.
 
+mod tuning;
+
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::{
-    Accelerator, BuiltBy, GridSize, Keep, Numerics, Options, RaySource, Sampler, Samples, ScheduleKind, Skip,
-};
+use raystep_kernels::{Accelerator, GridSize, Options, RaySource, Sampler, Samples, ScheduleKind};
 use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
 
 use crate::error::Error;
 use crate::mapping::MappingArgs;
+pub(crate) use tuning::TuningArgs;
 
 /// The scene file.
 #[derive(Args, Debug)]
@@ -175,90 +176,6 @@ impl RunArgs {
     pub(crate) fn options(&self, rays: RaySource) -> Options {
         let Self { accelerator, schedule, mapping, tuning, .. } = self;
         Options { accelerator: *accelerator, schedule: *schedule, mapping: mapping.mapping(), ..tuning.options(rays) }
-    }
-}
-
-/// Tracing options except for the two that 'bench' combines itself.
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Tracing")]
-pub(crate) struct TuningArgs {
-    /// Numerical rules: robust (no missed or wrong hit, except where f32 cannot decide between two triangles), or those
-    /// of Mølhave's paper (paper), for comparison; with a grid, the paper's miss all rays that start outside it
-    #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
-    pub(crate) numerics: Numerics,
-    /// Number of grid cells along each axis, or along x, y and z; auto chooses it, and gives cells that list very many
-    /// triangles a finer grid each, unless --skip is on or off
-    #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid,
-          allow_hyphen_values = true)]
-    pub(crate) grid: GridSize,
-    /// Skip over empty cells of the grid: if most cells are empty (auto), always (on) or never (off)
-    #[arg(long, default_value = "auto", value_parser = named(Skip::ALL, Skip::name))]
-    pub(crate) skip: Skip,
-    /// Maximum steps per ray and pass with schedule compact [default: 8; for trace and dump 1, as in the paper]
-    #[arg(long, value_name = "K", value_parser = whole::<u32>(1, 4096), allow_negative_numbers = true)]
-    pub(crate) steps_per_pass: Option<u32>,
-    /// Who builds the grid, with --accelerator grid or irregular: the host, or the device that traces the rays, with the
-    /// same result; auto is the device if it is a GPU, and the grid an irregular one over 200,000 triangles or more
-    #[arg(long, default_value = "auto", value_parser = named(BuiltBy::ALL, BuiltBy::name))]
-    pub(crate) build: BuiltBy,
-    /// Omit nothing from the plan, to measure what omitting saves
-    #[arg(long)]
-    pub(crate) keep_all: bool,
-}
-
-impl TuningArgs {
-    /// Refuses options that would have no effect with all of these.
-    pub(crate) fn check(&self, accelerators: &[Accelerator], schedules: &[ScheduleKind]) -> Result<(), Error> {
-        if !accelerators.contains(&Accelerator::Grid) {
-            let chosen = accelerators.iter().map(|a| a.name()).collect::<Vec<_>>().join(", ");
-            let all = [("--grid", self.grid == GridSize::Auto), ("--skip on", self.skip != Skip::On)];
-            if let Some((option, _)) = all.iter().find(|(_, is_default)| !is_default) {
-                let why = if accelerators.contains(&Accelerator::Auto) {
-                    "accelerator auto chooses its own".to_owned()
-                } else {
-                    format!("accelerator {chosen} has no such grid")
-                };
-                return Err(Error::usage(format!(
-                    "{option} applies to a uniform grid, and {why}: omit it, or use --accelerator grid"
-                )));
-            }
-        }
-        if self.numerics == Numerics::Paper && accelerators.contains(&Accelerator::Irregular) {
-            return Err(Error::usage(
-                "--accelerator irregular: the paper has no rules for it; use --numerics robust, or --accelerator grid",
-            ));
-        }
-        let is_grid = |a: &Accelerator| matches!(a, Accelerator::Grid | Accelerator::Irregular);
-        if self.build == BuiltBy::Device && !accelerators.iter().any(is_grid) {
-            return Err(Error::usage("--build device builds grids: use --accelerator grid or irregular"));
-        }
-        if self.skip == Skip::On && self.numerics == Numerics::Paper {
-            return Err(Error::usage("--skip on: the paper's rules visit every cell; use --numerics robust"));
-        }
-        if let Some(steps) = self.steps_per_pass.filter(|&steps| steps > 1)
-            && !schedules.contains(&ScheduleKind::Compact)
-        {
-            let chosen = schedules.iter().map(|s| s.name()).collect::<Vec<_>>().join(", ");
-            return Err(Error::usage(format!(
-                "--steps-per-pass {steps} applies to schedule compact, not to {chosen}: omit it, or use --schedule \
-                 compact"
-            )));
-        }
-        Ok(())
-    }
-
-    /// The options of a run, with default accelerator and schedule.
-    pub(crate) fn options(&self, rays: RaySource) -> Options {
-        let defaults = Options::new(rays);
-        Options {
-            numerics: self.numerics,
-            grid: self.grid,
-            skip: self.skip,
-            build: self.build,
-            steps_per_pass: self.steps_per_pass.unwrap_or(defaults.steps_per_pass),
-            keep: Keep::all_if(self.keep_all),
-            ..defaults
-        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod batch;
 mod books;
+mod buffers;
 mod clock;
 mod clock_check;
 mod clock_step;
@@ -26,14 +27,11 @@ mod timers;
 
 use crate::executor::sizes::Sizes;
 use crate::program::Kernel;
-use crate::shared::scene::SceneInfo;
 use crate::tables::elements::{Elements, Size};
-use std::mem::offset_of;
 use std::sync::Arc;
 
-use wgpu::util::DeviceExt as _;
-
 use books::Books;
+use buffers::{scene_buffers, upload_size, upload_view};
 pub use clock_check::ClockCheck;
 pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuSource, adapters};
 pub use error::GpuError;
@@ -299,64 +297,6 @@ impl GpuExecutor {
         }
         true
     }
-}
-
-/// The buffers of scene data that a plan has, with their contents; those that another run has `uploaded` are shared.
-fn scene_buffers<'a>(
-    device: &wgpu::Device,
-    plan: &Plan,
-    data: &SceneData,
-    uploaded: impl Fn(&str) -> Option<&'a wgpu::Buffer>,
-) -> Vec<(&'static str, wgpu::Buffer)> {
-    let mut buffers = Vec::new();
-    for planned in &plan.buffers {
-        let Some(info) = plan.program.buffer(planned.what) else { continue };
-        // Two runs may look at the scene from different places.
-        if let Some(uploaded) = uploaded(planned.what).filter(|_| !info.is_of_view) {
-            buffers.push((planned.what, uploaded.clone()));
-            continue;
-        }
-        let contents = info.contents(data);
-        let kind = if info.is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
-        let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(&plan.label(planned.what)), contents, usage };
-        buffers.push((planned.what, device.create_buffer_init(&descriptor)));
-    }
-    buffers
-}
-
-/// Uploads what depends on the camera.
-fn upload_view(gpu: &Gpu, plan: &Plan, buffers: &[(&'static str, wgpu::Buffer)], data: &SceneData) {
-    for (name, buffer) in buffers {
-        if let Some(info) = plan.program.buffer(name).filter(|info| info.is_of_view) {
-            gpu.queue.write_buffer(buffer, 0, info.contents(data));
-        }
-    }
-    upload_size(gpu, plan, buffers);
-}
-
-/// Uploads the size of the streams, which differs from the data's if runs of several sizes share them.
-fn upload_size(gpu: &Gpu, plan: &Plan, buffers: &[(&'static str, wgpu::Buffer)]) {
-    if let Some((_, scene)) = buffers.iter().find(|(name, _)| *name == "scene") {
-        let size = [plan.width, plan.height];
-        gpu.queue.write_buffer(scene, offset_of!(SceneInfo, size) as u64, bytemuck::bytes_of(&size));
-    }
-}
-
-/// A buffer of the executor's own, of the size that the plan has for it; `None` if the run needs none.
-fn own_buffer(
-    device: &wgpu::Device,
-    plan: &Plan,
-    name: &'static str,
-    usage: wgpu::BufferUsages,
-) -> Option<wgpu::Buffer> {
-    let planned = plan.buffers.iter().find(|planned| planned.what == name)?;
-    Some(labelled_buffer(device, &plan.label(name), planned.bytes, usage))
-}
-
-/// An empty buffer.
-fn labelled_buffer(device: &wgpu::Device, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
 }
 
 /// Most rays that one dispatch of the fused kernel may trace, so that none takes much longer than 200 ms, after which

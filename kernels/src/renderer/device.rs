@@ -111,7 +111,6 @@ impl Executor {
                 };
                 let mut executor = FragmentExecutor::new(gpu.clone(), plan, data, options, other).await?;
                 executor.give(given);
-                executor.clear();
                 Self::Fragment(Box::new(executor))
             }
             #[cfg(feature = "gpu")]

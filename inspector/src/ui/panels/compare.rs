@@ -2,24 +2,25 @@
 
 mod counted;
 mod placed;
+mod settings;
 
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use raystep_kernels::export::trace::Trace;
-use raystep_kernels::options::mapping::{Mapping, MappingName};
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::state::States;
-use raystep_kernels::{Accelerator, Numerics, ScheduleKind, Stream, StreamData};
+use raystep_kernels::{Stream, StreamData};
 use raystep_lab::text::counted;
 
 use crate::draw::stream::{self, Colors, Meaning};
 use crate::session::request::Request;
 use crate::session::{Model, Target};
-use crate::settings::{DeviceKind, Settings};
+use crate::settings::Settings;
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use counted::{COUNTING, Counted, Question};
 use placed::Placed;
+use settings::{edit, text_of};
 
 /// What a side shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -201,61 +202,6 @@ impl Panel for Compare {
             }
         });
     }
-}
-
-/// The settings that distinguish a run.
-fn text_of(settings: &Settings) -> String {
-    let Settings { accelerator, schedule, mapping, numerics, device, .. } = settings;
-    let mapping = if *mapping == Mapping::Compute { String::new() } else { format!(", {mapping}") };
-    format!("{accelerator}, {schedule}{mapping}, {numerics}, {}", device.name())
-}
-
-/// Where passes run, and how: fragment programs run on a GPU only.
-#[derive(Clone, Copy, PartialEq)]
-struct Place {
-    device: DeviceKind,
-    mapping: MappingName,
-}
-
-impl Place {
-    const ALL: [Self; 4] = [
-        Self { device: DeviceKind::Gpu, mapping: MappingName::Compute },
-        Self { device: DeviceKind::Gpu, mapping: MappingName::Fragment },
-        Self { device: DeviceKind::Cpu, mapping: MappingName::Compute },
-        Self { device: DeviceKind::CpuF64, mapping: MappingName::Compute },
-    ];
-
-    fn name(self) -> &'static str {
-        match self.mapping {
-            MappingName::Compute => self.device.name(),
-            MappingName::Fragment => "GPU, fragment",
-        }
-    }
-}
-
-/// The settings of the other run, if they were changed.
-fn edit(ui: &mut Ui, settings: &Settings) -> Option<Settings> {
-    let mut new = settings.clone();
-    fn combo<T: Copy + PartialEq>(ui: &mut Ui, name: &str, all: &[T], text: fn(T) -> &'static str, value: &mut T) {
-        let shown = ComboBox::from_id_salt(("compare", name)).selected_text(text(*value)).width(70.0);
-        let response = shown.show_ui(ui, |ui| {
-            for &one in all {
-                ui.selectable_value(value, one, text(one));
-            }
-        });
-        response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("B's {name}")));
-    }
-    let stepped = new.schedules();
-    combo(ui, "accelerator", Accelerator::ALL, Accelerator::name, &mut new.accelerator);
-    combo(ui, "schedule", &stepped, ScheduleKind::name, &mut new.schedule);
-    combo(ui, "numerics", Numerics::ALL, Numerics::name, &mut new.numerics);
-    let mut place = Place { device: new.device, mapping: new.mapping.name() };
-    combo(ui, "device", &Place::ALL, Place::name, &mut place);
-    if place.mapping != new.mapping.name() {
-        new.map_kernels(place.mapping);
-    }
-    new.device = place.device;
-    (new != *settings).then_some(new)
 }
 
 /// The history of the ray in both runs, one line each.

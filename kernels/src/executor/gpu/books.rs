@@ -1,6 +1,6 @@
 //! Counters of each pass and the lists of live rays.
 
-use super::{labelled_buffer, own_buffer};
+use super::buffers::{labelled_buffer, own_buffer};
 use crate::plan::Plan;
 use crate::program::{Kernel, Program};
 use crate::shader::{Binding, LAUNCH, Resource};

@@ -10,13 +10,14 @@ mod streams;
 
 use std::sync::Arc;
 
+use super::buffers::{scene_buffers, upload_size, upload_view};
 use super::snapshot::Copies;
 use super::timers::Timers;
-use super::{Gpu, GpuError, scene_buffers, upload_size, upload_view};
+use super::{Gpu, GpuError};
 use crate::executor::sizes::Sizes;
 use crate::options::Options;
-use crate::options::mapping::Until;
-use crate::plan::{DrawnPlan, Plan};
+use crate::options::mapping::{Fragment, Until};
+use crate::plan::Plan;
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::stream::{Region, Stream, StreamData};
@@ -29,7 +30,7 @@ use streams::StreamTextures;
 pub struct FragmentExecutor {
     gpu: Arc<Gpu>,
     plan: Arc<Plan>,
-    drawn: DrawnPlan,
+    how: Fragment,
     /// Whether rays are counted after every pass, rather than at the end of a batch.
     counts_each: bool,
     streams: StreamTextures,
@@ -57,17 +58,17 @@ impl FragmentExecutor {
         beside: Option<&Self>,
     ) -> Result<Self, GpuError> {
         gpu.health()?;
-        let drawn = plan.drawn.clone().ok_or(GpuError::Missing("fragment"))?;
+        let drawn = plan.drawn.as_ref().ok_or(GpuError::Missing("fragment"))?;
         let scopes = gpu.push_scopes();
         let buffers = scene_buffers(&gpu.device, plan, data, |name: &str| beside.and_then(|other| other.buffer(name)));
-        let streams = StreamTextures::new(&gpu.device, plan, &drawn);
+        let streams = StreamTextures::new(&gpu.device, plan, drawn);
         let is_counted = drawn.how.until == Until::Count;
         let results = Results::new(&gpu.device, plan, options.count_fragments && is_counted)?;
-        let pipelines = Pipelines::new(&gpu.device, plan, &drawn);
+        let pipelines = Pipelines::new(&gpu.device, plan, drawn);
         let timers = Timers::of_draws(&gpu, plan, options.timings);
         let mut executor = Self {
             plan: plan.clone(),
-            drawn,
+            how: drawn.how,
             counts_each: options.keep_passes || is_counted,
             streams,
             buffers,

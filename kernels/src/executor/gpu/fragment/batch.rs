@@ -2,7 +2,7 @@
 
 use super::FragmentExecutor;
 use super::bound::Bindable;
-use super::parts::{Parts, Read};
+use super::parts::{Parts, Read, time_of};
 use super::pipelines::Query;
 use super::results::{read_queries, read_statistics};
 use crate::executor::gpu::books::read_sent;
@@ -39,15 +39,15 @@ impl FragmentExecutor {
             self.encode(&mut encoder, kernel, slot, slot + 1 == count, &mut parts)?;
         }
         encoder.copy_buffer_to_buffer(&self.results.sent, 0, &self.results.sent_copy, 0, sent_bytes);
-        let is_queried = self.drawn.how.until == Until::Query;
-        let query_bytes = if is_queried { self.results.encode_queries(&mut encoder, count) } else { 0 };
+        let is_queried = self.how.until == Until::Query;
+        let query_bytes = if is_queried { self.results.occlusion.encode_read(&mut encoder, count) } else { 0 };
         let time_bytes = self.timers.as_ref().map_or(0, |timers| timers.encode_read(&mut encoder, parts.stamps()));
         let statistics = self.results.statistics.as_ref();
         let statistics = statistics.map(|s| (s.copy.clone(), s.encode_read(&mut encoder, parts.statistics())));
         self.gpu.submit([encoder.finish()]);
         let read = |buffer: &wgpu::Buffer, bytes| Readback::start(&self.gpu, buffer.clone(), bytes);
         let sent = read(&self.results.sent_copy, sent_bytes);
-        let queries = is_queried.then(|| read(&self.results.queries_copy, query_bytes));
+        let queries = is_queried.then(|| read(&self.results.occlusion.copy, query_bytes));
         let times = self.timers.as_ref().map(|timers| (timers.ticks, read(&timers.copy, time_bytes)));
         let statistics = statistics.map(|(copy, bytes)| (read(&copy, bytes), bytes));
         self.gpu.pop_scopes(scopes).await?;
@@ -74,7 +74,7 @@ impl FragmentExecutor {
         let result = |(index, &kernel): (usize, &Kernel)| {
             let is_counted = self.counts_each || index + 1 == passes.len();
             let draws = parts.of_pass(index, &found);
-            let (begin_ns, mut duration_ns) = parts.time_of_pass(index, &found);
+            let (begin_ns, mut duration_ns) = time_of(&draws);
             let runs = step_ns.map(|step_ns| {
                 let mut runs = Runs::new(step_ns);
                 runs.add(&[(begin_ns, duration_ns)]);
@@ -106,10 +106,10 @@ impl FragmentExecutor {
         is_last: bool,
         parts: &mut Parts,
     ) -> Result<(), GpuError> {
-        let Self { pipelines, streams, timers, results, buffers, gpu, drawn, copies, .. } = self;
+        let Self { pipelines, streams, timers, results, buffers, gpu, how, copies, .. } = self;
         let index = pipelines.index(kernel).ok_or(GpuError::Missing(kernel.name()))?;
         let timers = timers.as_ref();
-        let copied = match drawn.how.update {
+        let copied = match how.update {
             Update::Copy => pipelines.drawn[index].updates.clone(),
             Update::Swap => Vec::new(),
         };
@@ -134,8 +134,8 @@ impl FragmentExecutor {
         for draw in 0..draws {
             let is_last_draw = draw + 1 == draws;
             let [begin, end] = parts.begin_draw(Drawing::Draw(draw), is_last && is_last_draw);
-            let query = match drawn.how.until {
-                Until::Query => is_last_draw.then_some(Query::Occlusion(&results.queries, slot)),
+            let query = match how.until {
+                Until::Query => is_last_draw.then_some(Query::Occlusion(&results.occlusion.set, slot)),
                 Until::Count => statistics.map(|statistics| Query::Fragments(&statistics.set, parts.next_statistic())),
             };
             let timestamp_writes = timers.and_then(|timers| timers.draw_writes(begin, end));
@@ -144,7 +144,7 @@ impl FragmentExecutor {
         let written: Vec<_> = pipelines.drawn[index].writes().collect();
         for stream in written {
             copies.forget(stream);
-            if drawn.how.update == Update::Swap {
+            if how.update == Update::Swap {
                 streams.swap(stream);
             }
         }

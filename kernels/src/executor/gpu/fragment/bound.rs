@@ -37,10 +37,11 @@ pub(super) struct Bindable<'a> {
     pub(super) copied: &'a [Stream],
 }
 
-impl Group {
-    /// The bind group, and its offsets for a pass with this slot.
-    pub(super) fn of_pass(&self, slot: u32) -> (&wgpu::BindGroup, Vec<u32>) {
-        (&self.group, if self.is_live { vec![slot * COUNT_SLOT_BYTES as u32] } else { Vec::new() })
+/// Sets the groups for a pass with this slot.
+pub(super) fn bind(groups: &[Group], slot: u32, mut set: impl FnMut(u32, &wgpu::BindGroup, &[u32])) {
+    let offset = [slot * COUNT_SLOT_BYTES as u32];
+    for (index, group) in (0..).zip(groups) {
+        set(index, &group.group, if group.is_live { &offset } else { &[] });
     }
 }
 

@@ -140,12 +140,11 @@ impl Parts {
         }
         draws
     }
+}
 
-    /// Begin and duration of a pass, from its first part to the end of its last.
-    pub(super) fn time_of_pass(&self, pass: usize, read: &Read) -> (Option<u64>, Option<u64>) {
-        let draws = self.of_pass(pass, read);
-        let (Some(first), Some(last)) = (draws.first(), draws.last()) else { return (None, None) };
-        let end = last.begin_ns.zip(last.duration_ns).map(|(begin, duration)| begin + duration);
-        (first.begin_ns, first.begin_ns.zip(end).and_then(|(begin, end)| end.checked_sub(begin)))
-    }
+/// Begin and duration of a pass, from its first part to the end of its last.
+pub(super) fn time_of(draws: &[DrawTime]) -> (Option<u64>, Option<u64>) {
+    let (Some(first), Some(last)) = (draws.first(), draws.last()) else { return (None, None) };
+    let end = last.begin_ns.zip(last.duration_ns).map(|(begin, duration)| begin + duration);
+    (first.begin_ns, first.begin_ns.zip(end).and_then(|(begin, end)| end.checked_sub(begin)))
 }

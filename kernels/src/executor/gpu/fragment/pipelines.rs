@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::bound::{Bindable, Bound};
+use super::bound::{Bindable, Bound, bind};
 use super::streams::FORMAT;
 use crate::executor::gpu::GpuError;
 use crate::fragment::{DrawnKernel, ENTRY, Shader, depth_of};
@@ -190,10 +190,7 @@ impl Pipelines {
             ..Default::default()
         });
         pass.set_pipeline(&depth.pipeline);
-        for (index, group) in (0..).zip(groups) {
-            let (group, offsets) = group.of_pass(with.slot);
-            pass.set_bind_group(index, group, &offsets);
-        }
+        bind(groups, with.slot, |index, group, offsets| pass.set_bind_group(index, group, offsets));
         draw_quad(&mut pass, query);
         Ok(())
     }
@@ -237,10 +234,7 @@ impl Pipelines {
             ..Default::default()
         });
         pass.set_pipeline(&draw.pipeline);
-        for (index, group) in (0..).zip(groups) {
-            let (group, offsets) = group.of_pass(with.slot);
-            pass.set_bind_group(index, group, &offsets);
-        }
+        bind(groups, with.slot, |index, group, offsets| pass.set_bind_group(index, group, offsets));
         draw_quad(&mut pass, query);
         Ok(())
     }
@@ -252,10 +246,7 @@ impl Pipelines {
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("count"), timestamp_writes: None });
         pass.set_pipeline(pipeline);
-        for (index, group) in (0..).zip(groups) {
-            let (group, offsets) = group.of_pass(with.slot);
-            pass.set_bind_group(index, group, &offsets);
-        }
+        bind(groups, with.slot, |index, group, offsets| pass.set_bind_group(index, group, offsets));
         pass.dispatch_workgroups(*x, *y, 1);
         Ok(())
     }

@@ -1,42 +1,28 @@
 //! What a batch tells the host: rays in each state, and whether a draw wrote any fragment.
 
-use crate::executor::gpu::{GpuError, MOST_PASSES, labelled_buffer, own_buffer};
+use crate::executor::gpu::buffers::{labelled_buffer, own_buffer};
+use crate::executor::gpu::{GpuError, MOST_PASSES};
 use crate::plan::Plan;
 use crate::plan::drawn::QUERY_BYTES;
 
-/// Buffers with a slot for each pass of a batch.
+/// Buffers with a slot for each pass of a batch, and queries.
 pub(super) struct Results {
     pub(super) sent: wgpu::Buffer,
     pub(super) sent_copy: wgpu::Buffer,
-    pub(super) queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    pub(super) queries_copy: wgpu::Buffer,
-    pub(super) statistics: Option<Statistics>,
+    /// One a pass: whether its last draw wrote any fragment.
+    pub(super) occlusion: Queries,
+    /// One a draw: how many fragments it ran.
+    pub(super) statistics: Option<Queries>,
 }
 
-/// How many fragments each draw of a batch ran.
-pub(super) struct Statistics {
+/// A set of queries, and where their results are read.
+pub(super) struct Queries {
     pub(super) set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     pub(super) copy: wgpu::Buffer,
 }
 
-impl Statistics {
-    fn new(device: &wgpu::Device, plan: &Plan) -> Self {
-        use wgpu::BufferUsages as U;
-        let size = QUERY_BYTES * u64::from(wgpu::QUERY_SET_MAX_QUERIES);
-        let buffer = |name: &str, usage| labelled_buffer(device, &plan.label(name), size, usage);
-        Self {
-            set: device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some(&plan.label("statistics")),
-                ty: wgpu::QueryType::PipelineStatistics(wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS),
-                count: wgpu::QUERY_SET_MAX_QUERIES,
-            }),
-            resolved: buffer("statistics, resolved", U::QUERY_RESOLVE | U::COPY_SRC),
-            copy: buffer("statistics, copy", U::COPY_DST | U::MAP_READ),
-        }
-    }
-
+impl Queries {
     /// Copies the first results to where they are read. Returns their size in bytes.
     pub(super) fn encode_read(&self, encoder: &mut wgpu::CommandEncoder, count: u32) -> u64 {
         let bytes = QUERY_BYTES * u64::from(count);
@@ -46,40 +32,48 @@ impl Statistics {
     }
 }
 
+const TO_RESOLVE: wgpu::BufferUsages = wgpu::BufferUsages::QUERY_RESOLVE.union(wgpu::BufferUsages::COPY_SRC);
+const TO_READ: wgpu::BufferUsages = wgpu::BufferUsages::COPY_DST.union(wgpu::BufferUsages::MAP_READ);
+
 impl Results {
     /// `counts_fragments`: if the device can.
     pub(super) fn new(device: &wgpu::Device, plan: &Plan, counts_fragments: bool) -> Result<Self, GpuError> {
         use wgpu::BufferUsages as U;
         let can_count = device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY);
-        let buffer = |name, usage| own_buffer(device, plan, name, usage).ok_or(GpuError::Missing(name));
+        let planned = |name, usage| own_buffer(device, plan, name, usage).ok_or(GpuError::Missing(name));
+        let set = |name: &str, ty, count| {
+            let label = plan.label(name);
+            device.create_query_set(&wgpu::QuerySetDescriptor { label: Some(&label), ty, count })
+        };
+        let statistics = || {
+            let count = wgpu::QUERY_SET_MAX_QUERIES;
+            let size = QUERY_BYTES * u64::from(count);
+            let buffer = |name: &str, usage| labelled_buffer(device, &plan.label(name), size, usage);
+            let types = wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS;
+            Queries {
+                set: set("statistics", wgpu::QueryType::PipelineStatistics(types), count),
+                resolved: buffer("statistics, resolved", TO_RESOLVE),
+                copy: buffer("statistics, copy", TO_READ),
+            }
+        };
         Ok(Self {
-            sent: buffer("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST)?,
-            sent_copy: buffer("sent_copy", U::COPY_DST | U::MAP_READ)?,
-            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some(&plan.label("queries")),
-                ty: wgpu::QueryType::Occlusion,
-                count: MOST_PASSES as u32,
-            }),
-            resolved: buffer("queries", U::QUERY_RESOLVE | U::COPY_SRC)?,
-            queries_copy: buffer("queries_copy", U::COPY_DST | U::MAP_READ)?,
-            statistics: (counts_fragments && can_count).then(|| Statistics::new(device, plan)),
+            sent: planned("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST)?,
+            sent_copy: planned("sent_copy", TO_READ)?,
+            occlusion: Queries {
+                set: set("queries", wgpu::QueryType::Occlusion, MOST_PASSES as u32),
+                resolved: planned("queries", TO_RESOLVE)?,
+                copy: planned("queries_copy", TO_READ)?,
+            },
+            statistics: (counts_fragments && can_count).then(statistics),
         })
     }
 
     /// Names and sizes in bytes.
     pub(super) fn allocated(&self) -> impl Iterator<Item = (&'static str, u64)> {
-        let Self { sent, sent_copy, resolved, queries_copy, .. } = self;
-        [("sent", sent), ("sent_copy", sent_copy), ("queries", resolved), ("queries_copy", queries_copy)]
+        let Self { sent, sent_copy, occlusion: Queries { resolved, copy, .. }, .. } = self;
+        [("sent", sent), ("sent_copy", sent_copy), ("queries", resolved), ("queries_copy", copy)]
             .map(|(name, buffer)| (name, buffer.size()))
             .into_iter()
-    }
-
-    /// Copies the results of the first queries to where they are read. Returns their size in bytes.
-    pub(super) fn encode_queries(&self, encoder: &mut wgpu::CommandEncoder, count: u32) -> u64 {
-        let bytes = QUERY_BYTES * u64::from(count);
-        encoder.resolve_query_set(&self.queries, 0..count, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.queries_copy, 0, bytes);
-        bytes
     }
 }
 
