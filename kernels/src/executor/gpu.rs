@@ -133,7 +133,7 @@ impl GpuExecutor {
             work_a_dispatch,
         };
         executor.clear();
-        upload_size(&executor.gpu, &executor.plan, &executor.buffers);
+        upload_size(&executor.gpu.queue, &executor.plan, &executor.buffers);
         if let Err(error) = executor.gpu.pop_scopes(scopes).await {
             executor.gpu.compiled.clear();
             return Err(error);
@@ -143,7 +143,7 @@ impl GpuExecutor {
 
     /// Uploads what depends on the camera.
     pub(crate) fn set_view(&self, data: &SceneData) {
-        upload_view(&self.gpu, &self.plan, &self.buffers, data);
+        upload_view(&self.gpu.queue, &self.plan, &self.buffers, data);
     }
 
     /// The device.

@@ -4,7 +4,6 @@ use std::mem::offset_of;
 
 use wgpu::util::DeviceExt as _;
 
-use super::Gpu;
 use crate::plan::Plan;
 use crate::scene_data::SceneData;
 use crate::shared::scene::SceneInfo;
@@ -34,20 +33,25 @@ pub(super) fn scene_buffers<'a>(
 }
 
 /// Uploads what depends on the camera.
-pub(super) fn upload_view(gpu: &Gpu, plan: &Plan, buffers: &[(&'static str, wgpu::Buffer)], data: &SceneData) {
+pub(super) fn upload_view(
+    queue: &wgpu::Queue,
+    plan: &Plan,
+    buffers: &[(&'static str, wgpu::Buffer)],
+    data: &SceneData,
+) {
     for (name, buffer) in buffers {
         if let Some(info) = plan.program.buffer(name).filter(|info| info.is_of_view) {
-            gpu.queue.write_buffer(buffer, 0, info.contents(data));
+            queue.write_buffer(buffer, 0, info.contents(data));
         }
     }
-    upload_size(gpu, plan, buffers);
+    upload_size(queue, plan, buffers);
 }
 
 /// Uploads the size of the streams, which differs from the data's if runs of several sizes share them.
-pub(super) fn upload_size(gpu: &Gpu, plan: &Plan, buffers: &[(&'static str, wgpu::Buffer)]) {
+pub(super) fn upload_size(queue: &wgpu::Queue, plan: &Plan, buffers: &[(&'static str, wgpu::Buffer)]) {
     if let Some((_, scene)) = buffers.iter().find(|(name, _)| *name == "scene") {
         let size = [plan.width, plan.height];
-        gpu.queue.write_buffer(scene, offset_of!(SceneInfo, size) as u64, bytemuck::bytes_of(&size));
+        queue.write_buffer(scene, offset_of!(SceneInfo, size) as u64, bytemuck::bytes_of(&size));
     }
 }
 

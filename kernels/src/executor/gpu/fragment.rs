@@ -82,7 +82,7 @@ impl FragmentExecutor {
             gpu,
         };
         executor.clear();
-        upload_size(&executor.gpu, &executor.plan, &executor.buffers);
+        upload_size(&executor.gpu.queue, &executor.plan, &executor.buffers);
         executor.gpu.pop_scopes(scopes).await?;
         Ok(executor)
     }
@@ -104,7 +104,7 @@ impl FragmentExecutor {
 
     /// Uploads what depends on the camera.
     pub(crate) fn set_view(&self, data: &SceneData) {
-        upload_view(&self.gpu, &self.plan, &self.buffers, data);
+        upload_view(&self.gpu.queue, &self.plan, &self.buffers, data);
     }
 
     /// Sets the initial contents of some streams from now on: input rays.
