@@ -8,7 +8,9 @@ use std::str::FromStr;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::{Accelerator, GridSize, Options, RaySource, Sampler, Samples, ScheduleKind};
+use raystep_kernels::{
+    Accelerator, GridSize, Numerics, Options, PlanError, RaySource, Sampler, Samples, ScheduleKind, Traversal,
+};
 use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
 
@@ -159,6 +161,10 @@ pub(crate) struct RunArgs {
     pub(crate) schedule: ScheduleKind,
     #[command(flatten)]
     pub(crate) mapping: MappingArgs,
+    /// How rays walk through a uniform grid with --numerics paper: by the smallest tMax (amanatides-woo), or by control
+    /// terms along a driving axis, as Fujimoto and Purcell did (3d-dda)
+    #[arg(long, default_value = "amanatides-woo", value_parser = named(Traversal::ALL, Traversal::name))]
+    pub(crate) traversal: Traversal,
     #[command(flatten)]
     pub(crate) tuning: TuningArgs,
     #[command(flatten)]
@@ -169,13 +175,24 @@ impl RunArgs {
     /// Refuses options that would have no effect.
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.mapping.check(self.schedule, self.device.device)?;
-        self.tuning.check(&[self.accelerator], &[self.schedule])
+        self.tuning.check(&[self.accelerator], &[self.schedule])?;
+        let is_walked = self.accelerator == Accelerator::Grid && self.tuning.numerics == Numerics::Paper;
+        if self.traversal == Traversal::Dda3d && !is_walked {
+            return Err(Error::usage(PlanError::NoTraversal));
+        }
+        Ok(())
     }
 
     /// The options of a run.
     pub(crate) fn options(&self, rays: RaySource) -> Options {
-        let Self { accelerator, schedule, mapping, tuning, .. } = self;
-        Options { accelerator: *accelerator, schedule: *schedule, mapping: mapping.mapping(), ..tuning.options(rays) }
+        let Self { accelerator, schedule, mapping, traversal, tuning, .. } = self;
+        Options {
+            accelerator: *accelerator,
+            schedule: *schedule,
+            mapping: mapping.mapping(),
+            traversal: *traversal,
+            ..tuning.options(rays)
+        }
     }
 }
 

@@ -31,7 +31,7 @@ pub(crate) struct LinkArgs {
         value_name = "LINK",
         conflicts_with_all = [
             "scene", "scene_index", "size", "camera", "eye", "look_at", "up", "fov", "accelerator", "schedule",
-            "mapping", "targets", "update", "cull", "until", "numerics", "grid", "skip", "steps_per_pass", "keep_all", "spp",
+            "mapping", "targets", "update", "cull", "until", "traversal", "numerics", "grid", "skip", "steps_per_pass", "keep_all", "spp",
             "sampler", "seed",
         ]
     )]
@@ -102,6 +102,7 @@ fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, E
             accelerator: link.accelerator,
             schedule: link.schedule,
             mapping: link.mapping.into(),
+            traversal: link.traversal,
             tuning: TuningArgs {
                 numerics: link.numerics,
                 grid: link.grid,
@@ -143,6 +144,7 @@ pub(crate) fn link_of(wanted: &Wanted) -> Result<Link, Error> {
         schedule: run.schedule,
         mapping: run.mapping.mapping(),
         numerics: run.tuning.numerics,
+        traversal: run.traversal,
         grid: run.tuning.grid,
         skip: run.tuning.skip,
         steps_per_pass: run.tuning.steps_per_pass.unwrap_or(1),

@@ -146,6 +146,7 @@ impl Running {
             schedule: options.schedule.name(),
             mapping: options.mapping.to_string(),
             numerics: options.numerics.name(),
+            traversal: options.traversal.name(),
             width_px: plan.width,
             height_px: plan.height,
             grid: grid_text(options.grid),

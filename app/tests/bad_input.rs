@@ -61,6 +61,12 @@ fn wrong_usage_is_code_2() {
             "the run has 73 passes, 0 to 72",
             &["dump", &file, "-o", "d", "--pass", "73", "--size", "64x64", "--device", "cpu"],
         ),
+        (
+            "--traversal 3d-dda walks through a uniform grid with the paper's rules: add --accelerator grid --numerics paper",
+            &["render", &file, "-o", "a.png", "--traversal", "3d-dda"],
+        ),
+        ("add --accelerators grid --numerics paper", &["bench", &file, "-o", "b", "--traversals", "3d-dda"]),
+        ("expected amanatides-woo or 3d-dda", &["render", &file, "-o", "a.png", "--traversal", "bresenham"]),
         ("missing command", &["scene"]),
         ("--triangles 0: expected an integer from 1", &["scene", "soup", "--triangles", "0", "-o", "s.glb"]),
         ("ends in .glb", &["scene", "soup", "-o", "s.gltf"]),

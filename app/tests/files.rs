@@ -89,7 +89,7 @@ fn passes_csv_reads_strictly_and_adds_up() {
         "schema_version,run_id,configuration,scene,accelerator,schedule,numerics,adapter,width_px,height_px,repeat,is_warmup,\
          pass_index,iteration,kernel,gpu_begin_ns,gpu_duration_ns,cpu_encode_ns,rays_in,rays_out,threads_launched,\
          cells_visited,triangles_tested,clock,clock_resolution_ns,valid,host_run_ns,\
-         duration_runs,duration_error_ns,duration_below_ns,mapping,draw,targets,fragments_run,bytes_copied"
+         duration_runs,duration_error_ns,duration_below_ns,mapping,draw,targets,fragments_run,bytes_copied,traversal"
     );
     let column = |name: &str| names.iter().position(|n| n == name).expect("a column");
     let rows: Vec<_> = reader.records().map(|r| r.expect("as many fields as names")).collect();

@@ -25,4 +25,5 @@ mod session_file;
 mod signals;
 mod stability;
 mod text;
+mod traversal;
 mod ways;

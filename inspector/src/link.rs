@@ -16,6 +16,7 @@
 //! | `size` | WxH, pixels | 512x512 |
 //! | `accelerator`, `schedule`, `numerics` | as the options | grid, compact, robust |
 //! | `mapping`; `targets`, `update`, `cull`, `until` | as the options | compute; those of the option, and schedule second |
+//! | `traversal` | as the option | amanatides-woo |
 //! | `grid`, `skip` | as the options | auto |
 //! | `steps-per-pass` | of the compact schedule | 1: every step is a pass |
 //! | `keep-all` | true, false | false |
@@ -35,7 +36,7 @@ use std::fmt;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
-use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream, Traversal};
 use raystep_lab::Hash;
 
 pub use error::LinkError;
@@ -52,7 +53,7 @@ pub const MOST_CELLS: u32 = 4096;
 pub const MOST_STEPS: u32 = 4096;
 
 /// Every key, in the order in which they are written.
-pub const KEYS: [&str; 33] = [
+pub const KEYS: [&str; 34] = [
     "scene",
     "scene-index",
     "scene-hash",
@@ -71,6 +72,7 @@ pub const KEYS: [&str; 33] = [
     "cull",
     "until",
     "numerics",
+    "traversal",
     "grid",
     "skip",
     "steps-per-pass",
@@ -120,6 +122,8 @@ pub struct Link {
     pub schedule: ScheduleKind,
     /// Rules for planes, steps and hits.
     pub numerics: Numerics,
+    /// How rays walk through a uniform grid.
+    pub traversal: Traversal,
     /// How kernels are mapped to a GPU.
     pub mapping: Mapping,
     /// Cells of the grid.
@@ -234,6 +238,7 @@ impl Default for Link {
             accelerator: Accelerator::Grid,
             schedule: ScheduleKind::Compact,
             numerics: Numerics::Robust,
+            traversal: Traversal::AmanatidesWoo,
             mapping: Mapping::Compute,
             grid: GridSize::Auto,
             skip: Skip::Auto,
@@ -293,6 +298,7 @@ impl Link {
             add("until", (how.until != paper.until).then(|| how.until.to_string()));
         }
         add("numerics", (self.numerics != default.numerics).then(|| self.numerics.to_string()));
+        add("traversal", (self.traversal != default.traversal).then(|| self.traversal.to_string()));
         add(
             "grid",
             match self.grid {

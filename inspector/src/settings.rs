@@ -6,7 +6,7 @@ use glam::DVec3;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
 use raystep_kernels::{
-    Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip,
+    Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip, Traversal,
 };
 use raystep_scenes::{Camera, Projection, Scene};
 use serde::{Deserialize, Serialize};
@@ -90,6 +90,9 @@ pub struct Settings {
     pub mapping: Mapping,
     /// The rules for planes, steps and hits.
     pub numerics: Numerics,
+    /// How rays walk through a uniform grid.
+    #[serde(default)]
+    pub traversal: Traversal,
     /// How fine the grid is.
     pub grid: GridSize,
     /// Whether rays skip over empty cells.
@@ -121,6 +124,7 @@ impl Default for Settings {
             schedule: ScheduleKind::Compact,
             mapping: Mapping::Compute,
             numerics: Numerics::Robust,
+            traversal: Traversal::AmanatidesWoo,
             grid: GridSize::Auto,
             skip: Skip::Auto,
             steps_per_pass: 1,
@@ -186,6 +190,7 @@ impl From<&Link> for Settings {
             schedule: link.schedule,
             mapping: link.mapping,
             numerics: link.numerics,
+            traversal: link.traversal,
             grid: link.grid,
             skip: link.skip,
             steps_per_pass: link.steps_per_pass,
@@ -228,6 +233,7 @@ impl Settings {
             schedule: self.schedule,
             mapping: self.mapping,
             numerics: self.numerics,
+            traversal: self.traversal,
             grid: self.grid,
             skip: self.skip,
             steps_per_pass: self.steps_per_pass,
@@ -267,6 +273,34 @@ impl Settings {
         ScheduleKind::ALL.iter().copied().filter(is_possible).collect()
     }
 
+    /// Whether rays can walk by a 3D-DDA with these settings: it is for a uniform grid and the paper's rules.
+    #[must_use]
+    pub fn can_use_dda(&self) -> bool {
+        self.accelerator == Accelerator::Grid && self.numerics == Numerics::Paper
+    }
+
+    /// The schedule, with the mapping if it is not the usual one.
+    #[must_use]
+    pub fn order(&self) -> String {
+        match self.mapping {
+            Mapping::Compute => self.schedule.to_string(),
+            fragment @ Mapping::Fragment(_) => format!("{} {fragment}", self.schedule),
+        }
+    }
+
+    /// The numerics, with the traversal if it is not the usual one.
+    #[must_use]
+    pub fn rules(&self) -> String {
+        match self.traversal_taken() {
+            Traversal::AmanatidesWoo => self.numerics.to_string(),
+            dda @ Traversal::Dda3d => format!("{} {dda}", self.numerics),
+        }
+    }
+
+    fn traversal_taken(&self) -> Traversal {
+        if self.can_use_dda() { self.traversal } else { Traversal::AmanatidesWoo }
+    }
+
     /// A single ray has no pixel to distribute samples over.
     fn samples_taken(&self) -> Samples {
         if self.ray.is_some() { Samples::default() } else { self.samples }
@@ -288,6 +322,7 @@ impl Settings {
             schedule: if self.schedule.is_stepped() { self.schedule } else { ScheduleKind::Compact },
             mapping: self.mapping,
             numerics: self.numerics,
+            traversal: self.traversal_taken(),
             grid: self.grid,
             skip: self.skip,
             steps_per_pass: self.steps_per_pass.clamp(1, 4096),

@@ -64,7 +64,9 @@ pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError
 pub use executor::{DrawTime, Drawing, Rounding};
 pub use options::keep::{Item, Keep};
 pub use options::samples::Samples;
-pub use options::{Accelerator, BuiltBy, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
+pub use options::{
+    Accelerator, BuiltBy, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip, Traversal,
+};
 pub use plan::{Limits, Loops, Plan, PlanError};
 pub use program::{Kernel, Program};
 pub use renderer::cast::{CastHit, Caster};

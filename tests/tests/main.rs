@@ -24,5 +24,6 @@ mod schedules;
 mod session;
 mod session_changes;
 mod stiff;
+mod traversal;
 mod truth;
 mod watertight;

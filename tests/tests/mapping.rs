@@ -8,7 +8,7 @@ use raystep_kernels::programs::closest_hit::{kernels, states};
 use raystep_kernels::shader::{Binding, Resource};
 use raystep_kernels::{
     Accelerator, AdapterChoice, BuiltBy, Caster, Device, Gpu, Kernel, Limits, Numerics, Options, Pass, Plan, Ray,
-    Renderer, ScheduleKind,
+    Renderer, ScheduleKind, Traversal,
 };
 use raystep_tests::{block_on, differences, gpu, options, scene, scene_files, streams_of, thorough};
 
@@ -74,12 +74,13 @@ fn fragment_programs_leave_the_bits_of_compute_shaders() {
         let fewest = if *name == cornell { 6 } else { 3 };
         let scene = scene(name);
         let base = options(&scene, 20, 16);
-        for (accelerator, numerics) in [
-            (Accelerator::Grid, Numerics::Robust),
-            (Accelerator::Grid, Numerics::Paper),
-            (Accelerator::Irregular, Numerics::Robust),
-            (Accelerator::Bvh, Numerics::Robust),
-            (Accelerator::None, Numerics::Robust),
+        for (accelerator, numerics, traversal) in [
+            (Accelerator::Grid, Numerics::Robust, Traversal::AmanatidesWoo),
+            (Accelerator::Grid, Numerics::Paper, Traversal::AmanatidesWoo),
+            (Accelerator::Grid, Numerics::Paper, Traversal::Dda3d),
+            (Accelerator::Irregular, Numerics::Robust, Traversal::AmanatidesWoo),
+            (Accelerator::Bvh, Numerics::Robust, Traversal::AmanatidesWoo),
+            (Accelerator::None, Numerics::Robust, Traversal::AmanatidesWoo),
         ] {
             if accelerator == Accelerator::None && scene.triangles.len() > 200 {
                 // A pass a triangle.
@@ -88,13 +89,13 @@ fn fragment_programs_leave_the_bits_of_compute_shaders() {
             for schedule in [ScheduleKind::First, ScheduleKind::Second] {
                 block += 1;
                 for (index, how) in Fragment::all().enumerate() {
-                    // Over ten blocks, each choice comes twice.
+                    // Over ten of the twelve blocks, each choice comes twice.
                     if !is_whole && (block + index) % 5 != 0 {
                         continue;
                     }
                     let counters = (block + index / 5) % 2 == 0;
-                    let options = Options { accelerator, numerics, schedule, counters, ..base.clone() };
-                    let which = format!("{name} {accelerator} {schedule} {numerics} {how:?}");
+                    let options = Options { accelerator, numerics, traversal, schedule, counters, ..base.clone() };
+                    let which = format!("{name} {accelerator} {schedule} {numerics} {traversal} {how:?}");
                     match compare(name, &options, how, |_| {}) {
                         Ok(passes) => assert!(passes >= fewest, "{which}: {passes} passes"),
                         Err(difference) => panic!("{which}: {difference}"),

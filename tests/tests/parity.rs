@@ -16,7 +16,7 @@ use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files, thorough};
 
 /// Configurations that cover every kernel with both numerics, in each of its launch modes.
-const WAYS: [Way; 31] = {
+const WAYS: [Way; 35] = {
     use Accelerator::{Bvh, Grid, Irregular, None};
     use ScheduleKind::{Compact, First, Fused, Second};
     [
@@ -31,6 +31,10 @@ const WAYS: [Way; 31] = {
         Way::new(Grid, Fused, 1),
         Way::new(Grid, Fused, 1).leaping(),
         Way::new(Grid, Fused, 1).paper(),
+        Way::new(Grid, Second, 1).dda(),
+        Way::new(Grid, Compact, 1).dda(),
+        Way::new(Grid, Compact, 8).dda(),
+        Way::new(Grid, Fused, 1).dda(),
         Way::new(Bvh, Second, 1),
         Way::new(Bvh, Compact, 1).paper(),
         Way::new(Bvh, Compact, 8),

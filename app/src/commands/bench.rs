@@ -12,7 +12,7 @@ use std::sync::Arc;
 use clap::Args;
 use raystep_kernels::options::ParseOptionError;
 use raystep_kernels::options::mapping::Mapping;
-use raystep_kernels::{Accelerator, RaySource, ScheduleKind};
+use raystep_kernels::{Accelerator, Numerics, RaySource, ScheduleKind, Traversal};
 use raystep_lab::bench::gate::{self, Gate, Verdict};
 use raystep_lab::bench::{self, Baseline};
 use raystep_lab::meter::Meter;
@@ -77,6 +77,11 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "M,N…", value_delimiter = ',', default_value = "compute", value_parser = parse_mapping,
           help_heading = "What is measured")]
     mappings: Vec<Mapping>,
+    /// How rays walk through a uniform grid, with --numerics paper: amanatides-woo, 3d-dda, or both, see 'raystep render
+    /// --help'
+    #[arg(long, value_name = "T,U…", value_delimiter = ',', default_value = "amanatides-woo",
+          value_parser = named(Traversal::ALL, Traversal::name), help_heading = "What is measured")]
+    traversals: Vec<Traversal>,
     /// Width and height in pixels
     #[arg(
         long,
@@ -168,6 +173,7 @@ impl BenchArgs {
             accelerators: distinct(&self.accelerators),
             schedules: distinct(&self.schedules),
             mappings: distinct(&self.mappings),
+            traversals: distinct(&self.traversals),
             sizes: distinct(&self.sizes),
             rays: distinct(&self.rays),
             file: self.rays_file.as_deref().map(|path| rays_file::read(path, None)).transpose()?.map(Arc::new),
@@ -211,6 +217,13 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
     if draws && !args.schedules.iter().any(is_drawn) {
         return Err(Error::usage(
             "--mappings: fragment programs run with schedules first and second: add --schedules second",
+        ));
+    }
+    let is_walked = args.accelerators.contains(&Accelerator::Grid) && args.tuning.numerics == Numerics::Paper;
+    if args.traversals.contains(&Traversal::Dda3d) && !is_walked {
+        return Err(Error::usage(
+            "--traversals: 3d-dda walks through a uniform grid with the paper's rules: add --accelerators grid --numerics \
+             paper",
         ));
     }
     if args.serve {

@@ -57,7 +57,7 @@ pub(crate) struct InspectArgs {
         value_name = "F.md",
         conflicts_with_all = [
             "scene", "scene_index", "link", "pixel", "pass", "program", "size", "camera", "eye", "look_at", "up", "fov",
-            "accelerator", "schedule", "mapping", "targets", "update", "cull", "until", "numerics", "grid", "skip",
+            "accelerator", "schedule", "mapping", "targets", "update", "cull", "until", "traversal", "numerics", "grid", "skip",
             "steps_per_pass", "keep_all", "spp", "sampler", "seed",
         ]
     )]
@@ -196,8 +196,8 @@ fn of_session(args: InspectArgs, path: &Path) -> Result<(WindowArgs, Start), Err
     let own = InspectArgs::of(path)?;
     let of_run = |args: &InspectArgs| {
         let InspectArgs { link, pixel, pass, program, view, run, .. } = args;
-        let RunArgs { accelerator, schedule, mapping, tuning, device } = run;
-        let run = format!("{accelerator:?} {schedule:?} {mapping:?} {tuning:?} {:?}", device.device);
+        let RunArgs { accelerator, schedule, mapping, traversal, tuning, device } = run;
+        let run = format!("{accelerator:?} {schedule:?} {mapping:?} {traversal:?} {tuning:?} {:?}", device.device);
         format!("{:?} {pixel:?} {pass:?} {program:?} {view:?} {run}", link.scene_index)
     };
     if of_run(&args) != of_run(&own) {

@@ -41,6 +41,7 @@ impl FromStr for Link {
             schedule: pairs.take("schedule", named)?.unwrap_or(Self::schedule_of(mapping)),
             mapping,
             numerics: pairs.take("numerics", named)?.unwrap_or(default.numerics),
+            traversal: pairs.take("traversal", named)?.unwrap_or(default.traversal),
             grid: pairs.take("grid", grid)?.unwrap_or(default.grid),
             skip: pairs.take("skip", named)?.unwrap_or(default.skip),
             steps_per_pass: pairs.take("steps-per-pass", steps)?.unwrap_or(default.steps_per_pass),

@@ -35,7 +35,7 @@ impl Recipe {
     /// A name for the run: what distinguishes most runs from others.
     #[must_use]
     pub fn name(&self) -> String {
-        let Settings { program, accelerator, schedule, numerics, device, .. } = &self.settings;
+        let Settings { program, accelerator, device, .. } = &self.settings;
         if *program != ProgramName::ClosestHit {
             return program.to_string();
         }
@@ -44,7 +44,8 @@ impl Recipe {
             _ => "",
         };
         let edited = if self.edits.is_empty() { "" } else { " edited" };
-        format!("{accelerator} {schedule} {numerics}{device}{edited}")
+        let (order, rules) = (self.settings.order(), self.settings.rules());
+        format!("{accelerator} {order} {rules}{device}{edited}")
     }
 
     /// Why the rays of two runs are not the same rays; `None` if they are.

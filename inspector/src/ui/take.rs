@@ -104,6 +104,7 @@ impl Inspector {
             schedule: settings.schedule.name(),
             numerics: settings.numerics.name(),
             mapping: settings.mapping.to_string(),
+            traversal: settings.traversal.name(),
             adapter: if settings.device == DeviceKind::Gpu { opened.device.clone() } else { "cpu".into() },
             width_px: plan.width,
             height_px: plan.height,

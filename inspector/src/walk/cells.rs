@@ -6,7 +6,7 @@ use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::programs::closest_hit::{Path, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::shared::grid_walk::smallest_axis;
+use raystep_kernels::shared::grid_walk::{WalkRules, smallest_axis};
 use raystep_kernels::shared::irregular_walk::VoxelWalk;
 
 use super::{Aabb, WalkGeometry, coordinates, finite, is_walking, list, path_of};
@@ -180,13 +180,15 @@ impl WalkGeometry {
             return ray.tmax.map(|t| t.map(f64::from));
         }
         let [origin, direction] = [ray.origin, ray.direction].map(Vec3::<f32>::from_f32);
-        let grid_ray = data.grid.ray(data.features.walk_rules(), origin, direction);
+        // A 3D-DDA computes no t: then as Amanatides and Woo do, from the planes of the cell.
+        let rules = WalkRules { robust: true, ..data.features.walk_rules() };
+        let grid_ray = data.grid.ray(rules, origin, direction);
         if data.features.irregular {
             let has_cell = (ray.cell_index as usize) < data.irregular_cells.len();
             let walk = VoxelWalk { voxel: [0; 3], cell: ray.cell_index, inside: true };
             let exits = || data.irregular().exit(&walk, &grid_ray);
             if has_cell { exits().to_array().map(finite) } else { [None; 3] }
-        } else if data.features.keeps_no_tmax() {
+        } else if data.features.keeps_no_tmax() || data.features.dda {
             data.grid.cell_exit(cell, &grid_ray).to_array().map(finite)
         } else {
             [None; 3]

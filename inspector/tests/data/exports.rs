@@ -26,6 +26,7 @@ fn run() -> (RunContext, Renderer) {
         schedule: "second",
         numerics: "robust",
         mapping: "compute".into(),
+        traversal: "amanatides-woo",
         adapter: "cpu".into(),
         width_px: 9,
         height_px: 7,

@@ -5,7 +5,7 @@ use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping};
 use raystep_kernels::programs;
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Traversal};
 use raystep_lab::Hash;
 
 struct Random(fastrand::Rng);
@@ -75,6 +75,7 @@ impl Random {
                 _ => Mapping::Fragment(self.of(&Fragment::all().collect::<Vec<_>>())),
             },
             numerics: self.of(Numerics::ALL),
+            traversal: self.of(Traversal::ALL),
             grid: self.maybe(|r| [0; 3].map(|_| 1 + r.below(4096) as u32)).map_or(GridSize::Auto, GridSize::Cells),
             skip: self.of(Skip::ALL),
             steps_per_pass: 1 + self.below(4096) as u32,

@@ -22,7 +22,7 @@ use prepare::Group;
 use rays::Viewed;
 use raystep_kernels::export::csv::{DrawnPart, RunContext};
 use raystep_kernels::options::mapping::Mapping;
-use raystep_kernels::{Accelerator, GridSize, Options, Pass, RaySource, ScheduleKind};
+use raystep_kernels::{Accelerator, GridSize, Options, Pass, RaySource, ScheduleKind, Traversal};
 
 use crate::Error;
 use crate::meter::Meter;
@@ -46,6 +46,8 @@ pub struct Wanted {
     pub schedules: Vec<ScheduleKind>,
     /// How kernels are mapped to the GPU.
     pub mappings: Vec<Mapping>,
+    /// How rays walk through a uniform grid.
+    pub traversals: Vec<Traversal>,
     /// Image sizes; they determine the number of rays.
     pub sizes: Vec<Size>,
     /// Kinds of rays.
@@ -60,7 +62,7 @@ pub struct Wanted {
     pub replay: bool,
     /// Seed of rays, and of the orders within rounds.
     pub seed: u32,
-    /// All other options. The rays, accelerator, schedule and mapping in it are ignored.
+    /// All other options. The rays, accelerator, schedule, mapping and traversal in it are ignored.
     pub tuning: Options,
 }
 
@@ -148,18 +150,22 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
     Ok(())
 }
 
-/// What is measured: a structure, a schedule, and how kernels are mapped to the GPU.
+/// What is measured: a structure, a schedule, how kernels are mapped to the GPU, and how rays walk through a grid.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     accelerator: Accelerator,
     schedule: ScheduleKind,
     mapping: Mapping,
+    traversal: Traversal,
 }
 
 impl fmt::Display for Way {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}", self.accelerator, self.schedule)?;
-        if self.mapping == Mapping::Compute { Ok(()) } else { write!(f, " {}", self.mapping) }
+        if self.mapping != Mapping::Compute {
+            write!(f, " {}", self.mapping)?;
+        }
+        if self.traversal == Traversal::AmanatidesWoo { Ok(()) } else { write!(f, " {}", self.traversal) }
     }
 }
 
@@ -179,7 +185,14 @@ fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<Way> {
             // Others cannot be drawn.
             let is_drawn = matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
             let mappings = wanted.mappings.iter().filter(|&&mapping| is_drawn || mapping == Mapping::Compute);
-            ways.extend(mappings.map(|&mapping| Way { accelerator, schedule, mapping }));
+            let traversals = match accelerator {
+                Accelerator::Grid => wanted.traversals.as_slice(),
+                // Without a uniform grid, there is nothing to choose.
+                _ => &[Traversal::AmanatidesWoo],
+            };
+            for &mapping in mappings {
+                ways.extend(traversals.iter().map(|&traversal| Way { accelerator, schedule, mapping, traversal }));
+            }
         }
     }
     ways

@@ -111,6 +111,7 @@ impl Machine {
             schedule: options.schedule.name(),
             numerics: options.numerics.name(),
             mapping: options.mapping.to_string(),
+            traversal: options.traversal.name(),
             adapter: self.name(),
             width_px: plan.width,
             height_px: plan.height,

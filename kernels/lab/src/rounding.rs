@@ -14,12 +14,13 @@ use raystep_kernels::Kernel;
 use raystep_kernels::numbers::real::{Vec3, ulps};
 use raystep_kernels::plan::Plan;
 use raystep_kernels::programs::closest_hit::own;
-use raystep_kernels::programs::closest_hit::rounding::{self, Each, Off, Ties};
+use raystep_kernels::programs::closest_hit::rounding::{self, CONTROL_TERM, DIVISION, Each, Off, Ties};
 use raystep_kernels::programs::closest_hit::streams::{self, STATE_CELL, STATE_ITEM, STATE_T};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::{finite_inverse, ray_padding};
 use raystep_kernels::shared::camera::eye_ray;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::shared::dda::slopes;
 use raystep_kernels::shared::grid_walk::smallest_axis;
 use raystep_kernels::shared::vector::smallest3;
 use raystep_kernels::tables::stream::{Stream, StreamData};
@@ -89,7 +90,11 @@ impl Rounding<'_> {
         let within = |roundings: f32| (x - y).abs() <= roundings * f32::EPSILON * x.abs().max(y.abs()).max(1.0);
         let bounded = |bound: f64| f64::from((x - y).abs()) <= 2.0 * bound;
         match *off {
-            Off::Ulps(most, each) => ulps(a, b) <= most * self.times(each),
+            Off::PerAxis(each) if self.data.features.dda => {
+                let cells = self.data.grid.cells.into_iter().max().unwrap_or_default();
+                within(CONTROL_TERM * (cells as f32 + self.times(each) as f32))
+            }
+            Off::PerAxis(each) => ulps(a, b) <= DIVISION * self.times(each),
             Off::Roundings(most) => within(most),
             Off::RoundingsOfLight(most) => {
                 within(most * self.data.lights.iter().fold(1.0f32, |m, light| m.max(light.cone_scale)))
@@ -186,6 +191,18 @@ impl Rounding<'_> {
         self.near_plane((origin + direction * t).to_array(), axis)
     }
 
+    /// Whether f32 cannot tell which axis a 3D-DDA crosses next: two terms are the same in proportion to their slopes,
+    /// or two axes are equally fast.
+    fn step_may_go_elsewhere(&self, ray: usize) -> bool {
+        let control = self.floats(streams::CONTROL, ray).map(f64::from);
+        let direction = Vec3::<f64>::from_f32(self.ray(ray)[1]);
+        let slope = slopes(direction, Vec3::from_f32(self.data.grid.width)).to_array();
+        let same = |x: f64, y: f64| (x - y).abs() < f64::from(8.0 * f32::EPSILON) * x.abs().max(y.abs());
+        let pairs = [(0, 1), (0, 2), (1, 2)];
+        pairs.into_iter().any(|(a, b)| same(control[a] * slope[b], control[b] * slope[a]))
+            || pairs.into_iter().any(|(a, b)| slope[a].max(slope[b]) == 1.0 && same(slope[a], slope[b]))
+    }
+
     /// Whether rounding alone may make the ray take another path in this pass; `None` if only neighbouring rays can
     /// tell, see [`nudge`].
     fn is_undecided(&self, ray: usize) -> Option<bool> {
@@ -207,7 +224,10 @@ impl Rounding<'_> {
             }
             Ties::Leap => {
                 let features = &self.data.features;
-                Some((features.skip || features.irregular) && self.leap_may_end_elsewhere(ray))
+                Some(match features.dda {
+                    true => self.step_may_go_elsewhere(ray),
+                    false => (features.skip || features.irregular) && self.leap_may_end_elsewhere(ray),
+                })
             }
             Ties::Box => Some(self.grazes_a_box(ray, origin, direction)),
             Ties::Triangle => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),

@@ -3,7 +3,9 @@
 use std::fmt;
 
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Accelerator, Item, Keep, Numerics, Options, Plan, Ray, RaySource, Rule, ScheduleKind, Skip};
+use raystep_kernels::{
+    Accelerator, Item, Keep, Numerics, Options, Plan, Ray, RaySource, Rule, ScheduleKind, Skip, Traversal,
+};
 use raystep_scenes::Scene;
 
 /// A configuration.
@@ -19,6 +21,8 @@ pub struct Way {
     pub skip: Skip,
     /// The numerics.
     pub numerics: Numerics,
+    /// How rays walk through a uniform grid.
+    pub traversal: Traversal,
     /// Whether boxes are grown for each ray in any scene.
     pub is_padded: bool,
 }
@@ -27,7 +31,15 @@ impl Way {
     /// Robust numerics, without empty-space skipping.
     #[must_use]
     pub const fn new(accelerator: Accelerator, schedule: ScheduleKind, steps: u32) -> Self {
-        Self { accelerator, schedule, steps, skip: Skip::Off, numerics: Numerics::Robust, is_padded: false }
+        Self {
+            accelerator,
+            schedule,
+            steps,
+            skip: Skip::Off,
+            numerics: Numerics::Robust,
+            traversal: Traversal::AmanatidesWoo,
+            is_padded: false,
+        }
     }
 
     /// The same with empty-space skipping.
@@ -40,6 +52,12 @@ impl Way {
     #[must_use]
     pub const fn paper(self) -> Self {
         Self { numerics: Numerics::Paper, ..self }
+    }
+
+    /// The same with the paper's numerics, by a 3D-DDA.
+    #[must_use]
+    pub const fn dda(self) -> Self {
+        Self { numerics: Numerics::Paper, traversal: Traversal::Dda3d, ..self }
     }
 
     /// The same with boxes that are grown for each ray.
@@ -63,6 +81,7 @@ impl Way {
             steps_per_pass: self.steps,
             skip: self.skip,
             numerics: self.numerics,
+            traversal: self.traversal,
             keep: if self.is_padded { Keep::only(Item::RayPadding) } else { options.keep },
             ..options.clone()
         }
@@ -77,6 +96,9 @@ impl fmt::Display for Way {
         }
         if self.numerics == Numerics::Paper {
             f.write_str(" paper")?;
+        }
+        if self.traversal == Traversal::Dda3d {
+            f.write_str(" 3d-dda")?;
         }
         if self.is_padded {
             f.write_str(" padded")?;

@@ -42,7 +42,7 @@ use crate::tables::stream::Stream;
 pub const SCHEMA_VERSION: u32 = 3;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 35] = [
+pub const COLUMNS: [&str; 36] = [
     "schema_version",
     "run_id",
     "configuration",
@@ -78,6 +78,7 @@ pub const COLUMNS: [&str; 35] = [
     "targets",
     "fragments_run",
     "bytes_copied",
+    "traversal",
 ];
 
 /// Which clock timed the passes.
@@ -149,6 +150,8 @@ pub struct RunContext {
     pub numerics: &'static str,
     /// `--mapping`, with its choices.
     pub mapping: String,
+    /// `--traversal`
+    pub traversal: &'static str,
     /// The adapter's name, or `cpu`.
     pub adapter: String,
     /// Texels per row.
@@ -359,6 +362,7 @@ impl<W: Write> PassesCsv<W> {
             part.map(|(_, part)| part.targets.clone()).unwrap_or_default(),
             known(part.and_then(|(_, part)| part.time.fragments)),
             known(part.map(|(_, part)| part.bytes_copied)),
+            run.traversal.into(),
         ];
         Ok(self.writer.write_record(row)?)
     }

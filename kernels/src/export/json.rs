@@ -136,6 +136,8 @@ pub struct RunOptions {
     pub mapping: String,
     /// `--numerics`
     pub numerics: &'static str,
+    /// `--traversal`
+    pub traversal: &'static str,
     /// Texels per row.
     pub width_px: u32,
     /// Rows.

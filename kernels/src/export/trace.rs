@@ -11,7 +11,9 @@ impl Trace {
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
-        let header = ["pass", "kernel", "state", "cell", "tmax", "item", "t", "hit"];
+        let is_dda = self.rows.iter().any(|row| row.after.control.is_some());
+        let per_axis = if is_dda { "control" } else { "tmax" };
+        let header = ["pass", "kernel", "state", "cell", per_axis, "item", "t", "hit"];
         let rows: Vec<[String; 8]> = self.rows.iter().map(cells).collect();
         let width = |c: usize| rows.iter().map(|r| r[c].len()).chain([header[c].len()]).max().unwrap_or(0);
         let widths: Vec<usize> = (0..8).map(width).collect();
@@ -66,6 +68,9 @@ impl Trace {
             "v",
             "triangle",
             "why",
+            "control_x",
+            "control_y",
+            "control_z",
         ])?;
         for row in &self.rows {
             let a = &row.after;
@@ -75,6 +80,7 @@ impl Trace {
             record.extend([a.item.to_string(), known(row.tested), known(a.t)]);
             record.extend((0..2).map(|i| known(a.barycentric.map(|b| b[i]))));
             record.extend([known(a.triangle), row.why.clone()]);
+            record.extend((0..3).map(|i| known(a.control.map(|c| c[i]))));
             csv.write_record(record)?;
         }
         csv.flush()?;
@@ -85,7 +91,7 @@ impl Trace {
 fn cells(row: &TraceRow) -> [String; 8] {
     let a = &row.after;
     let short = |t: Option<f32>| t.map_or_else(|| "-".into(), |t| format!("{t:.5}"));
-    let [x, y, z] = a.tmax;
+    let [x, y, z] = a.per_axis();
     [
         row.number(),
         row.kernel.into(),

@@ -224,6 +224,7 @@ mod tests {
             accelerator: "grid",
             schedule: "second",
             numerics: "robust",
+            traversal: "amanatides-woo",
             mapping: "compute".into(),
             adapter: "cpu".into(),
             width_px: 5,

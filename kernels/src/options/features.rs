@@ -30,6 +30,7 @@ features! {
     robust: "`--numerics robust`, else `paper`.",
     watertight: "Triangles are tested by Woop, Benthin and Wald (2013), else by Möller and Trumbore (1997).",
     contracted: "The watertight test has an explicit fma wherever a compiler may contract.",
+    dda: "A grid is walked by a 3D-DDA, else as Amanatides and Woo do.",
     drifting: "tMax is accumulated: it grows by tDelta per cell; else it is computed from the cell.",
     in_cell: "A hit counts only inside the cell being tested, else the nearest is kept.",
     grid: "The scene is traced through a uniform grid.",
@@ -67,7 +68,7 @@ impl Features {
     /// The options that the walk through the grid depends on.
     #[must_use]
     pub fn walk_rules(&self) -> WalkRules {
-        WalkRules { robust: self.robust, clip: self.clip, drifting: self.drifting }
+        WalkRules { robust: self.robust, clip: self.clip, drifting: self.drifting, dda: self.dda }
     }
 
     /// Whether tMax is computed from a ray's cell, so that a kernel which takes several steps need not store it.

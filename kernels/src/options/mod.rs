@@ -108,6 +108,17 @@ pub enum Numerics {
     Paper,
 }
 
+/// How rays walk through a uniform grid. Both visit the same cells, but for rounding and ties.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Traversal {
+    /// By the smallest tMax (Amanatides and Woo, 1987).
+    #[default]
+    AmanatidesWoo,
+    /// By control terms along a driving axis (Fujimoto, Tanaka and Iwata, 1986), as in Purcell's ray tracer. It computes
+    /// no t, so it is only for the paper's numerics, which need none to accept a hit.
+    Dda3d,
+}
+
 /// A rule of robust numerics that can be switched off to measure its effect. See `docs/numerics.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
@@ -149,6 +160,7 @@ named!(
     BoxPadding "box-padding"
 );
 named!(Numerics, "robust, paper", Robust "robust", Paper "paper");
+named!(Traversal, "amanatides-woo, 3d-dda", AmanatidesWoo "amanatides-woo", Dda3d "3d-dda");
 
 impl Accelerator {
     /// The accelerators that [`Auto`](Self::Auto) chooses from for a number of triangles. Of two, it takes the grid if
@@ -275,6 +287,8 @@ pub struct Options {
     pub mapping: Mapping,
     /// `--numerics`
     pub numerics: Numerics,
+    /// `--traversal`
+    pub traversal: Traversal,
     /// A rule of robust numerics to switch off.
     pub without: Option<Rule>,
     /// The watertight test as compiled with contraction: with an explicit fma wherever a compiler may contract.
@@ -321,6 +335,7 @@ impl Options {
             schedule: ScheduleKind::default(),
             mapping: Mapping::default(),
             numerics: Numerics::default(),
+            traversal: Traversal::default(),
             without: None,
             contracted: false,
             grid: GridSize::default(),

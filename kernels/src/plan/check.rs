@@ -56,6 +56,11 @@ pub enum PlanError {
     /// The paper does not know the structure.
     #[error("the paper has no rules for an irregular grid: use --numerics robust, or --accelerator grid")]
     NoPaperRules,
+    /// A 3D-DDA computes no t.
+    #[error(
+        "--traversal 3d-dda walks through a uniform grid with the paper's rules: add --accelerator grid --numerics paper"
+    )]
+    NoTraversal,
     /// Kernels cannot be mapped to fragment programs in such a run.
     #[error("{0}")]
     Mapping(&'static str),

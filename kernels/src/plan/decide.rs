@@ -7,7 +7,7 @@ use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::reasons::{Reason, Run};
-use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind};
+use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind, Traversal};
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
 
@@ -42,6 +42,7 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         watertight: robust && options.without != Some(Rule::TriangleTest),
         contracted: options.contracted && robust,
         drifting: robust && has_grid && options.without == Some(Rule::TMax),
+        dda: has_grid && !robust && options.traversal == Traversal::Dda3d,
         in_cell: has_grid && (!robust || options.without == Some(Rule::Acceptance)),
         grid: has_grid,
         irregular: accelerator == Accelerator::Irregular,

@@ -23,7 +23,7 @@ use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::mapping::Until;
-use crate::options::{Accelerator, Numerics, Options, ProgramName, RaySource, ScheduleKind};
+use crate::options::{Accelerator, Numerics, Options, ProgramName, RaySource, ScheduleKind, Traversal};
 use crate::program::schedule::{Schedule, Step};
 use crate::program::{Kernel, Program};
 use crate::programs::closest_hit;
@@ -274,6 +274,10 @@ impl Plan {
         check_samples(options)?;
         if options.accelerator == Accelerator::Irregular && options.numerics == Numerics::Paper {
             return Err(PlanError::NoPaperRules);
+        }
+        let is_walked = options.accelerator == Accelerator::Grid && options.numerics == Numerics::Paper;
+        if options.traversal == Traversal::Dda3d && !is_walked {
+            return Err(PlanError::NoTraversal);
         }
         let given = matches!(options.rays, RaySource::Given(_));
         let Resolved { accelerator, mut features, structure, vertices, extent } =

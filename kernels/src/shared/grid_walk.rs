@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::constants::{INF, PAPER_PARALLEL, PARALLEL};
+use super::dda;
 use super::vector::smallest3;
 use crate::numbers::real::{Real, Vec3};
 
@@ -34,6 +35,8 @@ pub struct WalkRules {
     pub clip: bool,
     /// tMax is accumulated: it grows by tDelta per cell. Always so with the paper's rules.
     pub drifting: bool,
+    /// `--traversal 3d-dda`; only with the paper's rules.
+    pub dda: bool,
 }
 
 /// A ray, and the values that each of its steps needs.
@@ -43,7 +46,8 @@ pub struct GridRay<R> {
     pub origin: Vec3<R>,
     /// Direction.
     pub direction: Vec3<R>,
-    /// robust: 1 / direction, 0 along a parallel axis. paper: tDelta, the t between two planes of an axis.
+    /// robust: 1 / direction, 0 along a parallel axis. paper: tDelta, the t between two planes of an axis; with a 3D-DDA,
+    /// slopes: cells along the axis per cell along the driving axis.
     pub per_axis: Vec3<R>,
 }
 
@@ -52,8 +56,9 @@ pub struct GridRay<R> {
 pub struct Walk<R> {
     /// Cell coordinates.
     pub cell: [i32; 3],
-    /// t at which the ray leaves the cell, per axis.
-    pub tmax: Vec3<R>,
+    /// tMax: t at which the ray leaves the cell, per axis. With a 3D-DDA, its control terms: how far the ray has gone past
+    /// each axis's next face at that of the driving axis, in cells.
+    pub per_axis: Vec3<R>,
     /// False if the ray misses the grid or has left it.
     pub inside: bool,
 }
@@ -114,6 +119,8 @@ impl Grid {
     pub fn ray<R: Real>(&self, rules: WalkRules, origin: Vec3<R>, direction: Vec3<R>) -> GridRay<R> {
         let per_axis = if rules.robust {
             inverse_direction(direction)
+        } else if rules.dda {
+            dda::slopes(direction, Vec3::from_f32(self.width))
         } else {
             zip(Vec3::from_f32(self.width), direction, |w: R, d| (w / d).abs())
         };
@@ -122,12 +129,20 @@ impl Grid {
 
     /// The first cell of a ray.
     pub fn enter<R: Real>(&self, rules: WalkRules, ray: &GridRay<R>) -> Walk<R> {
-        if rules.robust { self.enter_robust(rules.clip, ray) } else { self.enter_paper(ray) }
+        match rules {
+            WalkRules { robust: true, clip, .. } => self.enter_robust(clip, ray),
+            WalkRules { dda: true, .. } => self.enter_dda(ray),
+            _ => self.enter_paper(ray),
+        }
     }
 
     /// The next cell of a ray.
     pub fn advance<R: Real>(&self, rules: WalkRules, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
-        if rules.robust { self.advance_robust(rules.drifting, walk, ray) } else { self.advance_paper(walk, ray) }
+        match rules {
+            WalkRules { robust: true, drifting, .. } => self.advance_robust(drifting, walk, ray),
+            WalkRules { dda: true, .. } => self.advance_dda(walk, ray),
+            _ => self.advance_paper(walk, ray),
+        }
     }
 
     /// t at which a ray enters the grid's box, 0 if it starts inside, and whether it meets the box at all.
@@ -161,7 +176,7 @@ impl Grid {
         }
         let cell = self.cell_of_position(start);
         let cell = [0, 1, 2].map(|a| cell[a].max(0).min(self.cells[a] - 1));
-        Walk { cell, tmax: self.cell_exit(cell, ray), inside }
+        Walk { cell, per_axis: self.cell_exit(cell, ray), inside }
     }
 
     fn cell_of_position<R: Real>(&self, position: Vec3<R>) -> [i32; 3] {
@@ -170,17 +185,17 @@ impl Grid {
     }
 
     fn advance_robust<R: Real>(&self, drifting: bool, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
-        let axis = smallest_axis(walk.tmax);
+        let axis = smallest_axis(walk.per_axis);
         let forward = forward(ray);
         let cell = add(walk.cell, [0, 1, 2].map(|a| if axis[a] { forward[a] } else { 0 }));
-        let crossed = smallest3(walk.tmax) < R::from_f32(INF);
+        let crossed = smallest3(walk.per_axis) < R::from_f32(INF);
         let tmax = if drifting {
             let t_delta = (Vec3::from_f32(self.width) * ray.per_axis).abs();
-            select(walk.tmax, walk.tmax + t_delta, axis.into())
+            select(walk.per_axis, walk.per_axis + t_delta, axis.into())
         } else {
             self.cell_exit(cell, ray)
         };
-        Walk { cell, tmax, inside: crossed && self.is_in_grid(cell) }
+        Walk { cell, per_axis: tmax, inside: crossed && self.is_in_grid(cell) }
     }
 
     /// Leaves a cube of empty cells at once: every cell that is fewer than `distance` cells away along each axis is
@@ -197,7 +212,7 @@ impl Grid {
             let (low, high) = (walk.cell[a].min(last[a]), walk.cell[a].max(last[a]));
             if axis[a] { last[a] + forward[a] } else { place[a].max(low).min(high) }
         });
-        Walk { cell, tmax: self.cell_exit(cell, ray), inside: t < R::from_f32(INF) && self.is_in_grid(cell) }
+        Walk { cell, per_axis: self.cell_exit(cell, ray), inside: t < R::from_f32(INF) && self.is_in_grid(cell) }
     }
 
     fn enter_paper<R: Real>(&self, ray: &GridRay<R>) -> Walk<R> {
@@ -211,15 +226,30 @@ impl Grid {
         let t = zip(plane - ray.origin, select(direction, Vec3::splat(R::one()), parallel), |p, d| p / d);
         // Origins outside of the grid are not handled; only an index outside of the arrays is rejected.
         let tmax = select(t, Vec3::splat(R::from_f32(INF)), parallel);
-        Walk { cell, tmax, inside: self.is_index_in_range(cell) }
+        Walk { cell, per_axis: tmax, inside: self.is_index_in_range(cell) }
     }
 
     fn advance_paper<R: Real>(&self, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
-        let axis = smallest_axis(walk.tmax);
+        let axis = smallest_axis(walk.per_axis);
         let forward = ray.direction.map(|d| sign(d).to_i32()).to_array();
         let cell = add(walk.cell, [0, 1, 2].map(|a| if axis[a] { forward[a] } else { 0 }));
-        let tmax = select(walk.tmax, walk.tmax + ray.per_axis, axis.into());
-        Walk { cell, tmax, inside: self.is_index_in_range(cell) }
+        let tmax = select(walk.per_axis, walk.per_axis + ray.per_axis, axis.into());
+        Walk { cell, per_axis: tmax, inside: self.is_index_in_range(cell) }
+    }
+
+    fn enter_dda<R: Real>(&self, ray: &GridRay<R>) -> Walk<R> {
+        let position = zip(ray.origin, Vec3::<R>::from_f32(self.width), |o, w| o / w);
+        let cell = position.map(|v| v.floor().to_i32()).to_array();
+        let per_axis = dda::first_control(position, cell, ray.direction, ray.per_axis);
+        Walk { cell, per_axis, inside: self.is_index_in_range(cell) }
+    }
+
+    fn advance_dda<R: Real>(&self, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
+        let axis = dda::crossed_axis(walk.per_axis, ray.per_axis);
+        let forward = ray.direction.map(|d| sign(d).to_i32()).to_array();
+        let cell = add(walk.cell, [0, 1, 2].map(|a| if axis[a] { forward[a] } else { 0 }));
+        let per_axis = dda::next_control(walk.per_axis, ray.per_axis, axis);
+        Walk { cell, per_axis, inside: self.is_index_in_range(cell) }
     }
 
     /// The paper's test for a ray that has left: beyond the upper faces the index continues in the next row.

@@ -1,10 +1,12 @@
-// The walk through a uniform grid (Amanatides and Woo, 1987): its start, and one step.
+// The walk through a uniform grid (Amanatides and Woo, 1987; dda: Fujimoto, Tanaka and Iwata, 1986): its start, and one
+// step.
 //
 // robust: tmax is computed from the integer cell each time, so errors do not grow along the walk; the origin is clipped
 // to the grid; leaving is detected per axis. All positions are relative to the grid's corner, so that errors follow the
 // ray's distance from the grid, not the grid's from the world's origin. paper: as in Listing 1 of Mølhave's paper.
 
-import package::constants::{INF, PARALLEL, PAPER_PARALLEL};
+@if(!dda) import package::constants::{INF, PARALLEL, PAPER_PARALLEL};
+@if(dda) import package::dda::{slopes, first_control, crossed_axis, next_control};
 
 struct Grid {
     // Lower corner of cell (0, 0, 0), traced units.
@@ -29,18 +31,24 @@ struct GridRay {
     // 1 / direction, 0 along a parallel axis.
     @if(robust) inverse: vec3f,
     // The t between two planes of an axis.
-    @if(!robust) t_delta: vec3f,
+    @if(!robust && !dda) t_delta: vec3f,
+    // Cells along each axis per cell along the driving axis.
+    @if(dda) slope: vec3f,
 }
 
 struct Walk {
     cell: vec3i,
-    tmax: vec3f,
+    // t at which the ray leaves the cell, per axis.
+    @if(!dda) tmax: vec3f,
+    // How far the ray has gone past each axis's next face at that of the driving axis, in cells.
+    @if(dda) control: vec3f,
     inside: bool,
 }
 
 fn grid_ray(origin: vec3f, direction: vec3f) -> GridRay {
     @if(robust) return GridRay(origin - grid.corner, direction, inverse_direction(direction));
-    @else return GridRay(origin - grid.corner, direction, abs(grid.width / direction));
+    @if(!robust && !dda) return GridRay(origin - grid.corner, direction, abs(grid.width / direction));
+    @if(dda) return GridRay(origin - grid.corner, direction, slopes(direction, grid.width));
 }
 
 fn cell_index(cell: vec3i) -> u32 {
@@ -147,13 +155,14 @@ fn leap(walk: Walk, distance: i32, ray: GridRay) -> Walk {
 }
 
 // The axis that is crossed next, with ties in the order of Listing 1.
+@if(!dda)
 fn smallest_axis(tmax: vec3f) -> vec3<bool> {
     let x = tmax.x < tmax.y && tmax.x < tmax.z;
     let y = !(tmax.x < tmax.y) && tmax.y < tmax.z;
     return vec3<bool>(x, y, !x && !y);
 }
 
-@if(!robust)
+@if(!robust && !dda)
 fn enter_grid(ray: GridRay) -> Walk {
     let direction = ray.direction;
     let cell = vec3i(floor(ray.origin / grid.width));
@@ -164,12 +173,26 @@ fn enter_grid(ray: GridRay) -> Walk {
     return Walk(cell, select(t, vec3f(INF), parallel), is_index_in_range(cell));
 }
 
-@if(!robust)
+@if(!robust && !dda)
 fn advance(walk: Walk, ray: GridRay) -> Walk {
     let axis = smallest_axis(walk.tmax);
     let cell = walk.cell + select(vec3i(0), vec3i(sign(ray.direction)), axis);
     let tmax = select(walk.tmax, walk.tmax + ray.t_delta, axis);
     return Walk(cell, tmax, is_index_in_range(cell));
+}
+
+@if(dda)
+fn enter_grid(ray: GridRay) -> Walk {
+    let position = ray.origin / grid.width;
+    let cell = vec3i(floor(position));
+    return Walk(cell, first_control(position, cell, ray.direction, ray.slope), is_index_in_range(cell));
+}
+
+@if(dda)
+fn advance(walk: Walk, ray: GridRay) -> Walk {
+    let axis = crossed_axis(walk.control, ray.slope);
+    let cell = walk.cell + select(vec3i(0), vec3i(sign(ray.direction)), axis);
+    return Walk(cell, next_control(walk.control, ray.slope, axis), is_index_in_range(cell));
 }
 
 // The paper's test for a ray that has left: beyond the upper faces the index continues in the next row.

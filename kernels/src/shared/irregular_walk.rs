@@ -126,7 +126,7 @@ impl Irregular<'_> {
     /// The next cell; `exit` is where the ray leaves this one's box.
     pub fn step<R: Real>(&self, walk: &VoxelWalk, exit: Vec3<R>, ray: &GridRay<R>) -> VoxelWalk {
         if self.has_aside && walk.cell == OUTSIDE {
-            return self.enter_grid(WalkRules { robust: true, clip: true, drifting: false }, ray);
+            return self.enter_grid(WalkRules { robust: true, clip: true, drifting: false, dda: false }, ray);
         }
         match self.cells[walk.cell as usize].next(self.grid, walk.voxel, exit, ray) {
             Some(voxel) => VoxelWalk { voxel, cell: find(self.grid, self.map, voxel), inside: true },

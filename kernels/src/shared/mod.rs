@@ -4,6 +4,7 @@ pub mod build;
 pub mod bvh_walk;
 pub mod camera;
 pub mod constants;
+pub mod dda;
 pub mod grid_walk;
 pub mod irregular_walk;
 pub mod launch;
@@ -28,6 +29,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("wide_walk", include_str!("wide_walk.wgsl")),
     ("packed_triangles", include_str!("packed_triangles.wgsl")),
     ("corners", include_str!("corners.wgsl")),
+    ("dda", include_str!("dda.wgsl")),
     ("grid_walk", include_str!("grid_walk.wgsl")),
     ("irregular_walk", include_str!("irregular_walk.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use raystep_kernels::Traversal;
 use raystep_lab::bench::gate::paired::{Looks, judge, order};
 use raystep_lab::bench::gate::{self, Gate, GateRow, LEVEL, Times, Verdict, changed, matched};
 use raystep_lab::bench::summary::THIS;
@@ -260,9 +261,11 @@ fn arguments(args: &BenchArgs) -> Vec<OsString> {
     let vector = |v: crate::args::Vector| v.0.map(|v| v.to_string()).join(",");
     let camera = &args.camera;
     let mappings: Vec<String> = args.mappings.iter().map(ToString::to_string).collect();
+    let traversals = list(args.traversals.iter().map(|t| t.name()).collect());
     let optional: BTreeMap<&str, Option<String>> = BTreeMap::from([
         // An earlier build knows compute shaders only.
         ("--mappings", Some(mappings.join(",")).filter(|mappings| mappings != "compute")),
+        ("--traversals", Some(traversals).filter(|traversals| traversals != Traversal::AmanatidesWoo.name())),
         ("--steps-per-pass", args.tuning.steps_per_pass.map(|steps| steps.to_string())),
         ("--device", device.filter(|_| args.device.adapter.is_none()).map(|device| device.get_name().to_owned())),
         ("--adapter", args.device.adapter.clone()),

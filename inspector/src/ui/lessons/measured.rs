@@ -110,13 +110,14 @@ fn least(a: Option<u64>, b: Option<u64>) -> Option<u64> {
 
 /// The options of a run in words.
 fn options_of(settings: &Settings) -> String {
-    let Settings { accelerator, schedule, numerics, skip, .. } = settings;
+    let Settings { accelerator, skip, .. } = settings;
+    let (order, rules) = (settings.order(), settings.rules());
     let structure = match accelerator {
         raystep_kernels::Accelerator::None => "no structure".to_owned(),
         other => other.to_string(),
     };
     let skip = if *skip == raystep_kernels::Skip::Auto { String::new() } else { format!(", skip {skip}") };
-    format!("{structure}, {schedule} schedule, {numerics}{skip}")
+    format!("{structure}, {order} schedule, {rules}{skip}")
 }
 
 /// Threads that a GPU launches for a pass, whatever device the pass ran on: whole workgroups that cover the image, or

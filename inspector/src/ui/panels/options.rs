@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use egui::{ComboBox, DragValue, Ui};
 use raystep_kernels::options::mapping::{Cull, Mapping, MappingName, Targets, Until, Update};
-use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip};
+use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip, Traversal};
 
 use crate::session::request::Request;
 use crate::settings::{DeviceKind, Settings, View};
@@ -94,6 +94,10 @@ fn tracing(ui: &mut Ui, draft: &mut Settings) {
     choice(ui, "schedule", "the order in which kernels run", &stepped, &mut draft.schedule);
     mapping(ui, draft);
     choice(ui, "numerics", "the rules for planes, steps and hits", Numerics::ALL, &mut draft.numerics);
+    if draft.can_use_dda() {
+        let about = "how rays walk through the grid: by the smallest tMax, or by control terms along a driving axis";
+        choice(ui, "traversal", about, Traversal::ALL, &mut draft.traversal);
+    }
     if draft.accelerator == Accelerator::Grid {
         choice(ui, "skip empty space", "whether rays skip over empty cells", Skip::ALL, &mut draft.skip);
         grid(ui, &mut draft.grid);

@@ -61,10 +61,18 @@ impl Panel for RayView {
         }
         ui.separator();
         let is_tree = opened.is_some_and(|opened| opened.data.features.bvh);
-        let heads = heads(!is_tree);
+        let is_dda = opened.is_some_and(|opened| opened.data.features.dda);
+        let heads = heads(!is_tree, is_dda);
         let told = matches!(model.told, Told::Compared { .. });
-        let version =
-            version((Arc::as_ptr(&life) as usize, model.edition, life.pixel, life.rows.len(), units, is_tree, told));
+        let version = version((
+            Arc::as_ptr(&life) as usize,
+            model.edition,
+            life.pixel,
+            life.rows.len(),
+            units,
+            (is_tree, is_dda),
+            told,
+        ));
         let view = View { name: "ray", heads: &heads, rows: &history, version, current: history.current };
         let mut units = units;
         ui.horizontal_wrapped(|ui| {
@@ -89,9 +97,10 @@ impl RayView {
         }
         let mut largest = [0.0; 4];
         for after in life.rows.iter().map(|row| &row.after) {
-            let [x, y, z] = after.tmax;
-            for (largest, t) in largest.iter_mut().zip([x, y, z, after.t]) {
-                *largest = t.map_or(*largest, |t| scale.t(t).abs().max(*largest));
+            let [x, y, z] = after.tmax.map(|t| t.map(|t| scale.t(t)));
+            let [x, y, z] = after.control.map_or([x, y, z], |control| control.map(|term| Some(f64::from(term))));
+            for (largest, number) in largest.iter_mut().zip([x, y, z, after.t.map(|t| scale.t(t))]) {
+                *largest = number.map_or(*largest, |number| number.abs().max(*largest));
             }
         }
         // One digit less than elsewhere: ten columns have to fit.

@@ -87,9 +87,10 @@ impl<'a> Bench<'a> {
     pub(super) fn group(&mut self, group: Group<'_>, rays: RaySource, ways: &[Way]) -> Result<(), Error> {
         let mut options = options(self.wanted, rays, group.ends_early);
         let mut of_group = Vec::new();
-        for way @ &Way { accelerator, schedule, mapping } in ways {
+        for way @ &Way { accelerator, schedule, mapping, traversal } in ways {
             let what = format!("{}, {way}", group.name);
-            (options.accelerator, options.schedule, options.mapping) = (accelerator, schedule, mapping);
+            (options.accelerator, options.schedule) = (accelerator, schedule);
+            (options.mapping, options.traversal) = (mapping, traversal);
             let (reporter, mut notes) = (self.reporter, Vec::new());
             let builder = Builder { wanted: self.wanted, meter: self.meter, extent: self.extent };
             let ids = [self.measured.run_id.clone(), self.configurations.to_string()];
@@ -160,7 +161,7 @@ impl<'a> Bench<'a> {
     /// Adds the row of a measured configuration, and compares its hits with its group's.
     fn finish_one(&mut self, ready: Ready) {
         let Ready { group, row, details, .. } = ready;
-        let name = |row: &SummaryRow| format!("{} {} {}", row.accelerator, row.schedule, row.mapping);
+        let name = |row: &SummaryRow| format!("{} {} {} {}", row.accelerator, row.schedule, row.mapping, row.traversal);
         if row.invalid_runs > 0 {
             let (invalid, repeats) = (row.invalid_runs, self.wanted.repeats);
             self.note(format!("{group}, {}: {invalid} of {repeats} times were invalid and do not count", name(&row)));

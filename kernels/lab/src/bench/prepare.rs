@@ -132,6 +132,7 @@ impl<'a> Builder<'a> {
             accelerator: options.accelerator.to_string(),
             schedule: options.schedule.to_string(),
             mapping: options.mapping.to_string(),
+            traversal: options.traversal.to_string(),
             numerics: options.numerics.to_string(),
             grid: grid_text(options.grid),
             skip: options.skip.to_string(),

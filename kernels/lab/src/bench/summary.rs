@@ -3,6 +3,7 @@
 
 use std::io::{Read, Write};
 
+use raystep_kernels::Traversal;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::renderer::Pass;
 use serde::{Deserialize, Serialize};
@@ -19,7 +20,7 @@ pub(super) const HOST: &str = "host";
 pub const THIS: &str = "this";
 
 /// The columns of `summary.csv`.
-pub const COLUMNS: [&str; 50] = [
+pub const COLUMNS: [&str; 51] = [
     "schema_version",
     "run_id",
     "configuration",
@@ -70,6 +71,7 @@ pub const COLUMNS: [&str; 50] = [
     "hits_hash",
     "baseline_ratio",
     "mapping",
+    "traversal",
 ];
 
 /// A row of `summary.csv`. `start_s` includes compiling: raystep compiles every kernel anew, but the driver may have
@@ -129,11 +131,19 @@ pub struct SummaryRow {
     /// Earlier files lack it.
     #[serde(default = "compute")]
     pub mapping: String,
+    /// Earlier files lack it.
+    #[serde(default = "amanatides_woo")]
+    pub traversal: String,
 }
 
 /// The only mapping of earlier files.
 fn compute() -> String {
     Mapping::Compute.to_string()
+}
+
+/// The only traversal of earlier files.
+fn amanatides_woo() -> String {
+    Traversal::AmanatidesWoo.to_string()
 }
 
 /// A file of a benchmark that cannot be read.
@@ -216,10 +226,11 @@ impl SummaryRow {
     /// Whether two rows have the same configuration, possibly on different devices.
     #[must_use]
     pub fn is_same_configuration(&self, other: &Self) -> bool {
-        type Key<'a> = ([&'a str; 8], Option<u32>, bool, u32, u32, u32);
+        type Key<'a> = ([&'a str; 9], Option<u32>, bool, u32, u32, u32);
         fn key(r: &SummaryRow) -> Key<'_> {
-            let texts =
-                [&r.scene, &r.accelerator, &r.schedule, &r.mapping, &r.numerics, &r.grid, &r.skip, &r.rays_kind];
+            let tracing = [&r.accelerator, &r.schedule, &r.mapping, &r.traversal, &r.numerics, &r.grid, &r.skip];
+            let [a, b, c, d, e, f, g] = tracing;
+            let texts = [&r.scene, &r.rays_kind, a, b, c, d, e, f, g];
             (texts.map(String::as_str), r.steps_per_pass, r.keep_all, r.width_px, r.height_px, r.seed)
         }
         key(self) == key(other)
@@ -235,6 +246,9 @@ impl SummaryRow {
         }
         if self.mapping != compute() {
             name += &format!(" {}", self.mapping);
+        }
+        if self.traversal != amanatides_woo() {
+            name += &format!(" {}", self.traversal);
         }
         if let Some(steps) = self.steps_per_pass {
             name += &format!(" steps_per_pass={steps}");

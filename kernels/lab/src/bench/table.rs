@@ -3,8 +3,8 @@
 use super::SummaryRow;
 use crate::text::aligned;
 
-/// The text columns; the last one if there are several mappings.
-const NAMES: [&str; 3] = ["accelerator", "schedule", "mapping"];
+/// The text columns; the last two if rows differ in them.
+const NAMES: [&str; 4] = ["accelerator", "schedule", "mapping", "traversal"];
 
 /// The numeric columns.
 const COLUMNS: [&str; 6] = ["median ms", "low", "high", "Mray/s", "to fastest", "to baseline"];
@@ -14,17 +14,19 @@ const COLUMNS: [&str; 6] = ["median ms", "low", "high", "Mray/s", "to fastest", 
 pub fn text(rows: &[SummaryRow]) -> String {
     let has_baseline = rows.iter().any(|row| row.baseline_ratio.is_some());
     let columns = &COLUMNS[..COLUMNS.len() - usize::from(!has_baseline)];
-    let has_mappings = rows.iter().any(|row| row.mapping != rows[0].mapping);
-    let names = &NAMES[..NAMES.len() - usize::from(!has_mappings)];
-    let mut lines: Vec<Vec<String>> = vec![names.iter().chain(columns).map(|n| (*n).to_owned()).collect()];
+    let texts = |row: &SummaryRow| [&row.accelerator, &row.schedule, &row.mapping, &row.traversal].map(String::clone);
+    let differ = |name: usize| name < 2 || rows.iter().any(|row| texts(row)[name] != texts(&rows[0])[name]);
+    let shown: Vec<usize> = (0..NAMES.len()).filter(|&name| differ(name)).collect();
+    let names = shown.iter().map(|&name| NAMES[name]);
+    let mut lines: Vec<Vec<String>> = vec![names.chain(columns.iter().copied()).map(str::to_owned).collect()];
     let groups = || rows.chunk_by(|a, b| title(a) == title(b));
     for row in rows {
-        let mut cells = vec![row.accelerator.clone(), row.schedule.clone()];
-        cells.extend(has_mappings.then(|| row.mapping.clone()));
+        let of_row = texts(row);
+        let mut cells: Vec<String> = shown.iter().map(|&name| of_row[name].clone()).collect();
         cells.extend(numbers(row).into_iter().take(columns.len()));
         lines.push(cells);
     }
-    let lines: Vec<String> = aligned(&lines, names.len()).into_iter().map(|line| format!("  {line}")).collect();
+    let lines: Vec<String> = aligned(&lines, shown.len()).into_iter().map(|line| format!("  {line}")).collect();
     let (head, mut lines) = (&lines[0], &lines[1..]);
     let table = |group: &[SummaryRow]| {
         let (of_group, rest) = lines.split_at(group.len());

@@ -234,6 +234,7 @@ pub const COLUMNS: &[Column] = &[
     count("iteration", "iteration of the schedule's loop, from 1; 0 before the loop"),
     text("kernel", "the kernel that ran"),
     text("mapping", "how kernels are mapped to the GPU: compute, or fragment and its choices"),
+    text("traversal", "how rays walk through a uniform grid: amanatides-woo or 3d-dda"),
     count("draw", "part of a pass that is drawn, from 0: copies, depths, draws of the kernel"),
     text("targets", "streams that the part writes"),
     count("fragments_run", "fragments for which a draw ran its program; known if they were asked for"),

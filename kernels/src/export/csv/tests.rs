@@ -11,6 +11,7 @@ fn run(timer: Option<Timer>) -> RunContext {
         accelerator: "grid",
         schedule: "second",
         numerics: "robust",
+        traversal: "amanatides-woo",
         mapping: "compute".into(),
         adapter: "cpu".into(),
         width_px: 9,

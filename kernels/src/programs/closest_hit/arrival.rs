@@ -3,7 +3,7 @@
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE};
-use crate::programs::closest_hit::streams::{COUNTERS, STATE, TMAX};
+use crate::programs::closest_hit::streams::{COUNTERS, STATE, of_walk};
 use crate::shared::constants::INF;
 use crate::tables::texels::Texels;
 
@@ -18,13 +18,13 @@ pub fn leave<R: Real>(ray: &mut Texels<'_, R>, features: &Features) {
     ray.store_u32(STATE, 0, if keeps_hit(ray, features) { SHADE } else { BACKGROUND });
 }
 
-/// The ray is in a cell, which it leaves at `exits`.
-pub fn arrive<R: Real>(ray: &mut Texels<'_, R>, features: &Features, cell: u32, exits: Vec3<R>) {
+/// The ray is in a cell; `per_axis` decides by which face it leaves it.
+pub fn arrive<R: Real>(ray: &mut Texels<'_, R>, features: &Features, cell: u32, per_axis: Vec3<R>) {
     if features.counters {
         ray.store_u32(COUNTERS, 0, ray.load_u32(COUNTERS, 0) + 1);
     }
     ray.store_u32(STATE, 0, if keeps_hit(ray, features) { ISECT_HIT } else { ISECT_NO_HIT });
-    ray.store_vec3(TMAX, exits);
+    ray.store_vec3(of_walk(features), per_axis);
     ray.store_u32(STATE, 2, cell);
     ray.store_u32(STATE, 3, 0);
 }

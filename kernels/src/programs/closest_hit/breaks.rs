@@ -1,7 +1,7 @@
 //! Deliberate defects of each kernel.
 
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Numerics, Options, ScheduleKind, Skip};
+use crate::options::{Accelerator, Numerics, Options, ScheduleKind, Skip, Traversal};
 pub(super) use crate::program::breaks::{Break, as_it_is};
 use crate::shared::samples::Sampler;
 
@@ -70,6 +70,20 @@ fn fused_paper(options: &mut Options) {
     options.numerics = Numerics::Paper;
 }
 
+fn dda(options: &mut Options) {
+    (options.numerics, options.traversal) = (Numerics::Paper, Traversal::Dda3d);
+}
+
+fn several_dda(options: &mut Options) {
+    several(options);
+    dda(options);
+}
+
+fn fused_dda(options: &mut Options) {
+    fused(options);
+    dda(options);
+}
+
 fn fused_bvh(options: &mut Options) {
     fused(options);
     bvh(options);
@@ -108,12 +122,15 @@ pub(super) const OF_SETUP: &[Break] = &[
     Break::new(as_it_is, "floor(position)", "ceil(position)"),
     Break::new(as_it_is, "let next = ISECT_NO_HIT", "let next = BACKGROUND"),
     Break::new(bvh, "vec4u(NO_NODE)", "vec4u(0u)"),
+    Break::new(dda, "low + 1.0 - position", "low + 1.001 - position"),
 ];
 
 pub(super) const OF_TRAVERSE_GRID: &[Break] = &[
     Break::new(as_it_is, "select(vec3i(-1), vec3i(1)", "select(vec3i(1), vec3i(-1)"),
     Break::new(as_it_is, "tmax.x < tmax.y && ", ""),
     Break::new(leaping, "forward * (distance - 1)", "forward * distance"),
+    Break::new(dda, "control.x * slope.y > control.y * slope.x", "control.x > control.y"),
+    Break::new(dda, "any(axis & driving_axis(slope))", "any(axis)"),
 ];
 
 pub(super) const OF_TRAVERSE_IRREGULAR: &[Break] = &[
@@ -138,6 +155,7 @@ pub(super) const OF_WALK: &[Break] = &[
     Break::new(several, "trace.u = candidate.u", "trace.u = candidate.v"),
     Break::new(several_leaping, "8u * (index % 4u)", "8u * (index % 3u)"),
     Break::new(several_leaping, "min(walk.cell, last)", "walk.cell"),
+    Break::new(several_dda, "textureStore(control, texel, 1, vec4f(walk.control.y))", ""),
     Break::new(several_bvh, "let first = node.first", "let first = node.first + 1u"),
     Break::new(several_bvh, "select(0u, 1u, goes_down", "select(1u, 0u, goes_down"),
     Break::new(several_none, "3u * entry + 2u", "3u * entry + 1u"),
@@ -155,6 +173,8 @@ pub(super) const OF_FUSED: &[Break] = &[
     Break::new(fused_bvh, "leaves.base + countOneBits", "leaves.base + 0u * countOneBits"),
     Break::new(fused_eye_rays, "0.5", "0.4995"),
     Break::new(fused, "item + 1u - grid_cells", "item - grid_cells").in_parts(),
+    Break::new(fused_dda, "place, wait.texel, 5, vec4u(per_axis.y)", "place, wait.texel, 5, vec4u(per_axis.x)")
+        .in_parts(),
     Break::new(fused_paper, "u32(left)", "u32(left + 1)").in_parts(),
     Break::new(fused_bvh, "level + 1u, NO_CHILD", "level + 1u, 0u").in_parts(),
     Break::new(fused_bvh, "(1u << (24u + child)) - 1u", "(2u << (24u + child)) - 1u").in_parts(),

@@ -52,10 +52,10 @@ impl<R: Real> Trace<R> {
             }
             wait.item = 0;
             if !features.in_cell {
-                if self.t <= smallest3(walk.tmax) {
+                if self.t <= smallest3(walk.per_axis) {
                     return;
                 }
-                if features.intervals && self.interval[1] <= smallest3(walk.tmax) {
+                if features.intervals && self.interval[1] <= smallest3(walk.per_axis) {
                     return;
                 }
             } else {
@@ -233,16 +233,16 @@ impl Wait {
         }
         if scene.features.keeps_no_tmax() {
             let cell = grid.cell_of_index(self.cell);
-            return Walk { cell, tmax: grid.cell_exit(cell, grid_ray), inside: true };
+            return Walk { cell, per_axis: grid.cell_exit(cell, grid_ray), inside: true };
         }
         let cell = [0, 1, 2].map(|layer| ray.load_u32(streams::PLACE, layer) as i32);
         let [x, y, z] = [4, 5, 6].map(|layer| ray.load(streams::PLACE, layer));
-        Walk { cell, tmax: Vec3::new(x, y, z), inside: true }
+        Walk { cell, per_axis: Vec3::new(x, y, z), inside: true }
     }
 }
 
 /// Stores what cannot be computed from the cell's index: the coordinates if a ray wrapped over a face with the paper's
-/// rules, tmax if it is accumulated, and how many more cells are allowed.
+/// rules, tmax if it is accumulated or control terms, and how many more cells are allowed.
 fn keep_place<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, walk: &Walk<R>, left: i32) {
     if scene.features.keeps_no_tmax() {
         return;
@@ -251,8 +251,8 @@ fn keep_place<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, walk: &Walk<R
         ray.store_u32(streams::PLACE, layer, cell as u32);
     }
     ray.store_u32(streams::PLACE, 3, if scene.features.in_cell { left as u32 } else { 0 });
-    for (layer, tmax) in (4..).zip(walk.tmax.to_array()) {
-        ray.store(streams::PLACE, layer, tmax);
+    for (layer, value) in (4..).zip(walk.per_axis.to_array()) {
+        ray.store(streams::PLACE, layer, value);
     }
 }
 

@@ -12,7 +12,7 @@ import package::scene::{scene};
 @if(eye_rays) import package::camera::{eye_ray};
 @if(!eye_rays) import package::ray::{load_origin, load_direction};
 @if(intervals) import package::ray::{load_interval};
-@if(grid) import package::vector::{smallest3};
+@if(grid && !in_cell) import package::vector::{smallest3};
 @if(grid) import package::grid_walk::{grid, grid_ray, enter_grid, advance, cell_index};
 @if(grid && resumes) import package::grid_walk::{GridRay, Walk};
 @if(grid && resumes && robust && !drifting) import package::grid_walk::{cell_exit, cell_of_index};
@@ -74,24 +74,26 @@ fn resumed(ray: GridRay) -> Walk {
         let x = textureLoad(place, wait.texel, 0).x;
         let y = textureLoad(place, wait.texel, 1).x;
         let z = textureLoad(place, wait.texel, 2).x;
-        let tmax_x = textureLoad(place, wait.texel, 4).x;
-        let tmax_y = textureLoad(place, wait.texel, 5).x;
-        let tmax_z = textureLoad(place, wait.texel, 6).x;
-        return Walk(vec3i(vec3u(x, y, z)), bitcast<vec3f>(vec3u(tmax_x, tmax_y, tmax_z)), true);
+        let along_x = textureLoad(place, wait.texel, 4).x;
+        let along_y = textureLoad(place, wait.texel, 5).x;
+        let along_z = textureLoad(place, wait.texel, 6).x;
+        return Walk(vec3i(vec3u(x, y, z)), bitcast<vec3f>(vec3u(along_x, along_y, along_z)), true);
     }
 }
 
 // Stores what cannot be computed from the cell's index: the coordinates if a ray wrapped over a face with the paper's
-// rules, tmax if it is accumulated, and how many more cells are allowed.
+// rules, tmax if it is accumulated or control terms, and how many more cells are allowed.
 @if(grid && resumes && (!robust || drifting))
 fn keep_place(walk: Walk, left: i32) {
     textureStore(place, wait.texel, 0, vec4u(u32(walk.cell.x)));
     textureStore(place, wait.texel, 1, vec4u(u32(walk.cell.y)));
     textureStore(place, wait.texel, 2, vec4u(u32(walk.cell.z)));
     textureStore(place, wait.texel, 3, vec4u(u32(left)));
-    textureStore(place, wait.texel, 4, vec4u(bitcast<u32>(walk.tmax.x)));
-    textureStore(place, wait.texel, 5, vec4u(bitcast<u32>(walk.tmax.y)));
-    textureStore(place, wait.texel, 6, vec4u(bitcast<u32>(walk.tmax.z)));
+    @if(!dda) let per_axis = bitcast<vec3u>(walk.tmax);
+    @else let per_axis = bitcast<vec3u>(walk.control);
+    textureStore(place, wait.texel, 4, vec4u(per_axis.x));
+    textureStore(place, wait.texel, 5, vec4u(per_axis.y));
+    textureStore(place, wait.texel, 6, vec4u(per_axis.z));
 }
 
 @if(grid)

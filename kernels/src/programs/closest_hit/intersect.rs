@@ -19,11 +19,11 @@ fn is_listed(scene: &SceneData, triangle: u32, cell: u32) -> bool {
 }
 
 /// Stores the position of the search for the next dispatch.
-fn keep_scan<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, cell: u32, tmax: Vec3<R>) {
+fn keep_scan<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, cell: u32, per_axis: Vec3<R>) {
     if scene.features.resumes_scan {
         ray.store_u32(SCAN, 0, cell);
-        for (layer, tmax) in (1..).zip(tmax.to_array()) {
-            ray.store(SCAN, layer, tmax);
+        for (layer, value) in (1..).zip(per_axis.to_array()) {
+            ray.store(SCAN, layer, value);
         }
     }
 }
@@ -48,7 +48,7 @@ fn repetition<R: Real>(
         let begun = texels.load_u32(SCAN, 0);
         if begun != NO_CELL {
             let [x, y, z] = [1, 2, 3].map(|layer| texels.load(SCAN, layer));
-            walk = Walk { cell: grid.cell_of_index(begun), tmax: Vec3::new(x, y, z), inside: true };
+            walk = Walk { cell: grid.cell_of_index(begun), per_axis: Vec3::new(x, y, z), inside: true };
         }
     }
     let mut step = 0;
@@ -58,7 +58,7 @@ fn repetition<R: Real>(
             break;
         }
         if features.resumes_scan && turns >= features.turns {
-            keep_scan(texels, scene, index, walk.tmax);
+            keep_scan(texels, scene, index, walk.per_axis);
             return None;
         }
         // One iteration for the cell, and at most the bit length of its list for the binary search.

@@ -53,11 +53,11 @@ fn is_listed(triangle: u32, cell: u32) -> bool {
 @if(grid && counters && resumes_scan) @group(0) @binding(6) var scan: texture_storage_2d_array<r32uint, read_write>;
 
 @if(grid && counters && resumes_scan)
-fn keep_scan(texel: vec2u, cell: u32, tmax_there: vec3f) {
+fn keep_scan(texel: vec2u, cell: u32, per_axis: vec3f) {
     textureStore(scan, texel, 0, vec4u(cell));
-    textureStore(scan, texel, 1, vec4u(bitcast<u32>(tmax_there.x)));
-    textureStore(scan, texel, 2, vec4u(bitcast<u32>(tmax_there.y)));
-    textureStore(scan, texel, 3, vec4u(bitcast<u32>(tmax_there.z)));
+    textureStore(scan, texel, 1, vec4u(bitcast<u32>(per_axis.x)));
+    textureStore(scan, texel, 2, vec4u(bitcast<u32>(per_axis.y)));
+    textureStore(scan, texel, 3, vec4u(bitcast<u32>(per_axis.z)));
 }
 
 const NOT_REPEATED: u32 = 0u;
@@ -84,7 +84,8 @@ fn repetition(texel: vec2u, triangle: u32, cell: u32, origin: vec3f, direction: 
             break;
         }
         @if(resumes_scan) if (turns >= TURNS) {
-            keep_scan(texel, index, walk.tmax);
+            @if(!dda) keep_scan(texel, index, walk.tmax);
+            @else keep_scan(texel, index, walk.control);
             return NOT_KNOWN_YET;
         }
         // One iteration for the cell, and at most the bit length of its list for the binary search.

@@ -2,8 +2,8 @@
 
 use super::states::{DONE, STATES};
 use super::streams::{
-    ACCUMULATED, ACCUMULATED_SAMPLES, COLOR, HIT, HIT_TRIANGLE, PREVIOUS, RAY_DIRECTION, RAY_INTERVAL, RAY_ORIGIN,
-    STATE, STATE_CELL, STATE_ITEM, STATE_T, TMAX,
+    ACCUMULATED, ACCUMULATED_SAMPLES, COLOR, CONTROL, HIT, HIT_TRIANGLE, PREVIOUS, RAY_DIRECTION, RAY_INTERVAL,
+    RAY_ORIGIN, STATE, STATE_CELL, STATE_ITEM, STATE_T, TMAX,
 };
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::state::Tag;
@@ -35,6 +35,9 @@ pub struct RayState {
     pub item: u32,
     /// t at which the ray leaves its cell, per axis; `None` for an axis along which it never does.
     pub tmax: [Option<f32>; 3],
+    /// Control terms of a 3D-DDA, per axis, in cells; absent without one.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub control: Option<[f32; 3]>,
     /// Nearest triangle hit so far.
     pub triangle: Option<u32>,
     /// Weights of vertices 1 and 2 at the hit.
@@ -48,8 +51,8 @@ pub struct RayState {
 
 impl RayState {
     /// The streams it is decoded from, as far as a run has them.
-    pub const STREAMS: [Stream; 9] =
-        [STATE, HIT, RAY_ORIGIN, RAY_DIRECTION, RAY_INTERVAL, TMAX, PREVIOUS, COLOR, ACCUMULATED];
+    pub const STREAMS: [Stream; 10] =
+        [STATE, HIT, RAY_ORIGIN, RAY_DIRECTION, RAY_INTERVAL, TMAX, CONTROL, PREVIOUS, COLOR, ACCUMULATED];
 
     /// Decodes a ray's texels, one word per layer; `None` for a stream that the run leaves out.
     pub fn of<'a>(texel: impl Fn(Stream) -> Option<&'a [u32]>) -> Self {
@@ -72,10 +75,17 @@ impl RayState {
             item: word(STATE, STATE_ITEM),
             previous: texel(PREVIOUS).map(|texel| texel[0]),
             tmax: floats(TMAX).map_or([None; 3], |v| v.map(|t| (t < INF).then_some(t))),
+            control: floats(CONTROL),
             triangle: is_hit.then_some(triangle),
             barycentric: is_hit.then(|| [word(HIT, 0), word(HIT, 1)].map(f32::from_bits)),
             color: if tag == DONE { floats(COLOR) } else { None },
             samples: texel(ACCUMULATED).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),
         }
+    }
+
+    /// What decides by which face the ray leaves its cell, per axis: the control terms of a 3D-DDA, or tMax.
+    #[must_use]
+    pub fn per_axis(&self) -> [Option<f32>; 3] {
+        self.control.map_or(self.tmax, |control| control.map(Some))
     }
 }

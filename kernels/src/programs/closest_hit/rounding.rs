@@ -4,7 +4,9 @@
 //! WGSL allows a division to be off by 2.5 units in the last place, and a product and a sum to be contracted or not.
 //! Software Vulkan does neither, and agrees bit for bit; an H200 does both.
 
-use super::streams::{ACCUMULATED, COLOR, HIT, PLACE, RAY_DIRECTION, RAY_ORIGIN, SCAN, STATE, STATE_T, TMAX, VOXEL};
+use super::streams::{
+    ACCUMULATED, COLOR, CONTROL, HIT, PLACE, RAY_DIRECTION, RAY_ORIGIN, SCAN, STATE, STATE_T, TMAX, VOXEL,
+};
 use crate::tables::stream::Stream;
 
 /// What rounding may change in one pass of a kernel: nothing else may differ from its CPU reference.
@@ -20,8 +22,9 @@ pub struct Rounding {
 /// How far off a float may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Off {
-    /// Units in the last place, once or for each part of the pass.
-    Ulps(u64, Each),
+    /// What decides a step through a grid, computed once or in each part of the pass: tMax by [`DIVISION`] units in the
+    /// last place, control terms of a 3D-DDA by [`CONTROL_TERM`] for each cell along the grid and each part.
+    PerAxis(Each),
     /// Multiples of 2⁻²³ of the larger number, or of 1 if both are smaller.
     Roundings(f32),
     /// The same, times the largest factor by which a light's cone scales a cosine.
@@ -53,7 +56,8 @@ pub enum Ties {
     None,
     /// The point of entry with the planes between cells.
     FirstCell,
-    /// The end of a skip over empty cells, or of a step through an irregular grid, with the planes between cells.
+    /// The end of a skip over empty cells, or of a step through an irregular grid, with the planes between cells; and
+    /// the control terms of a 3D-DDA, in proportion to its slopes.
     Leap,
     /// The ray with the box of a node.
     Box,
@@ -66,7 +70,10 @@ pub enum Ties {
 /// Layers 0 to 2: x, y and z, or r, g and b.
 const ALL_3: &[usize] = &[0, 1, 2];
 /// A division and a product, which may be contracted with the sum before them.
-const DIVISION: u64 = 4;
+pub const DIVISION: u64 = 4;
+/// A control term begins as a difference of positions in cells, each of them a division, and a step adds a slope, a
+/// quotient of two; in multiples of 2⁻²³.
+pub const CONTROL_TERM: f32 = 8.0;
 /// Sums of three terms, each of the size of the result or of 1.
 const SUM: Off = Off::Roundings(4.0);
 /// A colour that is multiplied or added to.
@@ -84,30 +91,40 @@ pub const NONE: Rounding = Rounding { floats: &[], ties: Ties::None };
 pub(super) const OF_GENERATE: Rounding =
     Rounding { floats: &[(RAY_ORIGIN, ALL_3, SUM), (RAY_DIRECTION, ALL_3, SUM)], ties: Ties::None };
 
-pub(super) const OF_SETUP: Rounding =
-    Rounding { floats: &[(TMAX, ALL_3, Off::Ulps(DIVISION, Each::Pass)), OF_A_VOXEL], ties: Ties::FirstCell };
+pub(super) const OF_SETUP: Rounding = Rounding {
+    floats: &[(TMAX, ALL_3, Off::PerAxis(Each::Pass)), (CONTROL, ALL_3, Off::PerAxis(Each::Pass)), OF_A_VOXEL],
+    ties: Ties::FirstCell,
+};
 
-pub(super) const OF_TRAVERSE_GRID: Rounding =
-    Rounding { floats: &[(TMAX, ALL_3, Off::Ulps(DIVISION, Each::Pass))], ties: Ties::Leap };
+pub(super) const OF_TRAVERSE_GRID: Rounding = Rounding {
+    floats: &[(TMAX, ALL_3, Off::PerAxis(Each::Pass)), (CONTROL, ALL_3, Off::PerAxis(Each::Pass))],
+    ties: Ties::Leap,
+};
 
 pub(super) const OF_TRAVERSE_IRREGULAR: Rounding =
-    Rounding { floats: &[(TMAX, ALL_3, Off::Ulps(DIVISION, Each::Pass)), OF_A_VOXEL], ties: Ties::Leap };
+    Rounding { floats: &[(TMAX, ALL_3, Off::PerAxis(Each::Pass)), OF_A_VOXEL], ties: Ties::Leap };
 
 pub(super) const OF_TRAVERSE_BVH: Rounding = Rounding { floats: &[], ties: Ties::Box };
 
 pub(super) const OF_INTERSECT: Rounding = Rounding {
-    floats: &[OF_A_HIT[0], OF_A_HIT[1], (SCAN, &[1, 2, 3], Off::Ulps(DIVISION, Each::Iteration))],
+    floats: &[OF_A_HIT[0], OF_A_HIT[1], (SCAN, &[1, 2, 3], Off::PerAxis(Each::Iteration))],
     ties: Ties::Triangle,
 };
 
-/// With the paper's rules tmax grows by a rounded tDelta at every step; there are fewer steps than loop iterations.
+/// With the paper's rules tmax grows by a rounded tDelta at every step, and a control term by a rounded slope; there are fewer steps than loop iterations.
 pub(super) const OF_WALK: Rounding = Rounding {
-    floats: &[OF_A_HIT[0], OF_A_HIT[1], (TMAX, ALL_3, Off::Ulps(DIVISION, Each::Step)), OF_A_VOXEL],
+    floats: &[
+        OF_A_HIT[0],
+        OF_A_HIT[1],
+        (TMAX, ALL_3, Off::PerAxis(Each::Step)),
+        (CONTROL, ALL_3, Off::PerAxis(Each::Step)),
+        OF_A_VOXEL,
+    ],
     ties: Ties::Many,
 };
 
 pub(super) const OF_FUSED: Rounding = Rounding {
-    floats: &[OF_A_HIT[0], OF_A_HIT[1], (PLACE, &[4, 5, 6], Off::Ulps(DIVISION, Each::Iteration)), OF_A_VOXEL],
+    floats: &[OF_A_HIT[0], OF_A_HIT[1], (PLACE, &[4, 5, 6], Off::PerAxis(Each::Iteration)), OF_A_VOXEL],
     ties: Ties::Many,
 };
 

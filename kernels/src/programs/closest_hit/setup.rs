@@ -3,7 +3,7 @@
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::ray::{load_direction, load_origin, store_voxel};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_NO_HIT, TRAV, TRAV_SETUP};
-use crate::programs::closest_hit::streams::{COUNTERS, PREVIOUS, STATE, TMAX};
+use crate::programs::closest_hit::streams::{COUNTERS, PREVIOUS, STATE, TMAX, of_walk};
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_NODE;
 use crate::tables::texels::Texels;
@@ -30,7 +30,7 @@ pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             return;
         }
         if !(features.many_steps && features.keeps_no_tmax()) {
-            ray.store_vec3(TMAX, walk.tmax);
+            ray.store_vec3(of_walk(features), walk.per_axis);
         }
         ray.store_u32(STATE, 2, scene.grid.cell_index(walk.cell));
         if features.counters {

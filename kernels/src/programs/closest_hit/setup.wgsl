@@ -1,4 +1,4 @@
-// Finds where the ray's walk begins: its first cell and the t at which it leaves it, or that it misses the grid; the
+// Finds where the ray's walk begins: its first cell and the t at which it leaves it (dda: its control terms), or that it misses the grid; the
 // root of the BVH; the first triangle if there is neither.
 
 import package::constants::{NOBODY, NO_NODE, LIST_SIDE};
@@ -13,7 +13,8 @@ import package::live::{send, tiled_texel};
 @if(grid) import package::grid_walk::{grid_ray, enter_grid, cell_index};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
-@if(grid && !(many_steps && robust && !drifting)) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
+@if(dda) @group(0) @binding(3) var control: texture_storage_2d_array<r32float, write>;
+@if(grid && !dda && !(many_steps && robust && !drifting)) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
 @if(irregular && !many_steps) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
 @if(bvh) @group(0) @binding(3) var previous: texture_storage_2d_array<r32uint, write>;
 @if(counters) @group(0) @binding(4) var counters: texture_storage_2d_array<r32uint, write>;
@@ -37,7 +38,12 @@ fn set_up(texel: vec2u) -> u32 {
             textureStore(state, texel, 0, vec4u(BACKGROUND));
             return BACKGROUND;
         }
-        @if(!(many_steps && robust && !drifting)) {
+        @if(dda) {
+            textureStore(control, texel, 0, vec4f(walk.control.x));
+            textureStore(control, texel, 1, vec4f(walk.control.y));
+            textureStore(control, texel, 2, vec4f(walk.control.z));
+        }
+        @if(!dda && !(many_steps && robust && !drifting)) {
             textureStore(tmax, texel, 0, vec4f(walk.tmax.x));
             textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
             textureStore(tmax, texel, 2, vec4f(walk.tmax.z));

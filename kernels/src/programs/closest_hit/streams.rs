@@ -6,15 +6,16 @@
 //! ray_interval  f32  t_min  t_max        t; hits count between the two
 //! state         u32  tag  nearest-t  cell  item      while lights are summed, item is 2³¹ + their number
 //! tmax          f32  x  y  z             t
+//! control       f32  x  y  z             cells
 //! voxel         u32  x  y  z             virtual cell by which the ray came into its cell
 //! previous      u32  node                index of the BVH's previous node
 //! hit           u32  u  v  triangle      u, v as f32 bits
 //! color         f32  r  g  b             linear light
 //! counters      u32  cells  triangles  repeated
 //! accumulated   f32  r  g  b  a  samples mean so far, linear light; a: share of samples that hit
-//! place         u32  x  y  z  left  tx  ty  tz   cell, cells still allowed, tmax (f32 bits)
+//! place         u32  x  y  z  left  tx  ty  tz   cell, cells still allowed, tmax or control (f32 bits)
 //! trail         u32  levels 0, 8, 16, 24  4 bits per level
-//! scan          u32  cell  tx  ty  tz    cell, tmax (f32 bits)
+//! scan          u32  cell  tx  ty  tz    cell, tmax or control (f32 bits)
 //! ```
 //!
 //! Lengths are in *traced units*: scene units times a power of two, see [`crate::numbers::units`]. `t` is the
@@ -28,6 +29,7 @@
 //! values of the latest sample. At the end of a run, only `color` is replaced by the mean.
 
 use super::elements::RAYS;
+use crate::options::features::Features;
 use crate::options::reasons::{Because, EYE_RAYS, FUSED, NO_SHADE, ONE_SAMPLE, Reason, Run};
 use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
 use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
@@ -55,11 +57,26 @@ fn of_steps(run: &Run<'_>) -> Reason {
 fn of_tmax(run: &Run<'_>) -> Reason {
     match run {
         run if run.is_fused() => FUSED,
+        run if run.features.dda => (Because::Options, "--traversal 3d-dda computes no t"),
         run if run.features.grid || run.features.irregular => {
             (Because::Options, "several steps per pass: computed from the cell")
         }
         run => run.other_accelerator(),
     }
+}
+
+fn of_control(run: &Run<'_>) -> Reason {
+    match run {
+        run if run.is_fused() => FUSED,
+        run if run.features.grid => (Because::Options, "--traversal amanatides-woo"),
+        run => run.other_accelerator(),
+    }
+}
+
+/// The stream in which a walk through a uniform grid keeps what decides its next step.
+#[must_use]
+pub fn of_walk(features: &Features) -> Stream {
+    if features.dda { CONTROL } else { TMAX }
 }
 
 streams! {
@@ -78,6 +95,9 @@ streams! {
     /// t at which the ray leaves its cell, per axis.
     TMAX of RAYS: "tmax" F32 &["x", "y", "z"], meaning: &[Distance; 3], unit: "t",
         unwritten: &[0; 3], why_absent: of_tmax;
+    /// Of a 3D-DDA: how far the ray has gone past each axis's next face when it reaches that of its driving axis.
+    CONTROL of RAYS: "control" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "cells along the axis",
+        unwritten: &[0; 3], why_absent: of_control;
     /// Virtual cell of an irregular grid by which the ray came into its cell.
     VOXEL of RAYS: "voxel" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "coordinates of a virtual cell",
         unwritten: &[0; 3], why_absent: of_steps;
@@ -97,13 +117,13 @@ streams! {
     ACCUMULATED of RAYS: "accumulated" F32 &["r", "g", "b", "a", "samples"], meaning: &[Light, Light, Light, Float, Float], unit: "linear light, share of samples that hit, count",
         unwritten: &[0; 5], why_absent: |_| ONE_SAMPLE;
     /// Where in the grid a ray waits for the next dispatch of `fused`: what its cell's index does not tell.
-    PLACE of RAYS: "place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Id, Id, Count, Distance, Distance, Distance], unit: "cell coordinates, count of cells, t as f32 bits",
+    PLACE of RAYS: "place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Id, Id, Count, Distance, Distance, Distance], unit: "cell coordinates, count of cells, t or control terms as f32 bits",
         unwritten: &[0; 7], why_absent: |_| NO_WALK_WAITS;
     /// Where in the wide BVH a ray waits for the next dispatch: the child entered last on each level.
     TRAIL of RAYS: "trail" U32 &["levels_0", "levels_8", "levels_16", "levels_24"], meaning: &[Id; 4], unit: "child entered last, 4 bits per level",
         unwritten: &[0; 4], why_absent: |_| NO_WALK_WAITS;
     /// Where the search for repeated tests waits for the next dispatch.
-    SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Distance, Distance, Distance], unit: "1-D index, t as f32 bits",
+    SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Distance, Distance, Distance], unit: "1-D index, t or control terms as f32 bits",
         unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "every search for repeated tests finishes in one dispatch");
 }
 

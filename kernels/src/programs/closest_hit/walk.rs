@@ -4,11 +4,11 @@ use crate::numbers::real::Real;
 use crate::programs::closest_hit::grid_lists::list_ended;
 use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_voxel, store_voxel};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-use crate::programs::closest_hit::streams::{COUNTERS, HIT, PREVIOUS, STATE, TMAX};
+use crate::programs::closest_hit::streams::{COUNTERS, HIT, PREVIOUS, STATE, of_walk};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{TreeRay, Visit, next_node};
-use crate::shared::constants::{NO_NODE, NO_TRIANGLE, NODES_A_STEP};
+use crate::shared::constants::{INF, NO_NODE, NO_TRIANGLE, NODES_A_STEP};
 use crate::shared::grid_walk::Walk;
 use crate::shared::irregular_walk::VoxelWalk;
 use crate::shared::vector::smallest3;
@@ -35,8 +35,10 @@ impl<R: Real> Place<R> {
         let grid_ray = grid.ray(rules, self.trace.origin, self.trace.direction);
         let cell = grid.cell_of_index(self.cell);
         // robust: computed from the cell each time, so there is nothing to keep.
-        let tmax = if features.keeps_no_tmax() { grid.cell_exit(cell, &grid_ray) } else { ray.load_vec3(TMAX) };
-        let mut walk = Walk { cell, tmax, inside: true };
+        let is_computed = features.keeps_no_tmax();
+        let kept = of_walk(features);
+        let per_axis = if is_computed { grid.cell_exit(cell, &grid_ray) } else { ray.load_vec3(kept) };
+        let mut walk = Walk { cell, per_axis, inside: true };
         let mut waits = false;
         for _ in 0..scene.info.steps {
             if self.trace.is_spent(scene) {
@@ -68,9 +70,10 @@ impl<R: Real> Place<R> {
             self.item = 0;
             let has_hit = !features.any_hit && self.trace.triangle != NO_TRIANGLE;
             let tag = if has_hit { ISECT_HIT } else { ISECT_NO_HIT };
-            self.tag = list_ended(features, tag, self.trace.t, smallest3(walk.tmax));
+            let exit = if features.in_cell { R::from_f32(INF) } else { smallest3(walk.per_axis) };
+            self.tag = list_ended(features, tag, self.trace.t, exit);
             if features.intervals && !features.in_cell && self.tag == TRAV {
-                let is_behind = self.trace.interval[1] <= smallest3(walk.tmax);
+                let is_behind = self.trace.interval[1] <= exit;
                 self.tag = if is_behind { BACKGROUND } else { TRAV };
             }
             if self.tag != TRAV {
@@ -86,8 +89,8 @@ impl<R: Real> Place<R> {
             self.cell = grid.cell_index(walk.cell);
             self.trace.cells += 1;
         }
-        if !features.keeps_no_tmax() {
-            ray.store_vec3(TMAX, walk.tmax);
+        if !is_computed {
+            ray.store_vec3(kept, walk.per_axis);
         }
     }
 

@@ -4,6 +4,7 @@
 // resumes: with long lists, K steps may take more loop iterations than a dispatch allows. The ray then waits before a
 // step, or at an item of its list.
 
+@if(in_cell) import package::constants::{INF};
 import package::constants::{NOBODY, NODES_A_STEP, NO_NODE, NO_TRIANGLE, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::triangle::{shear_of};
@@ -13,7 +14,7 @@ import package::ray::{load_origin, load_direction};
 @if(intervals) import package::ray::{load_interval};
 import package::scene::{scene};
 import package::live::{listed_texel, send};
-@if(grid) import package::vector::{smallest3};
+@if(grid && !in_cell) import package::vector::{smallest3};
 @if(grid) import package::grid_walk::{Walk, grid_ray, advance, cell_index, cell_of_index};
 @if(grid && robust && !drifting) import package::grid_walk::{cell_exit};
 @if(grid && skip) import package::grid_walk::{leap};
@@ -29,7 +30,8 @@ import package::live::{listed_texel, send};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
-@if(grid && (!robust || drifting)) @group(0) @binding(4) var tmax: texture_storage_2d_array<r32float, read_write>;
+@if(dda) @group(0) @binding(4) var control: texture_storage_2d_array<r32float, read_write>;
+@if(grid && !dda && (!robust || drifting)) @group(0) @binding(4) var tmax: texture_storage_2d_array<r32float, read_write>;
 @if(bvh) @group(0) @binding(4) var previous: texture_storage_2d_array<r32uint, read_write>;
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 
@@ -50,10 +52,15 @@ fn walked(start: Place, texel: vec2u) -> Place {
     walk.inside = true;
     // robust: computed from the cell each time, so there is nothing to keep.
     @if(robust && !drifting) walk.tmax = cell_exit(walk.cell, ray);
-    @else walk.tmax = vec3f(
+    @if(!dda && (!robust || drifting)) walk.tmax = vec3f(
         textureLoad(tmax, texel, 0).x,
         textureLoad(tmax, texel, 1).x,
         textureLoad(tmax, texel, 2).x,
+    );
+    @if(dda) walk.control = vec3f(
+        textureLoad(control, texel, 0).x,
+        textureLoad(control, texel, 1).x,
+        textureLoad(control, texel, 2).x,
     );
     @if(resumes) var waits = false;
     for (var step = 0u; step < scene.steps; step++) {
@@ -87,8 +94,10 @@ fn walked(start: Place, texel: vec2u) -> Place {
         @if(resumes) place.item = 0u;
         @if(any_hit) let tag = ISECT_NO_HIT;
         @else let tag = select(ISECT_HIT, ISECT_NO_HIT, place.trace.triangle == NO_TRIANGLE);
-        place.tag = list_ended(tag, place.trace.t, smallest3(walk.tmax));
-        @if(intervals && !in_cell) if (place.tag == TRAV && place.trace.interval.y <= smallest3(walk.tmax)) {
+        @if(in_cell) let exit = INF;
+        @else let exit = smallest3(walk.tmax);
+        place.tag = list_ended(tag, place.trace.t, exit);
+        @if(intervals && !in_cell) if (place.tag == TRAV && place.trace.interval.y <= exit) {
             place.tag = BACKGROUND;
         }
         if (place.tag != TRAV) {
@@ -110,7 +119,12 @@ fn walked(start: Place, texel: vec2u) -> Place {
         place.cell = cell_index(walk.cell);
         @if(counters) place.trace.cells += 1u;
     }
-    @if(!robust || drifting) {
+    @if(dda) {
+        textureStore(control, texel, 0, vec4f(walk.control.x));
+        textureStore(control, texel, 1, vec4f(walk.control.y));
+        textureStore(control, texel, 2, vec4f(walk.control.z));
+    }
+    @if(!dda && (!robust || drifting)) {
         textureStore(tmax, texel, 0, vec4f(walk.tmax.x));
         textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
         textureStore(tmax, texel, 2, vec4f(walk.tmax.z));

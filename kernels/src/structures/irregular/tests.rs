@@ -4,7 +4,7 @@ use crate::shared::grid_walk::WalkRules;
 use crate::structures::grid::overlap::Overlap;
 use raystep_scenes::{Scene, generate};
 
-const RULES: WalkRules = WalkRules { robust: true, clip: true, drifting: false };
+const RULES: WalkRules = WalkRules { robust: true, clip: true, drifting: false, dda: false };
 
 fn vertices_of(scene: &Scene) -> Vec<f32> {
     let units = crate::numbers::units::Units::of(&scene.bounds());

@@ -1,16 +1,16 @@
 //! The settings of the two runs that are compared: what distinguishes them, and those of the other one to edit.
 
 use egui::{ComboBox, Ui};
-use raystep_kernels::options::mapping::{Mapping, MappingName};
+use raystep_kernels::options::mapping::MappingName;
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind};
 
 use crate::settings::{DeviceKind, Settings};
 
 /// The settings that distinguish a run.
 pub(super) fn text_of(settings: &Settings) -> String {
-    let Settings { accelerator, schedule, mapping, numerics, device, .. } = settings;
-    let mapping = if *mapping == Mapping::Compute { String::new() } else { format!(", {mapping}") };
-    format!("{accelerator}, {schedule}{mapping}, {numerics}, {}", device.name())
+    let Settings { accelerator, device, .. } = settings;
+    let (order, rules) = (settings.order(), settings.rules());
+    format!("{accelerator}, {order}, {rules}, {}", device.name())
 }
 
 /// Where passes run, and how: fragment programs run on a GPU only.

@@ -1,7 +1,7 @@
 //! The history as rows of a table.
 
 use egui::{Color32, Ui};
-use raystep_kernels::export::trace::{Trace, TraceRow};
+use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::state::States;
 
@@ -23,11 +23,32 @@ const T: usize = 8;
 const HIT: usize = 9;
 const ITEM: usize = 10;
 
-/// The heads, for rays in a grid or in a tree.
-pub(super) const fn heads(is_grid: bool) -> [Head<'static>; 11] {
+/// The heads, for rays in a grid or in a tree; in a grid that is walked by a 3D-DDA.
+pub(super) const fn heads(is_grid: bool, is_dda: bool) -> [Head<'static>; 11] {
     let cell = match is_grid {
         true => Head::text("cell", "cell x,y,z that the ray is in after the pass"),
         false => Head::number("node", "BVH node that the ray is at after the pass"),
+    };
+    let [x, y, z] = match is_dda {
+        true => [
+            Head::number(
+                "control.x",
+                "how far the ray is past its next face along x, in cells, at that of its driving axis",
+            ),
+            Head::number(
+                "control.y",
+                "how far the ray is past its next face along y, in cells, at that of its driving axis",
+            ),
+            Head::number(
+                "control.z",
+                "how far the ray is past its next face along z, in cells, at that of its driving axis",
+            ),
+        ],
+        false => [
+            Head::number("tmax.x", "t at which the ray leaves its cell along x"),
+            Head::number("tmax.y", "t at which the ray leaves its cell along y"),
+            Head::number("tmax.z", "t at which the ray leaves its cell along z"),
+        ],
     };
     [
         Head::number("pass", "index in the run"),
@@ -35,9 +56,9 @@ pub(super) const fn heads(is_grid: bool) -> [Head<'static>; 11] {
         Head::text("state", "the ray's state after the pass"),
         Head::prose("why", "why the pass left the ray in this state"),
         cell,
-        Head::number("tmax.x", "t at which the ray leaves its cell along x"),
-        Head::number("tmax.y", "t at which the ray leaves its cell along y"),
-        Head::number("tmax.z", "t at which the ray leaves its cell along z"),
+        x,
+        y,
+        z,
         Head::number("t", "nearest t so far"),
         Head::number("hit", "nearest triangle so far"),
         Head::number("item", "position in the cell's or leaf's list"),
@@ -63,9 +84,17 @@ impl History<'_> {
         self.life.rows.get(row)
     }
 
-    fn t(&self, t: Option<f32>, column: usize) -> String {
+    fn number_text(&self, number: Option<f64>, column: usize) -> String {
         let decimals = self.decimals.get(column - TMAX).copied().unwrap_or_default();
-        t.map_or_else(|| "–".into(), |t| format!("{:.decimals$}", self.scale.t(t)))
+        number.map_or_else(|| "–".into(), |number| format!("{number:.decimals$}"))
+    }
+
+    /// tMax along an axis, or the control term, which is in cells.
+    fn along(&self, after: &RayState, axis: usize) -> Option<f64> {
+        match after.control {
+            Some(control) => Some(f64::from(control[axis])),
+            None => after.tmax[axis].map(|t| self.scale.t(t)),
+        }
     }
 
     fn exact(&self, t: Option<f32>) -> String {
@@ -97,8 +126,8 @@ impl History<'_> {
             STATE => after.state.into(),
             WHY => self.why(row),
             CELL => self.cell(row).unwrap_or_else(|| "–".into()),
-            TMAX..T => self.t(after.tmax[column - TMAX], column),
-            T => self.t(after.t, column),
+            TMAX..T => self.number_text(self.along(after, column - TMAX), column),
+            T => self.number_text(after.t.map(|t| self.scale.t(t)), column),
             HIT => after.triangle.map_or_else(|| "–".into(), |triangle| triangle.to_string()),
             _ => after.item.to_string(),
         }
@@ -147,7 +176,7 @@ impl Rows for History<'_> {
             // Passes whose index is not known come last.
             PASS => Some(row.pass.map_or(f64::MAX, |pass| pass as f64)),
             CELL => self.cell(row).map(|_| f64::from(after.cell_index)),
-            TMAX..T => after.tmax[column - TMAX].map(|t| self.scale.t(t)),
+            TMAX..T => self.along(after, column - TMAX),
             T => after.t.map(|t| self.scale.t(t)),
             HIT => after.triangle.map(f64::from),
             ITEM => Some(f64::from(after.item)),
@@ -165,7 +194,10 @@ impl Rows for History<'_> {
             CELL if self.data.is_some_and(|data| data.features.grid) => {
                 Some(format!("cell index {}", after.cell_index))
             }
-            TMAX..T => Some(self.exact(after.tmax[column - TMAX])),
+            TMAX..T => Some(match after.control.map(|control| control[column - TMAX]) {
+                Some(term) => format!("{term} cells (0x{:08x})", term.to_bits()),
+                None => self.exact(after.tmax[column - TMAX]),
+            }),
             T => Some(self.exact(after.t)),
             HIT => Some(match (after.triangle, after.barycentric) {
                 (Some(triangle), Some([u, v])) => format!("triangle {triangle}, u {u}, v {v}"),

@@ -216,8 +216,8 @@ fn actions(ui: &mut Ui, cx: &Context<'_>, kept: &Kept, is_here: bool, changes: &
 
 /// The texts of the columns from the time to the size, with explanations.
 fn cells(kept: &Kept, is_here: bool) -> [(String, String); 9] {
-    let Settings { accelerator, schedule, numerics, skip, grid, size, ray, device, steps_per_pass, .. } =
-        &kept.recipe.settings;
+    let settings = &kept.recipe.settings;
+    let Settings { accelerator, skip, grid, size, ray, device, steps_per_pass, .. } = settings;
     let cells = match grid {
         GridSize::Cells([x, y, z]) if *accelerator == Accelerator::Grid => format!(" {x}×{y}×{z}"),
         GridSize::Auto | GridSize::Cells(_) => String::new(),
@@ -241,8 +241,8 @@ fn cells(kept: &Kept, is_here: bool) -> [(String, String); 9] {
         plain(passes),
         (hits, memory),
         (format!("{accelerator}{cells}{other}"), kept.path.clone()),
-        plain(format!("{schedule}{steps}")),
-        plain(format!("{numerics}{edited}")),
+        plain(format!("{}{steps}", settings.order())),
+        plain(format!("{}{edited}", settings.rules())),
         plain(if is_grid { skip.to_string() } else { "–".into() }),
         (device.name().into(), outcome.map_or_else(String::new, |outcome| outcome.device.clone())),
         plain(size),

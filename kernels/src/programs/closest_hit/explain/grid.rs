@@ -6,6 +6,7 @@ use super::listing;
 use crate::numbers::real::Vec3;
 use crate::scene_data::SceneData;
 use crate::shared::constants::INF;
+use crate::shared::dda;
 use crate::shared::grid_walk::{GridRay, smallest_axis};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -51,7 +52,10 @@ fn step(data: &SceneData, before: &RayState, after: &RayState) -> String {
     let ray = ray_of(data, before);
     let forward = forward(data, &ray);
     let (from, to) = (data.grid.cell_of_index(before.cell_index), data.grid.cell_of_index(after.cell_index));
-    let smallest = first_of(smallest_axis(Vec3::from(before.tmax.map(|t| t.unwrap_or(INF)))));
+    let smallest = first_of(match before.control {
+        Some(control) => dda::crossed_axis(Vec3::from(control), ray.per_axis),
+        None => smallest_axis(Vec3::from(before.tmax.map(|t| t.unwrap_or(INF)))),
+    });
     let went = |axis: usize| {
         let mut next = from;
         next[axis] += forward[axis];
@@ -60,16 +64,15 @@ fn step(data: &SceneData, before: &RayState, after: &RayState) -> String {
     let is_out = has_left(after);
     // If two are equal up to rounding, the cell tells which of them the device took.
     let axis = (0..3).find(|&axis| !is_out && forward[axis] != 0 && went(axis) == to).unwrap_or(smallest);
-    let Some(t) = before.tmax[axis] else {
+    let why = match before.control {
+        Some(control) => why_by_control(control, &ray, axis, smallest),
+        None => why_by_tmax(before.tmax, axis, smallest),
+    };
+    let Some(why) = why else {
         let stays = if is_out { "out of it".into() } else { format!("stays in {}", cell_name(data, after.cell_index)) };
         return format!("crosses no plane of the grid: {stays}");
     };
-    let name = AXES[axis];
-    let why = match before.tmax[smallest].filter(|_| axis != smallest) {
-        Some(other) => format!("tmax.{name} {t} is smallest but for rounding, as is tmax.{} {other}", AXES[smallest]),
-        None => format!("tmax.{name} {t} is smallest"),
-    };
-    let step = format!("{why}: step {}{name}", sign(forward[axis]));
+    let step = format!("{why}: step {}{}", sign(forward[axis]), AXES[axis]);
     if is_out {
         format!("{step}, out of the grid")
     } else if went(axis) == to {
@@ -77,6 +80,32 @@ fn step(data: &SceneData, before: &RayState, after: &RayState) -> String {
     } else {
         format!("{step}, over the grid's face, where the index is that of {}", cell_name(data, after.cell_index))
     }
+}
+
+/// Why a step went along an axis; `None` if no axis is ever crossed. `smallest`: the axis that the host takes.
+fn why_by_tmax(tmax: [Option<f32>; 3], axis: usize, smallest: usize) -> Option<String> {
+    let (t, name) = (tmax[axis]?, AXES[axis]);
+    Some(match tmax[smallest].filter(|_| axis != smallest) {
+        Some(other) => format!("tmax.{name} {t} is smallest but for rounding, as is tmax.{} {other}", AXES[smallest]),
+        None => format!("tmax.{name} {t} is smallest"),
+    })
+}
+
+/// The same for a 3D-DDA.
+fn why_by_control(control: [f32; 3], ray: &GridRay<f32>, axis: usize, host: usize) -> Option<String> {
+    let (driving, name) = (dda::driving_axis(ray.per_axis), AXES[axis]);
+    let past: Vec<usize> = (0..3).filter(|&a| control[a] > 0.0).collect();
+    let term = |a: usize| format!("control.{} {}", AXES[a], control[a]);
+    Some(match past[..] {
+        _ if axis != host => format!("{name} is next but for rounding, as is {}", AXES[host]),
+        // With a term of 0, the ray goes through an edge of the cell.
+        [] if axis == driving => format!("no control term is above 0, so {name}, the driving axis, is next"),
+        [] => format!("{} is 0, a tie with {}, the driving axis", term(axis), AXES[driving]),
+        [_] => format!("{} is above 0, so {name} is before {}, the driving axis", term(axis), AXES[driving]),
+        [a, b, ..] => {
+            format!("{} and {} are above 0, and by its slope {name} is first", term(a), term(b))
+        }
+    })
 }
 
 fn leap(data: &SceneData, before: &RayState, after: &RayState, distance: i32) -> String {
