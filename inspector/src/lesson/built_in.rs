@@ -8,9 +8,10 @@ use crate::session::request::{Loader, at_once};
 pub const PREFIX: &str = "built-in:";
 
 /// The lessons: the name of each file, and its text.
-pub const LESSONS: [(&str, &str); 5] = [
+pub const LESSONS: [(&str, &str); 6] = [
     ("one-ray.md", include_str!("../../lessons/one-ray.md")),
     ("grid-2004.md", include_str!("../../lessons/grid-2004.md")),
+    ("fragment-2004.md", include_str!("../../lessons/fragment-2004.md")),
     ("crack.md", include_str!("../../lessons/crack.md")),
     ("leaping.md", include_str!("../../lessons/leaping.md")),
     ("tie.md", include_str!("../../lessons/tie.md")),

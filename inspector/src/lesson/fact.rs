@@ -71,8 +71,10 @@ table! {
     /// A value of a measured run: `NAME.passes`, with the name that `measure` gave it.
     Field FIELDS {
         Passes "passes" "passes";
-        Launched "launched" "threads that a GPU launches for all passes";
-        Useful "useful" "threads that had a ray to work on";
+        Launched "launched" "threads that a GPU launches for all passes, or fragment programs that it runs";
+        Useful "useful" "those that had a ray to work on";
+        Draws "draws" "draws of kernels and of depths, if kernels are fragment programs";
+        Copied "copied" "bytes of streams that are copied between draws";
         Share "share" "useful threads as a percentage of those launched";
         Misses "misses" "rays that hit nothing";
         Time "time" "time of all passes: by the device's clock, or the host's where that is not valid, and then it says so";

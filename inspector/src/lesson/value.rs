@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use raystep_kernels::plan::Bytes;
+
 /// Whose clock a time is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
@@ -68,6 +70,12 @@ impl Value {
         let percent = part * 100.0;
         let text = if percent < 9.95 { format!("{percent:.1}%") } else { format!("{percent:.0}%") };
         Self { text, number: Some(part), clock: None }
+    }
+
+    /// An amount of memory.
+    #[must_use]
+    pub fn bytes(bytes: u64) -> Self {
+        Self { text: Bytes(bytes).to_string(), number: Some(bytes as f64), clock: None }
     }
 
     /// A ratio.

@@ -376,9 +376,10 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Help, "Keyboard shortcuts", SHIFT Questionmark, NONE Questionmark;
         C::Lesson(0), "Lesson: how one ray finds its triangle";
         C::Lesson(1), "Lesson: why the grid lost in 2004";
-        C::Lesson(2), "Lesson: a crack at a voxel face";
-        C::Lesson(3), "Lesson: what empty-space skipping leaps over";
-        C::Lesson(4), "Lesson: a tie that f32 cannot decide";
+        C::Lesson(2), "Lesson: the machine of 2004, and its two conjectures";
+        C::Lesson(3), "Lesson: a crack at a voxel face";
+        C::Lesson(4), "Lesson: what empty-space skipping leaps over";
+        C::Lesson(5), "Lesson: a tie that f32 cannot decide";
         C::NextStep, "Next step of the lesson", NONE F8;
         C::PreviousStep, "Previous step of the lesson", SHIFT F8;
         C::RepeatStep, "Set up this step again";

@@ -38,7 +38,14 @@ pub(super) fn show(ui: &mut Ui, all: &[Measured], names: &[String]) {
             ui.label(format!("{}, {} passes", run.options, Value::count(run.passes as u64)));
         });
         let (launched, of_useful) = (Value::count(run.launched), Value::count(run.useful));
-        let threads = format!("{launched} threads launched, {of_useful} useful: {}", Value::share(run.share()));
+        let share = Value::share(run.share());
+        let threads = match run.drawn {
+            Some(drawn) => {
+                let draws = Value::count(drawn.draws);
+                format!("{draws} draws, {launched} fragments run, {of_useful} with a ray: {share}")
+            }
+            None => format!("{launched} threads launched, {of_useful} useful: {share}"),
+        };
         let parts = [(run.launched as f64 / most_launched, idle), (run.useful as f64 / most_launched, useful)];
         bar(ui, &parts, &format!("{}: {threads}", run.name));
         ui.label(threads);

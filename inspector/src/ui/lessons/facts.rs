@@ -226,6 +226,8 @@ impl Facts<'_> {
             Field::Passes => Value::count(measured.passes as u64),
             Field::Launched => Value::count(measured.launched),
             Field::Useful => Value::count(measured.useful),
+            Field::Draws => Value::count(measured.drawn.ok_or(NOT_DRAWN)?.draws),
+            Field::Copied => Value::bytes(measured.drawn.ok_or(NOT_DRAWN)?.copied),
             Field::Share => Value::share(measured.share()),
             Field::Misses => Value::count(measured.misses.ok_or("it is not known with these options")?),
             Field::Time => {
@@ -244,6 +246,9 @@ impl Facts<'_> {
         })
     }
 }
+
+/// Why a run has no draws.
+const NOT_DRAWN: &str = "its kernels are compute shaders";
 
 /// The axis and the t at which a ray leaves the cell that a row worked in.
 fn exit_of(life: &Trace, index: usize) -> Option<(usize, f32)> {

@@ -3,6 +3,8 @@
 use std::any::Any;
 use std::ops::ControlFlow;
 
+use raystep_kernels::options::mapping::Mapping;
+use raystep_kernels::plan::DrawnPlan;
 use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::shared::constants::{LIST_GROUPS, LIST_SIDE};
 use raystep_kernels::{Options, Pass, Plan, Progress, Renderer};
@@ -26,10 +28,12 @@ pub(super) struct Measured {
     pub(super) passes: usize,
     /// Whether they ran on a GPU.
     pub(super) is_gpu: bool,
-    /// Threads that a GPU launches for them.
+    /// Threads that a GPU launches for them, or fragment programs that it runs.
     pub(super) launched: u64,
     /// Threads with a ray to work on.
     pub(super) useful: u64,
+    /// What was drawn, if its kernels are fragment programs.
+    pub(super) drawn: Option<Drawn>,
     /// Rays that hit nothing; `None` where that is not known.
     pub(super) misses: Option<u64>,
     /// The time of all passes by the device's clock, if that is valid.
@@ -38,6 +42,15 @@ pub(super) struct Measured {
     pub(super) host_ns: Option<u64>,
     /// Why the device's clock is not valid.
     pub(super) why_no_times: Option<String>,
+}
+
+/// What the passes of a run of fragment programs drew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Drawn {
+    /// Draws of kernels and of depths.
+    pub(super) draws: u64,
+    /// Bytes copied between them.
+    pub(super) copied: u64,
 }
 
 impl Measured {
@@ -92,7 +105,8 @@ fn job(name: String, settings: Settings) -> Job {
                 passes: passes.len(),
                 is_gpu: device.is_gpu(),
                 launched: passes.iter().map(|pass| launched(plan, pass)).sum(),
-                useful: passes.iter().map(|pass| u64::from(pass.rays_in)).sum(),
+                useful: passes.iter().map(|pass| useful(plan, pass)).sum(),
+                drawn: plan.drawn.as_ref().map(|drawn| drawn_by(plan, drawn, passes)),
                 misses: misses(plan, passes),
                 device_ns: device_ns.filter(|_| why_no_times.is_none()),
                 host_ns,
@@ -110,21 +124,45 @@ fn least(a: Option<u64>, b: Option<u64>) -> Option<u64> {
 
 /// The options of a run in words.
 fn options_of(settings: &Settings) -> String {
-    let Settings { accelerator, skip, .. } = settings;
-    let (order, rules) = (settings.order(), settings.rules());
+    let Settings { accelerator, schedule, mapping, skip, .. } = settings;
+    let rules = settings.rules();
+    let mapping = if *mapping == Mapping::Compute { String::new() } else { format!(", {mapping}") };
     let structure = match accelerator {
         raystep_kernels::Accelerator::None => "no structure".to_owned(),
         other => other.to_string(),
     };
     let skip = if *skip == raystep_kernels::Skip::Auto { String::new() } else { format!(", skip {skip}") };
-    format!("{structure}, {order} schedule, {rules}{skip}")
+    format!("{structure}, {schedule} schedule{mapping}, {rules}{skip}")
+}
+
+/// Draws of the kernel in a pass.
+fn draws_of(drawn: &DrawnPlan, pass: &Pass) -> u64 {
+    drawn.of(pass.kernel).map_or(0, |kernel| kernel.draws.len() as u64)
+}
+
+fn drawn_by(plan: &Plan, drawn: &DrawnPlan, passes: &[Pass]) -> Drawn {
+    let of_depths = u64::from(drawn.depths.is_some());
+    Drawn {
+        draws: passes.iter().map(|pass| draws_of(drawn, pass) + of_depths).sum(),
+        copied: passes.iter().map(|pass| drawn.copied_bytes(pass.kernel, plan.size())).sum(),
+    }
+}
+
+/// Threads or fragments with a ray to work on: each draw of a kernel works on all of its rays.
+fn useful(plan: &Plan, pass: &Pass) -> u64 {
+    u64::from(pass.rays_in) * plan.drawn.as_ref().map_or(1, |drawn| draws_of(drawn, pass))
 }
 
 /// Threads that a GPU launches for a pass, whatever device the pass ran on: whole workgroups that cover the image, or
-/// full rows of workgroups that hold the list of rays.
+/// full rows of workgroups that hold the list of rays; or fragments that run a program.
 pub(super) fn launched(plan: &Plan, pass: &Pass) -> u64 {
     const LIST: u64 = (LIST_SIDE * LIST_SIDE * LIST_GROUPS) as u64;
     let kernel = pass.kernel;
+    if let Some(drawn) = &plan.drawn {
+        let (texels, draws) = (plan.size().texels(), draws_of(drawn, pass));
+        // A depth test excludes the other fragments, but the depths are drawn in every texel.
+        return if drawn.depths.is_some() { texels + draws * u64::from(pass.rays_in) } else { texels * draws };
+    }
     if Launch::of(kernel, &plan.features) == Launch::List {
         return u64::from(pass.rays_in).div_ceil(LIST) * LIST;
     }

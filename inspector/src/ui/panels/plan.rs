@@ -5,7 +5,8 @@ mod lists;
 use egui::{Align2, CollapsingHeader, Color32, FontId, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use lists::List;
 use raystep_kernels::Plan;
-use raystep_kernels::plan::Bytes;
+use raystep_kernels::options::mapping::Fragment;
+use raystep_kernels::plan::{Bytes, DrawnPlan};
 use raystep_lab::text::counted;
 
 use crate::ui::pane::{Context, Panel};
@@ -16,7 +17,7 @@ use crate::ui::style::{SMALLEST, ink_on, towards};
 pub(in crate::ui) struct PlanView {
     generation: u64,
     parts: Vec<Part>,
-    lists: [List; 4],
+    lists: [List; 5],
 }
 
 /// An item that takes memory.
@@ -61,17 +62,29 @@ impl Panel for PlanView {
             };
             let titles = [
                 format!("Kernels: {}", plan.variants.len()),
+                plan.drawn.as_ref().map_or_else(String::new, drawn_as),
                 format!("Streams: {}, {}", plan.streams.len(), bytes(true)),
                 format!("Buffers: {}, {}", plan.buffers.len(), bytes(false)),
                 format!("Omitted: {}", plan.left_out.len()),
             ];
             ui.horizontal_wrapped(|ui| lists::field(ui, &mut self.lists));
             let names = lists::NAMES.into_iter().zip(lists::HEADS);
-            for ((list, title), (name, heads)) in self.lists.iter_mut().zip(titles).zip(names) {
+            let all = self.lists.iter_mut().zip(titles).zip(names);
+            // Compute shaders have no draws.
+            for ((list, title), (name, heads)) in
+                all.filter(|((list, _), (name, _))| *name != "draws" || !list.is_empty())
+            {
                 section(ui, name, title, |ui| list.show(ui, name, heads, cx.model.generation));
             }
         });
     }
+}
+
+/// How many draws the kernels take together, and with which choices.
+fn drawn_as(drawn: &DrawnPlan) -> String {
+    let Fragment { targets, update, cull, until } = drawn.how;
+    let draws: usize = drawn.kernels.iter().map(|kernel| kernel.draws.len()).sum();
+    format!("Draws: {draws}, targets {targets}, update {update}, cull {cull}, until {until}")
 }
 
 fn section(ui: &mut Ui, id: &str, title: String, show: impl FnOnce(&mut Ui)) {

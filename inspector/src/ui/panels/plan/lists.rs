@@ -1,22 +1,33 @@
-//! What the plan lists: kernels, streams, buffers, and what is omitted.
+//! What the plan lists: kernels, their draws, streams, buffers, and what is omitted.
 
 use egui::Ui;
-use raystep_kernels::Plan;
-use raystep_kernels::plan::{Because, Bytes};
+use raystep_kernels::fragment::depth_of;
+use raystep_kernels::options::mapping::Update;
+use raystep_kernels::plan::{Because, Bytes, DrawnPlan};
 use raystep_kernels::shader::Variant;
+use raystep_kernels::{Plan, Stream};
 use raystep_lab::text::counted;
 
 use crate::ui::panels::table::{Head, Listed, ListedCell, Table, View};
 
 /// The names of the lists.
-pub(super) const NAMES: [&str; 4] = ["kernels", "streams", "buffers", "omitted"];
+pub(super) const NAMES: [&str; 5] = ["kernels", "draws", "streams", "buffers", "omitted"];
 
 /// Their heads.
-pub(super) const HEADS: [&[Head<'static>]; 4] = [
+pub(super) const HEADS: [&[Head<'static>]; 5] = [
     &[
         Head::text("kernel", "its name; hovering shows the states that it takes"),
         Head::number("bindings", "streams and buffers bound; hovering shows which it reads and writes"),
         Head::prose("what it does", "summary of the kernel"),
+    ],
+    &[
+        Head::text("kernel", "the kernel whose pass it is a part of"),
+        Head::text(
+            "part",
+            "copy or swap: how streams are read that are also written; depth: a draw that turns states into depths; draw: of the kernel",
+        ),
+        Head::text("of", "the streams that are copied, swapped or written"),
+        Head::prose("reads", "the streams that the draw reads; bytes copied; the depth that it tests for"),
     ],
     &[
         Head::text("stream", "its name"),
@@ -44,6 +55,10 @@ pub(super) struct List {
 }
 
 impl List {
+    pub(super) fn is_empty(&self) -> bool {
+        self.rows.rows.is_empty()
+    }
+
     pub(super) fn set(&mut self, rows: Listed) {
         self.rows = rows;
     }
@@ -55,7 +70,7 @@ impl List {
 }
 
 /// One filter for all lists.
-pub(super) fn field(ui: &mut Ui, lists: &mut [List; 4]) {
+pub(super) fn field(ui: &mut Ui, lists: &mut [List; 5]) {
     let [first, rest @ ..] = lists;
     first.table.field(ui, "the plan");
     rest.iter_mut().filter(|list| list.table.filter != first.table.filter).for_each(|list| {
@@ -64,7 +79,7 @@ pub(super) fn field(ui: &mut Ui, lists: &mut [List; 4]) {
 }
 
 /// The rows of each list.
-pub(super) fn of(plan: &Plan) -> [Listed; 4] {
+pub(super) fn of(plan: &Plan) -> [Listed; 5] {
     let rows = |rows: Vec<Vec<ListedCell>>| Listed { rows };
     let reasons = [Because::Scene, Because::Options, Because::View];
     let omitted = reasons.into_iter().flat_map(|because| plan.left_out.iter().filter(move |o| o.because == because));
@@ -87,10 +102,43 @@ pub(super) fn of(plan: &Plan) -> [Listed; 4] {
     });
     [
         rows(plan.variants.iter().map(|variant| kernel(plan, variant)).collect()),
+        rows(plan.drawn.as_ref().map_or_else(Vec::new, |drawn| draws(plan, drawn))),
         rows(streams.collect()),
         rows(buffers.collect()),
         rows(omitted.collect()),
     ]
+}
+
+/// The parts of each kernel's passes that are drawn, in order.
+fn draws(plan: &Plan, drawn: &DrawnPlan) -> Vec<Vec<ListedCell>> {
+    let names = |streams: &[Stream]| streams.iter().map(|stream| stream.name()).collect::<Vec<_>>().join(", ");
+    let mut rows = Vec::new();
+    for kernel in &drawn.kernels {
+        let name = kernel.kernel.name();
+        let mut add = |part: &str, of: String, reads: String| {
+            rows.push(vec![
+                ListedCell::text(name),
+                ListedCell::text(part),
+                ListedCell::text(of),
+                ListedCell::text(reads),
+            ]);
+        };
+        if !kernel.updates.is_empty() {
+            let copied = drawn.copied_bytes(kernel.kernel, plan.size());
+            let (part, bytes) = match drawn.how.update {
+                Update::Copy => ("copy", Bytes(copied).to_string()),
+                Update::Swap => ("swap", String::new()),
+            };
+            add(part, names(&kernel.updates), bytes);
+        }
+        if drawn.depths.is_some() {
+            add("depth", "from state".into(), format!("drawn where it is {}", depth_of(kernel.kernel)));
+        }
+        for draw in &kernel.draws {
+            add("draw", names(&draw.targets), names(&draw.reads().collect::<Vec<_>>()));
+        }
+    }
+    rows
 }
 
 fn kernel(plan: &Plan, variant: &Variant) -> Vec<ListedCell> {
