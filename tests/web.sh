@@ -43,7 +43,7 @@ shaders=$(cd "$shaders" && pwd)
 export RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__
 # Everything, the desktop's programs included: parts alone would be compiled with other features.
 cargo test --quiet --workspace --locked --no-run
-RAYSTEP_SHADERS="$shaders" cargo test --quiet --workspace --locked --test kernels -- every_variant_is_valid
+RAYSTEP_SHADERS="$shaders" cargo test --quiet --workspace --locked --test kernels -- every_variant_is_valid every_fragment_program_is_valid
 RAYSTEP_SHADERS="$shaders" VK_DRIVER_FILES="$(dirname "$(readlink -f /usr/lib/chromium/libvk_swiftshader.so)")/vk_swiftshader_icd.json" \
     XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-/tmp}" node --test --test-reporter=spec tests/web/shaders.test.mjs
 

@@ -50,6 +50,13 @@ fn a_picture_is_the_same_and_every_draw_has_a_row() {
         assert_eq!((&*row["threads_launched"], &*row["fragments_run"]), (threads, ""), "{row:?}");
         assert!(row["gpu_duration_ns"].parse::<u64>().is_ok(), "{row:?}");
     }
+    place.ok(&[&drawn[..], &["--trace-json", "b.json"], &SMALL[..]].concat());
+    let json: serde_json::Value = serde_json::from_slice(&place.read("b.json")).expect("JSON");
+    let events = json["traceEvents"].as_array().expect("events");
+    let draws: Vec<_> = events.iter().filter(|event| event["cat"] == "draw").collect();
+    assert_eq!((&draws[0]["name"], &draws[0]["args"]["bytes_copied"]), (&"copy state".into(), &5120.into()));
+    assert_eq!((&draws[4]["name"], &draws[4]["args"]["fragments_drawn"]), (&"draw state".into(), &320.into()));
+    assert!(draws.iter().all(|draw| draw["tid"] == 4) && draws.len() > 100, "{} draws", draws.len());
     let counted = ["--cull", "early-z", "--until", "count", "--count-fragments"];
     place.ok(&[&drawn, &counted[..], &SMALL[..]].concat());
     let all = rows(&place.read("b.csv"));

@@ -90,12 +90,18 @@ pub fn passes_csv(
     Ok(Export::new(&format!("{}.passes", run.scene), "csv", bytes, counted(passes.len(), "row")))
 }
 
-/// Passes as Chrome trace events, for Perfetto.
+/// Passes as Chrome trace events, for Perfetto. `draws` are the parts of each, if passes are drawn.
 ///
 /// # Errors
 /// [`ExportError::Json`].
-pub fn passes_trace(run: &RunContext, passes: &[Pass]) -> Result<Export, ExportError> {
-    let bytes = serde_json::to_vec(&trace_events(run, passes))?;
+pub fn passes_trace(
+    run: &RunContext,
+    plan: &Plan,
+    passes: &[Pass],
+    draws: &[Vec<DrawTime>],
+) -> Result<Export, ExportError> {
+    let parts = passes.iter().zip(draws).map(|(pass, draws)| DrawnPart::of(plan, pass, draws));
+    let bytes = serde_json::to_vec(&trace_events(run, passes, &parts.collect::<Vec<_>>()))?;
     Ok(Export::new(&format!("{}.trace", run.scene), "json", bytes, counted(passes.len(), "pass")))
 }
 

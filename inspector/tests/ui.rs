@@ -12,6 +12,7 @@ mod exports;
 mod hard;
 mod keyboard;
 mod lessons;
+mod mapping;
 mod measured;
 mod names;
 mod readable;

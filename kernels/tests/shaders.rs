@@ -6,7 +6,9 @@ use std::mem::{offset_of, size_of};
 use std::path::Path;
 
 use raystep_kernels::Kernel;
+use raystep_kernels::fragment::{self, DrawnKernel};
 use raystep_kernels::options::features::Features;
+use raystep_kernels::options::mapping::{Fragment, Until};
 use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, streams};
 use raystep_kernels::programs::grid_build;
 use raystep_kernels::shader::{Resource, Variant};
@@ -75,6 +77,17 @@ fn feature_sets() -> Vec<Features> {
             sets.push(one);
             sets.push(waiting(one));
         }
+        if structure.grid && !robust {
+            // The other walk, alone, with each way to launch a kernel, and with everything.
+            let alone = Features { dda: true, ..base };
+            let counted = Features { counters: true, ..alone };
+            let lists = Features { live_lists: true, ..counted };
+            let several = Features { many_steps: true, ..lists };
+            for one in [alone, counted, lists, several, Features { dda: true, ..all }] {
+                sets.push(one);
+                sets.push(waiting(one));
+            }
+        }
         sets.push(all);
         sets.push(waiting(all));
         sets.push(waiting(Features { live_lists: false, many_steps: false, ..all }));
@@ -105,10 +118,53 @@ fn has_kernel(features: &Features, kernel: Kernel) -> bool {
     }
 }
 
-/// With RAYSTEP_SHADERS, also writes them into that folder, for another compiler: see tests/web/shaders.test.mjs.
+/// Writes a shader into the folder RAYSTEP_SHADERS, if there is one, for another compiler: see tests/web/shaders.test.mjs.
+fn keep(name: &str, source: &str) {
+    if let Some(folder) = std::env::var_os("RAYSTEP_SHADERS") {
+        std::fs::write(Path::new(&folder).join(format!("{name}.wgsl")), source).expect("a folder");
+    }
+}
+
+/// Each choice of the fragment mapping, for the kernels that it can draw, with as many targets as core WebGPU has.
+#[test]
+fn every_fragment_program_is_valid_and_within_core_limits() {
+    const CORE_TARGETS: usize = 2;
+    let mut seen = HashSet::new();
+    let mut check = |name: &str, shader: &fragment::Shader| {
+        let count = |f: fn(&Resource) -> bool| shader.bindings.iter().filter(|b| f(&b.resource)).count();
+        let textures = count(|r| matches!(r, Resource::ReadStream(_)));
+        let buffers = count(|r| matches!(r, Resource::Storage | Resource::Live { .. }));
+        assert!(textures <= 16 && buffers <= 8, "{name} binds {textures} textures, {buffers} buffers");
+        if seen.insert(shader.source.clone()) {
+            keep(&format!("draw-{:04}-{name}", seen.len()), &shader.source);
+        }
+    };
+    let is_drawn = |role: Role| !matches!(role, Role::Whole | Role::Walk | Role::Sample | Role::Count);
+    // Neither lists of rays, nor several steps, nor several samples.
+    let one_step = |f: &Features| !(f.live_lists || f.many_steps || f.samples || f.eye_rays || f.resumes);
+    for features in feature_sets().into_iter().filter(one_step) {
+        let features = Features { fragments: true, ..features };
+        let all = PROGRAM.kernels().filter(|&kernel| is_drawn(kernel.role()) && has_kernel(&features, kernel));
+        for kernel in all {
+            let variant = Variant::new(kernel, &features).expect("a variant");
+            // What ends a loop does not change a program.
+            for how in Fragment::all().filter(|how| how.until == Until::Count) {
+                let drawn =
+                    DrawnKernel::new(&variant, how, CORE_TARGETS).unwrap_or_else(|e| panic!("{features:?}: {e}"));
+                drawn.draws.iter().for_each(|draw| check(kernel.name(), &draw.shader));
+            }
+        }
+    }
+    let all: Vec<Kernel> = PROGRAM.kernels().filter(|kernel| is_drawn(kernel.role())).collect();
+    check("depths", &fragment::depths(streams::STATE, &all));
+    let features = Features { fragments: true, ..Features::default() };
+    check("count", &fragment::reader(&Variant::new(kernels::COUNT, &features).expect("a variant")).expect("a reader"));
+    assert!(seen.len() > 100, "{} programs", seen.len());
+}
+
+/// With RAYSTEP_SHADERS, also writes them into that folder.
 #[test]
 fn every_variant_is_valid_and_within_core_limits() {
-    let folder = std::env::var_os("RAYSTEP_SHADERS");
     let (mut failures, mut seen) = (Vec::new(), HashSet::new());
     let mut check = |kernel: Kernel, features: &Features| match Variant::new(kernel, features) {
         Err(e) => failures.push(format!("{features:?}: {e}")),
@@ -119,11 +175,8 @@ fn every_variant_is_valid_and_within_core_limits() {
             if textures > 4 || buffers > 8 {
                 failures.push(format!("{} binds {textures} textures, {buffers} buffers", kernel.name()));
             }
-            if seen.insert(variant.source.clone())
-                && let Some(folder) = &folder
-            {
-                let file = format!("{:04}-{}.wgsl", seen.len(), variant.label());
-                std::fs::write(Path::new(folder).join(file), &variant.source).expect("a folder");
+            if seen.insert(variant.source.clone()) {
+                keep(&format!("{:04}-{}", seen.len(), variant.label()), &variant.source);
             }
         }
     };

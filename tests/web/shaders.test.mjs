@@ -1,4 +1,4 @@
-// Every variant of every kernel, and the shaders that draw, compiled by Dawn, Chromium's WebGPU, on a device with no more
+// Every variant of every kernel, those that are fragment programs, and the shaders that draw, compiled by Dawn, Chromium's WebGPU, on a device with no more
 // than core limits. The folder RAYSTEP_SHADERS has the variants.
 
 import assert from "node:assert/strict";
@@ -26,6 +26,24 @@ function drawing() {
     ];
 }
 
+/// What the fragment programs of kernels are drawn with.
+const QUAD = `@vertex fn quad(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    return vec4f(2.0 * vec2f(f32(index & 1u), f32(index >> 1u)) - 1.0, 0.0, 1.0);
+}`;
+
+/// The pipeline of a kernel as a fragment program: a target of rgba32uint for each stream that it writes, or depths.
+function drawn(device, module, code) {
+    const count = new Set(code.match(/@location\(\d+\)/g) ?? []).size;
+    const targets = Array.from({ length: count }, () => ({ format: "rgba32uint" }));
+    return device.createRenderPipelineAsync({
+        layout: "auto",
+        vertex: { module: device.createShaderModule({ code: QUAD }) },
+        primitive: { topology: "triangle-strip" },
+        fragment: { module, targets },
+        ...(count === 0 && { depthStencil: { format: "depth32float", depthWriteEnabled: true, depthCompare: "always" } }),
+    });
+}
+
 /// Compiles files, and modules without a pipeline where there is no compute stage; prints the errors.
 async function compile(sources) {
     const { create, globals } = createRequire(own)("webgpu");
@@ -45,6 +63,9 @@ async function compile(sources) {
         }
         if (code.includes("@compute")) {
             await device.createComputePipelineAsync({ layout: "auto", compute: { module } }).catch((error) => console.log(`${name}: ${error.message}`));
+        }
+        if (name.startsWith("draw-") && code.includes("@fragment")) {
+            await drawn(device, module, code).catch((error) => console.log(`${name}: ${error.message}`));
         }
         const error = await device.popErrorScope();
         if (error && messages.length === 0) {
@@ -70,7 +91,9 @@ test("every variant of every kernel compiles in Dawn with core limits", () => {
         errors += run(files.slice(first, first + A_PROCESS));
     }
     assert.equal(errors, "");
-    console.log(`${files.length} variants`);
+    const programs = files.filter((file) => path.basename(file).startsWith("draw-")).length;
+    assert.ok(programs > 100, `${programs} fragment programs`);
+    console.log(`${files.length - programs} compute shaders, ${programs} fragment programs`);
 });
 
 test("the shaders that draw compile in Dawn", () => {

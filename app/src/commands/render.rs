@@ -120,7 +120,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
         files.push((target, passes_csv(&running, work.as_deref())?));
     }
     if let Some(target) = trace_target {
-        let events = trace_events(&running.run_context(), running.renderer.passes());
+        let renderer = &running.renderer;
+        let parts = renderer.passes().iter().zip(renderer.draws());
+        let parts: Vec<_> = parts.map(|(pass, draws)| DrawnPart::of(renderer.plan(), pass, draws)).collect();
+        let events = trace_events(&running.run_context(), renderer.passes(), &parts);
         files.push((target, super::json_text(&events)?.into_bytes()));
     }
     running.watch.lap("encode");

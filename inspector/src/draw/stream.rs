@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use raystep_kernels::Stream;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::state::{States, Tag};
-use raystep_kernels::tables::stream::{self, Texel};
+use raystep_kernels::tables::stream;
 use serde::{Deserialize, Serialize};
 
 use super::picture::{FORMAT, filled};
@@ -99,6 +99,33 @@ impl Meaning {
     }
 }
 
+/// How a texture keeps a stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Source {
+    /// There is none.
+    None,
+    /// A layer of floats for each component.
+    Floats,
+    /// A layer of words for each.
+    Words,
+    /// One layer, with a component in each of its words: a stream that is drawn into.
+    Packed,
+}
+
+impl Source {
+    fn of(texture: &wgpu::Texture) -> Self {
+        match texture.format() {
+            wgpu::TextureFormat::R32Float => Self::Floats,
+            wgpu::TextureFormat::Rgba32Uint => Self::Packed,
+            _ => Self::Words,
+        }
+    }
+
+    fn is_words(self) -> bool {
+        matches!(self, Self::Words | Self::Packed)
+    }
+}
+
 /// A picture to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
@@ -165,8 +192,8 @@ pub struct StreamPainter {
     device: wgpu::Device,
     queue: wgpu::Queue,
     module: wgpu::ShaderModule,
-    /// By meaning, by whether it is of floats, by whether another stream is subtracted.
-    pipelines: [[[OnceLock<wgpu::RenderPipeline>; 2]; 2]; 5],
+    /// By meaning, by how the stream is kept, and how the one that is subtracted.
+    pipelines: [[[OnceLock<wgpu::RenderPipeline>; 4]; 4]; 5],
     layout: wgpu::BindGroupLayout,
     no_floats: wgpu::TextureView,
     no_words: wgpu::TextureView,
@@ -215,15 +242,14 @@ impl StreamPainter {
         }
     }
 
-    fn pipeline(&self, meaning: Meaning, is_float: bool, has_other: bool) -> &wgpu::RenderPipeline {
-        let kept = &self.pipelines[meaning as usize][usize::from(is_float)][usize::from(has_other)];
-        kept.get_or_init(|| self.compile(meaning, is_float, has_other))
+    fn pipeline(&self, meaning: Meaning, [source, other]: [Source; 2]) -> &wgpu::RenderPipeline {
+        let kept = &self.pipelines[meaning as usize][source as usize][other as usize];
+        kept.get_or_init(|| self.compile(meaning, [source, other]))
     }
 
-    fn compile(&self, meaning: Meaning, is_float: bool, has_other: bool) -> wgpu::RenderPipeline {
-        let flag = |value| f64::from(u8::from(value));
-        let constants =
-            [("MODE", f64::from(meaning as u8)), ("IS_FLOAT", flag(is_float)), ("HAS_OTHER", flag(has_other))];
+    fn compile(&self, meaning: Meaning, sources: [Source; 2]) -> wgpu::RenderPipeline {
+        let [source, other] = sources.map(|source| f64::from(source as u8));
+        let constants = [("MODE", f64::from(meaning as u8)), ("SOURCE", source), ("OTHER", other)];
         let pipeline_layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("stream view"),
             bind_group_layouts: &[Some(&self.layout)],
@@ -254,8 +280,7 @@ impl StreamPainter {
 
     /// Draws all of `target`, whose format is [`FORMAT`]; where there is no texel it is left transparent.
     pub fn draw(&self, picture: &Picture<'_>, target: &wgpu::TextureView) {
-        let info = picture.stream.info();
-        let is_float = info.texel == Texel::F32;
+        let sources = [Source::of(picture.texture), picture.minus.map_or(Source::None, Source::of)];
         let uniform = Uniform {
             offset: picture.offset,
             scale: picture.scale,
@@ -285,10 +310,10 @@ impl StreamPainter {
             view.filter(|_| wanted).unwrap_or(none).clone()
         };
         let views = [
-            or_none(is_float, Some(&texture), &self.no_floats),
-            or_none(!is_float, Some(&texture), &self.no_words),
-            or_none(is_float, minus, &self.no_floats),
-            or_none(!is_float, minus, &self.no_words),
+            or_none(sources[0] == Source::Floats, Some(&texture), &self.no_floats),
+            or_none(sources[0].is_words(), Some(&texture), &self.no_words),
+            or_none(sources[1] == Source::Floats, minus, &self.no_floats),
+            or_none(sources[1].is_words(), minus, &self.no_words),
         ];
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let mut entries = vec![entry(0, uniform.as_entire_binding()), entry(1, colors.as_entire_binding())];
@@ -313,7 +338,7 @@ impl StreamPainter {
                 })],
                 ..Default::default()
             });
-            pass.set_pipeline(self.pipeline(picture.meaning, is_float, picture.minus.is_some()));
+            pass.set_pipeline(self.pipeline(picture.meaning, sources));
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3, 0..1);
         }

@@ -16,8 +16,9 @@ struct Picture {
 
 // What is known before compiling, since some devices take every branch of what is not.
 override MODE: u32;
-override IS_FLOAT: bool;
-override HAS_OTHER: bool;
+// How the stream is kept, and the one that is subtracted, if any.
+override SOURCE: u32;
+override OTHER: u32;
 
 // A layer of floats; of whole numbers; ids; three layers as a colour; a tag.
 const SCALAR: u32 = 0u;
@@ -25,6 +26,12 @@ const COUNT: u32 = 1u;
 const ID: u32 = 2u;
 const COLOR: u32 = 3u;
 const TAG: u32 = 4u;
+
+// No stream; a layer of floats a component; a layer of words; one layer of words with a component in each.
+const NONE: u32 = 0u;
+const FLOATS: u32 = 1u;
+const WORDS: u32 = 2u;
+const PACKED: u32 = 3u;
 
 const NAN: vec3f = vec3f(1.0, 0.0, 0.75);
 const POSITIVE: vec3f = vec3f(0.95, 0.2, 0.1);
@@ -45,15 +52,21 @@ fn corner(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
 }
 
 fn bits_at(texel: vec2i, layer: u32) -> u32 {
-    if IS_FLOAT {
+    if SOURCE == FLOATS {
         return bitcast<u32>(textureLoad(floats, texel, layer, 0).x);
+    }
+    if SOURCE == PACKED {
+        return textureLoad(words, texel, 0u, 0)[layer];
     }
     return textureLoad(words, texel, layer, 0).x;
 }
 
 fn other_bits_at(texel: vec2i, layer: u32) -> u32 {
-    if IS_FLOAT {
+    if OTHER == FLOATS {
         return bitcast<u32>(textureLoad(other_floats, texel, layer, 0).x);
+    }
+    if OTHER == PACKED {
+        return textureLoad(other_words, texel, 0u, 0)[layer];
     }
     return textureLoad(other_words, texel, layer, 0).x;
 }
@@ -104,7 +117,7 @@ fn color_of(texel: vec2i, pixel: vec2f) -> vec3f {
         }
         return srgb(bitcast<vec3f>(all) * picture.exposure + picture.lo);
     }
-    if HAS_OTHER {
+    if OTHER != NONE {
         let there = other_bits_at(texel, picture.layer);
         if MODE == SCALAR && !is_special(bits) && !is_special(there) {
             return mapped(bitcast<f32>(bits) - bitcast<f32>(there));
@@ -136,7 +149,7 @@ fn color_of(texel: vec2i, pixel: vec2f) -> vec3f {
 @fragment
 fn paint(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let size = vec2i(textureDimensions(floats).xy);
-    let extent = select(vec2i(textureDimensions(words).xy), size, IS_FLOAT);
+    let extent = select(vec2i(textureDimensions(words).xy), size, SOURCE == FLOATS);
     let at = (position.xy - picture.offset) / picture.scale;
     let texel = vec2i(floor(at));
     if any(texel < vec2i(0)) || any(texel >= extent) {

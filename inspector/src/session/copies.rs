@@ -16,6 +16,15 @@ pub(super) fn stream_copy(gpu: &Gpu, stream: Stream, width: u32, height: u32) ->
     drawable(&gpu.device, stream.name(), stream_format(stream), size)
 }
 
+/// A texture like the one that holds a stream, with a copy of it.
+pub(super) fn copy_of(gpu: &Gpu, label: &str, source: &wgpu::Texture) -> wgpu::Texture {
+    let copy = drawable(&gpu.device, label, source.format(), source.size());
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_texture_to_texture(source.as_image_copy(), copy.as_image_copy(), source.size());
+    gpu.submit([encoder.finish()]);
+    copy
+}
+
 /// Copies a stream's values into such a texture.
 pub(super) fn fill(gpu: &Gpu, texture: &wgpu::Texture, data: &StreamData) {
     let (width, height, layers) = (data.width, data.height, data.stream.layers() as u32);
@@ -31,8 +40,8 @@ pub(super) fn textures(
     copies: &mut Vec<(Stream, wgpu::Texture)>,
 ) -> Vec<(Stream, wgpu::Texture)> {
     let streams = renderer.plan().streams.iter().map(|planned| planned.what);
-    if let Some(own) = renderer.gpu() {
-        return streams.filter_map(|stream| Some((stream, own.texture(stream)?.clone()))).collect();
+    if renderer.adapter().is_some() {
+        return streams.filter_map(|stream| Some((stream, renderer.texture(stream)?.clone()))).collect();
     }
     let copy = |stream: Stream| {
         let size = renderer.size(stream.info().elements)?;

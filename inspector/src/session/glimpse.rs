@@ -5,7 +5,7 @@ use raystep_kernels::{Device, Options, RenderError, Renderer, Samples, ScheduleK
 use raystep_scenes::Scene;
 
 use super::OnProgress;
-use super::copies::{fill, stream_copy};
+use super::copies::{copy_of, fill, stream_copy};
 use super::engine::Devices;
 use super::request::Glimpse;
 use crate::settings::Settings;
@@ -100,14 +100,10 @@ impl Glimpses {
 async fn picture(renderer: &Renderer, stream: Stream, devices: &Devices) -> Result<wgpu::Texture, RenderError> {
     let gpu = &devices.gpu;
     let plan = renderer.plan();
-    let copy = stream_copy(gpu, stream, plan.width, plan.height);
-    match renderer.gpu().and_then(|own| own.texture(stream)) {
-        Some(own) => {
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            encoder.copy_texture_to_texture(own.as_image_copy(), copy.as_image_copy(), own.size());
-            gpu.submit([encoder.finish()]);
-        }
-        None => fill(gpu, &copy, &renderer.values(stream).await?),
+    if let Some(own) = renderer.texture(stream) {
+        return Ok(copy_of(gpu, stream.name(), own));
     }
+    let copy = stream_copy(gpu, stream, plan.width, plan.height);
+    fill(gpu, &copy, &renderer.values(stream).await?);
     Ok(copy)
 }

@@ -15,7 +15,7 @@ pub const DEFAULT_BUDGET: u64 = 1 << 30;
 /// Threads launched between two checkpoints: some milliseconds on a large GPU, some ten on a small one, and up to a
 /// quarter of a second on a CPU.
 fn span(renderer: &Renderer) -> u64 {
-    match renderer.gpu().map(|gpu| gpu.gpu().info.device_type) {
+    match renderer.adapter().map(|gpu| gpu.info.device_type) {
         Some(wgpu::DeviceType::DiscreteGpu) => 1 << 28,
         Some(wgpu::DeviceType::Cpu) | None => 1 << 21,
         Some(_) => 1 << 26,

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender, unbounded};
 use raystep_kernels::export::trace::Trace;
-use raystep_kernels::{Kernel, Pass, Stream};
+use raystep_kernels::{DrawTime, Kernel, Pass, Stream};
 
 use super::copies::bit;
 use super::engine::{Engine, EngineTask, GLIMPSING};
@@ -62,6 +62,8 @@ pub struct Model {
     pub host_ns: Option<u64>,
     /// All known passes, including those after `place` if the run was there before.
     pub passes: Vec<Pass>,
+    /// The parts of each of them that is drawn.
+    pub draws: Vec<Vec<DrawTime>>,
     /// Passes so far.
     pub place: usize,
     /// Whether all passes are known.
@@ -135,6 +137,7 @@ impl Model {
             twins: None,
             host_ns: None,
             passes: Vec::new(),
+            draws: Vec::new(),
             place: 0,
             is_complete: false,
             next: None,
@@ -244,6 +247,7 @@ impl Model {
                 self.generation += 1;
                 self.edition += 1;
                 self.passes.clear();
+                self.draws.clear();
                 self.texels.clear();
                 self.pinned.clear();
                 self.sketches.clear();
@@ -304,6 +308,7 @@ impl Model {
             self.texels.clear();
             self.sketches.clear();
             self.passes.truncate(at.place);
+            self.draws.truncate(at.place);
             self.is_complete = false;
         }
         (self.twins, self.host_ns, self.filled) = (at.twins, at.host_ns, at.filled);
@@ -318,6 +323,11 @@ impl Model {
         if !same || end > self.passes.len() {
             self.passes.truncate(at.first);
             self.passes.extend(at.passes);
+            self.draws.truncate(at.first);
+            if !at.draws.is_empty() {
+                self.draws.resize(at.first, Vec::new());
+                self.draws.extend(at.draws);
+            }
         }
         (self.place, self.next, self.kept_bytes, self.budget) = (at.place, at.next, at.kept_bytes, at.budget);
         self.edits = at.edits;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Kernel, Pass, Stream};
+use raystep_kernels::{DrawTime, Kernel, Pass, Stream};
 use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
@@ -138,6 +138,8 @@ pub struct At {
     pub first: usize,
     /// The passes from there on to `place`.
     pub passes: Vec<Pass>,
+    /// The parts of each of them, if they are drawn.
+    pub draws: Vec<Vec<DrawTime>>,
     /// The kernel of the next pass; `None` at the end.
     pub next: Option<Kernel>,
     /// Bytes of checkpoints.

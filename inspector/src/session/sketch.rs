@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use futures_channel::mpsc::UnboundedSender;
 use raystep_kernels::executor::gpu::stream_format;
+use raystep_kernels::fragment::TEXEL_BYTES;
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Gpu, RenderError, Renderer, Stream};
 
+use super::copies::copy_of;
 use super::request::Update;
 use crate::draw::stream::drawable;
 
@@ -68,16 +70,21 @@ impl Sketcher {
         if !place.is_multiple_of(self.stride) {
             return Ok(());
         }
-        // Four bytes a tag; from the CPU only those of a thumbnail.
-        let texels = if renderer.gpu().is_some() { renderer.plan().rays } else { u64::from(SIDE * SIDE) };
+        // Four bytes a tag, or a whole texel where states are drawn; from the CPU only tags of a thumbnail.
+        let bytes = match (renderer.adapter(), &renderer.plan().drawn) {
+            (None, _) => 4 * u64::from(SIDE * SIDE),
+            (_, None) => 4 * renderer.plan().rays,
+            (_, Some(_)) => TEXEL_BYTES * renderer.plan().rays,
+        };
         let waiting = Arc::strong_count(&self.waiting).saturating_sub(1) as u64;
-        if (waiting + 1).saturating_mul(4 * texels) > MOST_BYTES_WAITING {
+        if (waiting + 1).saturating_mul(bytes) > MOST_BYTES_WAITING {
             return Ok(());
         }
-        let texture = match renderer.gpu().map(|own| own.texture(self.stream)) {
-            Some(Some(texture)) => self.copy(texture),
-            Some(None) => return Ok(()),
-            None => {
+        let texture = match (renderer.texture(self.stream), renderer.adapter()) {
+            (Some(texture), _) if renderer.plan().drawn.is_some() => copy_of(&self.gpu, "sketch", texture),
+            (Some(texture), _) => self.copy(texture),
+            (None, Some(_)) => return Ok(()),
+            (None, None) => {
                 let data = renderer.values(self.stream).await?;
                 let ([width, height], tags) = thinned(data.layer(STATE_TAG), [data.width, data.height]);
                 let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };

@@ -32,7 +32,7 @@ impl Inspector {
     pub(super) fn take(&mut self, command: Command) {
         let export = match command {
             Command::ExportPasses => self.take_passes(exports::passes_csv),
-            Command::ExportTrace => self.take_passes(|run, _, passes, _| exports::passes_trace(run, passes)),
+            Command::ExportTrace => self.take_passes(exports::passes_trace),
             Command::ExportRay => self.take_ray(),
             Command::ExportExr | Command::ExportNpy => {
                 let Some(stream) = self.shared.stream else { return };

@@ -57,7 +57,7 @@ fn exports_are_the_command_lines_formats() {
     assert_eq!(rows.len(), passes.len());
     assert_eq!((&rows[0][21], &rows[0][3]), ("", "a/b \"c\"\n深"));
 
-    let events = exports::passes_trace(&run, passes).expect("JSON");
+    let events = exports::passes_trace(&run, renderer.plan(), passes, &[]).expect("JSON");
     assert_eq!(named(&events), "a-b--c--深.trace.json");
     let events: serde_json::Value = serde_json::from_slice(&events.bytes).expect("JSON");
     let slices = events["traceEvents"].as_array().expect("events").iter().filter(|e| e["cat"] == "pass");

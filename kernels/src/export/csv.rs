@@ -231,6 +231,16 @@ pub struct DrawnPart {
 }
 
 impl DrawnPart {
+    /// What it is, with the streams that it copies or writes.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self.time.what {
+            Drawing::Copies => format!("copy {}", self.targets),
+            Drawing::Depths => "draw depths".into(),
+            Drawing::Draw(_) => format!("draw {}", self.targets),
+        }
+    }
+
     /// The parts of a pass of this plan.
     #[must_use]
     pub fn of(plan: &Plan, pass: &Pass, draws: &[DrawTime]) -> Vec<Self> {

@@ -1,7 +1,7 @@
 //! A run's passes as Chrome trace events, which Perfetto and `chrome://tracing` open.
 //!
 //! Google, "Trace Event Format", 2016: complete events (`ph` X) are the passes on one thread, and the gaps between them
-//! on a second; counter events (C) are the rays in each state after a pass; metadata events (M) name them all. `ts` and
+//! on a second; on a third, if passes are drawn, their copies and draws; counter events (C) are the rays in each state after a pass; metadata events (M) name them all. `ts` and
 //! `dur` are microseconds from the beginning of the first pass.
 //!
 //! A pass without a valid time, or too short to tell by a coarse clock, is left out, and so is one that begins before the
@@ -21,7 +21,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::csv::{RunContext, rays_out};
+use super::csv::{DrawnPart, RunContext, rays_out};
+use crate::executor::Drawing;
 use crate::renderer::Pass;
 use crate::tables::state::{COUNT, StateCounts};
 
@@ -33,6 +34,8 @@ const PASSES: u32 = 1;
 const GAPS: u32 = 2;
 /// The track of a run that only the host has timed.
 const HOST: u32 = 3;
+/// The track of the parts of passes that are drawn.
+const DRAWS: u32 = 4;
 
 /// The file: the part that Perfetto reads and, in `otherData`, the part that it ignores.
 #[derive(Clone, Debug, Serialize)]
@@ -71,7 +74,7 @@ pub struct About {
 pub struct Event {
     /// What is shown.
     pub name: String,
-    /// `pass`, `gap`, `run`, `rays` or `__metadata`.
+    /// `pass`, `draw`, `gap`, `run`, `rays` or `__metadata`.
     pub cat: &'static str,
     /// `X`, `C` or `M`.
     pub ph: char,
@@ -96,9 +99,9 @@ struct Sums {
     overlaps: u64,
 }
 
-/// Trace events for a run's passes, which must be in order.
+/// Trace events for a run's passes, which must be in order. `parts`: those of each pass that is drawn, in the same order.
 #[must_use]
-pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
+pub fn trace_events(run: &RunContext, passes: &[Pass], parts: &[Vec<DrawnPart>]) -> TraceEvents {
     let timed = timed(passes);
     let name = format!("raystep: {}, {} {}, {}", run.scene, run.accelerator, run.schedule, run.adapter);
     let mut events = vec![
@@ -106,6 +109,9 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
         named("thread_name", PASSES, "passes".into()),
         named("thread_name", GAPS, "between passes".into()),
     ];
+    if !parts.is_empty() {
+        events.push(named("thread_name", DRAWS, "copies and draws".into()));
+    }
     if let Some(host_ns) = run.host_run_ns.filter(|_| run.timer.is_some_and(|timer| !timer.times_passes())) {
         events.push(named("thread_name", HOST, "host's clock".into()));
         let args = [("passes", passes.len().into())];
@@ -114,7 +120,8 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
     let start = timed.first().map_or(0, |&(_, begin, _)| begin);
     let (mut sums, mut latest_end) = (Sums::default(), start);
     let mut shown: StateCounts = [0; COUNT];
-    for &(pass, begin, duration) in &timed {
+    for &(index, begin, duration) in &timed {
+        let pass = &passes[index];
         let (begin, end) = (begin - start, begin - start + duration);
         let latest = latest_end - start;
         if begin > latest {
@@ -135,6 +142,7 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
             args.extend([("runs", rounding.runs.into()), ("error_us", us(rounding.error_ns).into())]);
         }
         events.push(slice(pass.kernel.name().into(), "pass", PASSES, begin, duration, args));
+        events.extend(parts.get(index).into_iter().flatten().filter_map(|part| draw(part, start)));
         for (tag, &rays) in pass.counts.iter().enumerate() {
             // A counter keeps its value until the next event.
             if rays != std::mem::replace(&mut shown[tag], rays) {
@@ -159,14 +167,27 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
     }
 }
 
-/// The passes with possible times, with begin and duration.
-fn timed(passes: &[Pass]) -> Vec<(&Pass, u64, u64)> {
+/// The slice of a part of a pass; `None` if it was not timed.
+fn draw(part: &DrawnPart, start: u64) -> Option<Event> {
+    let (begin, duration) = part.time.begin_ns.zip(part.time.duration_ns)?;
+    let begin = begin.checked_sub(start)?;
+    let mut args = BTreeMap::from([("targets", part.targets.clone().into())]);
+    match part.time.what {
+        Drawing::Copies => args.insert("bytes_copied", part.bytes_copied.into()),
+        Drawing::Depths | Drawing::Draw(_) => args.insert("fragments_drawn", part.fragments_drawn.into()),
+    };
+    args.extend(part.time.fragments.map(|fragments| ("fragments_run", fragments.into())));
+    Some(slice(part.name(), "draw", DRAWS, begin, duration, args))
+}
+
+/// The passes with possible times: index, begin and duration.
+fn timed(passes: &[Pass]) -> Vec<(usize, u64, u64)> {
     let mut before = 0;
-    let valid = passes.iter().filter_map(|pass| {
+    let valid = passes.iter().enumerate().filter_map(|(index, pass)| {
         let (begin, duration) = pass.begin_ns.zip(pass.duration_ns)?;
         begin.checked_add(duration).filter(|_| begin >= before)?;
         before = begin;
-        Some((pass, begin, duration))
+        Some((index, begin, duration))
     });
     valid.collect()
 }
@@ -238,7 +259,7 @@ mod tests {
 
     fn file(times: &[Option<(u64, u64)>]) -> Value {
         let passes: Vec<_> = times.iter().enumerate().map(|(i, &time)| pass(i, time, i as u32 / 2)).collect();
-        let text = serde_json::to_string(&trace_events(&run(), &passes)).expect("JSON");
+        let text = serde_json::to_string(&trace_events(&run(), &passes, &[])).expect("JSON");
         let file: Value = serde_json::from_str(&text).expect("JSON");
         for event in file["traceEvents"].as_array().expect("events") {
             check(event);
@@ -296,7 +317,7 @@ mod tests {
         let rounding = Some(Rounding { runs: 40, error_ns: 7906, below_ns: 120_000 });
         let told = Pass { rounding, ..pass(0, Some((0, 80_000)), 0) };
         let short = Pass { duration_ns: None, ..Pass { rounding, ..pass(1, Some((200_000, 0)), 0) } };
-        let events = trace_events(&run(), &[told, short]);
+        let events = trace_events(&run(), &[told, short], &[]);
         let slices: Vec<_> = events.trace_events.iter().filter(|event| event.cat == "pass").collect();
         assert_eq!((slices.len(), events.other_data.passes_without_times), (1, 1));
         assert_eq!((&slices[0].args["runs"], &slices[0].args["error_us"]), (&40.into(), &7.906.into()));

@@ -101,6 +101,8 @@ impl Records {
         if self.is_kept {
             self.kept.push(pass);
             if !draws.is_empty() {
+                // Passes that were not drawn have no parts.
+                self.draws.resize(self.kept.len() - 1, Vec::new());
                 self.draws.push(draws.to_vec());
             }
         }
@@ -115,7 +117,7 @@ impl Records {
         &self.kept
     }
 
-    /// The parts of each of the kept passes, if passes are drawn, else none.
+    /// The parts of each of the kept passes up to the last one that was drawn.
     pub(super) fn draws(&self) -> &[Vec<DrawTime>] {
         &self.draws
     }

@@ -29,11 +29,18 @@ impl Renderer {
         self.plan.program.results.ok_or(RenderError::NoRays(self.plan.program.name))
     }
 
-    /// The texture of a stream, if passes run on a GPU.
+    /// The texture that holds a stream after the latest pass, if passes run on a GPU: a 2D array with one layer per
+    /// component; or, if they are drawn, `rgba32uint` with a component in each, which may be another texture after the
+    /// next pass.
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
-        self.gpu()?.texture(stream)
+        use super::device::Executor;
+        match &self.executor {
+            Executor::Gpu(executor) => executor.texture(stream),
+            Executor::Fragment(executor) => executor.texture(stream),
+            Executor::Cpu(_) | Executor::CpuF64(_) => None,
+        }
     }
 
     /// A stream's values after the last pass.

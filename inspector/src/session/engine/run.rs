@@ -9,7 +9,7 @@ use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::super::confirm::Confirming;
-use super::super::copies::{bit, fill, stream_copy, textures};
+use super::super::copies::{bit, copy_of, fill, textures};
 use super::super::glimpse::Glimpses;
 use super::super::request::{At, Opened, Texels, Update};
 use super::super::sketch::Sketcher;
@@ -177,8 +177,8 @@ impl Server {
         let renderer = run.session.renderer();
         // Without its device the run has no place: the last known place is where to resume.
         renderer.health().map_err(|error| Trouble::Failed(error.to_string()))?;
-        // Streams come and go with the sizes of their elements.
-        let is_fixed = renderer.plan().sets.iter().all(|set| set.size.is_some());
+        // Streams come and go with the sizes of their elements, and if they are drawn, two textures may take turns.
+        let is_fixed = renderer.plan().sets.iter().all(|set| set.size.is_some()) && renderer.plan().drawn.is_none();
         let now = textures(&self.devices.gpu, renderer, &mut run.copies);
         // What is not drawn need not be copied: a stream has up to four megabytes at a usual size.
         match self.drawn.swap(0, Ordering::AcqRel) {
@@ -197,6 +197,7 @@ impl Server {
             place,
             first,
             passes: passes[first..].to_vec(),
+            draws: run.session.renderer().draws().get(first..).unwrap_or_default().to_vec(),
             next: run.session.renderer().next_kernel(),
             kept_bytes: run.session.kept_bytes(),
             budget: run.session.budget(),
@@ -228,16 +229,10 @@ impl Server {
         if let Some((_, copy)) = run.copies.iter().find(|(s, _)| *s == stream) {
             fill(&self.devices.gpu, copy, &run.session.stream(stream).await?);
         }
-        let source = match run.session.renderer().gpu() {
-            Some(gpu) => gpu.texture(stream),
-            None => run.copies.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture),
-        };
+        let copied = || run.copies.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture);
+        let source = run.session.renderer().texture(stream).or_else(copied);
         let source = source.ok_or_else(|| Trouble::Failed(RenderError::NoStream(stream.name()).to_string()))?;
-        let texture = stream_copy(&self.devices.gpu, stream, source.width(), source.height());
-        let gpu = &self.devices.gpu;
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.copy_texture_to_texture(source.as_image_copy(), texture.as_image_copy(), source.size());
-        gpu.submit([encoder.finish()]);
+        let texture = copy_of(&self.devices.gpu, stream.name(), source);
         self.say(Update::Pinned { stream, place: run.session.place(), texture });
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! Device time by kernel and by pass.
 
 mod bars;
+mod parts;
 
 use std::cmp::Reverse;
 
@@ -37,6 +38,9 @@ pub(in crate::ui) struct Timings {
     kernels: Vec<KernelTimes>,
     listed: Listed,
     table: Table,
+    /// The copies and draws of each kernel, if passes are drawn.
+    parts: Listed,
+    parts_table: Table,
     columns: Vec<bars::Column>,
     /// Logarithmic heights.
     is_log: bool,
@@ -62,6 +66,8 @@ impl Panel for Timings {
             self.kernels = by_kernel(passes);
             self.listed = listed(&self.kernels);
             self.columns.clear();
+            let plan = cx.model.opened.as_ref().map(|opened| &opened.plan);
+            self.parts = plan.map(|plan| parts::listed(plan, passes, &cx.model.draws)).unwrap_or_default();
         }
         let timed: usize = self.kernels.iter().map(|k| k.timed).sum();
         let sum = duration(self.kernels.iter().map(|k| k.sum_ns).sum());
@@ -94,6 +100,10 @@ impl Panel for Timings {
         let bottom = ui.max_rect().bottom();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ScrollArea::horizontal().show(ui, |ui| self.table.show_all(ui, &view));
+            if !self.parts.rows.is_empty() {
+                let view = View { name: "parts", heads: &parts::HEADS, rows: &self.parts, version, current: None };
+                ScrollArea::horizontal().id_salt("parts").show(ui, |ui| self.parts_table.show_all(ui, &view));
+            }
             if timed > 0 {
                 let height = (bottom - ui.cursor().top() - 4.0).max(64.0);
                 bars::show(ui, height, &mut self.columns, self.is_log, cx);

@@ -2,6 +2,7 @@
 
 use egui::{Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use raystep_kernels::Pass;
+use raystep_kernels::export::csv::DrawnPart;
 use raystep_lab::text::counted;
 
 use super::{duration, time_of};
@@ -84,7 +85,10 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
     let column_at = |x: f32| kept.get(((x - rect.left()) / width).max(0.0) as usize).or(kept.last());
     if let Some(column) = response.hover_pos().and_then(|at| column_at(at.x)) {
         let pass = &passes[column.dearest];
-        response.clone().on_hover_ui_at_pointer(|ui| about(ui, pass, passes.len() > kept.len()));
+        let draws = cx.model.draws.get(column.dearest).map_or(&[][..], Vec::as_slice);
+        let plan = cx.model.opened.as_ref().map(|opened| &opened.plan);
+        let parts = plan.map(|plan| DrawnPart::of(plan, pass, draws)).unwrap_or_default();
+        response.clone().on_hover_ui_at_pointer(|ui| about(ui, pass, &parts, passes.len() > kept.len()));
     }
     if let Some(column) = response.interact_pointer_pos().filter(|_| response.clicked()).and_then(|at| column_at(at.x))
     {
@@ -92,11 +96,15 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
     }
 }
 
-fn about(ui: &mut Ui, pass: &Pass, is_dearest: bool) {
+fn about(ui: &mut Ui, pass: &Pass, parts: &[DrawnPart], is_dearest: bool) {
     ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
     let what = if is_dearest { "slowest in this bar, " } else { "" };
     ui.label(time_of(pass).map_or_else(|| "duration unknown".into(), |time| format!("{what}{time}")));
     ui.label(format!("processed {}", counted(pass.rays_in, "ray")));
+    for part in parts {
+        let time = part.time.duration_ns.map_or_else(|| "duration unknown".into(), duration);
+        ui.weak(format!("{}: {time}", part.name()));
+    }
 }
 
 /// Height of a bar, from 0 to 1.
