@@ -203,6 +203,33 @@ impl Rounding<'_> {
             || pairs.into_iter().any(|(a, b)| slope[a].max(slope[b]) == 1.0 && same(slope[a], slope[b]))
     }
 
+    /// The same for any step of the search for repeated tests, which walks from the ray's start.
+    fn search_may_go_elsewhere(&self, ray: usize) -> bool {
+        let (grid, features) = (&self.data.grid, &self.data.features);
+        if !(features.dda && features.resumes_scan) {
+            return false;
+        }
+        let [origin, direction] = self.ray(ray).map(Vec3::<f64>::from_f32);
+        let rules = features.walk_rules();
+        let grid_ray = grid.ray(rules, origin, direction);
+        let slope = grid_ray.per_axis.to_array();
+        let cells = grid.cells.into_iter().max().unwrap_or_default();
+        let close = f64::from(CONTROL_TERM * f32::EPSILON) * f64::from(cells);
+        let mut walk = grid.enter(rules, &grid_ray);
+        let mut steps = 0;
+        // As far as the grid is large along all axes: then the ray has left it.
+        while walk.inside && steps < grid.cells.iter().sum::<i32>() {
+            let control = walk.per_axis.to_array();
+            let is_tie = |(a, b): (usize, usize)| (control[a] * slope[b] - control[b] * slope[a]).abs() <= close;
+            if [(0, 1), (0, 2), (1, 2)].into_iter().any(is_tie) {
+                return true;
+            }
+            walk = grid.advance(rules, walk, &grid_ray);
+            steps += 1;
+        }
+        false
+    }
+
     /// Whether rounding alone may make the ray take another path in this pass; `None` if only neighbouring rays can
     /// tell, see [`nudge`].
     fn is_undecided(&self, ray: usize) -> Option<bool> {
@@ -230,7 +257,10 @@ impl Rounding<'_> {
                 })
             }
             Ties::Box => Some(self.grazes_a_box(ray, origin, direction)),
-            Ties::Triangle => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
+            Ties::Triangle => {
+                let tested = self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle);
+                Some(tested || self.search_may_go_elsewhere(ray))
+            }
             Ties::Many => None,
         }
     }
