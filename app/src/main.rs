@@ -1,69 +1,7 @@
-//! The command line of raystep: one file per subcommand, in `commands`.
-
-mod args;
-mod cli;
-mod commands;
-mod device;
-mod error;
-mod interrupt;
-mod link;
-mod mapping;
-mod output;
-mod rays_file;
-mod scene_file;
-mod session;
-mod session_file;
-mod terminal;
-mod usage;
-mod window;
+//! The program as a command.
 
 use std::process::ExitCode;
 
-use cli::{Command, Request};
-use error::Error;
-
 fn main() -> ExitCode {
-    #[cfg(target_os = "linux")]
-    silence_mesa();
-    interrupt::install();
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            terminal::say(&error);
-            ExitCode::from(error.code)
-        }
-    }
-}
-
-/// Prevents a layer of Mesa from writing "error: XDG_RUNTIME_DIR is invalid" to stderr on machines without a desktop.
-/// The layer reorders devices for desktops, but raystep selects its device by rank or name anyway.
-#[cfg(target_os = "linux")]
-#[allow(unsafe_code)]
-fn silence_mesa() {
-    use std::env::{set_var, var_os};
-    if var_os("XDG_RUNTIME_DIR").is_none() && var_os("MESA_VK_DEVICE_SELECT").is_none() {
-        // SAFETY: this is the first action of the program: no other thread can read the environment yet.
-        unsafe { set_var("NODEVICE_SELECT", "1") };
-    }
-}
-
-fn run() -> Result<(), Error> {
-    match cli::parse(std::env::args_os())? {
-        Request::Show(text) => terminal::print(&text),
-        Request::Run(command) => match command {
-            Command::Inspect(args) => commands::inspect::run(*args),
-            Command::Render(args) => commands::render::run(&args),
-            Command::Trace(args) => commands::trace::run(*args),
-            Command::Dump(args) => commands::dump::run(&args),
-            Command::Bench(args) => commands::bench::run(&args),
-            Command::Build(args) => commands::build::run(&args),
-            Command::Cast(args) => commands::cast::run(&args),
-            Command::Report(args) => commands::report::run(&args),
-            Command::Stability(args) => commands::stability::run(&args),
-            Command::Plan(args) => commands::plan::run(&args),
-            Command::Info(args) => commands::info::run(&args),
-            Command::Scene(command) => commands::scene::run(&command),
-            Command::Completions(args) => commands::completions::run(&args),
-        },
-    }
+    raystep_app::main(std::env::args_os())
 }

@@ -54,6 +54,11 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
     Ok(SceneFile { scene, inputs: canonical(&inputs) })
 }
 
+/// Reads a scene with the default limits.
+pub(crate) fn read_alone(path: &Path) -> Result<Scene, Error> {
+    read(&SceneArgs { scene: path.to_owned(), scene_index: None, read: ReadArgs::default() }).map(|file| file.scene)
+}
+
 /// The path of a file that another one names, as scenes name their textures: in its folder or below, unless others are
 /// allowed.
 pub(crate) fn beside(file: &Path, name: &str, read: ReadArgs) -> Result<PathBuf, String> {

@@ -1,0 +1,84 @@
+//! The program: the command line, one file per subcommand in `commands`, and the window. A library, so that other hosts can
+//! run the same program.
+
+mod args;
+mod cli;
+mod commands;
+mod device;
+mod error;
+mod interrupt;
+mod link;
+mod mapping;
+mod output;
+mod rays_file;
+mod scene_file;
+mod session;
+mod session_file;
+mod terminal;
+mod usage;
+mod window;
+
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::ExitCode;
+
+use raystep_scenes::Scene;
+
+use cli::{Command, Request};
+use error::Error;
+
+/// Runs the program to its end, with the command line's arguments, the program's name first. For the main thread of a
+/// process that has no other yet: it installs handlers of signals, and may set variables of the environment.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    #[cfg(target_os = "linux")]
+    silence_mesa();
+    interrupt::install();
+    match run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            terminal::say(&error);
+            ExitCode::from(error.code)
+        }
+    }
+}
+
+/// Reads a scene's file as the commands do, with their limits: files that it names have to be in its folder or below.
+///
+/// # Errors
+/// In one line: what is wrong with the file, or with its name.
+pub fn read_scene(path: &Path) -> Result<Scene, String> {
+    scene_file::read_alone(path).map_err(|error| error.to_string())
+}
+
+/// Prevents a layer of Mesa from writing "error: XDG_RUNTIME_DIR is invalid" to stderr on machines without a desktop.
+/// The layer reorders devices for desktops, but raystep selects its device by rank or name anyway.
+#[cfg(target_os = "linux")]
+#[allow(unsafe_code)]
+fn silence_mesa() {
+    use std::env::{set_var, var_os};
+    if var_os("XDG_RUNTIME_DIR").is_none() && var_os("MESA_VK_DEVICE_SELECT").is_none() {
+        // SAFETY: this is the first action of the program: no other thread can read the environment yet.
+        unsafe { set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
+fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
+    match cli::parse(arguments)? {
+        Request::Show(text) => terminal::print(&text),
+        Request::Run(command) => match command {
+            Command::Inspect(args) => commands::inspect::run(*args),
+            Command::Render(args) => commands::render::run(&args),
+            Command::Trace(args) => commands::trace::run(*args),
+            Command::Dump(args) => commands::dump::run(&args),
+            Command::Bench(args) => commands::bench::run(&args),
+            Command::Build(args) => commands::build::run(&args),
+            Command::Cast(args) => commands::cast::run(&args),
+            Command::Report(args) => commands::report::run(&args),
+            Command::Stability(args) => commands::stability::run(&args),
+            Command::Plan(args) => commands::plan::run(&args),
+            Command::Info(args) => commands::info::run(&args),
+            Command::Scene(command) => commands::scene::run(&command),
+            Command::Completions(args) => commands::completions::run(&args),
+        },
+    }
+}
