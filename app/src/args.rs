@@ -162,7 +162,7 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) mapping: MappingArgs,
     /// How rays walk through a uniform grid with --numerics paper: by the smallest tMax (amanatides-woo), or by control
-    /// terms along a driving axis, as Fujimoto and Purcell did (3d-dda)
+    /// terms along a driving axis, the walk of Fujimoto, Tanaka and Iwata (3d-dda)
     #[arg(long, default_value = "amanatides-woo", value_parser = named(Traversal::ALL, Traversal::name))]
     pub(crate) traversal: Traversal,
     #[command(flatten)]

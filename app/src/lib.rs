@@ -20,7 +20,6 @@ mod window;
 
 use std::ffi::OsString;
 use std::path::Path;
-use std::process::ExitCode;
 
 use raystep_scenes::Scene;
 
@@ -28,16 +27,17 @@ use cli::{Command, Request};
 use error::Error;
 
 /// Runs the program to its end, with the command line's arguments, the program's name first. For the main thread of a
-/// process that has no other yet: it installs handlers of signals, and may set variables of the environment.
-pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+/// process that has no other yet: it installs handlers of signals, and may set variables of the environment. Returns the
+/// exit code.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     #[cfg(target_os = "linux")]
     silence_mesa();
     interrupt::install();
     match run(arguments) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(error) => {
             terminal::say(&error);
-            ExitCode::from(error.code)
+            error.code
         }
     }
 }

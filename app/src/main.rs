@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    raystep_app::main(std::env::args_os())
+    ExitCode::from(raystep_app::main(std::env::args_os()))
 }

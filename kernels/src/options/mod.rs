@@ -114,8 +114,8 @@ pub enum Traversal {
     /// By the smallest tMax (Amanatides and Woo, 1987).
     #[default]
     AmanatidesWoo,
-    /// By control terms along a driving axis (Fujimoto, Tanaka and Iwata, 1986), as in Purcell's ray tracer. It computes
-    /// no t, so it is only for the paper's numerics, which need none to accept a hit.
+    /// By control terms along a driving axis (Fujimoto, Tanaka and Iwata, 1986). It computes no t, so it is only for the
+    /// paper's numerics, which need none to accept a hit.
     Dda3d,
 }
 
