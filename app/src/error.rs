@@ -18,7 +18,8 @@ pub(crate) const UNDECIDED: u8 = 3;
 /// One line, and the exit code.
 #[derive(Debug)]
 pub(crate) struct Error {
-    message: String,
+    /// One line, without the word error before it.
+    pub(crate) message: String,
     /// The exit code.
     pub(crate) code: u8,
 }

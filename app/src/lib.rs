@@ -47,7 +47,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 /// # Errors
 /// In one line: what is wrong with the file, or with its name.
 pub fn read_scene(path: &Path) -> Result<Scene, String> {
-    scene_file::read_alone(path).map_err(|error| error.to_string())
+    scene_file::read_alone(path).map_err(|error| error.message)
 }
 
 /// Prevents a layer of Mesa from writing "error: XDG_RUNTIME_DIR is invalid" to stderr on machines without a desktop.

@@ -1,0 +1,142 @@
+//! A scene on a device, and rays through it.
+
+use std::ops::DerefMut as _;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
+use pyo3::prelude::*;
+use raystep_kernels::{AdapterChoice, CastHit, Caster, Device, Gpu, Options, Ray, RenderError};
+use raystep_scenes as scenes;
+
+use crate::error::{DeviceError, OptionError, SceneError, of_run};
+
+/// Words of a [`CastHit`]: t, u, v, triangle, material.
+const HIT_WORDS: usize = size_of::<CastHit>() / size_of::<u32>();
+
+/// A scene and its structures on a device; those of a kind of ray are built at its first cast.
+#[pyclass(frozen, module = "raystep._raystep")]
+pub(crate) struct Scene {
+    scene: Arc<scenes::Scene>,
+    device: Device,
+    /// For the closest hit, and for any.
+    casters: [Mutex<Option<Caster>>; 2],
+}
+
+#[pymethods]
+impl Scene {
+    /// Reads a scene's file.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf, device: &str) -> PyResult<Self> {
+        let scene = py.detach(|| raystep_app::read_scene(&path)).map_err(SceneError::new_err)?;
+        Self::new(py, scene, device)
+    }
+
+    /// Takes triangles: N×3×3 corners.
+    #[staticmethod]
+    fn of_triangles(py: Python<'_>, corners: PyReadonlyArray3<'_, f32>, device: &str) -> PyResult<Self> {
+        let [_, 3, 3] = *corners.shape() else {
+            return Err(OptionError::new_err("triangles: expected an array of shape (N, 3, 3)"));
+        };
+        let values = corners.as_slice().map_err(|_| OptionError::new_err("triangles: expected a contiguous array"))?;
+        if values.iter().any(|v| !v.is_finite()) {
+            return Err(SceneError::new_err("triangles: a coordinate is not finite"));
+        }
+        let (corners, _) = values.as_chunks::<3>();
+        let (triangles, _) = corners.as_chunks::<3>();
+        Self::new(py, scenes::Scene::from_triangles(triangles.to_vec()), device)
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.scene.name
+    }
+
+    /// Its triangles.
+    #[getter]
+    fn triangles(&self) -> usize {
+        self.scene.triangles.len()
+    }
+
+    /// The name of its device.
+    #[getter]
+    fn device(&self) -> String {
+        match &self.device {
+            Device::Gpu(gpu) => gpu.info.name.clone(),
+            Device::Cpu(_) | Device::CpuF64(_) => "cpu".into(),
+        }
+    }
+
+    /// The corners of its box; `None` without triangles.
+    #[getter]
+    fn bounds(&self) -> Option<([f32; 3], [f32; 3])> {
+        let bounds = self.scene.bounds();
+        (!bounds.is_empty()).then(|| (bounds.min.to_array(), bounds.max.to_array()))
+    }
+
+    /// The hits of rays, five words each: see `HIT` in `__init__.py`.
+    fn cast<'py>(
+        &self,
+        py: Python<'py>,
+        origins: PyReadonlyArray2<'py, f32>,
+        directions: PyReadonlyArray2<'py, f32>,
+        t_min: PyReadonlyArray1<'py, f32>,
+        t_max: PyReadonlyArray1<'py, f32>,
+        any_hit: bool,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let contiguous = |_| OptionError::new_err("expected contiguous arrays");
+        let (origins, directions) =
+            (origins.as_slice().map_err(contiguous)?, directions.as_slice().map_err(contiguous)?);
+        let (t_min, t_max) = (t_min.as_slice().map_err(contiguous)?, t_max.as_slice().map_err(contiguous)?);
+        let (origins, _) = origins.as_chunks::<3>();
+        let (directions, _) = directions.as_chunks::<3>();
+        // One value for all rays, or one for each.
+        let of = |all: &[f32], i: usize| if all.len() == 1 { all[0] } else { all[i] };
+        let count = origins.len();
+        if directions.len() != count || [t_min.len(), t_max.len()].iter().any(|&n| n != 1 && n != count) {
+            return Err(OptionError::new_err("origins, directions, t_min and t_max differ in length"));
+        }
+        let rays: Vec<Ray> = (0..count)
+            .map(|i| Ray::new(origins[i], directions[i]).between(of(t_min, i), of(t_max, i)))
+            .collect();
+        let hits = py.detach(|| self.hits(&rays, any_hit)).map_err(|error| of_run(&error))?;
+        debug_assert_eq!(hits.len(), count);
+        let words: Vec<u32> = bytemuck::allocation::cast_slice_box(hits.into_boxed_slice()).into_vec();
+        debug_assert_eq!(words.len(), HIT_WORDS * count);
+        Ok(PyArray1::from_vec(py, words))
+    }
+}
+
+impl Scene {
+    fn new(py: Python<'_>, scene: scenes::Scene, device: &str) -> PyResult<Self> {
+        let device = py.detach(|| choose(device))?;
+        Ok(Self { scene: Arc::new(scene), device, casters: Default::default() })
+    }
+
+    /// Casts, one call after the other.
+    fn hits(&self, rays: &[Ray], any_hit: bool) -> Result<Vec<CastHit>, RenderError> {
+        let mut kept = self.casters[usize::from(any_hit)].lock().unwrap_or_else(PoisonError::into_inner);
+        pollster::block_on(async {
+            let caster = match kept.deref_mut() {
+                Some(caster) => caster,
+                empty => {
+                    let options = Options { any_hit, ..Caster::options() };
+                    empty.insert(Caster::new(self.scene.clone(), &options, &self.device).await?)
+                }
+            };
+            caster.cast(rays).await
+        })
+    }
+}
+
+/// The device of this name: as the command line's `--device`.
+fn choose(name: &str) -> PyResult<Device> {
+    let gpu = || pollster::block_on(Gpu::new(&AdapterChoice::Best));
+    match name {
+        "cpu" => Ok(Device::Cpu(None)),
+        "gpu" => gpu().map(Device::Gpu).map_err(|error| DeviceError::new_err(error.to_string())),
+        "auto" => Ok(gpu().map_or(Device::Cpu(None), |gpu| Device::auto(gpu, None))),
+        other => Err(OptionError::new_err(format!("device {other:?}: expected auto, gpu or cpu"))),
+    }
+}
