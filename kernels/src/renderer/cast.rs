@@ -51,8 +51,11 @@ pub const RAYS_A_BATCH_GPU: u64 = 1 << 20;
 /// Rays per batch of the twins: more would fall out of the CPU's caches between two passes over them.
 pub const RAYS_A_BATCH_CPU: u64 = 1 << 16;
 
-/// Fewest rays that streams are allocated for.
-const FEWEST_RAYS: u64 = 1 << 12;
+/// Fewest rays that streams are allocated for on a GPU, which takes as long for one.
+const FEWEST_RAYS_GPU: u64 = 1 << 12;
+
+/// The same for the twins, which take longer for each texel.
+const FEWEST_RAYS_CPU: u64 = 1 << 4;
 
 /// The structure is built for rays that start this many times as far from the world's origin as the scene reaches.
 const ORIGINS: f32 = 3.0;
@@ -130,7 +133,7 @@ impl Caster {
         let (device, runs) = (device.clone(), Vec::new());
         let mut caster = Self { scene, options, device, plan, data, batch, farthest_origin, runs, unfinished: 0 };
         // Uploads the scene, and shows now whether the device takes the kernels.
-        caster.run_for(FEWEST_RAYS).await?;
+        caster.run_for(1).await?;
         Ok(caster)
     }
 
@@ -218,7 +221,7 @@ impl Caster {
 
     /// The run for this many rays or somewhat more.
     async fn run_for(&mut self, rays: u64) -> Result<&mut Renderer, RenderError> {
-        let mut room = FEWEST_RAYS;
+        let mut room = if self.device.is_gpu() { FEWEST_RAYS_GPU } else { FEWEST_RAYS_CPU };
         while room < rays {
             room *= 4;
         }
