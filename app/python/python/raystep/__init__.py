@@ -13,6 +13,7 @@ array([ True, False])
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,10 @@ from . import _raystep
 from ._raystep import DeviceError, OptionError, SceneError, __version__
 
 __all__ = ["DeviceError", "Hits", "OptionError", "Scene", "SceneError", "__version__"]
+
+if sys.platform == "linux" and "XDG_RUNTIME_DIR" not in os.environ and "MESA_VK_DEVICE_SELECT" not in os.environ:
+    # As in the command: else a layer of Mesa writes to stderr that there is no desktop.
+    os.environ.setdefault("NODEVICE_SELECT", "1")
 
 MISS = 0xFFFFFFFF
 """The index of a triangle or material where a ray hits nothing."""
