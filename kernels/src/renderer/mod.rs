@@ -379,17 +379,6 @@ impl Renderer {
         }
     }
 
-    /// The GPU that passes run on, if they do.
-    #[cfg(feature = "gpu")]
-    #[must_use]
-    pub fn adapter(&self) -> Option<&Arc<crate::Gpu>> {
-        match &self.executor {
-            Executor::Gpu(executor) => Some(executor.gpu()),
-            Executor::Fragment(executor) => Some(executor.gpu()),
-            Executor::Cpu(_) | Executor::CpuF64(_) => None,
-        }
-    }
-
     /// The f64 twins, if passes run on them.
     #[must_use]
     pub fn cpu_f64(&self) -> Option<&CpuExecutor<f64>> {

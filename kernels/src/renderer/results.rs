@@ -43,6 +43,18 @@ impl Renderer {
         }
     }
 
+    /// The GPU that passes run on, if they do.
+    #[cfg(feature = "gpu")]
+    #[must_use]
+    pub fn adapter(&self) -> Option<&std::sync::Arc<crate::Gpu>> {
+        use super::device::Executor;
+        match &self.executor {
+            Executor::Gpu(executor) => Some(executor.gpu()),
+            Executor::Fragment(executor) => Some(executor.gpu()),
+            Executor::Cpu(_) | Executor::CpuF64(_) => None,
+        }
+    }
+
     /// A stream's values after the last pass.
     ///
     /// # Errors

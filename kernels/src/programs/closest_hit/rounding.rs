@@ -111,7 +111,8 @@ pub(super) const OF_INTERSECT: Rounding = Rounding {
     ties: Ties::Triangle,
 };
 
-/// With the paper's rules tmax grows by a rounded tDelta at every step, and a control term by a rounded slope; there are fewer steps than loop iterations.
+/// With the paper's rules tmax grows by a rounded tDelta at every step, and a control term by a rounded slope; there are
+/// fewer steps than loop iterations.
 pub(super) const OF_WALK: Rounding = Rounding {
     floats: &[
         OF_A_HIT[0],
