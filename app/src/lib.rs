@@ -14,6 +14,7 @@ mod rays_file;
 mod scene_file;
 mod session;
 mod session_file;
+mod shard;
 mod terminal;
 mod usage;
 mod window;
@@ -73,6 +74,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::Bench(args) => commands::bench::run(&args),
             Command::Build(args) => commands::build::run(&args),
             Command::Cast(args) => commands::cast::run(&args),
+            Command::Merge(args) => commands::merge::run(&args),
             Command::Report(args) => commands::report::run(&args),
             Command::Stability(args) => commands::stability::run(&args),
             Command::Plan(args) => commands::plan::run(&args),
