@@ -22,6 +22,7 @@ mod window;
 use std::ffi::OsString;
 use std::path::Path;
 
+use clap::CommandFactory as _;
 use raystep_scenes::Scene;
 
 use cli::{Command, Request};
@@ -49,6 +50,12 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 /// In one line: what is wrong with the file, or with its name.
 pub fn read_scene(path: &Path) -> Result<Scene, String> {
     scene_file::read_alone(path).map_err(|error| error.message)
+}
+
+/// The command line's definition, from which the manual pages are made.
+#[doc(hidden)]
+pub fn definition() -> clap::Command {
+    cli::Cli::command()
 }
 
 /// Prevents a layer of Mesa from writing "error: XDG_RUNTIME_DIR is invalid" to stderr on machines without a desktop.
