@@ -69,12 +69,14 @@ ldd "$program" | grep -o '/[^ ]*' | while read -r library; do
     mkdir -p "$root/$(dirname "$library")"
     cp -L "$library" "$root/$library"
 done
+mkdir "$root/proc"
+# The program finds the scenes beside itself, and itself in /proc.
 in_root() {
-    if [ "$(id -u)" = 0 ]; then
-        env -i PATH=/bin:/usr/bin:/usr/sbin chroot "$root" "$@"
-    else
-        env -i PATH=/bin:/usr/bin:/usr/sbin unshare --map-root-user chroot "$root" "$@"
-    fi
+    map=""
+    [ "$(id -u)" = 0 ] || map=--map-root-user
+    # shellcheck disable=SC2016,SC2086 # the inner shell's; no argument where it is empty
+    env -i PATH=/bin:/usr/bin:/usr/sbin unshare $map --mount \
+        sh -c 'mount --rbind /proc "$0/proc" && exec chroot "$0" "$@"' "$root" "$@"
 }
 in_root raystep --version
 in_root raystep info

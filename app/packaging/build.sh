@@ -4,9 +4,9 @@
 #     sh app/packaging/build.sh [--archive] [DIR]
 #
 # the archive for this machine's system (program, scenes, manual pages, completions of shells, licences), the wheel, and
-# SHA256SUMS. With --archive, the archive alone. Needs Rust, Python 3.11 or later and Git; on Linux, zig links the program
-# for glibc 2.28, as it does the wheel. Tools are installed into target/packaging. The same commit and toolchain give the
-# same archive; SOURCE_DATE_EPOCH replaces the date of the commit.
+# SHA256SUMS. With --archive, without the wheel, which is for Linux. Needs Rust, Python 3.11 or later and Git; on Linux,
+# zig links the program for glibc 2.28, as it does the wheel. Tools are installed into target/packaging. The same files
+# give the same archive, with the commit's date, or SOURCE_DATE_EPOCH where it is set.
 set -eu
 parts="archive wheel"
 [ "${1:-}" != --archive ] || { parts=archive; shift; }
