@@ -1,6 +1,7 @@
 //! The program: the command line, one file per subcommand in `commands`, and the window. A library, so that other hosts can
 //! run the same program.
 
+pub mod api;
 mod args;
 mod cli;
 mod commands;
