@@ -24,7 +24,7 @@ rm -rf "$target/clean" "$target/cornell-box.png"
 begin=$(date +%s)
 python3 -m venv "$target/clean"
 "$target/clean/bin/pip" install --quiet --no-cache-dir "$target"/wheels/raystep-*.whl
-"$target/clean/bin/raystep" render scenes/cornell-box.gltf -o "$target/cornell-box.png" --device cpu
+"$target/clean/bin/raystep" render cornell-box -o "$target/cornell-box.png" --device cpu
 seconds=$(($(date +%s) - begin))
 echo "$seconds s"
 [ "$seconds" -lt 60 ] || { echo "a picture took $seconds s, of at most 60" >&2; exit 1; }
@@ -32,10 +32,28 @@ echo "$seconds s"
 
 step "the module"
 "$target/clean/bin/python" app/python/tests/test_cast.py
+"$target/clean/bin/python" app/python/tests/test_renderer.py
+
+step "the module, with pandas"
+"$target/clean/bin/pip" install --quiet pandas==3.1.1
+"$target/clean/bin/python" app/python/tests/test_renderer.py
 
 step "types"
 "$target/clean/bin/pip" install --quiet mypy==2.4.1
 "$target/clean/bin/mypy" --strict --no-error-summary app/python/tests
+"$target/clean/bin/mypy" --strict --no-error-summary -p raystep
 "$target/clean/bin/python" -m mypy.stubtest raystep --ignore-missing-stub
+
+step "a wheel from the source distribution"
+rm -rf "$target/sdist"
+sh app/python/build.sh --sdist "$target/sdist"
+tar -xf "$target"/sdist/raystep-*.tar.gz -C "$target/sdist"
+(
+    cd "$target"/sdist/raystep-*/
+    PATH="$target/tools/bin:$PATH" CARGO_TARGET_DIR="$target/build" maturin build --quiet --release --locked --zig \
+        --compatibility manylinux_2_28 --out "$target/sdist"
+)
+"$target/clean/bin/pip" install --quiet --force-reinstall --no-deps "$target"/sdist/raystep-*.whl
+"$target/clean/bin/raystep" render textures -o "$target/textures.png" --device cpu
 
 step "the wheel is right"

@@ -10,6 +10,7 @@ use crate::commands::{
     trace,
 };
 use crate::error::Error;
+use crate::scene_file::is_known;
 use crate::{usage, window};
 
 /// A ray tracer for inspecting every pass and every stream
@@ -85,7 +86,10 @@ pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Req
     }
 }
 
-/// Whether an argument looks like a scene's file, including those that have to be converted first.
+/// Whether an argument looks like a scene's file, including those that have to be converted first, or is the name of a
+/// scene and of no command.
 fn is_scene(argument: &OsString) -> bool {
-    matches!(extension(Path::new(argument)).as_str(), "gltf" | "glb" | "obj" | "ply" | "raystep-session")
+    let path = Path::new(argument);
+    matches!(extension(path).as_str(), "gltf" | "glb" | "obj" | "ply" | "raystep-session")
+        || is_known(path) && Cli::command().find_subcommand(argument).is_none()
 }

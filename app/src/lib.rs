@@ -1,6 +1,7 @@
 //! The program: the command line, one file per subcommand in `commands`, and the window. A library, so that other hosts can
 //! run the same program.
 
+pub mod api;
 mod args;
 mod cli;
 mod commands;
@@ -44,7 +45,14 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// Reads a scene's file as the commands do, with their limits: files that it names have to be in its folder or below.
+/// Names the folder with the scenes that a host brings along, which open by name: `cornell-box` is `cornell-box.gltf` or
+/// `.glb` there, unless there is such a file. The first call counts; without one, it is `scenes` beside the executable, or
+/// `../share/raystep/scenes` from there.
+pub fn set_scenes(folder: &Path) {
+    scene_file::set_folder(folder.to_owned());
+}
+
+/// Reads a scene's file, or one that has a name, as the commands do, with their limits: files that it names have to be in its folder or below.
 ///
 /// # Errors
 /// In one line: what is wrong with the file, or with its name.

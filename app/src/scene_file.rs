@@ -1,6 +1,7 @@
 //! Reads scene files, and selects the camera.
 
 mod beside;
+mod named;
 
 use std::fs::{self, File};
 use std::io::Read as _;
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use beside::Beside;
 use glam::DVec3;
+pub(crate) use named::{file_of, is_known, set_folder};
 use raystep_kernels::plan::Bytes;
 use raystep_lab::text::visible;
 use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
@@ -30,7 +32,8 @@ pub(crate) struct SceneFile {
 
 /// Reads a scene.
 pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
-    let SceneArgs { scene: path, scene_index, read } = args;
+    let SceneArgs { scene, scene_index, read } = args;
+    let path = &file_of(scene)?;
     let options = LoadOptions { scene: *scene_index, max_bytes: read.max_memory, ..LoadOptions::default() };
     let failed = |problem: &dyn std::fmt::Display| Error::failed(format!("{}: {problem}", path.display()));
     let raises = format!("--max-memory, currently {}, raises the limit", Bytes(read.max_memory));
@@ -69,6 +72,7 @@ pub(crate) fn beside(file: &Path, name: &str, read: ReadArgs) -> Result<PathBuf,
 
 /// Checks whether a file may be a scene, without reading it.
 pub(crate) fn expect_scene(path: &Path) -> Result<(), Error> {
+    let path = &file_of(path)?;
     let at = path.display();
     regular_file(path).map_err(|e| Error::failed(format!("{at}: {e}")))?;
     if matches!(extension(path).as_str(), "obj" | "ply") {

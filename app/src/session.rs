@@ -41,6 +41,15 @@ impl Stopwatch {
     }
 }
 
+/// Refuses options that would have no effect, or do not go together.
+pub(crate) fn check(view: &ViewArgs, run: &RunArgs) -> Result<(), Error> {
+    run.check()?;
+    if run.mapping.is_fragment() && view.samples.spp > 1 {
+        return Err(Error::usage(mapping::ONE_SAMPLE));
+    }
+    view.samples.check()
+}
+
 /// A planned run.
 pub(crate) struct Session {
     /// The scene's file as the user wrote it.
@@ -70,11 +79,7 @@ impl Session {
         progress: &Progress,
         adjust: impl FnOnce(&mut Options),
     ) -> Result<Self, Error> {
-        run.check()?;
-        if run.mapping.is_fragment() && view.samples.spp > 1 {
-            return Err(Error::usage(mapping::ONE_SAMPLE));
-        }
-        view.samples.check()?;
+        check(view, run)?;
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
         let scene_path = scene.scene.clone();

@@ -8,7 +8,7 @@ use raystep_inspector::ui::host::FileToSave;
 use crate::commands::extension;
 use crate::error::Error;
 use crate::output::folder_of;
-use crate::scene_file::read_file;
+use crate::scene_file::{is_known, read_file};
 
 /// Whether a file is a session, by its name.
 pub(crate) fn is_session(path: &Path) -> bool {
@@ -27,7 +27,9 @@ pub(crate) fn read(path: &Path) -> Result<SessionFile, Error> {
 
 /// The path of a scene that a session names.
 pub(crate) fn beside(session: &Path, scene: &str) -> PathBuf {
-    if scene.starts_with(BUILT_IN) { scene.into() } else { folder_of(session).join(scene) }
+    let path = folder_of(session).join(scene);
+    let is_named = !path.exists() && is_known(Path::new(scene));
+    if is_named || scene.starts_with(BUILT_IN) { scene.into() } else { path }
 }
 
 /// A file as it is written to a path: in a session, scenes are relative to it, and its name ends as that of a session.
@@ -49,8 +51,11 @@ pub(crate) fn prepared(file: FileToSave, path: &Path) -> Result<(FileToSave, Pat
 }
 
 /// A scene's path relative to a folder, with forward slashes; the absolute path if there is none, for example to another
-/// drive.
+/// drive. The name of a scene stays.
 fn relative(scene: &str, folder: &Path) -> String {
+    if is_known(Path::new(scene)) {
+        return scene.to_owned();
+    }
     let (Ok(scene_path), Ok(folder)) = (plain(Path::new(scene)), plain(folder)) else { return scene.to_owned() };
     let parts = |path: &Path| path.components().map(|part| part.as_os_str().to_owned()).collect::<Vec<_>>();
     let (to, from) = (parts(&scene_path), parts(&folder));

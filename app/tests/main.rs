@@ -15,6 +15,7 @@ mod lesson;
 mod link;
 mod mapping;
 mod messages;
+mod named;
 mod rays_file;
 mod report;
 mod report_bundle;

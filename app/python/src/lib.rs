@@ -1,9 +1,17 @@
-//! The extension module `raystep._raystep`: scenes, casts, and the program. What Python sees is in `python/raystep`.
+//! The extension module `raystep._raystep`: scenes, casts, runs, and the program. What Python sees is in
+//! `python/raystep`.
 
+mod border;
+mod compare;
+mod device;
+mod display;
 mod error;
+mod renderer;
 mod scene;
+mod travel;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 use pyo3::prelude::*;
 
@@ -13,10 +21,21 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| raystep_app::main(arguments))
 }
 
+/// Names the folder of the scenes that open by name.
+#[pyfunction]
+fn set_scenes(folder: PathBuf) {
+    raystep_app::set_scenes(&folder);
+}
+
 #[pymodule(gil_used = false)]
 fn _raystep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<renderer::Renderer>()?;
     module.add_class::<scene::Scene>()?;
+    module.add_function(wrap_pyfunction!(compare::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(display::draw_component, module)?)?;
+    module.add_function(wrap_pyfunction!(display::png_of_image, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(set_scenes, module)?)?;
     error::add(module)
 }

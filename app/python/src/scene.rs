@@ -6,10 +6,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
-use raystep_kernels::{AdapterChoice, CastHit, Caster, Device, Gpu, Options, Ray, RenderError};
+use raystep_kernels::{CastHit, Caster, Options, Ray, RenderError};
+use raystep_lab::Machine;
 use raystep_scenes as scenes;
 
-use crate::error::{DeviceError, OptionError, SceneError, of_run};
+use crate::border::detached;
+use crate::device::choose;
+use crate::error::{OptionError, SceneError, of_run};
 
 /// Words of a [`CastHit`]: t, u, v, triangle, material.
 const HIT_WORDS: usize = size_of::<CastHit>() / size_of::<u32>();
@@ -17,24 +20,29 @@ const HIT_WORDS: usize = size_of::<CastHit>() / size_of::<u32>();
 /// A scene and its structures on a device; those of a kind of ray are built at its first cast.
 #[pyclass(frozen, module = "raystep._raystep")]
 pub(crate) struct Scene {
-    scene: Arc<scenes::Scene>,
-    device: Device,
+    pub(crate) scene: Arc<scenes::Scene>,
+    pub(crate) machine: Machine,
     /// For the closest hit, and for any.
     casters: [Mutex<Option<Caster>>; 2],
 }
 
 #[pymethods]
 impl Scene {
-    /// Reads a scene's file.
+    /// Reads a scene's file, or one that has a name.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf, device: &str) -> PyResult<Self> {
-        let scene = py.detach(|| raystep_app::read_scene(&path)).map_err(SceneError::new_err)?;
-        Self::new(py, scene, device)
+    fn read(py: Python<'_>, path: PathBuf, device: &str, adapter: Option<&str>) -> PyResult<Self> {
+        let scene = detached(py, || raystep_app::read_scene(&path).map_err(SceneError::new_err))?;
+        Self::new(py, scene, device, adapter)
     }
 
     /// Takes triangles: N×3×3 corners.
     #[staticmethod]
-    fn of_triangles(py: Python<'_>, corners: PyReadonlyArray3<'_, f32>, device: &str) -> PyResult<Self> {
+    fn of_triangles(
+        py: Python<'_>,
+        corners: PyReadonlyArray3<'_, f32>,
+        device: &str,
+        adapter: Option<&str>,
+    ) -> PyResult<Self> {
         let [_, 3, 3] = *corners.shape() else {
             return Err(OptionError::new_err("triangles: expected an array of shape (N, 3, 3)"));
         };
@@ -44,7 +52,7 @@ impl Scene {
         }
         let (corners, _) = values.as_chunks::<3>();
         let (triangles, _) = corners.as_chunks::<3>();
-        Self::new(py, scenes::Scene::from_triangles(triangles.to_vec()), device)
+        Self::new(py, scenes::Scene::from_triangles(triangles.to_vec()), device, adapter)
     }
 
     /// Its name.
@@ -62,10 +70,13 @@ impl Scene {
     /// The name of its device.
     #[getter]
     fn device(&self) -> String {
-        match &self.device {
-            Device::Gpu(gpu) => gpu.info.name.clone(),
-            Device::Cpu(_) | Device::CpuF64(_) => "cpu".into(),
-        }
+        self.machine.name()
+    }
+
+    /// What was noticed when it was read.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.scene.notes.iter().map(|note| note.0.to_string()).collect()
     }
 
     /// The corners of its box; `None` without triangles.
@@ -97,10 +108,9 @@ impl Scene {
         if directions.len() != count || [t_min.len(), t_max.len()].iter().any(|&n| n != 1 && n != count) {
             return Err(OptionError::new_err("origins, directions, t_min and t_max differ in length"));
         }
-        let rays: Vec<Ray> = (0..count)
-            .map(|i| Ray::new(origins[i], directions[i]).between(of(t_min, i), of(t_max, i)))
-            .collect();
-        let hits = py.detach(|| self.hits(&rays, any_hit)).map_err(|error| of_run(&error))?;
+        let rays: Vec<Ray> =
+            (0..count).map(|i| Ray::new(origins[i], directions[i]).between(of(t_min, i), of(t_max, i))).collect();
+        let hits = detached(py, || self.hits(&rays, any_hit).map_err(|error| of_run(&error)))?;
         debug_assert_eq!(hits.len(), count);
         let words: Vec<u32> = bytemuck::allocation::cast_slice_box(hits.into_boxed_slice()).into_vec();
         debug_assert_eq!(words.len(), HIT_WORDS * count);
@@ -109,9 +119,9 @@ impl Scene {
 }
 
 impl Scene {
-    fn new(py: Python<'_>, scene: scenes::Scene, device: &str) -> PyResult<Self> {
-        let device = py.detach(|| choose(device))?;
-        Ok(Self { scene: Arc::new(scene), device, casters: Default::default() })
+    fn new(py: Python<'_>, scene: scenes::Scene, device: &str, adapter: Option<&str>) -> PyResult<Self> {
+        let machine = detached(py, || choose(device, adapter))?;
+        Ok(Self { scene: Arc::new(scene), machine, casters: Default::default() })
     }
 
     /// Casts, one call after the other.
@@ -122,21 +132,10 @@ impl Scene {
                 Some(caster) => caster,
                 empty => {
                     let options = Options { any_hit, ..Caster::options() };
-                    empty.insert(Caster::new(self.scene.clone(), &options, &self.device).await?)
+                    empty.insert(Caster::new(self.scene.clone(), &options, &self.machine.device).await?)
                 }
             };
             caster.cast(rays).await
         })
-    }
-}
-
-/// The device of this name: as the command line's `--device`.
-fn choose(name: &str) -> PyResult<Device> {
-    let gpu = || pollster::block_on(Gpu::new(&AdapterChoice::Best));
-    match name {
-        "cpu" => Ok(Device::Cpu(None)),
-        "gpu" => gpu().map(Device::Gpu).map_err(|error| DeviceError::new_err(error.to_string())),
-        "auto" => Ok(gpu().map_or(Device::Cpu(None), |gpu| Device::auto(gpu, None))),
-        other => Err(OptionError::new_err(format!("device {other:?}: expected auto, gpu or cpu"))),
     }
 }

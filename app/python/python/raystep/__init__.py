@@ -1,4 +1,4 @@
-"""Rays through scenes of triangles, on any GPU or on the CPU.
+"""Rays through scenes of triangles, on any GPU or on the CPU, and every pass and stream of a run.
 
 >>> import numpy as np
 >>> import raystep
@@ -8,197 +8,52 @@
 array([1.5, inf], dtype=float32)
 >>> hits.is_hit
 array([ True, False])
+
+A run is stepped by a `Renderer`; `compare`, `stability` and `report` return tables.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from . import _raystep
-from ._raystep import DeviceError, OptionError, SceneError, __version__
-
-__all__ = ["DeviceError", "Hits", "OptionError", "Scene", "SceneError", "__version__"]
 
 if sys.platform == "linux" and "XDG_RUNTIME_DIR" not in os.environ and "MESA_VK_DEVICE_SELECT" not in os.environ:
     # As in the command: else a layer of Mesa writes to stderr that there is no desktop.
     os.environ.setdefault("NODEVICE_SELECT", "1")
 
-MISS = 0xFFFFFFFF
-"""The index of a triangle or material where a ray hits nothing."""
+from ._commands import report, stability
+from ._compare import compare
+from ._display import Image, StreamArray
+from ._progress import Progress
+from ._raystep import DeviceError, OptionError, SceneError, __version__
+from ._renderer import Pass, Plan, Renderer, Streams
+from ._scene import MISS, Hits, Scene, scene_names
+from ._tables import Table, Tables
 
-HIT = np.dtype([("t", "<f4"), ("u", "<f4"), ("v", "<f4"), ("triangle", "<u4"), ("material", "<u4")])
+__all__ = [
+    "MISS",
+    "DeviceError",
+    "Hits",
+    "Image",
+    "OptionError",
+    "Pass",
+    "Plan",
+    "Progress",
+    "Renderer",
+    "Scene",
+    "SceneError",
+    "StreamArray",
+    "Streams",
+    "Table",
+    "Tables",
+    "__version__",
+    "compare",
+    "report",
+    "scene_names",
+    "stability",
+]
 
-
-@dataclass(frozen=True)
-class Hits:
-    """What rays hit, in their order: arrays of shape (N,), which share one block of memory.
-
-    >>> scene = Scene(triangles=[[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], device="cpu")
-    >>> hits = scene.cast([[0, 0, 3]], [[0, 0, -2]])
-    >>> len(hits), float(hits.u[0]), float(hits.v[0]), int(hits.triangle[0])
-    (1, 0.25, 0.5, 0)
-    """
-
-    records: NDArray[Any]
-    """All of it, as an array of records."""
-
-    def __len__(self) -> int:
-        return len(self.records)
-
-    @property
-    def t(self) -> NDArray[np.float32]:
-        """t of the hit, in multiples of the ray's direction; infinite without a hit."""
-        return self.records["t"]
-
-    @property
-    def u(self) -> NDArray[np.float32]:
-        """Barycentric weight of the triangle's vertex 1."""
-        return self.records["u"]
-
-    @property
-    def v(self) -> NDArray[np.float32]:
-        """Barycentric weight of the triangle's vertex 2."""
-        return self.records["v"]
-
-    @property
-    def triangle(self) -> NDArray[np.uint32]:
-        """The triangle's index in the scene; `MISS` without a hit."""
-        return self.records["triangle"]
-
-    @property
-    def material(self) -> NDArray[np.uint32]:
-        """The index of its material in the scene; `MISS` without a hit."""
-        return self.records["material"]
-
-    @property
-    def is_hit(self) -> NDArray[np.bool_]:
-        """Whether a ray hits anything."""
-        return self.records["triangle"] != MISS
-
-
-def _floats(name: str, values: ArrayLike, shape: str, wanted: tuple[int, ...]) -> NDArray[np.float32]:
-    """Values as contiguous float32: themselves if they are, else a copy."""
-    try:
-        array = np.asarray(values)
-    except (TypeError, ValueError) as error:
-        raise OptionError(f"{name}: expected numbers of shape {shape}: {error}") from None
-    if array.dtype.kind not in "fiub":
-        raise OptionError(f"{name}: expected numbers of shape {shape}, not {array.dtype}")
-    if array.size == 0 and array.ndim <= len(wanted) + 1:
-        array = array.reshape(0, *wanted)
-    if array.ndim != len(wanted) + 1 or array.shape[1:] != wanted:
-        raise OptionError(f"{name}: expected numbers of shape {shape}, not {array.shape}")
-    with np.errstate(over="ignore"):
-        return np.ascontiguousarray(array, dtype=np.float32)
-
-
-def _ends(name: str, values: ArrayLike, rays: int) -> NDArray[np.float32]:
-    """One value for all rays, or one for each."""
-    array = _floats(name, np.atleast_1d(np.asarray(values)), f"() or ({rays},)", ())
-    if len(array) not in (1, rays):
-        raise OptionError(f"{name}: expected 1 or {rays} numbers, not {len(array)}")
-    return array
-
-
-class Scene:
-    """A scene on a device: a glTF file (.gltf or .glb), or triangles of shape (N, 3, 3), corners in scene units.
-
-    `device`: "auto" is the best GPU, otherwise the CPU; or "gpu", "cpu". Raises `SceneError` for a file that cannot be
-    read, `OptionError` for a wrong argument, `DeviceError` if there is no such device.
-
-    >>> Scene(triangles=np.zeros((4, 3, 3)), device="cpu").triangles
-    4
-    >>> Scene("missing.glb")
-    Traceback (most recent call last):
-        ...
-    raystep.SceneError: missing.glb: No such file or directory
-    """
-
-    def __init__(
-        self,
-        path: str | os.PathLike[str] | None = None,
-        *,
-        triangles: ArrayLike | None = None,
-        device: str = "auto",
-    ) -> None:
-        if (path is None) == (triangles is None):
-            raise OptionError("expected either a file or triangles")
-        if path is not None:
-            self._scene = _raystep.Scene.read(os.fspath(path), device)
-        else:
-            corners = _floats("triangles", triangles, "(N, 3, 3)", (3, 3))  # type: ignore[arg-type]
-            self._scene = _raystep.Scene.of_triangles(corners, device)
-
-    @property
-    def name(self) -> str:
-        """The file's name without its extension; empty for triangles.
-
-        >>> Scene(triangles=np.zeros((1, 3, 3)), device="cpu").name
-        ''
-        """
-        return self._scene.name
-
-    @property
-    def triangles(self) -> int:
-        """Number of triangles.
-
-        >>> Scene(triangles=[], device="cpu").triangles
-        0
-        """
-        return self._scene.triangles
-
-    @property
-    def device(self) -> str:
-        """Name of the GPU, or "cpu".
-
-        >>> Scene(triangles=[], device="cpu").device
-        'cpu'
-        """
-        return self._scene.device
-
-    @property
-    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
-        """Lower and upper corner of the box of all triangles, scene units; None without triangles.
-
-        >>> Scene(triangles=[[[0, 0, 0], [1, 0, 0], [0, 2, 0]]], device="cpu").bounds
-        ((0.0, 0.0, 0.0), (1.0, 2.0, 0.0))
-        """
-        bounds = self._scene.bounds
-        return None if bounds is None else (tuple(bounds[0]), tuple(bounds[1]))  # type: ignore[return-value]
-
-    def cast(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: ArrayLike = 0.0,
-        t_max: ArrayLike = np.inf,
-        *,
-        any_hit: bool = False,
-    ) -> Hits:
-        """The closest hit of each ray, or any hit.
-
-        `origins`, `directions`: shape (N, 3), scene units; contiguous float32 is read where it lies. A direction has any
-        length but 0. `t_min`, `t_max`: one number or (N,); hits count between them, in multiples of the direction.
-        The structure is built at the first call and kept. Raises `OptionError` for arrays of wrong shapes or types, and
-        for a ray that cannot be traced, such as one that is not finite; no ray is traced then. Other threads run
-        meanwhile; casts of one scene take turns.
-
-        >>> scene = Scene(triangles=[[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], device="cpu")
-        >>> bool(scene.cast([[0, 0, 3]], [[0, 0, -1]], t_max=2.0).is_hit[0])
-        False
-        >>> scene.cast([[0, 0, np.nan]], [[0, 0, -1]])
-        Traceback (most recent call last):
-            ...
-        raystep.OptionError: ray 0 cannot be traced: a component is not finite
-        """
-        from_, along = _floats("origins", origins, "(N, 3)", (3,)), _floats("directions", directions, "(N, 3)", (3,))
-        if len(from_) != len(along):
-            raise OptionError(f"origins and directions: expected as many of both, not {len(from_)} and {len(along)}")
-        near, far = _ends("t_min", t_min, len(from_)), _ends("t_max", t_max, len(from_))
-        return Hits(self._scene.cast(from_, along, near, far, any_hit).view(HIT))
+for _name in __all__:
+    # Where users see them, in messages and in help.
+    if isinstance(globals()[_name], type) or callable(globals()[_name]):
+        globals()[_name].__module__ = __name__

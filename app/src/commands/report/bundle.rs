@@ -12,7 +12,7 @@ use zip::write::SimpleFileOptions;
 
 use crate::commands::input::Input;
 use crate::error::Error;
-use crate::scene_file::read_file;
+use crate::scene_file::{file_of, read_file};
 
 /// Describes the bundle; the only file that is not listed in it.
 pub(super) const MANIFEST: &str = "manifest.json";
@@ -159,7 +159,8 @@ pub(super) fn zip(
 
 /// A scene's files by their paths in the bundle, the scene itself first.
 fn scene_files(index: usize, input: &Input, max_memory: u64) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    let scene = std::fs::canonicalize(&input.path).unwrap_or_else(|_| input.path.clone());
+    let path = file_of(&input.path)?;
+    let scene = std::fs::canonicalize(&path).unwrap_or(path);
     let root = crate::output::folder_of(&scene);
     let mut all = Vec::new();
     for path in &input.files {

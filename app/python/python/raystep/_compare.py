@@ -1,0 +1,40 @@
+"""Two runs compared."""
+
+from __future__ import annotations
+
+import json
+
+from . import _raystep
+from ._progress import Watched, Watching
+from ._renderer import Renderer
+from ._tables import Tables, table
+
+
+def compare(a: Renderer, b: Renderer, progress: Watching = None) -> Tables:
+    """Compares two runs of the same size from their starts to their ends; they stay where they are. Three tables:
+
+    - `first`: where they first differ, as long as both run the same kernels: a row for each component that differs after
+      that pass, with the first ray (`x`, `y`) and its values. Empty if no pass differs.
+    - `streams`: at the end, a row for each component of the streams that both have: rays that differ, units in the last
+      place.
+    - `runs`: one row, with passes, and rays that hit in one run only, hit another triangle, or hit at another t (in scene
+      units).
+
+    Raises `OptionError` if the sizes differ, `DeviceError` if a device fails.
+
+    >>> from raystep import Renderer, compare
+    >>> runs = [Renderer("cornell-box", size=(16, 12), numerics=rules, device="cpu") for rules in ("robust", "paper")]
+    >>> sorted(compare(*runs))
+    ['first', 'runs', 'streams']
+    """
+    with Watched(progress) as call:
+        found = json.loads(_raystep.compare(a._renderer, b._renderer, call))
+    run, first = found["runs"][0], found["first"]
+    compared = run["compared_passes"]
+    if first:
+        text = f"the runs differ after pass {first[0]['pass']} ({first[0]['kernel']})"
+    elif compared == run["passes_a"] == run["passes_b"]:
+        text = f"all {compared} passes agree"
+    else:
+        text = f"the first {compared} passes agree; then the runs differ in their kernels"
+    return Tables({name: table(found[name]) for name in ("first", "streams", "runs")}, text=text)

@@ -1,0 +1,125 @@
+//! The border between Python and Rust: other threads run while Rust works, a panic becomes an exception, and Ctrl-C ends
+//! a run between two passes.
+
+use std::any::Any;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, PoisonError};
+use std::thread::{ThreadId, current};
+use std::time::{Duration, Instant};
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use raystep_kernels::{Progress, RenderError};
+
+use crate::error::{DeviceError, of_request};
+
+/// Works without the interpreter's lock.
+pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
+    let result = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
+    result.unwrap_or_else(|panic| Err(PyRuntimeError::new_err(format!("a defect of raystep: {}", text_of(&*panic)))))
+}
+
+fn text_of(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
+    text.unwrap_or("no message").replace('\n', " ")
+}
+
+/// A value that threads use in turns.
+pub(crate) struct Turns<T> {
+    value: Mutex<T>,
+    /// The thread whose turn it is.
+    owner: Mutex<Option<ThreadId>>,
+}
+
+/// Ends a turn, also if it panics.
+struct Turn<'a>(&'a Mutex<Option<ThreadId>>);
+
+impl<'a> Turn<'a> {
+    fn begin(owner: &'a Mutex<Option<ThreadId>>) -> Self {
+        *owner.lock().unwrap_or_else(PoisonError::into_inner) = Some(current().id());
+        Self(owner)
+    }
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+}
+
+impl<T: Send> Turns<T> {
+    pub(crate) fn new(value: T) -> Self {
+        Self { value: Mutex::new(value), owner: Mutex::new(None) }
+    }
+
+    /// Waits for its turn without the interpreter's lock, and works.
+    pub(crate) fn take<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut T) -> PyResult<R> + Send) -> PyResult<R> {
+        if *self.owner.lock().unwrap_or_else(PoisonError::into_inner) == Some(current().id()) {
+            return Err(PyRuntimeError::new_err("a progress callback cannot use the renderer that calls it"));
+        }
+        detached(py, || {
+            let broken = |_| DeviceError::new_err("the renderer has failed before: make a new one");
+            let mut value = self.value.lock().map_err(broken)?;
+            let _turn = Turn::begin(&self.owner);
+            work(&mut value)
+        })
+    }
+}
+
+/// How often Python is asked and told.
+const INTERVAL: Duration = Duration::from_millis(50);
+
+/// Tells a callback about progress, and stops a run at an exception, Ctrl-C included.
+pub(crate) struct Watcher {
+    callback: Option<Py<PyAny>>,
+    last: Instant,
+    raised: Option<PyErr>,
+}
+
+impl Watcher {
+    /// The callback gets passes, rays decided, rays, samples, and samples at the end.
+    pub(crate) fn new(callback: Option<Py<PyAny>>) -> Self {
+        Self { callback, last: Instant::now(), raised: None }
+    }
+
+    pub(crate) fn tell(&mut self, progress: &Progress) -> ControlFlow<()> {
+        let is_end = progress.samples == progress.samples_wanted;
+        if self.last.elapsed() < INTERVAL && !is_end {
+            return ControlFlow::Continue(());
+        }
+        let Progress { passes, rays_decided, rays, samples, samples_wanted } = *progress;
+        let asked = Python::attach(|py| {
+            py.check_signals()?;
+            let callback = self.callback.as_ref();
+            callback
+                .map_or(Ok(()), |call| call.call1(py, (passes, rays_decided, rays, samples, samples_wanted)).map(drop))
+        });
+        self.last = Instant::now();
+        match asked {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                self.raised = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+
+    /// As [`tell`](Self::tell), for work that has no progress to tell.
+    pub(crate) fn ask(&mut self) -> ControlFlow<()> {
+        if self.last.elapsed() < INTERVAL {
+            return ControlFlow::Continue(());
+        }
+        self.last = Instant::now();
+        self.raised = Python::attach(|py| py.check_signals()).err();
+        if self.raised.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// What a run came to.
+    pub(crate) fn finish<T>(self, result: Result<T, RenderError>) -> PyResult<T> {
+        match self.raised {
+            Some(error) => Err(error),
+            None => result.map_err(|error| of_request(&error)),
+        }
+    }
+}
