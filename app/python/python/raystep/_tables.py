@@ -87,7 +87,21 @@ def table(rows: Iterable[dict[str, Any]]) -> TableLike:
     if importlib.util.find_spec("pandas") is None:
         return found
     pandas: Any = importlib.import_module("pandas")
-    return pandas.DataFrame(list(found))
+    names = list(found[0]) if found else []
+    columns = {name: found.column(name) for name in names}
+    return pandas.DataFrame({name: pandas.Series(values, dtype=_dtype(values)) for name, values in columns.items()})
+
+
+def _dtype(values: list[Any]) -> str:
+    """The frame's type of a column: integers stay integers where some are missing."""
+    kinds = {type(value) for value in values if value is not None}
+    has_gaps = None in values
+    if kinds == {bool}:
+        return "boolean" if has_gaps else "bool"
+    if kinds == {int}:
+        is_long = any(value is not None and value >= 1 << 63 for value in values)
+        return ("UInt64" if is_long else "Int64") if has_gaps else ("uint64" if is_long else "int64")
+    return "float64" if kinds and kinds <= {int, float} else "object"
 
 
 def table_of_csv(text: str) -> TableLike:
