@@ -1,10 +1,27 @@
 #!/bin/sh
-# Builds the wheel into a folder: sh app/python/build.sh DIR; with --sdist before DIR, the source distribution. Needs Rust
-# and Python 3.11 or later; maturin, and zig as a linker for an old glibc, are installed into target/python.
+# Builds the wheel into a folder:
+#
+#     sh app/python/build.sh [--sdist] [--page PAGE] [--quick] DIR
+#
+# with --sdist, the source distribution. Needs Rust and Python 3.11 or later; maturin, and zig as a linker for an old
+# glibc, are installed into target/python. --page takes the folder of a page that app/web/build.sh has built before. For
+# tests, --quick optimises only what traces rays, and links for this machine.
 set -eu
-what=wheel
-[ "${1-}" != --sdist ] || { what=sdist; shift; }
-[ $# = 1 ] || { echo "usage: sh app/python/build.sh [--sdist] DIR" >&2; exit 2; }
+usage() { echo "usage: sh app/python/build.sh [--sdist] [--page PAGE] [--quick] DIR" >&2; exit 2; }
+what=wheel page="" quick=""
+while [ $# -gt 1 ]; do
+    case $1 in
+    --sdist) what=sdist ;;
+    --quick) quick=yes ;;
+    --page)
+        page=$(cd "$2" && pwd)
+        shift
+        ;;
+    *) usage ;;
+    esac
+    shift
+done
+case ${1:---} in -*) usage ;; esac
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
 cd "$(dirname "$0")"
@@ -31,11 +48,27 @@ for name in quantized sphere-flake teapot terrain; do
 done
 cp ../../scenes/textures-*.bin ../../scenes/*.png "$scenes"
 
+# The inspector for browsers, without scenes: `view` serves the one that is shown.
+[ -n "$page" ] || {
+    page="$target/page"
+    rm -rf "$page"
+    sh ../web/build.sh "$page"
+}
+rm -rf python/raystep/page
+cp -R "$page" python/raystep/page
+rm -rf python/raystep/page/scenes python/raystep/page/lessons.*
+
 PATH="$target/tools/bin:$PATH"
 export PATH CARGO_TARGET_DIR="$target/build"
-case $what in
+case $what$quick in
 wheel) maturin build --quiet --release --locked --zig --compatibility manylinux_2_28 --out "$out" ;;
-sdist) maturin sdist --quiet --out "$out" ;;
+wheelyes)
+    traces() { printf ' --config profile.release.package.%s.opt-level=3' "$@"; }
+    # shellcheck disable=SC2046
+    CARGO_PROFILE_RELEASE_OPT_LEVEL=0 maturin build --quiet --release --locked --compatibility linux --out "$out" \
+        $(traces raystep-kernels raystep-scenes glam obvhs rayon rayon-core)
+    ;;
+sdist*) maturin sdist --quiet --out "$out" ;;
 esac
 for file in "$out"/raystep-*; do
     echo "$file: $(wc -c <"$file") bytes"

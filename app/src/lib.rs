@@ -21,7 +21,7 @@ mod usage;
 mod window;
 
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::CommandFactory as _;
 use raystep_scenes::Scene;
@@ -52,12 +52,13 @@ pub fn set_scenes(folder: &Path) {
     scene_file::set_folder(folder.to_owned());
 }
 
-/// Reads a scene's file, or one that has a name, as the commands do, with their limits: files that it names have to be in its folder or below.
+/// Reads a scene's file, or one that has a name, as the commands do, with their limits: files that it names have to be in
+/// its folder or below. Returns also the files that it was read from, its own first.
 ///
 /// # Errors
 /// In one line: what is wrong with the file, or with its name.
-pub fn read_scene(path: &Path) -> Result<Scene, String> {
-    scene_file::read_alone(path).map_err(|error| error.message)
+pub fn read_scene(path: &Path) -> Result<(Scene, Vec<PathBuf>), String> {
+    scene_file::read_alone(path).map(|file| (file.scene, file.inputs)).map_err(|error| error.message)
 }
 
 /// The command line's definition, from which the manual pages are made.

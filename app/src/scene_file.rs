@@ -58,8 +58,8 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
 }
 
 /// Reads a scene with the default limits.
-pub(crate) fn read_alone(path: &Path) -> Result<Scene, Error> {
-    read(&SceneArgs { scene: path.to_owned(), scene_index: None, read: ReadArgs::default() }).map(|file| file.scene)
+pub(crate) fn read_alone(path: &Path) -> Result<SceneFile, Error> {
+    read(&SceneArgs { scene: path.to_owned(), scene_index: None, read: ReadArgs::default() })
 }
 
 /// The path of a file that another one names, as scenes name their textures: in its folder or below, unless others are

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use raystep_kernels::{CastHit, Caster, Options, Ray, RenderError};
 use raystep_lab::Machine;
 use raystep_scenes as scenes;
@@ -22,6 +23,7 @@ const HIT_WORDS: usize = size_of::<CastHit>() / size_of::<u32>();
 pub(crate) struct Scene {
     pub(crate) scene: Arc<scenes::Scene>,
     pub(crate) machine: Machine,
+    files: Vec<PathBuf>,
     /// For the closest hit, and for any.
     casters: [Mutex<Option<Caster>>; 2],
 }
@@ -31,8 +33,8 @@ impl Scene {
     /// Reads a scene's file, or one that has a name.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, device: &str, adapter: Option<&str>) -> PyResult<Self> {
-        let scene = detached(py, || raystep_app::read_scene(&path).map_err(SceneError::new_err))?;
-        Self::new(py, scene, device, adapter)
+        let (scene, files) = detached(py, || raystep_app::read_scene(&path).map_err(SceneError::new_err))?;
+        Self::new(py, scene, files, device, adapter)
     }
 
     /// Takes triangles: N×3×3 corners.
@@ -52,13 +54,27 @@ impl Scene {
         }
         let (corners, _) = values.as_chunks::<3>();
         let (triangles, _) = corners.as_chunks::<3>();
-        Self::new(py, scenes::Scene::from_triangles(triangles.to_vec()), device, adapter)
+        Self::new(py, scenes::Scene::from_triangles(triangles.to_vec()), Vec::new(), device, adapter)
     }
 
     /// Its name.
     #[getter]
     fn name(&self) -> &str {
         &self.scene.name
+    }
+
+    /// The files that it was read from, its own first; none for triangles.
+    #[getter]
+    fn files(&self) -> Vec<PathBuf> {
+        self.files.clone()
+    }
+
+    /// The triangles as a GLB file.
+    fn glb<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = detached(py, || {
+            scenes::write_glb(&self.scene).map_err(|error| SceneError::new_err(error.to_string()))
+        })?;
+        Ok(PyBytes::new(py, &bytes))
     }
 
     /// Its triangles.
@@ -119,9 +135,15 @@ impl Scene {
 }
 
 impl Scene {
-    fn new(py: Python<'_>, scene: scenes::Scene, device: &str, adapter: Option<&str>) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        scene: scenes::Scene,
+        files: Vec<PathBuf>,
+        device: &str,
+        adapter: Option<&str>,
+    ) -> PyResult<Self> {
         let machine = detached(py, || choose(device, adapter))?;
-        Ok(Self { scene: Arc::new(scene), machine, casters: Default::default() })
+        Ok(Self { scene: Arc::new(scene), machine, files, casters: Default::default() })
     }
 
     /// Casts, one call after the other.

@@ -123,9 +123,9 @@ pub async fn compare(
     let mut before = Vec::new();
     for &stream in &streams {
         let mut values = renderer.values(stream).await?;
-        // Some streams must keep their initial values: which kernel is next, the number of samples, and that no search
-        // has begun.
-        if makes_rays && ![streams::STATE, streams::ACCUMULATED, streams::SCAN].contains(&stream) {
+        // Some streams must keep their initial values: which kernel is next, the number of samples, the sum of no blocks of
+        // samples, and that no search has begun.
+        if makes_rays && ![streams::STATE, streams::ACCUMULATED, streams::BLOCKS, streams::SCAN].contains(&stream) {
             values.bits.fill(0x7fc0_dead);
             in_both(renderer.write(&values), stream)?;
         }

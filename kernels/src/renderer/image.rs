@@ -2,8 +2,8 @@
 
 use crate::numbers::srgb::linear_to_srgb;
 use crate::options::samples::Samples;
-use crate::programs::closest_hit::accumulate::mean_of_blocks;
 use crate::shared::constants::NO_TRIANGLE;
+use crate::shared::samples::mean_of_blocks;
 use crate::tables::stream::StreamData;
 
 /// A linear image, rows from the top.

@@ -12,6 +12,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::numbers::named::named;
+use crate::numbers::real::Real;
+use crate::options::samples::Samples;
 
 /// How samples are distributed over a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -45,6 +47,14 @@ pub struct Sampling {
     pub seed: u32,
     /// Index of the first sample.
     pub first: u32,
+}
+
+/// The mean of `samples` samples: of complete blocks, whose means' sum is given, and of one that is not by its share.
+pub fn mean_of_blocks<R: Real>(sum: R, mean: R, samples: u32) -> R {
+    let of = |count: u32| R::from_i32(count as i32);
+    let (complete, part) = (of(samples / Samples::BLOCK), of(samples % Samples::BLOCK) / of(Samples::BLOCK));
+    let begun = if part > R::zero() { mean * part } else { R::zero() };
+    (sum + begun) / (complete + part)
 }
 
 fn hashed(value: u32) -> u32 {

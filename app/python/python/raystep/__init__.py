@@ -9,7 +9,8 @@ array([1.5, inf], dtype=float32)
 >>> hits.is_hit
 array([ True, False])
 
-A run is stepped by a `Renderer`; `compare`, `stability` and `report` return tables.
+A run is stepped by a `Renderer`; `compare`, `stability` and `report` return tables; `view` shows the inspector in the
+browser.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from ._raystep import DeviceError, OptionError, SceneError, __version__
 from ._renderer import Pass, Plan, Renderer, Streams
 from ._scene import MISS, Hits, Scene, scene_names
 from ._tables import Table, Tables
+from ._view import View, view
 
 __all__ = [
     "MISS",
@@ -46,11 +48,13 @@ __all__ = [
     "Streams",
     "Table",
     "Tables",
+    "View",
     "__version__",
     "compare",
     "report",
     "scene_names",
     "stability",
+    "view",
 ]
 
 for _name in __all__:

@@ -19,11 +19,13 @@ class Scene:
     triangles: int
     device: str
     notes: list[str]
+    files: list[str]
     bounds: tuple[list[float], list[float]] | None
     @staticmethod
     def read(path: str | os.PathLike[str], device: str, adapter: str | None) -> Scene: ...
     @staticmethod
     def of_triangles(corners: NDArray[np.float32], device: str, adapter: str | None) -> Scene: ...
+    def glb(self) -> bytes: ...
     def cast(
         self,
         origins: NDArray[np.float32],

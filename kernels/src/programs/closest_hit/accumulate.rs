@@ -20,19 +20,12 @@ use crate::programs::closest_hit::streams::{
 };
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_TRIANGLE;
+use crate::shared::samples::mean_of_blocks;
 use crate::tables::texels::Texels;
 
 /// The mean of `samples` samples, from the mean of all but the last, and the last.
 pub fn moved<R: Real>(mean_before: R, sample: R, samples: R) -> R {
     mean_before + (sample - mean_before) / samples
-}
-
-/// The mean of `samples` samples: of complete blocks, whose means' sum is given, and of one that is not by its share.
-pub fn mean_of_blocks<R: Real>(sum: R, mean: R, samples: u32) -> R {
-    let of = |count: u32| R::from_i32(count as i32);
-    let (complete, part) = (of(samples / Samples::BLOCK), of(samples % Samples::BLOCK) / of(Samples::BLOCK));
-    let begun = if part > R::zero() { mean * part } else { R::zero() };
-    (sum + begun) / (complete + part)
 }
 
 /// Processes one ray.

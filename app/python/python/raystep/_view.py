@@ -1,0 +1,206 @@
+"""The inspector in the browser: the page that the wheel brings along, served to this machine alone."""
+
+from __future__ import annotations
+
+import hmac
+import html
+import importlib.util
+import os
+import secrets
+import threading
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path, PurePosixPath
+from typing import Union
+from urllib.parse import parse_qsl, quote, unquote, urlencode, urlsplit
+
+from ._raystep import OptionError
+from ._scene import Scene
+
+PAGE = Path(__file__).parent / "page"
+PREFIX = "raystep:1?"
+TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".png": "image/png",
+    ".gltf": "model/gltf+json",
+    ".glb": "model/gltf-binary",
+}
+
+Content = Union[Path, bytes]
+
+
+class _Server(ThreadingHTTPServer):
+    """Files of all views, each behind its token, on a port of the loopback address."""
+
+    daemon_threads = True
+
+    def __init__(self) -> None:
+        super().__init__(("127.0.0.1", 0), _Handler)
+        self.views: dict[str, dict[str, Content]] = {}
+        threading.Thread(target=self.serve_forever, name="raystep view", daemon=True).start()
+
+    def find(self, path: str) -> Content | None:
+        """What is at `/TOKEN/NAME`: nothing but the files that a view lists."""
+        token, _, name = unquote(path).lstrip("/").partition("/")
+        files = {}
+        for known, of_view in list(self.views.items()):
+            # Takes as long for a wrong token as for a right one.
+            if hmac.compare_digest(known.encode(), token.encode()):
+                files = of_view
+        return files.get(name or "index.html")
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: _Server
+    server_version = "raystep"
+    sys_version = ""
+
+    def do_GET(self) -> None:
+        content = self.server.find(urlsplit(self.path).path)
+        try:
+            body = content.read_bytes() if isinstance(content, Path) else content
+        except OSError:
+            body = None
+        if body is None:
+            self.send_error(HTTPStatus.NOT_FOUND)
+            return
+        suffix = PurePosixPath(urlsplit(self.path).path).suffix or ".html"
+        self.send_response(HTTPStatus.OK)
+        self.send_header("Content-Type", TYPES.get(suffix, "application/octet-stream"))
+        self.send_header("Content-Length", str(len(body)))
+        # A view's address is its key: it goes nowhere else.
+        self.send_header("Referrer-Policy", "no-referrer")
+        self.send_header("Cache-Control", "no-store")
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, format: str, *args: object) -> None:
+        pass
+
+
+_lock = threading.Lock()
+_server: _Server | None = None
+
+
+def _serve() -> _Server:
+    global _server
+    with _lock:
+        if _server is None:
+            _server = _Server()
+        return _server
+
+
+class View:
+    """The inspector in the browser, of one scene: made by `view`. In a notebook, it shows itself.
+
+    >>> from raystep import Scene, view
+    >>> scene = Scene(triangles=[[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], device="cpu")
+    >>> shown = view(scene)
+    >>> shown.url.startswith("http://127.0.0.1:")
+    True
+    >>> shown.close()
+    """
+
+    def __init__(self, server: _Server, token: str, fragment: str, height: int) -> None:
+        self._server, self._token, self._fragment, self._height = server, token, fragment, height
+
+    @property
+    def url(self) -> str:
+        """Its address on this machine. Whoever has it can read the scene, so it contains a random token.
+
+        >>> from raystep import Scene, view
+        >>> shown = view(Scene(triangles=[], device="cpu"), link="pixel=3,4")
+        >>> shown.url.split("#")[1]
+        'raystep:1?scene=triangles.glb&pixel=3%2C4'
+        >>> shown.close()
+        """
+        return f"http://127.0.0.1:{self._server.server_port}/{self._token}/?embed#{self._fragment}"
+
+    def close(self) -> None:
+        """Stops serving it.
+
+        >>> from raystep import Scene, view
+        >>> shown = view(Scene(triangles=[], device="cpu"))
+        >>> shown.close()
+        >>> shown.close()
+        """
+        self._server.views.pop(self._token, None)
+
+    def __repr__(self) -> str:
+        return f"View({self.url!r})"
+
+    def _repr_html_(self) -> str:
+        source, problem = _address(self.url)
+        if problem is not None:
+            return f"<p>{html.escape(problem)}</p>"
+        return (
+            f'<iframe src="{html.escape(source)}" width="100%" height="{self._height}" style="border: 0" '
+            'allow="fullscreen; clipboard-write"></iframe>'
+        )
+
+
+def _address(url: str) -> tuple[str, str | None]:
+    """Where a notebook's browser reaches an address of this machine; or why it does not."""
+    parts = urlsplit(url)
+    rest = f"{parts.path}?{parts.query}#{parts.fragment}"
+    has_proxy = importlib.util.find_spec("jupyter_server_proxy") is not None
+    hub = os.environ.get("JUPYTERHUB_SERVICE_PREFIX")
+    if hub is not None and has_proxy:
+        return f"{hub.rstrip('/')}/proxy/{parts.port}{rest}", None
+    is_remote = hub is not None or "SSH_CONNECTION" in os.environ or "COLAB_RELEASE_TAG" in os.environ
+    if is_remote:
+        return url, (
+            "raystep.view: this kernel runs on another machine than the browser; install jupyter-server-proxy beside "
+            f"JupyterHub, or forward the port (ssh -L {parts.port}:127.0.0.1:{parts.port} …) and open {url}"
+        )
+    return url, None
+
+
+def view(scene: Scene, link: str = "", *, height: int = 640) -> View:
+    """Shows a scene in the inspector, in an iframe of `height` CSS pixels: every pass and every stream, in the browser.
+
+    `link`: a place to begin at, as *Copy link* of the inspector gives it, or a part of one, such as
+    "pixel=200,260&pass=41&stream=tmax.x"; its scene is replaced by this one. The page is served from memory and from the
+    scene's own files to 127.0.0.1, and sends nothing anywhere. Raises `OptionError` for a link that is none, or if the
+    module was built without the page.
+
+    >>> from raystep import Scene, view
+    >>> scene = Scene(triangles=[[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], device="cpu")
+    >>> shown = view(scene, "pixel=10,20&pass=3")
+    >>> "<iframe" in shown._repr_html_() or "another machine" in shown._repr_html_()
+    True
+    >>> shown.close()
+    """
+    if not (PAGE / "index.html").is_file():
+        raise OptionError("view: this build of the module has no web page: build it by sh app/python/build.sh DIR")
+    text = link.rpartition("#")[2]
+    text = text.removeprefix(PREFIX)
+    place = parse_qsl(text, keep_blank_values=True)
+    if text and (":" in text.split("=")[0] or len(place) != len(text.split("&"))):
+        raise OptionError(f"link {link!r}: expected a link of raystep, or parts of one such as pixel=200,260&pass=41")
+    files: dict[str, Content] = {
+        path.relative_to(PAGE).as_posix(): path for path in PAGE.rglob("*") if path.is_file()
+    }
+    name, of_scene = _files(scene)
+    files.update({f"scenes/{quoted}": content for quoted, content in of_scene.items()})
+    query = urlencode([("scene", name)] + [pair for pair in place if pair[0] != "scene"], quote_via=quote)
+    server, token = _serve(), secrets.token_urlsafe(24)
+    server.views[token] = files
+    return View(server, token, PREFIX + query, height)
+
+
+def _files(scene: Scene) -> tuple[str, dict[str, Content]]:
+    """A scene's name in the page, and what is served of it: its own file and those that it refers to, or a GLB."""
+    paths = [Path(path) for path in scene._scene.files]
+    if not paths:
+        return "triangles.glb", {"triangles.glb": scene._scene.glb()}
+    folder = paths[0].parent
+    named = {}
+    for path in paths:
+        # Others are outside of the scene's folder, where a page has none.
+        if path.is_relative_to(folder):
+            named[path.relative_to(folder).as_posix()] = path
+    return paths[0].name, dict(named)

@@ -1,0 +1,103 @@
+"""The inspector in the browser: what is served, to whom, and what notebooks show of it."""
+
+import http.client
+import os
+import socket
+import unittest
+from pathlib import Path
+from unittest import mock
+from urllib.parse import quote, urlsplit
+
+import raystep
+
+SCENES = Path(raystep.__file__).parent / "scenes"
+
+
+def get(url: str, path: str, method: str = "GET") -> tuple[int, bytes]:
+    """Status and body, with the path as it is: nothing is normalised."""
+    connection = http.client.HTTPConnection("127.0.0.1", urlsplit(url).port, timeout=10)
+    connection.request(method, path)
+    response = connection.getresponse()
+    return response.status, response.read()
+
+
+class View(unittest.TestCase):
+    def setUp(self) -> None:
+        self.scene = raystep.Scene("textures", device="cpu")
+        self.shown = raystep.view(self.scene, "raystep:1?scene=other.glb&pixel=3,4&stream=tmax.x")
+        self.addCleanup(self.shown.close)
+        self.base = urlsplit(self.shown.url).path
+
+    def test_the_page_and_the_scene_are_served(self) -> None:
+        status, page = get(self.shown.url, self.base)
+        self.assertEqual((status, b"<html" in page), (200, True))
+        for name in ("page.js", "worker.js", "raystep_web_bg.wasm.gz"):
+            self.assertEqual(get(self.shown.url, f"{self.base}{name}")[0], 200, name)
+        status, scene = get(self.shown.url, f"{self.base}scenes/textures.gltf")
+        self.assertEqual((status, scene), (200, (SCENES / "textures.gltf").read_bytes()))
+        # What it refers to: a name that is percent-encoded.
+        beside = [path for path in SCENES.iterdir() if path.suffix in (".bin", ".png")]
+        self.assertEqual(len(beside), 2)
+        for path in beside:
+            status, body = get(self.shown.url, f"{self.base}scenes/{quote(path.name)}")
+            self.assertEqual((status, body), (200, path.read_bytes()), path.name)
+        self.assertEqual(urlsplit(self.shown.url).fragment, "raystep:1?scene=textures.gltf&pixel=3%2C4&stream=tmax.x")
+
+    def test_nothing_else_is(self) -> None:
+        for path in (
+            "/",
+            "/index.html",
+            f"{self.base[:-2]}/",
+            f"{self.base}../__init__.py",
+            f"{self.base}%2e%2e/__init__.py",
+            f"{self.base}scenes/../../__init__.py",
+            f"{self.base}scenes/teapot.glb",
+            f"{self.base}/etc/passwd",
+            f"{self.base}scenes",
+        ):
+            self.assertEqual(get(self.shown.url, path)[0], 404, path)
+        self.assertEqual(get(self.shown.url, self.base, "POST")[0], 501)
+
+    def test_each_view_has_a_token_and_ends(self) -> None:
+        other = raystep.view(raystep.Scene(triangles=[[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], device="cpu"))
+        token = urlsplit(other.url).path
+        self.assertGreaterEqual(len(token), 32)
+        self.assertNotEqual(token, self.base)
+        status, glb = get(other.url, f"{token}scenes/triangles.glb")
+        self.assertEqual((status, glb[:4]), (200, b"glTF"))
+        self.assertEqual(get(other.url, f"{token}scenes/textures.gltf")[0], 404)
+        other.close()
+        self.assertEqual(get(other.url, token)[0], 404)
+        self.assertEqual(get(self.shown.url, self.base)[0], 200)
+
+    def test_only_this_machine_is_answered(self) -> None:
+        port = urlsplit(self.shown.url).port
+        for _, _, _, _, address in socket.getaddrinfo(socket.gethostname(), port, socket.AF_INET):
+            if not str(address[0]).startswith("127."):
+                with self.assertRaises(OSError), socket.create_connection((str(address[0]), port), timeout=2):
+                    pass
+
+    def test_a_notebook_shows_it_or_says_why_not(self) -> None:
+        clean = {k: v for k, v in os.environ.items() if k not in ("SSH_CONNECTION", "JUPYTERHUB_SERVICE_PREFIX")}
+        with mock.patch.dict(os.environ, clean, clear=True):
+            frame = self.shown._repr_html_()
+            self.assertIn(f'<iframe src="{self.shown.url.replace("&", "&amp;")}"', frame)
+            os.environ["SSH_CONNECTION"] = "1"
+            self.assertIn("another machine", self.shown._repr_html_())
+            self.assertNotIn("<iframe", self.shown._repr_html_())
+            os.environ["JUPYTERHUB_SERVICE_PREFIX"] = "/user/somebody/"
+            with mock.patch("importlib.util.find_spec", return_value=object()):
+                port = urlsplit(self.shown.url).port
+                self.assertIn(f'src="/user/somebody/proxy/{port}{self.base}?embed#', self.shown._repr_html_())
+
+    def test_a_wrong_link_is_refused(self) -> None:
+        for wrong in ("https://example.org/", "raystep:2?pixel=1,2", "pixel", "javascript:alert(1)"):
+            with self.assertRaises(raystep.OptionError, msg=wrong):
+                raystep.view(self.scene, wrong)
+        self.assertIn("pixel=5%2C6", raystep.view(self.scene, "http://localhost:8000/#raystep:1?pixel=5,6").url)
+        script = raystep.view(self.scene, 'stream="><script>alert(1)</script>')._repr_html_()
+        self.assertNotIn("<script", script)
+
+
+if __name__ == "__main__":
+    unittest.main()
