@@ -10,7 +10,7 @@ import nbformat
 NOTEBOOKS = Path(__file__).resolve().parents[3] / "docs" / "notebooks"
 
 SHOWN = {
-    "costly-voxels": {"image/png": 1, "text/html": 3},
+    "costly-voxels": {"image/png": 1, "text/html": 2},
     "own-structure": {},
     "paper-tables": {"image/png": 2, "text/html": 1},
 }

@@ -179,7 +179,7 @@ def view(scene: Scene, link: str = "", *, height: int = 640) -> View:
     text = link.rpartition("#")[2]
     text = text.removeprefix(PREFIX)
     place = parse_qsl(text, keep_blank_values=True)
-    if text and (":" in text.split("=")[0] or len(place) != len(text.split("&"))):
+    if text and any("=" not in pair or not pair[0].isalpha() or ":" in pair.split("=")[0] for pair in text.split("&")):
         raise OptionError(f"link {link!r}: expected a link of raystep, or parts of one such as pixel=200,260&pass=41")
     files: dict[str, Content] = {
         path.relative_to(PAGE).as_posix(): path for path in PAGE.rglob("*") if path.is_file()
