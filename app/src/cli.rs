@@ -6,7 +6,8 @@ use std::path::Path;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::commands::{
-    bench, build, cast, completions, dump, extension, info, inspect, plan, render, report, scene, stability, trace,
+    bench, build, cast, completions, dump, extension, info, inspect, plan, render, report, scene, stability, sweep,
+    trace,
 };
 use crate::error::Error;
 use crate::{usage, window};
@@ -33,6 +34,7 @@ Examples:
   raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
   raystep report scenes/cornell-box.gltf -o report
   raystep stability -o stability
+  raystep sweep sweep.toml -o sweep
   raystep info
 'raystep COMMAND --help' says more about each."
 )]
@@ -52,6 +54,7 @@ pub(crate) enum Command {
     Cast(Box<cast::CastArgs>),
     Report(Box<report::ReportArgs>),
     Stability(Box<stability::StabilityArgs>),
+    Sweep(sweep::SweepArgs),
     Plan(Box<plan::PlanArgs>),
     Info(info::InfoArgs),
     #[command(subcommand)]

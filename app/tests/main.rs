@@ -24,6 +24,7 @@ mod session_file;
 #[cfg(unix)]
 mod signals;
 mod stability;
+mod sweep;
 mod text;
 mod traversal;
 mod ways;

@@ -41,7 +41,7 @@ Examples:
   raystep render scenes/cornell-box.gltf -o box.png --trace-json trace.json   (for ui.perfetto.dev)")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(super) scene: SceneArgs,
     /// Output image; its name ends in .png or .exr
     #[arg(short, long, value_name = "OUT.png|OUT.exr")]
     output: PathBuf,
@@ -68,7 +68,7 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
-    run: RunArgs,
+    pub(super) run: RunArgs,
 }
 
 #[derive(Clone, Copy)]

@@ -22,8 +22,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _raystep
 from ._raystep import DeviceError, OptionError, SceneError, __version__
+from ._sweep import SweepError, sweep
 
-__all__ = ["DeviceError", "Hits", "OptionError", "Scene", "SceneError", "__version__"]
+__all__ = ["DeviceError", "Hits", "OptionError", "Scene", "SceneError", "SweepError", "__version__", "sweep"]
 
 if sys.platform == "linux" and "XDG_RUNTIME_DIR" not in os.environ and "MESA_VK_DEVICE_SELECT" not in os.environ:
     # As in the command: else a layer of Mesa writes to stderr that there is no desktop.
