@@ -208,9 +208,19 @@ fn other_processes_can_run_the_jobs() {
     let jobs: Value = serde_json::from_str(&list.stdout).expect("JSON");
     assert_eq!([&jobs[0]["needs_gpu"], &jobs[0]["is_timed"]], [&Value::Bool(false); 2], "{jobs}");
     fs::write(place.path("job.json"), jobs[0].to_string()).expect("a file");
-    let mut worker = place.command(&["sweep", "--run-job", "job.json", "-o", "result"].map(OsStr::new));
-    let mut worker = worker.stdin(Stdio::piped()).spawn().expect("the binary starts");
+    let worker = || {
+        let mut worker = place.command(&["sweep", "--run-job", "job.json", "-o", "result"].map(OsStr::new));
+        worker.stdin(Stdio::piped()).spawn().expect("the binary starts")
+    };
+    // One whose sender is gone ends, and leaves nothing.
+    let before = place.names();
+    let mut orphan = worker();
+    drop(orphan.stdin.take());
+    assert_eq!((orphan.wait().expect("an end").code(), place.names()), (Some(1), before));
+    let mut worker = worker();
+    let sender = worker.stdin.take();
     assert_eq!(worker.wait().expect("an end").code(), Some(0));
+    drop(sender);
 
     let mut driver = place.command(&["sweep", "sweep.toml", "-o", "out", "--serve"].map(OsStr::new));
     let mut driver =
@@ -227,8 +237,7 @@ fn other_processes_can_run_the_jobs() {
     assert!(!all.is_empty() && all.iter().all(|row| row["case"] == "no-triangle"), "{all:?}");
     let last = run(&place, &["sweep.toml", "-o", "out", "--list-json"]);
     assert_eq!((last.code, last.stdout.as_str()), (Some(0), "[]\n"));
-    // A worker whose sender is gone ends, and leaves nothing.
-    place.fails(1, "", &["sweep", "--run-job", "nothing.json", "-o", "other"]);
+    place.fails(1, "nothing.json: No such file", &["sweep", "--run-job", "nothing.json", "-o", "other"]);
 }
 
 #[test]

@@ -6,6 +6,7 @@ this module only takes jobs to workers and their results back.
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import hashlib
 import importlib
@@ -87,6 +88,7 @@ def sweep(
     ...              each={"accelerator": ["grid", "bvh"]}, output=folder.name, quiet=True)
     >>> sorted({row["job"] for row in rows})
     ['stability-accelerator-bvh', 'stability-accelerator-grid']
+    >>> folder.cleanup()
     """
     if on not in ("local", "ray"):
         raise OptionError(f'on={on!r}: expected "local" or "ray"')
@@ -186,13 +188,21 @@ class _Program:
     def end(self) -> tuple[int, str]:
         """Waits for its end; returns the exit code and the error."""
         code = self.process.wait()
-        self._reader.join()
+        self._close()
         return code, self.last or f"raystep ended with code {code}"
 
     def stop(self) -> None:
         """Ends it."""
         self.process.terminate()
         self.process.wait()
+        self._close()
+
+    def _close(self) -> None:
+        self._reader.join()
+        for pipe in (self.process.stdin, self.process.stdout, self.process.stderr):
+            if pipe is not None:
+                with contextlib.suppress(BrokenPipeError):
+                    pipe.close()
 
 
 def _local(arguments: Sequence[str]) -> tuple[int, str]:
@@ -305,7 +315,8 @@ def _packed(files: Sequence[str]) -> bytes:
     """The files as a ZIP, with names relative to their common folder."""
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_STORED) as archive:
-        for file in files:
+        # A scene may name a file twice.
+        for file in dict.fromkeys(files):
             archive.write(file, os.path.relpath(file, _base(files)))
     return packed.getvalue()
 

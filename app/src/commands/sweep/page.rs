@@ -114,7 +114,7 @@ fn details(what: What, rows: &[&Row]) -> String {
     let text = |row: &Row, columns: &[&str]| -> Vec<String> {
         columns.iter().map(|column| escaped(field(row, column))).collect()
     };
-    let names: Vec<String> = options.iter().map(|name| name.trim_start_matches("option_").replace('_', "-")).collect();
+    let names: Vec<String> = options.iter().map(|name| name.replacen("option_", "--", 1).replace('_', "-")).collect();
     let options: Vec<&str> = options.into_iter().collect();
     let mut columns: Vec<&str> = vec!["scene"];
     columns.extend(names.iter().map(String::as_str));
