@@ -106,6 +106,14 @@ fn every_scene_and_combination_is_a_job_that_runs_once() {
     assert_ne!(rows(&place)[2]["picture_hash"], all[2]["picture_hash"]);
     assert_eq!(folders(&place).len(), 4);
 
+    // A name with the characters of patterns, and of a folder that has them.
+    fs::create_dir(place.path("a[b]")).expect("a folder");
+    fs::copy(scene("single-triangle.gltf"), place.path("a[b]/c[d] é?.gltf")).expect("a scene");
+    fs::write(place.path("a[b]/one.toml"), PICTURES.replace("scenes/*.gltf", "c[d] é?.gltf")).expect("a file");
+    let one = run(&place, &["a[b]/one.toml", "-o", "a[b]/out"]);
+    assert_eq!(one.code, Some(0), "{one:?}");
+    assert!(place.path("a[b]/out/jobs/c_d__é_-accelerator-grid/picture.png").exists());
+
     // Another sweep, or two programs at once.
     fs::write(place.path("sweep.toml"), PICTURES.replace("16x16", "17x16")).expect("a file");
     let other = run(&place, &["sweep.toml", "-o", "out"]);

@@ -36,8 +36,9 @@ use file::Definition;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  printf 'what = \"render\"\\nscenes = [\"scenes/cornell-box.gltf\"]\\n[options]\\nsize = \"16x16\"\\n' > sweep.toml
-  printf '[each]\\naccelerator = [\"grid\", \"bvh\"]\\n' >> sweep.toml
+  printf 'what = \"render\"\\nscenes = [\"scenes/teapot.glb\"]\\n' > sweep.toml
+  printf '[options]\\nsize = \"64x64\"\\n' >> sweep.toml
+  printf '[each]\\nnumerics = [\"robust\", \"paper\"]\\n' >> sweep.toml
   raystep sweep sweep.toml -o sweep
   raystep sweep sweep.toml -o sweep --jobs 2     (continues, if it was interrupted)")]
 pub(crate) struct SweepArgs {

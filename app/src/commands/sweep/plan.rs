@@ -146,6 +146,10 @@ fn scenes(sweep: &Definition, folder: &Path) -> Result<Vec<Scene>, Error> {
     for pattern in &sweep.scenes {
         let wrong = |why: &dyn std::fmt::Display| Error::failed(format!("{at}: scenes: \"{pattern}\" {why}"));
         let whole = if Path::new(pattern).is_absolute() { pattern.clone() } else { format!("{here}/{pattern}") };
+        // A file's name may have the characters of patterns.
+        let file = folder.join(pattern);
+        let whole =
+            if file.is_file() { glob::Pattern::escape(file.to_str().ok_or_else(|| not_utf8(&file))?) } else { whole };
         let found = glob::glob(&whole).map_err(|e| wrong(&format!("is not a pattern: {}", e.msg)))?;
         let before = scenes.len();
         let mut matches = 0;
