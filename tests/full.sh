@@ -1,19 +1,20 @@
 #!/bin/sh
 # All checks: tests/run.sh with long tests and the long forms of the others, and checks that compile every dependency
 # again. Run it before a release and after a larger piece of work; `sh tests/full.sh web` runs only those for browsers,
-# `sh tests/full.sh python` only those of the Python wheel.
+# `sh tests/full.sh python` only those of the Python wheel, and `sh tests/full.sh packaging` only those of what a release
+# consists of, the wheel among it.
 set -eu
 cd "$(dirname "$0")/.."
 
 step() { printf '\n== %s\n' "$1"; }
 
 case "${1:-}" in
-web | python) exec sh "tests/$1.sh" ;;
+web | python | packaging) exec sh "tests/$1.sh" ;;
 esac
 
 RAYSTEP_THOROUGH=1 sh tests/run.sh
 RAYSTEP_THOROUGH=1 sh tests/web.sh
-sh tests/python.sh
+sh tests/packaging.sh
 
 step "every combination of features"
 for features in "" gpu parallel serde gpu,parallel gpu,serde parallel,serde gpu,parallel,serde; do

@@ -1,5 +1,6 @@
 #!/bin/sh
 # Builds the Python wheel, and tries it in an environment that has nothing else: the command, the module, its types.
+# `sh tests/python.sh WHEEL` tries one that was built before.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -11,7 +12,12 @@ target=$(cd "$target" && pwd)
 
 step "the wheel"
 rm -rf "$target/wheels"
-sh app/python/build.sh "$target/wheels"
+if [ $# = 0 ]; then
+    sh app/python/build.sh "$target/wheels"
+else
+    mkdir "$target/wheels"
+    cp "$1" "$target/wheels/"
+fi
 
 step "from Python and nothing else to a picture"
 rm -rf "$target/clean" "$target/cornell-box.png"

@@ -81,7 +81,7 @@ pub(crate) struct SampleArgs {
 
 impl From<SampleArgs> for Samples {
     fn from(args: SampleArgs) -> Self {
-        Self { count: args.spp, sampler: args.sampler, seed: args.seed }
+        Self { count: args.spp, sampler: args.sampler, seed: args.seed, first: 0 }
     }
 }
 

@@ -6,8 +6,8 @@ use std::path::Path;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::commands::{
-    bench, build, cast, completions, dump, extension, info, inspect, plan, render, report, scene, stability, sweep,
-    trace,
+    bench, build, cast, completions, dump, extension, info, inspect, merge, plan, render, report, scene, stability,
+    sweep, trace,
 };
 use crate::error::Error;
 use crate::{usage, window};
@@ -52,6 +52,7 @@ pub(crate) enum Command {
     Bench(Box<bench::BenchArgs>),
     Build(Box<build::BuildArgs>),
     Cast(Box<cast::CastArgs>),
+    Merge(merge::MergeArgs),
     Report(Box<report::ReportArgs>),
     Stability(Box<stability::StabilityArgs>),
     Sweep(sweep::SweepArgs),

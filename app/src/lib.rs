@@ -14,6 +14,7 @@ mod rays_file;
 mod scene_file;
 mod session;
 mod session_file;
+mod shard;
 mod terminal;
 mod usage;
 mod window;
@@ -21,6 +22,7 @@ mod window;
 use std::ffi::OsString;
 use std::path::Path;
 
+use clap::CommandFactory as _;
 use raystep_scenes::Scene;
 
 use cli::{Command, Request};
@@ -50,6 +52,12 @@ pub fn read_scene(path: &Path) -> Result<Scene, String> {
     scene_file::read_alone(path).map_err(|error| error.message)
 }
 
+/// The command line's definition, from which the manual pages are made.
+#[doc(hidden)]
+pub fn definition() -> clap::Command {
+    cli::Cli::command()
+}
+
 /// Prevents a layer of Mesa from writing "error: XDG_RUNTIME_DIR is invalid" to stderr on machines without a desktop.
 /// The layer reorders devices for desktops, but raystep selects its device by rank or name anyway.
 #[cfg(target_os = "linux")]
@@ -73,6 +81,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::Bench(args) => commands::bench::run(&args),
             Command::Build(args) => commands::build::run(&args),
             Command::Cast(args) => commands::cast::run(&args),
+            Command::Merge(args) => commands::merge::run(&args),
             Command::Report(args) => commands::report::run(&args),
             Command::Stability(args) => commands::stability::run(&args),
             Command::Sweep(args) => commands::sweep::run(&args),

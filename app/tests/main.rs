@@ -21,6 +21,7 @@ mod report_bundle;
 mod report_files;
 mod report_sections;
 mod session_file;
+mod shard;
 #[cfg(unix)]
 mod signals;
 mod stability;

@@ -194,6 +194,31 @@ fn a_job_that_fails_leaves_the_others() {
 }
 
 #[test]
+fn a_picture_in_parts_has_the_bytes_of_one() {
+    let sweep =
+        PICTURES.replace("scenes/*", "scenes/cornell-box").replace("retries = 0", "parts = 3\nformat = \"png\"");
+    let place = place(&sweep.replace("size = \"16x16\"", "size = \"16x16\"\nspp = 60"));
+    let outcome = run(&place, &["sweep.toml", "-o", "out", "--jobs", "2"]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    assert_eq!(folders(&place).len(), 6);
+    let all = rows(&place);
+    assert_eq!(all.iter().map(|row| row["job"].as_str()).collect::<Vec<_>>(), JOBS[..2]);
+    for row in &all {
+        let accelerator = row["option_accelerator"].as_str();
+        let options =
+            ["--size", "16x16", "--spp", "60", "--device", "cpu", "--accelerator", accelerator, "-o", "whole.png"];
+        place.ok(&[&["render", "scenes/cornell-box.gltf"][..], &options].concat());
+        assert_eq!(place.read(&format!("out/{}", row["picture"])), place.read("whole.png"), "{row:?}");
+        assert!(row["adapter"].contains("cpu") && !row["host"].is_empty(), "{row:?}");
+    }
+    // A part that is lost is made again, and no other.
+    fs::remove_dir_all(place.path("out/jobs/cornell-box-accelerator-bvh-part-2-of-3")).expect("a folder");
+    let again = run(&place, &["sweep.toml", "-o", "out"]);
+    assert!(again.code == Some(0) && again.stderr.contains("5 of 6 jobs are finished already"), "{again:?}");
+    assert_eq!(rows(&place)[1]["picture_hash"], all[1]["picture_hash"]);
+}
+
+#[test]
 fn a_benchmark_of_a_taken_machine_is_shared_and_not_ranked() {
     let sweep = "what = \"bench\"\nscenes = [\"scenes/cornell-box.gltf\"]\nwait_s = 0\n[options]\nsizes = [\"8x8\", \"16x16\"]\n\
                  accelerators = [\"grid\", \"bvh\"]\nrepeats = 1\nwarmups = 0\ndevice = \"cpu\"\nreplay = true\nkeep-all = false\n";
@@ -309,6 +334,10 @@ fn what_is_wrong_in_the_file_is_named_before_anything_runs() {
         (format!("{render}format = \"jpg\""), "format: expected \"png\" or \"exr\""),
         (format!("{bench}format = \"exr\""), "format: bench makes no picture"),
         (format!("{bench}parts = 2"), "parts: only pictures are divided"),
+        (
+            format!("{render}parts = 3\n[options]\nspp = 32"),
+            "parts = 3: expected at most 2, the number of blocks of 16 samples",
+        ),
         (format!("{render}parts = 0"), "parts = 0: expected an integer from 1 to 10000"),
         (format!("{render}retries = -1"), "retries = -1: expected an integer from 0"),
     ] {

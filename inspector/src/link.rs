@@ -36,7 +36,7 @@ use std::fmt;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
-use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream, Traversal};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Samples, ScheduleKind, Skip, Stream, Traversal};
 use raystep_lab::Hash;
 
 pub use error::LinkError;
@@ -244,7 +244,7 @@ impl Default for Link {
             skip: Skip::Auto,
             steps_per_pass: 1,
             keep_all: false,
-            samples: Samples { count: 1, sampler: Sampler::Sobol, seed: 0 },
+            samples: Samples::default(),
             device: LinkDevice::Auto,
             adapter: None,
             ray: None,
@@ -310,7 +310,7 @@ impl Link {
         let steps = self.steps_per_pass;
         add("steps-per-pass", (steps != default.steps_per_pass).then(|| steps.to_string()));
         add("keep-all", self.keep_all.then(|| "true".into()));
-        let Samples { count, sampler, seed } = self.samples;
+        let Samples { count, sampler, seed, first: _ } = self.samples;
         add("spp", (count != default.samples.count).then(|| count.to_string()));
         add("sampler", (sampler != default.samples.sampler).then(|| sampler.to_string()));
         add("seed", (seed != default.samples.seed).then(|| seed.to_string()));

@@ -251,7 +251,7 @@ fn host_structs_lie_as_naga_says() {
     }
     check!(Camera, "Camera", eye, pixel_x, right, pixel_y, up, forward);
     check!(Grid, "Grid", corner, cells, levels, width, inverse_width);
-    check!(Sampling, "Sampling", samples, seed);
+    check!(Sampling, "Sampling", samples, seed, first);
     check!(Shading, "Shading", background, lights);
     check!(Material, "Material", base_color, texture, emissive, double_sided);
     check!(Light, "Light", position, kind, direction, cos_outer, color, cone_scale);

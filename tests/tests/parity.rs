@@ -146,7 +146,7 @@ fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
     for (file, sampler) in [("cornell-box.gltf", Sampler::Sobol), ("lights.gltf", Sampler::Random)] {
         let scene = scene(file);
         for way in ways(accelerator).filter(|way| *way == STEPPED || way.steps != 1 || !way.is_stepped()) {
-            let samples = Samples { count: 3, sampler, seed: 5 };
+            let samples = Samples { count: 3, sampler, seed: 5, first: 0 };
             let mut options = Options { counters: true, samples, ..way.of(&options(&scene, 29, 19)) };
             found.add(&format!("{file} {way} {sampler}"), parity::compare(gpu, &scene, &options));
             if let RaySource::Camera { camera, .. } = &mut options.rays {

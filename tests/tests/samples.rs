@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use raystep_kernels::plan::PlanError;
 use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::renderer::image::Merge;
 use raystep_kernels::{
     Accelerator, Device, Kernel, Limits, Numerics, Options, Plan, Ray, RaySource, Renderer, Sampler, Samples,
     ScheduleKind, StreamData,
@@ -16,7 +17,11 @@ use raystep_tests::{block_on, devices, gpu, gpu_of, options, scene, traced, valu
 const SIZE: [u32; 2] = [40, 30];
 
 fn with(options: &Options, count: u32, sampler: Sampler) -> Options {
-    Options { samples: Samples { count, sampler, seed: 3 }, ..options.clone() }
+    Options { samples: Samples { count, sampler, seed: 3, first: 0 }, ..options.clone() }
+}
+
+fn after(options: &Options, first: u32, count: u32) -> Options {
+    Options { samples: Samples { first, count, ..Samples::default() }, ..options.clone() }
 }
 
 fn room() -> (Scene, Options) {
@@ -196,6 +201,54 @@ fn a_run_can_be_read_after_every_sample_and_go_on() {
     }
 }
 
+/// The picture of 40 samples, in blocks of 16, 16 and 8: a run of all of them, and runs of one block each, in any order,
+/// on a renderer of its own or on one that goes from block to block.
+#[test]
+fn blocks_of_samples_merge_to_the_picture_of_one_run() {
+    let (scene, options) = room();
+    let whole = with(&options, 40, Sampler::Sobol);
+    for (name, device) in devices() {
+        let image = |renderer: &Renderer| block_on(gpu_of(&device), renderer.image()).expect("an image");
+        let mut long = block_on(gpu_of(&device), Renderer::new(&scene, &whole, &device)).expect("a renderer");
+        let mut one = None::<Renderer>;
+        let mut merge = Merge::new(SIZE[0], SIZE[1]);
+        assert_eq!((merge.image(), whole.samples.blocks()), (None, 3));
+        for block in 0..3 {
+            let samples = whole.samples.part(block).expect("a block");
+            let part = Options { samples, ..whole.clone() };
+            let alone = image(&traced(&scene, &part, &device));
+            let moved = match &mut one {
+                Some(renderer) => renderer.take_samples(samples),
+                empty => {
+                    let begun = block_on(gpu_of(&device), Renderer::new(&scene, &part, &device));
+                    *empty = Some(begun.expect("a renderer"));
+                    true
+                }
+            };
+            let renderer = one.as_mut().expect("begun");
+            block_on(gpu_of(&device), renderer.run(|_| ControlFlow::Continue(()))).expect("a run");
+            assert!(moved && image(renderer) == alone, "{name}: block {block} of one renderer");
+            assert!(merge.add(alone.clone(), samples.count), "{name}: block {block}");
+            let so_far = samples.first + samples.count;
+            assert_eq!((merge.samples(), so_far), (so_far, [16, 32, 40][block as usize]));
+            block_on(gpu_of(&device), long.run_to_sample(so_far, |_| ControlFlow::Continue(()))).expect("a run");
+            assert!(merge.image() == Some(image(&long)), "{name}: after {so_far} samples");
+            assert!(block == 0 || alone != image(&long), "{name}: block {block} has samples of its own");
+        }
+        assert!(
+            whole.samples.part(3).is_none() && !merge.add(image(&long), 16),
+            "{name}: nothing follows half a block"
+        );
+        assert!(!long.take_samples(whole.samples.part(1).expect("a block")), "{name}: it has kernels for several");
+        // In the streams, too: the sum of two blocks' means, and colours off by a rounding.
+        let picture = image(&long);
+        let colors = values(&long, streams::COLOR);
+        let off = (0..3).flat_map(|c| (0..picture.pixels.len()).map(move |i| (c, i)));
+        let off = off.map(|(c, i)| (colors.get_f32(c, i) - picture.pixels[i][c]).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-6, "{name}: colours are off by {off}");
+    }
+}
+
 #[test]
 fn more_samples_are_nearer_to_the_mean_of_many() {
     let (scene, options) = room();
@@ -224,6 +277,7 @@ fn samples_that_mean_nothing_are_refused() {
     for (options, reason) in [
         (with(&options, 0, Sampler::Sobol), "1 to 65536"),
         (with(&options, 65_537, Sampler::Sobol), "1 to 65536"),
+        (after(&options, 65_530, 7), "at most 65536"),
         (Options { rays: given.clone(), ..with(&options, 2, Sampler::Sobol) }, "input rays"),
         (Options { shade: false, ..with(&options, 2, Sampler::Sobol) }, "does not shade"),
     ] {
@@ -234,6 +288,7 @@ fn samples_that_mean_nothing_are_refused() {
         Options { rays: given, ..with(&options, 1, Sampler::Random) },
         Options { shade: false, ..with(&options, 1, Sampler::Random) },
         with(&options, 65_536, Sampler::Random),
+        after(&options, 65_530, 6),
     ] {
         assert!(Plan::new(&scene, &options, &Limits::CPU).is_ok());
     }

@@ -6,6 +6,7 @@ mod process;
 mod protocol;
 mod serve;
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -29,6 +30,7 @@ use crate::output::TargetFolder;
 use crate::rays_file;
 use crate::scene_file::read_file;
 use crate::session::run_id;
+use crate::shard::{self, Part, ShardArgs};
 use crate::terminal::{Progress, print, say};
 
 /// Benchmark tracing
@@ -50,12 +52,16 @@ use crate::terminal::{Progress, print, say};
 /// drift measured. Exit code 0: not slower than R; 1: slower than R, or hits, counts, device or scene differ, or a row is
 /// missing; 3: too noisy to tell. What is said of times holds with 95% confidence for all rows together. DIR/gate.json
 /// and DIR/gate.md have the result.
+///
+/// With --shard I/N, only some of the scenes are measured, for N machines or jobs, and 'raystep merge' puts their tables
+/// together. What is compared within a scene is never divided.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep bench scenes/cornell-box.gltf -o bench
   raystep bench scenes/teapot.glb --accelerators grid,bvh --schedules second,compact,fused -o bench
   raystep bench scenes/teapot.glb --sizes 512x512,1920x1080 --rays primary,bounce,shadow -o bench
+  raystep bench scenes/*.glb --shard 1/2 -o bench-1   (then raystep merge bench-* -o bench)
   raystep bench scenes/teapot.glb --repeats 50 -o before
   raystep bench scenes/teapot.glb --repeats 50 --baseline before -o after
   raystep bench scenes/teapot.glb --repeats 50 --baseline before --at-most 1.5 -o after
@@ -132,6 +138,8 @@ pub(crate) struct BenchArgs {
     /// Replace the benchmark in a folder that is not empty; other files are kept
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    shard: ShardArgs,
     /// Index of the scene in files with several, counted from 0 [default: each file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
     scene_index: Option<usize>,
@@ -239,7 +247,14 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
         (None, Some(_), _) => return Err(Error::usage("--against needs a limit: add --at-most R, such as 1.05")),
         _ => {}
     }
-    let stale = output::stale(args.at_most.is_some(), args.against.is_some());
+    if let Some(shard) = args.shard.shard {
+        let compared = [("--baseline", args.baseline.is_some()), ("--against", args.against.is_some())];
+        if let Some((option, _)) = compared.iter().find(|(_, is_given)| *is_given) {
+            return Err(Error::usage(format!("--shard cannot be combined with {option}: compare the merged results")));
+        }
+        shard.range(distinct(&args.scenes).len(), "scenes")?;
+    }
+    let stale = output::stale(args.at_most.is_some(), args.against.is_some(), args.shard.shard.is_some());
     let done = TargetFolder::new(output, args.force)?.fill(&stale, |folder| match (&args.against, args.at_most) {
         (Some(other), Some(at_most)) => against::fill(args, other, at_most, folder, output),
         _ => fill(args, folder, output),
@@ -269,7 +284,13 @@ fn fill(args: &BenchArgs, folder: &TargetFolder, output: &Path) -> Result<Done, 
     // Checks come before slow work.
     let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
     progress.stage("reading scenes");
-    let (inputs, subjects) = read_scenes(args, Some(folder), &progress)?;
+    let (mut inputs, mut subjects) = read_scenes(args, Some(folder), &progress)?;
+    let names = subjects.iter().map(|s| (s.scene.name.clone(), s.hash.to_string())).collect::<Vec<_>>();
+    if let Some(shard) = args.shard.shard {
+        let range = shard.range(subjects.len(), "scenes")?;
+        inputs = inputs.drain(range.clone()).collect();
+        subjects = subjects.drain(range).collect();
+    }
     progress.stage("looking for a device");
     let meter = Meter::new(device::choose(&args.device())?);
     let wanted = args.wanted()?;
@@ -286,6 +307,11 @@ fn fill(args: &BenchArgs, folder: &TargetFolder, output: &Path) -> Result<Done, 
     progress.stage("writing");
     let scenes = inputs.iter().zip(&subjects).map(|(input, subject)| output::AboutScene::new(input, subject)).collect();
     let about = output::About::new(args, &measured.run_id, &measured.notes, scenes);
+    if let Some(shard) = args.shard.shard {
+        let part = Part::new("bench", shard, names, about.options(), &meter.machine)?;
+        let text = part.text()?;
+        folder.write(shard::FILE, |out| out.write_all(text.as_bytes()))?;
+    }
     output::write(folder, about.on(&meter.machine, &measured), &measured, true, gate.as_ref())?;
     progress.finish();
     progress.say(format_args!("wrote {} to {}", output::written(&gate, true).join(", "), output.display()));

@@ -1,5 +1,7 @@
 //! `raystep render`
 
+mod part;
+
 use std::io::Cursor;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -20,7 +22,9 @@ use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
 use crate::output::{Target, ending, refuse_inputs, write};
 use crate::session::{Running, Session};
+use crate::shard::ShardArgs;
 use crate::terminal::{Progress, print};
+pub(super) use part::{block_file, read_block};
 
 /// Mistakes that `--check` lists; the rest are counted.
 const MISTAKES_SHOWN: usize = 8;
@@ -29,11 +33,17 @@ const MISTAKES_SHOWN: usize = 8;
 ///
 /// PNG is sRGB. EXR is linear, with additional channels for what each ray hit: Z, Hit.T.V, Hit.Bary.U and .V,
 /// Hit.TriId.V, Normal.X, .Y and .Z.
+///
+/// With --shard I/N, the samples of a pixel are divided among N machines or jobs, in blocks of 16. The output is a folder
+/// then: it holds the mean of each of this part's blocks, and so-far.png, the picture that they give. Started again, the
+/// command continues with the blocks that are missing. 'raystep merge' makes the picture of all parts: bit for bit that of
+/// the same command without --shard, if all devices are of one kind.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep render scenes/cornell-box.gltf -o box.png
   raystep render scenes/cornell-box.gltf -o box.png --spp 64
+  raystep render scenes/cornell-box.gltf -o part-1 --spp 256 --shard 1/4   (then raystep merge part-* -o box.png)
   raystep render scenes/teapot.glb -o teapot.exr --size 1920x1080 --device cpu
   raystep render scenes/cornell-box.gltf -o box.png --numerics paper --check
   raystep render scenes/terrain.glb -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
@@ -42,9 +52,11 @@ Examples:
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
-    /// Output image; its name ends in .png or .exr
+    /// Output image; its name ends in .png or .exr. With --shard, a folder
     #[arg(short, long, value_name = "OUT.png|OUT.exr")]
     output: PathBuf,
+    #[command(flatten)]
+    shard: ShardArgs,
     /// Time every pass, and write one row per pass
     #[arg(long, value_name = "F")]
     passes_csv: Option<PathBuf>,
@@ -66,7 +78,7 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
-    view: ViewArgs,
+    pub(super) view: ViewArgs,
     #[command(flatten)]
     pub(super) run: RunArgs,
 }
@@ -78,6 +90,9 @@ enum Format {
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
+    if let Some(shard) = args.shard.shard {
+        return part::run(args, shard);
+    }
     let format = if ending("-o", &args.output, &["png", "exr"])? == "exr" { Format::Exr } else { Format::Png };
     let target = Target::new(&args.output)?;
     let optional = |path: &Option<PathBuf>| path.as_deref().map(Target::new).transpose();
@@ -228,16 +243,36 @@ fn encode(
     running: &Running,
     path: &Path,
 ) -> Result<Vec<u8>, Error> {
-    let cannot = |e: &dyn std::fmt::Display| Error::failed(format!("cannot encode {}: {e}", path.display()));
-    let mut file = Cursor::new(Vec::new());
     match format {
-        Format::Png => image::codecs::png::PngEncoder::new(&mut file)
-            .write_image(&image.to_srgb8(), image.width, image.height, image::ExtendedColorType::Rgb8)
-            .map_err(|e| cannot(&e))?,
+        Format::Png => encode_png(image, path),
         Format::Exr => {
-            exr::write_image(&mut file, image, hits, &running.scene.triangles).map_err(|e| cannot(&e))?;
+            let mut file = Cursor::new(Vec::new());
+            exr::write_image(&mut file, image, hits, &running.scene.triangles).map_err(|e| cannot_encode(path, &e))?;
+            Ok(file.into_inner())
         }
     }
+}
+
+fn cannot_encode(path: &Path, error: &dyn std::fmt::Display) -> Error {
+    Error::failed(format!("cannot encode {}: {error}", path.display()))
+}
+
+/// An image as PNG.
+fn encode_png(image: &Image, path: &Path) -> Result<Vec<u8>, Error> {
+    let mut file = Cursor::new(Vec::new());
+    image::codecs::png::PngEncoder::new(&mut file)
+        .write_image(&image.to_srgb8(), image.width, image.height, image::ExtendedColorType::Rgb8)
+        .map_err(|e| cannot_encode(path, &e))?;
+    Ok(file.into_inner())
+}
+
+/// An image without hits, in the format that a name asks for.
+pub(super) fn encode_colors(image: &Image, path: &Path, is_exr: bool) -> Result<Vec<u8>, Error> {
+    if !is_exr {
+        return encode_png(image, path);
+    }
+    let mut file = Cursor::new(Vec::new());
+    exr::write_colors(&mut file, image).map_err(|e| cannot_encode(path, &e))?;
     Ok(file.into_inner())
 }
 

@@ -11,6 +11,7 @@ use raystep_lab::Machine;
 use raystep_lab::machine::now_ns;
 use raystep_lab::stability::{self, ACCELERATORS, CASES, Case, FILES, Place, Report, Wanted};
 use raystep_lab::stiff::{self, FAMILIES, Family, Kept, Start};
+use serde_json::json;
 
 use crate::args::{DeviceArgs, DeviceKind, QuietArgs, named};
 use crate::commands::unfinished::Unfinished;
@@ -18,6 +19,7 @@ use crate::device;
 use crate::error::Error;
 use crate::output::{self, TargetFolder};
 use crate::session::run_id;
+use crate::shard::{self, Part, Shard, ShardArgs};
 use crate::terminal::{Progress, print};
 use crate::usage::did_you_mean;
 
@@ -39,6 +41,9 @@ use crate::usage::did_you_mean;
 /// DIR/stability.csv has one row per case and configuration, DIR/tmax.csv one per sample of the walk, DIR/pipelines.csv
 /// one per pipeline, DIR/stiff.csv one per point of a family and configuration, DIR/runs.csv one per timed run;
 /// DIR/datapackage.json describes their columns; DIR/stability.html shows all of it, and where the errors are.
+///
+/// With --shard I/N, only some of the cases and families are traced, for N machines or jobs, and 'raystep merge' puts their
+/// tables together.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -47,6 +52,7 @@ Examples:
   raystep stability --cost --family room,slivers --quick --device cpu -o stability
   raystep stability --case axis --case cell-faces
   raystep stability --quick --device cpu --accelerator grid
+  raystep stability --shard 1/2 -o stability-1   (then raystep merge stability-* -o stability)
   raystep stability --list")]
 pub(crate) struct StabilityArgs {
     /// Output folder: new, or empty
@@ -75,6 +81,8 @@ pub(crate) struct StabilityArgs {
     #[arg(long = "family", value_name = "A,B…", value_delimiter = ',', requires = "cost",
           value_parser = PossibleValuesParser::new(FAMILIES.iter().map(|f| f.name)))]
     families: Vec<String>,
+    #[command(flatten)]
+    shard: ShardArgs,
     #[command(flatten)]
     quiet: QuietArgs,
     /// Where to trace
@@ -117,10 +125,14 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
             let has_our_column = |line: &[u8]| line.split(|&b| b == b',').any(|name| name == b"undecided_ceiling");
             let is_ours = |bytes: &[u8]| bytes.split(|&b| b == b'\r').next().is_some_and(has_our_column);
             output::refuse_others(path, &FILES, "a stability report", csv, is_ours)?;
-            let stale = FILES.map(str::to_owned);
+            let stale: Vec<String> = FILES.into_iter().chain([shard::FILE]).map(str::to_owned).collect();
             let unfinished = Unfinished::beside(path)?;
             let (report, names) = TargetFolder::new(path, args.force)?.fill(&stale, |folder| {
                 let report = all(args, cases, Some(&unfinished), &progress)?;
+                if let Some(shard) = args.shard.shard {
+                    let text = describe(args, shard, &progress)?.text()?;
+                    folder.write(shard::FILE, |out| out.write_all(text.as_bytes()))?;
+                }
                 let files = report.files()?;
                 files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))?;
                 Ok((report, files.iter().map(|(name, _)| *name).collect::<Vec<_>>()))
@@ -181,6 +193,44 @@ fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Machi
     Ok(places)
 }
 
+/// What is traced.
+struct Chosen {
+    cases: Vec<&'static Case>,
+    pipelines: bool,
+    families: Vec<&'static Family>,
+}
+
+/// All that the options ask for, or one part of it.
+fn chosen(args: &StabilityArgs, cases: Vec<&'static Case>) -> Result<Chosen, Error> {
+    let is_wanted = |f: &&Family| args.families.is_empty() || args.families.iter().any(|name| name == f.name);
+    let families: Vec<_> = FAMILIES.iter().filter(is_wanted).filter(|_| args.cost).collect();
+    let pipelines = args.cases.is_empty();
+    let Some(shard) = args.shard.shard else { return Ok(Chosen { cases, pipelines, families }) };
+    // Cases, then the comparison of pipelines, then families.
+    let after_cases = cases.len() + usize::from(pipelines);
+    let range = shard.range(after_cases + families.len(), "cases and families")?;
+    let of = |begin: usize, end: usize| range.start.clamp(begin, end) - begin..range.end.clamp(begin, end) - begin;
+    Ok(Chosen {
+        pipelines: pipelines && range.contains(&cases.len()),
+        families: families[of(after_cases, after_cases + families.len())].to_vec(),
+        cases: cases[of(0, cases.len())].to_vec(),
+    })
+}
+
+/// What the part's folder says of it.
+fn describe(args: &StabilityArgs, shard: Shard, progress: &Progress) -> Result<Part, Error> {
+    let device = args.device.to_possible_value().map(|value| value.get_name().to_owned());
+    let accelerators: Vec<_> = args.accelerator.iter().map(|a| a.name()).collect();
+    let options = json!({
+        "accelerator": accelerators, "case": args.cases, "cost": args.cost, "device": device, "family": args.families,
+        "quick": args.quick,
+    });
+    match places(args, progress)?.first() {
+        Some((_, machine)) => Part::new("stability", shard, Vec::new(), &options, machine),
+        None => Err(Error::failed("there is no device")),
+    }
+}
+
 fn all(
     args: &StabilityArgs,
     cases: Vec<&'static Case>,
@@ -189,11 +239,10 @@ fn all(
 ) -> Result<Report, Error> {
     let places = places(args, progress)?;
     let accelerators = args.accelerator.clone();
-    let (run_id, pipelines) = (run_id(), args.cases.is_empty());
+    let Chosen { cases, pipelines, families } = chosen(args, cases)?;
+    let run_id = run_id();
     let cost = match places.first() {
-        Some((_, machine)) if args.cost => {
-            let is_wanted = |f: &&Family| args.families.is_empty() || args.families.iter().any(|name| name == f.name);
-            let families = FAMILIES.iter().filter(is_wanted).collect();
+        Some((_, machine)) if !families.is_empty() => {
             let accelerators = accelerators.clone();
             let wanted = stiff::Wanted { families, accelerators, ..stiff::Wanted::new(run_id.clone(), args.quick) };
             Some(Arc::new(match unfinished {

@@ -50,6 +50,7 @@ impl FromStr for Link {
                 count: pairs.take("spp", spp)?.unwrap_or(default.samples.count),
                 sampler: pairs.take("sampler", named)?.unwrap_or(default.samples.sampler),
                 seed: pairs.take("seed", seed)?.unwrap_or(default.samples.seed),
+                first: 0,
             },
             device: pairs.take("device", device)?.unwrap_or(default.device),
             adapter: pairs.take("adapter", |v| not_empty(v).ok_or("expected part of an adapter's name".into()))?,

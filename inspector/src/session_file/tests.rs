@@ -1,6 +1,6 @@
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping};
 use raystep_kernels::programs::stream;
-use raystep_kernels::{Accelerator, Numerics, Sampler, Samples, ScheduleKind};
+use raystep_kernels::{Accelerator, Numerics, Samples, ScheduleKind};
 
 use super::*;
 use crate::link::{Link, LinkRay};
@@ -39,7 +39,7 @@ fn recipes() -> Vec<Recipe> {
         }),
         of(Settings {
             view: free(Some(33.3)),
-            samples: Samples { count: 4, sampler: Sampler::Sobol, seed: 7 },
+            samples: Samples { count: 4, seed: 7, ..Samples::default() },
             ..Settings::default()
         }),
         of(Settings {

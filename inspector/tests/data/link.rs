@@ -84,6 +84,7 @@ impl Random {
                 count: 1 + self.below(65_536) as u32,
                 sampler: self.of(Sampler::ALL),
                 seed: self.bits() as u32,
+                first: 0,
             },
             device: self.of(&LinkDevice::ALL),
             adapter: self.maybe(Self::text),

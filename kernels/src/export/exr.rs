@@ -111,6 +111,17 @@ pub fn write_image(
     write_channels(out, image.width, image.height, channels)
 }
 
+/// Writes an image without hits.
+///
+/// # Errors
+/// If `out` fails.
+pub fn write_colors(out: &mut (impl Write + Seek), image: &Image) -> Result<(), ExrError> {
+    let channels = ["R", "G", "B", "A"].into_iter().enumerate();
+    let channel =
+        |(c, name)| AnyChannel::new(name, FlatSamples::F32(image.pixels.iter().map(|p: &[f32; 4]| p[c]).collect()));
+    write_channels(out, image.width, image.height, channels.map(channel).collect())
+}
+
 /// Writes a stream: the channel `hit.u` is layer `u` of stream `hit`. A float layer, including floats stored as bits in
 /// an integer texel, becomes a FLOAT channel, the others UINT; either way the bits are kept.
 ///

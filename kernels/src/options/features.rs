@@ -62,6 +62,7 @@ features! {
     spot_lights: "A light is a spot.",
     samples: "A pixel has several samples, each with its own ray.",
     sobol: "Samples are spread evenly over the pixel, else at random.",
+    blocks: "A pixel has several blocks of samples, each with its own mean.",
 }
 
 impl Features {

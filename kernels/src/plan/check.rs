@@ -254,7 +254,8 @@ pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
     let count = options.samples.count;
     let reason = match options.rays {
         _ if !(1..=Samples::MOST).contains(&count) => "expected 1 to 65536",
-        _ if count == 1 => return Ok(()),
+        _ if options.samples.first > Samples::MOST - count => "there are at most 65536, with those before the first",
+        _ if !options.samples.are_spread() => return Ok(()),
         RaySource::Given(_) => "input rays have no pixels to distribute samples over",
         RaySource::Camera { .. } if !options.shade => "samples average colours, but this run does not shade",
         RaySource::Camera { .. } => return Ok(()),
@@ -267,7 +268,7 @@ pub(super) fn check_mapping(options: &Options, limits: &Limits) -> Result<(), Pl
     let Some(how) = options.mapping.fragment() else { return Ok(()) };
     let fault = if u64::from(limits.color_bytes) < DRAWN_BYTES {
         Some(mapping::NO_GPU)
-    } else if options.samples.count > 1 {
+    } else if options.samples.are_spread() {
         Some(mapping::ONE_SAMPLE)
     } else {
         mapping::fault_of(options.schedule).or(how.fault())

@@ -7,6 +7,7 @@ use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::reasons::{Reason, Run};
+use crate::options::samples::Samples;
 use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind, Traversal};
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
@@ -76,8 +77,9 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         resumes_scan: false,
         resumes_light: false,
         turns: 0,
-        samples: options.samples.count > 1,
-        sobol: options.samples.count > 1 && options.samples.sampler == Sampler::Sobol,
+        samples: options.samples.are_spread(),
+        sobol: options.samples.are_spread() && options.samples.sampler == Sampler::Sobol,
+        blocks: options.samples.count > Samples::BLOCK,
     }
 }
 

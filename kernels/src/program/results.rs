@@ -20,8 +20,11 @@ pub struct Results {
     pub weights: [usize; 2],
     /// The ray's colour: r, g, b in linear light.
     pub color: Stream,
-    /// The mean of a pixel's samples: r, g, b, and the share of samples that hit.
+    /// The mean of the latest block's samples of a pixel: r, g, b, the share of samples that hit, and the number of
+    /// samples of all blocks.
     pub mean: Stream,
+    /// Sums of the means of complete blocks.
+    pub blocks: Stream,
     /// Costs: cells or nodes visited, triangles tested, tests repeated.
     pub counters: Stream,
 }

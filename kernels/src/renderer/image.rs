@@ -1,6 +1,8 @@
 //! The image: linear light in memory and EXR, sRGB in PNG.
 
 use crate::numbers::srgb::linear_to_srgb;
+use crate::options::samples::Samples;
+use crate::programs::closest_hit::accumulate::mean_of_blocks;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::stream::StreamData;
 
@@ -26,11 +28,19 @@ impl Image {
         Self { width: color.width, height: color.height, pixels }
     }
 
-    /// From the mean of several samples.
-    pub(crate) fn from_mean(mean: &StreamData) -> Self {
-        let pixel = |i| [0, 1, 2, 3].map(|layer| mean.get_f32(layer, i));
-        let pixels = (0..mean.width as usize * mean.height as usize).map(pixel).collect();
-        Self { width: mean.width, height: mean.height, pixels }
+    /// From the mean of the latest block of samples; if there are several, from the sum of the means of those that are
+    /// complete, too. `samples` is the number of samples in both.
+    pub(crate) fn from_means(latest: &StreamData, blocks: Option<&StreamData>, samples: u32) -> Self {
+        let pixel = |i| {
+            [0, 1, 2, 3].map(|layer| {
+                let mean = latest.get_f32(layer, i);
+                // The first block's mean is exact; its share is not.
+                let several = blocks.filter(|_| samples > Samples::BLOCK);
+                several.map_or(mean, |sum| mean_of_blocks(sum.get_f32(layer, i), mean, samples))
+            })
+        };
+        let pixels = (0..latest.width as usize * latest.height as usize).map(pixel).collect();
+        Self { width: latest.width, height: latest.height, pixels }
     }
 
     /// R G B, 8 bits each, sRGB-encoded and clamped.
@@ -38,5 +48,61 @@ impl Image {
     pub fn to_srgb8(&self) -> Vec<u8> {
         let encode = |v: f32| (linear_to_srgb(v.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
         self.pixels.iter().flat_map(|p| [encode(p[0]), encode(p[1]), encode(p[2])]).collect()
+    }
+}
+
+/// The mean of a picture's blocks of samples, which may have been traced elsewhere: the same bits as one run of all of
+/// them on the same kind of device.
+#[derive(Clone, Debug)]
+pub struct Merge {
+    sum: Image,
+    latest: Option<Image>,
+    samples: u32,
+}
+
+impl Merge {
+    /// No block yet, of a picture of this size.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        let pixels = vec![[0.0; 4]; width as usize * height as usize];
+        Self { sum: Image { width, height, pixels }, latest: None, samples: 0 }
+    }
+
+    /// Adds the next block, in the order of their numbers: the image of a run of [`Samples::part`]. Returns whether it
+    /// did: not if the size differs, or after a block that has too few samples.
+    pub fn add(&mut self, block: Image, samples: u32) -> bool {
+        let is_alike = (block.width, block.height) == (self.sum.width, self.sum.height)
+            && block.pixels.len() == self.sum.pixels.len();
+        if !is_alike || !self.samples.is_multiple_of(Samples::BLOCK) || !(1..=Samples::BLOCK).contains(&samples) {
+            return false;
+        }
+        if samples == Samples::BLOCK {
+            for (sum, mean) in self.sum.pixels.as_flattened_mut().iter_mut().zip(block.pixels.as_flattened()) {
+                *sum += mean;
+            }
+        }
+        self.samples += samples;
+        self.latest = Some(block);
+        true
+    }
+
+    /// Number of samples so far.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// The mean of the blocks so far; `None` without any.
+    #[must_use]
+    pub fn image(&self) -> Option<Image> {
+        let latest = self.latest.as_ref()?;
+        if self.samples <= Samples::BLOCK {
+            return Some(latest.clone());
+        }
+        let mut image = latest.clone();
+        for (mean, sum) in image.pixels.as_flattened_mut().iter_mut().zip(self.sum.pixels.as_flattened()) {
+            *mean = mean_of_blocks(*sum, *mean, self.samples);
+        }
+        Some(image)
     }
 }

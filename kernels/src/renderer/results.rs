@@ -119,7 +119,12 @@ impl Renderer {
     pub async fn image(&self) -> Result<Image, RenderError> {
         let results = self.results()?;
         if self.plan.features.samples {
-            return Ok(Image::from_mean(&self.values(results.mean).await?));
+            let latest = self.values(results.mean).await?;
+            let blocks = match self.plan.features.blocks {
+                true => Some(self.values(results.blocks).await?),
+                false => None,
+            };
+            return Ok(Image::from_means(&latest, blocks.as_ref(), self.samples()));
         }
         let color = self.values(results.color).await?;
         let hit = self.values(results.triangle.stream).await?;

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use raystep_scenes::Scene;
 
 use super::{Device, RenderError, Renderer};
+use crate::options::samples::Samples;
 use crate::options::{Options, RaySource};
+use crate::shared::samples::Sampling;
 
 impl Renderer {
     /// Replaces the camera, and returns to before the first pass. `options` are those of this run with another camera
@@ -39,5 +41,23 @@ impl Renderer {
         let mut data = self.data.clone();
         Arc::make_mut(&mut data).set_view(scene, options);
         Self::start(Arc::new(plan), data, options, device, Some(&self.executor)).await.map(Some)
+    }
+
+    /// Replaces which samples the run takes, and returns to before the first pass: another block of a picture, see
+    /// [`Samples::part`]. Returns whether it did: not if the run's kernels are those of one sample in the centre, or of
+    /// fewer blocks.
+    pub fn take_samples(&mut self, samples: Samples) -> bool {
+        let features = self.plan.features;
+        let fits = features.samples
+            && samples.are_spread()
+            && features.sampler() == samples.sampler
+            && features.blocks == (samples.count > Samples::BLOCK);
+        if fits {
+            let Samples { count: samples, seed, first, .. } = samples;
+            Arc::make_mut(&mut self.data).sampling = Sampling { samples, seed, first };
+            self.executor.set_view(&self.data);
+            self.restart();
+        }
+        fits
     }
 }

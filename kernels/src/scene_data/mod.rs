@@ -12,6 +12,7 @@ use crate::numbers::real::{Real, Vec3};
 pub use crate::numbers::srgb::{linear_to_srgb, srgb_to_linear};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
+use crate::options::samples::Samples;
 use crate::options::{Options, RaySource};
 use crate::shared::build::Build;
 use crate::shared::bvh_walk::link_above;
@@ -211,7 +212,8 @@ impl SceneData {
             data.camera = traced_camera(camera, units, *width, *height);
         }
         if wanted("sampling") {
-            data.sampling = Sampling { samples: options.samples.count, seed: options.samples.seed };
+            let Samples { count: samples, seed, first, .. } = options.samples;
+            data.sampling = Sampling { samples, seed, first };
         }
         if wanted("packed_triangles") && data.packed_triangles.is_empty() {
             data.packed_triangles = packed_triangles(&data.vertices, features.bvh.then_some(&data.bvh_items));

@@ -43,6 +43,8 @@ pub struct Sampling {
     pub samples: u32,
     /// Different seeds give different positions.
     pub seed: u32,
+    /// Index of the first sample.
+    pub first: u32,
 }
 
 fn hashed(value: u32) -> u32 {

@@ -4,6 +4,8 @@ struct Sampling {
     // Samples per pixel.
     samples: u32,
     seed: u32,
+    // Index of the first sample.
+    first: u32,
 }
 
 @group(1) @binding(21) var<uniform> sampling: Sampling;

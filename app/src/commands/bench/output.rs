@@ -19,6 +19,7 @@ use crate::commands::json_text;
 use crate::device::AboutClock;
 use crate::error::Error;
 use crate::output::{self, TargetFolder};
+use crate::shard;
 
 /// One row per configuration.
 pub(super) const SUMMARY: &str = "summary.csv";
@@ -81,6 +82,7 @@ struct AboutOptions {
     steps_per_pass: Option<u32>,
     keep_all: bool,
     seed: u32,
+    camera: BTreeMap<&'static str, String>,
     baseline: Option<String>,
     against: Option<String>,
     at_most: Option<f64>,
@@ -128,9 +130,10 @@ pub(super) fn written(gate: &Option<Gate>, has_passes: bool) -> Vec<&'static str
 }
 
 /// Files that an earlier benchmark may have left, and this one does not write.
-pub(super) fn stale(has_gate: bool, is_against: bool) -> Vec<String> {
+pub(super) fn stale(has_gate: bool, is_against: bool, is_part: bool) -> Vec<String> {
     let gate = GATE.iter().filter(|_| !has_gate);
-    gate.copied().chain(is_against.then_some(PASSES)).map(str::to_owned).collect()
+    let passes = is_against.then_some(PASSES);
+    gate.copied().chain(passes).chain((!is_part).then_some(shard::FILE)).map(str::to_owned).collect()
 }
 
 /// Writes every file; `passes.csv` only if `has_passes`.
@@ -195,6 +198,7 @@ impl<'a> About<'a> {
                 steps_per_pass: args.tuning.steps_per_pass,
                 keep_all: args.tuning.keep_all,
                 seed: args.seed,
+                camera: args.camera.words().into_iter().collect(),
                 baseline: path(&args.baseline),
                 against: path(&args.against),
                 at_most: args.at_most,
@@ -203,6 +207,11 @@ impl<'a> About<'a> {
             configurations: Vec::new(),
             notes,
         }
+    }
+
+    /// The options that determine what is measured.
+    pub(super) fn options(&self) -> &impl Serialize {
+        &self.options
     }
 
     /// With the machine, and with the kernels of what was measured on it.

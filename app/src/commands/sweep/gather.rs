@@ -229,7 +229,7 @@ fn merge(picture: &str, parts: &[&(&Job, Done)], place: &Place) -> Result<PathBu
     words.extend(parts.iter().map(|(job, _)| place.folder(&job.name).join("part").into_os_string()));
     let pictures = place.path.join(PICTURES);
     TargetFolder::new(&pictures, true)?.fill(&[], |folder| {
-        words.extend(["-o".into(), folder.place().join(&name).into_os_string()]);
+        words.extend(["-o".into(), folder.place().join(&name).into_os_string(), "--quiet".into()]);
         job::child(&words, None)
     })?;
     Ok(Path::new(PICTURES).join(name))

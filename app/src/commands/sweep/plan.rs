@@ -5,6 +5,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use clap::Parser as _;
+use raystep_kernels::Samples;
 use raystep_lab::Hash;
 use serde::{Deserialize, Serialize};
 
@@ -253,6 +254,13 @@ fn job(
         Command::Stability(args) => (args.uses_gpu(), args.cost),
         _ => (true, false),
     };
+    if let Command::Render(args) = &command {
+        let blocks = u64::from(Samples::from(args.view.samples).blocks());
+        if blocks < sweep.parts {
+            let why = format!("parts = {}: expected at most {blocks}, the number of blocks of 16 samples", sweep.parts);
+            return Err(at(Error::failed(why)));
+        }
+    }
     let scene_args = scene.and_then(|scene| match &command {
         Command::Bench(args) => Some(args.file(&scene.path)),
         Command::Report(args) => Some(args.file(&scene.path)),

@@ -108,7 +108,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut rows = Vec::new();
     for &sampler in Sampler::ALL {
         work.stage(&format!("samples, {sampler}"));
-        let planned = work.plan(&options(work, Samples { count: most, sampler, seed: work.seed() }))?;
+        let planned = work.plan(&options(work, Samples { count: most, sampler, seed: work.seed(), first: 0 }))?;
         for seed in seeds(work) {
             match images.of_seed(&planned, sampler, seed)? {
                 Some(of_seed) => rows.extend(of_seed),
@@ -177,7 +177,7 @@ fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Refere
     // After the seeds of the measured images.
     let first = work.seed().wrapping_add(work.seeds);
     for seed in [first, first.wrapping_add(1)] {
-        let samples = Samples { count: each, sampler: Sampler::Sobol, seed };
+        let samples = Samples { count: each, sampler: Sampler::Sobol, seed, first: 0 };
         let mut renderer = work.wait(work.build(&options(work, samples)))?.renderer;
         if !run_to(work, &mut renderer, each, begin)? {
             return Ok(None);
@@ -236,7 +236,7 @@ impl Images<'_> {
     /// Errors of one seed's images of 2, 4, 8… samples; `None` if they take too long.
     fn of_seed(&self, planned: &Planned, sampler: Sampler, seed: u32) -> Result<Option<Vec<Row>>, Error> {
         let Self { work, most, reference, begin } = self;
-        let samples = Samples { count: *most, sampler, seed };
+        let samples = Samples { count: *most, sampler, seed, first: 0 };
         let mut data = planned.data().clone();
         data.sampling.seed = seed;
         let (plan, data, device) = (planned.plan(), Arc::new(data), &work.machine().device);
@@ -274,7 +274,7 @@ fn timed(work: &Work<'_>, part: &mut Part) -> Result<Vec<Row>, Error> {
     work.stage("samples: their time");
     let mut built = Vec::new();
     for &sampler in Sampler::ALL {
-        let samples = Samples { count: TIMED, sampler, seed: work.seed() };
+        let samples = Samples { count: TIMED, sampler, seed: work.seed(), first: 0 };
         built.push(work.wait(work.build(&options(work, samples)))?.renderer);
     }
     let names: Vec<_> = Sampler::ALL.iter().map(|s| work.configuration(&[s.name(), "time"])).collect();

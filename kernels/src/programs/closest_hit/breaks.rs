@@ -102,7 +102,12 @@ fn fused_eye_rays(options: &mut Options) {
 
 fn sobol(options: &mut Options) {
     several(options);
-    options.samples = Samples { count: 5, sampler: Sampler::Sobol, seed: 1 };
+    options.samples = Samples { count: 5, seed: 1, ..Samples::default() };
+}
+
+fn blocks(options: &mut Options) {
+    sobol(options);
+    options.samples.count = Samples::BLOCK + 3;
 }
 
 fn random(options: &mut Options) {
@@ -115,6 +120,7 @@ pub(super) const OF_GENERATE: &[Break] = &[
     Break::new(sobol, "column ^= column >> 1u", "column = column >> 1u"),
     Break::new(sobol, "0x05526c56u", "0x05526c54u"),
     Break::new(sobol, "hashed(sampling.seed)", "hashed(0u)"),
+    Break::new(sobol, "sampling.first + ", "sampling.first + 1u + "),
     Break::new(random, "hashed(hashed(sample) + second_seed)", "hashed(sample + second_seed)"),
 ];
 
@@ -185,10 +191,13 @@ pub(super) const OF_SHADE: &[Break] =
     &[Break::new(as_it_is, "max(dot3(normal, to_light), 0.0)", "abs(dot3(normal, to_light))")];
 
 pub(super) const OF_ACCUMULATE: &[Break] = &[
-    Break::new(sobol, "/ samples", "* 0.5"),
+    Break::new(sobol, "/ of_block", "* 0.5"),
+    Break::new(blocks, "of_block == f32(BLOCK)", "of_block == 2.0"),
+    Break::new(blocks, "stored, vec4f(0.0), of_block", "vec4f(0.0), stored, of_block"),
+    Break::new(blocks, "/ (complete + part)", "/ complete"),
     Break::new(sobol, "!= NO_TRIANGLE", "!= 0u"),
     Break::new(sobol, "samples < f32(sampling.samples)", "samples < 3.0"),
-    Break::new(sobol, "textureStore(color, texel, 1, vec4f(mean.y))", "textureStore(color, texel, 1, vec4f(mean.x))"),
+    Break::new(sobol, "textureStore(color, texel, 1, vec4f(all.y))", "textureStore(color, texel, 1, vec4f(all.x))"),
     Break::new(sobol, "atomicAdd(&sent_here[tag], 1u)", "").in_counts(),
 ];
 

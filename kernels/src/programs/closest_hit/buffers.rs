@@ -28,7 +28,8 @@ pub static BUFFERS: &[BufferInfo] = &[
         |data| bytes_of(&data.shading),
         |run| run.of_shading("nothing refers to it"),
     ),
-    uniform("sampling", "samples per pixel, seed", |data| bytes_of(&data.sampling), |_| ONE_SAMPLE),
+    uniform("sampling", "samples per pixel, seed, first sample", |data| bytes_of(&data.sampling), |_| ONE_SAMPLE)
+        .of_view(),
     storage(
         "vertices",
         "nine f32 per triangle: corners 0, 1, 2, traced units",

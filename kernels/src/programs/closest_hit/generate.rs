@@ -16,8 +16,8 @@ pub fn generate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     }
     let (camera, is_perspective) = (&scene.camera, scene.features.perspective);
     let (origin, direction) = if scene.features.samples {
-        // The next sample's index is the number of samples so far.
-        let sample = ray.load(ACCUMULATED, ACCUMULATED_SAMPLES).to_i32() as u32;
+        // The next sample's index grows by the number of samples so far.
+        let sample = scene.sampling.first + ray.load(ACCUMULATED, ACCUMULATED_SAMPLES).to_i32() as u32;
         let place = jitter(scene.features.sampler(), [ray.x, ray.y], sample, scene.sampling.seed).map(R::from_f32);
         let place = [R::from_i32(ray.x as i32) + place[0], R::from_i32(ray.y as i32) + place[1]];
         eye_ray_at(camera, is_perspective, place)

@@ -4,7 +4,7 @@ import package::constants::{INF, NO_TRIANGLE, WORKGROUP};
 import package::state::{UNWRITTEN, TRAV_SETUP};
 @if(!samples) import package::camera::{eye_ray};
 @if(samples) import package::camera::{eye_ray_at};
-@if(samples) import package::samples::{jitter};
+@if(samples) import package::samples::{jitter, sampling};
 
 @group(0) @binding(0) var ray_origin: texture_storage_2d_array<r32float, write>;
 @group(0) @binding(1) var ray_direction: texture_storage_2d_array<r32float, write>;
@@ -22,8 +22,9 @@ fn generate(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
 
-    // The next sample's index is the number of samples so far.
-    @if(samples) let place = jitter(texel, u32(textureLoad(accumulated, texel, 4, 0).x));
+    // The next sample's index grows by the number of samples so far.
+    @if(samples) let sample = sampling.first + u32(textureLoad(accumulated, texel, 4, 0).x);
+    @if(samples) let place = jitter(texel, sample);
     @if(samples) let ray = eye_ray_at(vec2f(texel) + place);
     @else let ray = eye_ray(texel);
     textureStore(ray_origin, texel, 0, vec4f(ray.origin.x));

@@ -64,6 +64,7 @@ pub static PROGRAM: Program = Program {
         weights: [0, 1],
         color: streams::COLOR,
         mean: streams::ACCUMULATED,
+        blocks: streams::BLOCKS,
         counters: streams::COUNTERS,
     }),
     buffers: buffers::BUFFERS,

@@ -5,7 +5,7 @@
 //! Software Vulkan does neither, and agrees bit for bit; an H200 does both.
 
 use super::streams::{
-    ACCUMULATED, COLOR, CONTROL, HIT, PLACE, RAY_DIRECTION, RAY_ORIGIN, SCAN, STATE, STATE_T, TMAX, VOXEL,
+    ACCUMULATED, BLOCKS, COLOR, CONTROL, HIT, PLACE, RAY_DIRECTION, RAY_ORIGIN, SCAN, STATE, STATE_T, TMAX, VOXEL,
 };
 use crate::tables::stream::Stream;
 
@@ -134,5 +134,7 @@ pub(super) const OF_SHADE: Rounding =
     Rounding { floats: &[(COLOR, ALL_3, Off::RoundingsOfLight(64.0))], ties: Ties::None };
 
 /// A division that is added to. The number of samples is exact.
-pub(super) const OF_ACCUMULATE: Rounding =
-    Rounding { floats: &[(ACCUMULATED, &[0, 1, 2, 3], SUM), (COLOR, ALL_3, SUM)], ties: Ties::None };
+pub(super) const OF_ACCUMULATE: Rounding = Rounding {
+    floats: &[(ACCUMULATED, &[0, 1, 2, 3], SUM), (BLOCKS, &[0, 1, 2, 3], SUM), (COLOR, ALL_3, SUM)],
+    ties: Ties::None,
+};

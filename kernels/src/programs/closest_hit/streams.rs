@@ -12,7 +12,8 @@
 //! hit           u32  u  v  triangle      u, v as f32 bits
 //! color         f32  r  g  b             linear light
 //! counters      u32  cells  triangles  repeated
-//! accumulated   f32  r  g  b  a  samples mean so far, linear light; a: share of samples that hit
+//! accumulated   f32  r  g  b  a  samples mean of the block's samples so far, linear light; a: share that hit
+//! blocks        f32  r  g  b  a          sum of the means of complete blocks of 16 samples
 //! place         u32  x  y  z  left  tx  ty  tz   cell, cells still allowed, tmax or control (f32 bits)
 //! trail         u32  levels 0, 8, 16, 24  4 bits per level
 //! scan          u32  cell  tx  ty  tz    cell, tmax or control (f32 bits)
@@ -25,8 +26,8 @@
 //! With the last three, a ray continues in the next dispatch if a walk or a search may take more loop iterations than
 //! one dispatch allows (see [`crate::plan::Limits`]).
 //!
-//! With several samples per pixel, the rays of all samples use the same texels: all streams but `accumulated` hold the
-//! values of the latest sample. At the end of a run, only `color` is replaced by the mean.
+//! With several samples per pixel, the rays of all samples use the same texels: all streams but `accumulated` and `blocks`
+//! hold the values of the latest sample. At the end of a run, only `color` is replaced by the mean.
 
 use super::elements::RAYS;
 use crate::options::features::Features;
@@ -43,7 +44,7 @@ pub const STATE_CELL: usize = 2;
 pub const STATE_ITEM: usize = 3;
 /// Layer of the `hit` stream: the triangle, [`NO_TRIANGLE`] without a hit.
 pub const HIT_TRIANGLE: usize = 2;
-/// Layer of the `accumulated` stream: the samples in the mean; exact, as a float counts to 2²⁴.
+/// Layer of the `accumulated` stream: the samples so far, of all blocks; exact, as a float counts to 2²⁴.
 pub const ACCUMULATED_SAMPLES: usize = 4;
 
 /// No ray waits for another dispatch.
@@ -71,6 +72,10 @@ fn of_control(run: &Run<'_>) -> Reason {
         run if run.features.grid => (Because::Options, "--traversal amanatides-woo"),
         run => run.other_accelerator(),
     }
+}
+
+fn of_blocks(run: &Run<'_>) -> Reason {
+    if run.features.samples { (Because::Options, "16 samples per pixel or fewer: one block") } else { ONE_SAMPLE }
 }
 
 /// The stream in which a walk through a uniform grid keeps what decides its next step.
@@ -113,9 +118,12 @@ streams! {
     /// Cells visited, triangles tested, repeated tests.
     COUNTERS of RAYS: "counters" U32 &["cells", "triangles", "repeated"], meaning: &[Count; 3], unit: "count",
         unwritten: &[0; 3], why_absent: |_| (Because::Options, "counters are not requested");
-    /// Mean colour and coverage of the samples so far, and their number.
+    /// Mean colour and coverage of the latest block's samples so far, and the number of all samples.
     ACCUMULATED of RAYS: "accumulated" F32 &["r", "g", "b", "a", "samples"], meaning: &[Light, Light, Light, Float, Float], unit: "linear light, share of samples that hit, count",
         unwritten: &[0; 5], why_absent: |_| ONE_SAMPLE;
+    /// Sums over the complete blocks of samples of their means.
+    BLOCKS of RAYS: "blocks" F32 &["r", "g", "b", "a"], meaning: &[Light, Light, Light, Float], unit: "linear light, share of samples that hit, times blocks",
+        unwritten: &[0; 4], why_absent: of_blocks;
     /// Where in the grid a ray waits for the next dispatch of `fused`: what its cell's index does not tell.
     PLACE of RAYS: "place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Id, Id, Count, Distance, Distance, Distance], unit: "cell coordinates, count of cells, t or control terms as f32 bits",
         unwritten: &[0; 7], why_absent: |_| NO_WALK_WAITS;

@@ -1,0 +1,120 @@
+#!/bin/sh
+# Builds what a release consists of into a folder, target/packages-out unless another is named:
+#
+#     sh app/packaging/build.sh [--archive] [DIR]
+#
+# the archive for this machine's system (program, scenes, manual pages, completions of shells, licences), the wheel, and
+# SHA256SUMS. With --archive, the archive alone. Needs Rust, Python 3.11 or later and Git; on Linux, zig links the program
+# for glibc 2.28, as it does the wheel. Tools are installed into target/packaging. The same commit and toolchain give the
+# same archive; SOURCE_DATE_EPOCH replaces the date of the commit.
+set -eu
+parts="archive wheel"
+[ "${1:-}" != --archive ] || { parts=archive; shift; }
+[ $# -le 1 ] || { echo "usage: sh app/packaging/build.sh [--archive] [DIR]" >&2; exit 2; }
+root=$(cd "$(dirname "$0")/../.." && pwd)
+out=${1:-${CARGO_TARGET_DIR:-$root/target}/packages-out}
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+target="${CARGO_TARGET_DIR:-$root/target}/packaging"
+mkdir -p "$target"
+target=$(cd "$target" && pwd)
+cd "$root"
+ZIGBUILD=0.24.1
+ZIG=0.17.1
+CARGO_ABOUT=0.9.3
+GLIBC=2.28
+
+host=$(rustc -vV | sed -n 's/^host: //p')
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct)}
+export SOURCE_DATE_EPOCH
+python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python 3.11 or later is needed" >&2; exit 1; }
+
+tools="$target/tools"
+[ "$("$tools/bin/cargo-about" --version 2>/dev/null)" = "cargo-about $CARGO_ABOUT" ] ||
+    cargo install --quiet --locked --features cli --root "$tools" cargo-about --version "$CARGO_ABOUT"
+exe="" format=tar.gz triple=$host zig=""
+case "$host" in
+*-linux-gnu)
+    [ -x "$tools/bin/pip" ] || python3 -m venv "$tools"
+    "$tools/bin/pip" install --quiet "cargo-zigbuild==$ZIGBUILD" "ziglang==$ZIG"
+    triple=$host.$GLIBC zig=zig
+    PATH="$tools/bin:$PATH"
+    export RAYSTEP_GLIBC=$GLIBC
+    ;;
+*-windows-*) exe=.exe format=zip ;;
+esac
+
+# Names of files, which messages of panics contain, start at the crate instead of at this machine's folders.
+case "$host" in
+*-windows-*) ;;
+*)
+    CARGO_ENCODED_RUSTFLAGS=$(printf -- '--remap-path-prefix=%s/registry/src=crates\037--remap-path-prefix=%s=raystep' \
+        "${CARGO_HOME:-$HOME/.cargo}" "$root")
+    export CARGO_ENCODED_RUSTFLAGS
+    ;;
+esac
+cargo_for_release() {
+    command=$1
+    shift
+    if [ -n "$zig" ]; then
+        [ "$command" = rustc ] || command=zigbuild
+        cargo-zigbuild "$command" --release --locked -p raystep --target "$triple" --target-dir "$target/build" "$@"
+    else
+        cargo "$command" --release --locked -p raystep --target "$triple" --target-dir "$target/build" "$@"
+    fi
+}
+cargo_for_release rustc --bin raystep -- -C strip=symbols
+# Not a command of the program, which has no use for it.
+cargo_for_release build --example man
+built="$target/build/$host/release"
+
+version=$("$built/raystep$exe" --version)
+version=${version#raystep }
+name="raystep-$version-$host"
+tree="$target/$name"
+rm -rf "$tree"
+share="$tree/share"
+doc="$share/doc/raystep"
+mkdir -p "$tree/bin" "$share/raystep/scenes" "$share/man/man1" "$share/bash-completion/completions" \
+    "$share/zsh/site-functions" "$share/fish/vendor_completions.d" "$doc"
+
+cp "$built/raystep$exe" "$tree/bin/"
+cp scenes/*.gltf scenes/*.glb scenes/*.bin scenes/*.png scenes/README.md "$share/raystep/scenes/"
+date=$(python3 -c 'import sys, time; print(time.strftime("%Y-%m-%d", time.gmtime(int(sys.argv[1]))))' "$SOURCE_DATE_EPOCH")
+"$built/examples/man$exe" "$share/man/man1" "$date"
+"$tree/bin/raystep$exe" completions bash >"$share/bash-completion/completions/raystep"
+"$tree/bin/raystep$exe" completions zsh >"$share/zsh/site-functions/_raystep"
+"$tree/bin/raystep$exe" completions fish >"$share/fish/vendor_completions.d/raystep.fish"
+[ -z "$exe" ] || "$tree/bin/raystep$exe" completions powershell >"$doc/raystep.ps1"
+
+cp README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE "$doc/"
+cp "$(rustc --print sysroot)/share/doc/rust/COPYRIGHT-library.html" "$doc/LICENCES-rust-library.html"
+# Minutes, so only where something may have changed.
+licences="$target/licences-$host.txt"
+for file in Cargo.lock app/Cargo.toml app/packaging/about.toml app/packaging/licences.hbs; do
+    [ "$licences" -nt "$file" ] || rm -f "$licences"
+done
+[ -s "$licences" ] || {
+    cargo fetch --quiet --locked
+    "$tools/bin/cargo-about" generate --frozen --fail --manifest-path app/Cargo.toml --target "$host" \
+        --config app/packaging/about.toml --output-file "$licences.part" app/packaging/licences.hbs
+    mv "$licences.part" "$licences"
+}
+cp "$licences" "$doc/LICENCES-dependencies.txt"
+
+rm -f "$out"/raystep-*."$format"
+python3 app/packaging/pack.py "$tree" "$out/$name.$format"
+echo "$out/$name.$format: $(wc -c <"$out/$name.$format") bytes, the program $(wc -c <"$tree/bin/raystep$exe")"
+
+case "$parts" in
+*wheel*)
+    rm -f "$out"/raystep-*.whl
+    # Its own flags: they are part of what Cargo compares to find out what to build.
+    (unset CARGO_ENCODED_RUSTFLAGS && sh app/python/build.sh "$out")
+    ;;
+esac
+
+cd "$out"
+rm -f SHA256SUMS
+if command -v sha256sum >/dev/null; then sha256sum raystep-*; else shasum -a 256 raystep-*; fi >SHA256SUMS.part
+mv SHA256SUMS.part SHA256SUMS

@@ -1,0 +1,100 @@
+//! `raystep merge`
+
+mod picture;
+mod tables;
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::args::QuietArgs;
+use crate::error::Error;
+use crate::shard::{FILE, Part};
+use crate::terminal::Progress;
+
+/// Put together the parts of a divided run
+///
+/// The parts are folders of 'raystep render', 'bench' or 'stability' with --shard I/N, in any order. Parts that do not
+/// belong together are refused: of other scenes, options or versions, a part that is missing or given twice, and, without
+/// --mixed, results of different devices or drivers.
+///
+/// Parts of a picture give the picture: bit for bit that of one run of all samples, if all devices are of one kind. Parts
+/// of 'bench' and 'stability' give a folder with the same tables as one run; pages with pictures stay one for each part.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep render scenes/cornell-box.gltf -o part-1 --spp 256 --shard 1/2
+  raystep render scenes/cornell-box.gltf -o part-2 --spp 256 --shard 2/2
+  raystep merge part-1 part-2 -o box.png
+  raystep merge bench-* -o bench")]
+pub(crate) struct MergeArgs {
+    /// The parts' folders
+    #[arg(required = true, value_name = "DIR")]
+    parts: Vec<PathBuf>,
+    /// Output: for a picture, a file whose name ends in .png or .exr; for tables, a folder, new or empty
+    #[arg(short, long, value_name = "OUT.png|OUT.exr|DIR")]
+    output: PathBuf,
+    /// Also put together results of different devices: rows name theirs; pixels may differ in their last bits
+    #[arg(long)]
+    mixed: bool,
+    /// Replace the tables in a folder that is not empty; other files are kept
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    quiet: QuietArgs,
+}
+
+/// A part and where it is.
+struct Placed {
+    folder: PathBuf,
+    part: Part,
+}
+
+pub(crate) fn run(args: &MergeArgs) -> Result<(), Error> {
+    let progress = Progress::new(args.quiet.quiet);
+    let parts = read(args)?;
+    match parts[0].part.picture {
+        Some(picture) => picture::merge(args, &parts, picture, &progress),
+        None => tables::merge(args, &parts, &progress),
+    }
+}
+
+/// Every part of one whole, in order: at least one.
+fn read(args: &MergeArgs) -> Result<Vec<Placed>, Error> {
+    let mut parts = Vec::new();
+    for folder in &args.parts {
+        let part = Part::read(folder)?.ok_or_else(|| {
+            let at = folder.display();
+            let is_there = if folder.is_dir() { "it has no " } else { "there is no " };
+            Error::failed(format!("{at}: {is_there}{FILE}; expected a folder of a command with --shard"))
+        })?;
+        parts.push(Placed { folder: folder.clone(), part });
+    }
+    let Some((first, others)) = parts.split_first() else { return Err(Error::usage("name the parts to merge")) };
+    for other in others {
+        if let Some(difference) = first.part.difference(&other.part, args.mixed) {
+            let (a, b) = (first.folder.display(), other.folder.display());
+            let mixed = if difference.starts_with("device") { "; --mixed allows it" } else { "" };
+            return Err(Error::failed(format!(
+                "{a} and {b} do not belong together: they differ in {difference}{mixed}"
+            )));
+        }
+    }
+    let of = first.part.shard.of;
+    parts.sort_by_key(|placed| placed.part.shard.index);
+    if let Some(pair) = parts.windows(2).find(|pair| pair[0].part.shard == pair[1].part.shard) {
+        let (a, b) = (pair[0].folder.display(), pair[1].folder.display());
+        return Err(Error::failed(format!("{a} and {b} are the same part, {}: give each once", pair[0].part.shard)));
+    }
+    let missing: Vec<String> = (1..=of)
+        .filter(|index| !parts.iter().any(|placed| placed.part.shard.index == *index))
+        .map(|index| format!("{index}/{of}"))
+        .collect();
+    match missing.split_first() {
+        None => Ok(parts),
+        Some((part, [])) => Err(Error::failed(format!("part {part} is missing: expected every part once"))),
+        Some((part, others)) => {
+            Err(Error::failed(format!("part {part} and {} others are missing: expected every part once", others.len())))
+        }
+    }
+}

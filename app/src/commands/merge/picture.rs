@@ -1,0 +1,51 @@
+//! Pictures: the mean of all blocks of samples.
+
+use raystep_kernels::Samples;
+use raystep_kernels::renderer::image::Merge;
+
+use super::{MergeArgs, Placed};
+use crate::commands::render::{block_file, encode_colors, read_block};
+use crate::error::Error;
+use crate::output::{Target, ending, write};
+use crate::shard::Picture;
+use crate::terminal::Progress;
+
+/// Most bytes of the picture in memory, twice: larger ones are not what a part's folder holds.
+const MOST_PIXELS: u64 = 1 << 30;
+
+/// Writes the picture.
+pub(super) fn merge(args: &MergeArgs, parts: &[Placed], picture: Picture, progress: &Progress) -> Result<(), Error> {
+    let is_exr = ending("-o", &args.output, &["png", "exr"])? == "exr";
+    let target = Target::new(&args.output)?;
+    let Picture { width, height, samples } = picture;
+    let pixels = u64::from(width) * u64::from(height);
+    if !(1..=MOST_PIXELS).contains(&pixels) || !(1..=Samples::MOST).contains(&samples) {
+        let at = parts[0].folder.display();
+        return Err(Error::failed(format!(
+            "{at}: there is no picture of {width}x{height} pixels and {samples} samples"
+        )));
+    }
+    let whole = Samples { count: samples, ..Samples::default() };
+    let (blocks, mut merge) = (whole.blocks(), Merge::new(width, height));
+    for Placed { folder, part } in parts {
+        for block in part.shard.range(blocks as usize, "blocks of 16 samples")? {
+            let block = block as u32;
+            progress.part("merging blocks", u64::from(block), u64::from(blocks));
+            let image = read_block(folder, block, picture)?.ok_or_else(|| {
+                let (at, name) = (folder.display(), block_file(block));
+                Error::failed(format!("{at}: {name} is missing: the part is not complete, run its command again"))
+            })?;
+            let count = whole.part(block).map_or(0, |part| part.count);
+            merge.add(image, count);
+        }
+    }
+    let Some(image) = merge.image() else { return Err(Error::failed("there are no blocks to merge")) };
+    write(vec![(target, encode_colors(&image, &args.output, is_exr)?)])?;
+    progress.finish();
+    progress.say(format_args!(
+        "wrote {}: {width}x{height}, {samples} samples per pixel in {blocks} blocks of {} parts",
+        args.output.display(),
+        parts.len()
+    ));
+    Ok(())
+}
