@@ -7,7 +7,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::commands::{
     bench, build, cast, completions, dump, extension, info, inspect, merge, plan, render, report, scene, stability,
-    trace,
+    sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
@@ -35,6 +35,7 @@ Examples:
   raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
   raystep report scenes/cornell-box.gltf -o report
   raystep stability -o stability
+  raystep sweep sweep.toml -o sweep
   raystep info
 'raystep COMMAND --help' says more about each."
 )]
@@ -55,6 +56,7 @@ pub(crate) enum Command {
     Merge(merge::MergeArgs),
     Report(Box<report::ReportArgs>),
     Stability(Box<stability::StabilityArgs>),
+    Sweep(sweep::SweepArgs),
     Plan(Box<plan::PlanArgs>),
     Info(info::InfoArgs),
     #[command(subcommand)]

@@ -15,6 +15,7 @@ pub(crate) mod report;
 pub(crate) mod scene;
 pub(crate) mod stability;
 mod summary;
+pub(crate) mod sweep;
 pub(crate) mod trace;
 mod unfinished;
 

@@ -4,13 +4,26 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::process::{Child, Command, ExitStatus};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 /// Temporary files and folders that currently exist.
 static TEMPORARY: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Removes them, and exits.
-fn end(code: i32) -> ! {
+/// Child processes that currently run.
+static CHILDREN: Mutex<Vec<Arc<Mutex<Child>>>> = Mutex::new(Vec::new());
+
+/// Ends child processes, removes temporary files, and exits.
+pub(crate) fn end(code: i32) -> ! {
+    // Children first: they would write into what is removed. Neither lock is ever released.
+    let children = CHILDREN.lock().unwrap_or_else(PoisonError::into_inner);
+    for child in children.iter() {
+        let mut child = child.lock().unwrap_or_else(PoisonError::into_inner);
+        // It may have ended already.
+        let _ = child.kill();
+        let _ = child.wait();
+    }
     // The lock is never released: nothing new is created during exit.
     let temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
     for path in temporary.iter() {
@@ -68,6 +81,30 @@ fn sig_ign(status: &str) -> Option<u64> {
 #[cfg(unix)]
 fn has(mask: u64, signal: i32) -> bool {
     mask >> (signal - 1) & 1 == 1
+}
+
+/// Runs a command to its end. An interrupt ends it, too.
+pub(crate) fn run(command: &mut Command) -> io::Result<ExitStatus> {
+    /// Short against the start of a process.
+    const PAUSE: Duration = Duration::from_millis(10);
+    let all = || CHILDREN.lock().unwrap_or_else(PoisonError::into_inner);
+    let child = {
+        let mut children = all();
+        let child = Arc::new(Mutex::new(command.spawn()?));
+        children.push(child.clone());
+        child
+    };
+    let status = loop {
+        // Without a lock held while waiting: an interrupt needs it.
+        match child.lock().unwrap_or_else(PoisonError::into_inner).try_wait() {
+            Ok(None) => {}
+            Ok(Some(status)) => break Ok(status),
+            Err(error) => break Err(error),
+        }
+        std::thread::sleep(PAUSE);
+    };
+    all().retain(|other| !Arc::ptr_eq(other, &child));
+    status
 }
 
 /// Creates a file in a temporary folder. No interrupt occurs in between: while removing the folder, it would miss the

@@ -93,6 +93,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::Merge(args) => commands::merge::run(&args),
             Command::Report(args) => commands::report::run(&args),
             Command::Stability(args) => commands::stability::run(&args),
+            Command::Sweep(args) => commands::sweep::run(&args),
             Command::Plan(args) => commands::plan::run(&args),
             Command::Info(args) => commands::info::run(&args),
             Command::Scene(command) => commands::scene::run(&command),

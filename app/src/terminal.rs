@@ -82,6 +82,20 @@ impl Progress {
         self.bar.set_position(done);
     }
 
+    /// Shows how many jobs are done, and one that runs.
+    pub(crate) fn job(&self, name: &str, done: u64, of: u64, failed: usize) {
+        if self.bar.length() != Some(of) {
+            self.bar.set_length(of);
+            self.bar.set_style(style("[{bar:30}] {pos} of {len} jobs{prefix}, {elapsed}, {wide_msg}"));
+            self.bar.enable_steady_tick(Duration::from_millis(500));
+        }
+        if failed > 0 {
+            self.bar.set_prefix(format!(", {failed} failed"));
+        }
+        self.bar.set_message(visible(name).into_owned());
+        self.bar.set_position(done);
+    }
+
     /// Shows how many rays of other programs are done, of how many if that is known.
     pub(crate) fn cast(&self, done: u64, of: Option<u64>) {
         if done == 0 {

@@ -26,6 +26,7 @@ mod shard;
 #[cfg(unix)]
 mod signals;
 mod stability;
+mod sweep;
 mod text;
 mod traversal;
 mod ways;

@@ -22,6 +22,7 @@ fn help_has_examples_everywhere_and_no_argument_is_help() {
         "cast",
         "report",
         "stability",
+        "sweep",
         "plan",
         "info",
         "scene",
@@ -210,7 +211,7 @@ fn help_examples_run() {
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    let commands = "inspect render trace dump bench cast report stability plan info scene completions";
+    let commands = "inspect render trace dump bench cast report stability sweep plan info scene completions";
     let mut helps: Vec<Vec<&str>> = commands.split(' ').map(|name| vec![name]).collect();
     helps.extend([vec![], vec!["scene", "convert"], vec!["scene", "soup"]]);
     // On two threads: most of the time, an example keeps one core busy.
@@ -238,18 +239,20 @@ fn run_examples(help: &[&str]) -> usize {
     let ray = [0.0f32, 0.0, 0.5, 0.0, 0.25, 0.25, 1.0, 0.0].map(f32::to_le_bytes).concat();
     let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 8), }\n".as_bytes();
     let npy = [b"\x93NUMPY\x01\x00\x3c\x00", header, &ray[..28], &9f32.to_le_bytes()].concat();
-    // A saved session and a lesson, for the examples of inspect.
+    // A saved session and a lesson, for the examples of inspect; a sweep.
     let link = "raystep:1?scene=scenes/teapot.glb&size=16x16&device=cpu";
     let session = serde_json::json!({ "version": 1, "here": { "link": link } }).to_string().into_bytes();
     let lesson: Vec<u8> =
         "# A lesson\n\n## The only step\n\nA text.\n\n```raystep\nopen scene=built-in:cornell-box size=16x16\n```\n"
             .into();
+    let sweep: Vec<u8> = "what = \"stability\"\n[options]\ncase = [\"no-triangle\"]\nquick = true\n".into();
     for (name, bytes) in [
         ("rays.npy", &npy),
         ("shadow.npy", &npy),
         ("primary.f32", &ray),
         ("teapot.raystep-session", &session),
         ("my-lesson.md", &lesson),
+        ("sweep.toml", &sweep),
     ] {
         std::fs::write(place.path(name), bytes).expect("a file");
     }

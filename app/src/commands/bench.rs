@@ -172,7 +172,7 @@ fn parse_ratio(text: &str) -> Result<f64, String> {
 
 impl BenchArgs {
     /// A scene, and how it is read.
-    fn file(&self, path: &Path) -> SceneArgs {
+    pub(super) fn file(&self, path: &Path) -> SceneArgs {
         SceneArgs { scene: path.to_owned(), scene_index: self.scene_index, read: self.read }
     }
 
@@ -194,7 +194,7 @@ impl BenchArgs {
     }
 
     /// Where passes run: fragment programs need a GPU, if only one in software.
-    fn device(&self) -> DeviceArgs {
+    pub(super) fn device(&self) -> DeviceArgs {
         let mut device = self.device.clone();
         let draws = self.mappings.iter().any(|&mapping| mapping != Mapping::Compute);
         if draws && device.device == DeviceKind::Auto && device.adapter.is_none() {

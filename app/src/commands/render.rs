@@ -51,7 +51,7 @@ Examples:
   raystep render scenes/cornell-box.gltf -o box.png --trace-json trace.json   (for ui.perfetto.dev)")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(super) scene: SceneArgs,
     /// Output image; its name ends in .png or .exr. With --shard, a folder
     #[arg(short, long, value_name = "OUT.png|OUT.exr")]
     output: PathBuf,
@@ -78,9 +78,9 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
-    view: ViewArgs,
+    pub(super) view: ViewArgs,
     #[command(flatten)]
-    run: RunArgs,
+    pub(super) run: RunArgs,
 }
 
 #[derive(Clone, Copy)]

@@ -113,7 +113,7 @@ pub(crate) struct ReportArgs {
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
-    device: DeviceArgs,
+    pub(super) device: DeviceArgs,
 }
 
 /// Default pixels per side, for quick and full reports.
@@ -121,7 +121,7 @@ const SIDES: [u32; 2] = [64, 192];
 
 impl ReportArgs {
     /// A scene, and how it is read.
-    fn file(&self, path: &Path) -> SceneArgs {
+    pub(super) fn file(&self, path: &Path) -> SceneArgs {
         SceneArgs { scene: path.to_owned(), scene_index: self.scene_index, read: self.read }
     }
 

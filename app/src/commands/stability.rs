@@ -76,7 +76,7 @@ pub(crate) struct StabilityArgs {
     quick: bool,
     /// Also measure what stiff scenes cost, on the GPU, or with --device cpu on the CPU
     #[arg(long)]
-    cost: bool,
+    pub(super) cost: bool,
     /// Only these families of stiff scenes
     #[arg(long = "family", value_name = "A,B…", value_delimiter = ',', requires = "cost",
           value_parser = PossibleValuesParser::new(FAMILIES.iter().map(|f| f.name)))]
@@ -91,6 +91,13 @@ pub(crate) struct StabilityArgs {
     /// Name of the GPU adapter, or part of it; see 'raystep info'
     #[arg(long, value_name = "NAME", help_heading = "Device")]
     adapter: Option<String>,
+}
+
+impl StabilityArgs {
+    /// Whether it traces on a GPU, if there is one.
+    pub(super) fn uses_gpu(&self) -> bool {
+        self.device != Devices::Cpu
+    }
 }
 
 /// `--device`

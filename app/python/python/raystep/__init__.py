@@ -9,8 +9,8 @@ array([1.5, inf], dtype=float32)
 >>> hits.is_hit
 array([ True, False])
 
-A run is stepped by a `Renderer`; `compare`, `stability` and `report` return tables; `view` shows the inspector in the
-browser.
+A run is stepped by a `Renderer`; `compare`, `stability` and `report` return tables, and so does `sweep`, for
+many scenes and options, here or on a cluster; `view` shows the inspector in the browser.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from ._progress import Progress
 from ._raystep import DeviceError, OptionError, SceneError, __version__
 from ._renderer import Pass, Plan, Renderer, Streams
 from ._scene import MISS, Hits, Scene, scene_names
+from ._sweep import SweepError, sweep
 from ._tables import Table, Tables
 from ._view import View, view
 
@@ -46,6 +47,7 @@ __all__ = [
     "SceneError",
     "StreamArray",
     "Streams",
+    "SweepError",
     "Table",
     "Tables",
     "View",
@@ -54,6 +56,7 @@ __all__ = [
     "report",
     "scene_names",
     "stability",
+    "sweep",
     "view",
 ]
 

@@ -1,0 +1,223 @@
+//! Runs the jobs of a sweep that are not finished, here or by others, and keeps their results.
+
+use std::fs::{self, File, TryLockError};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::mpsc::{Sender, channel};
+use std::time::Duration;
+
+use serde::Deserialize;
+use serde_json::json;
+
+use super::file::Definition;
+use super::job::{self, Done};
+use super::plan::Job;
+use crate::commands::json_text;
+use crate::error::Error;
+use crate::output::{self, Target, reason};
+use crate::scene_file::read_file;
+use crate::terminal::Progress;
+
+/// The file that says which sweep a folder is of.
+const FILE: &str = "sweep.json";
+/// The start of that file.
+const KIND: &str = "raystep sweep";
+/// The file that is locked while a program works on the folder.
+const LOCK: &str = "sweep.lock";
+/// The folder of the jobs' folders.
+const JOBS: &str = "jobs";
+/// Most bytes of that file.
+const MOST_BYTES: u64 = 1 << 24;
+
+/// The output folder of a sweep. No other process works on it as long as this exists.
+pub(super) struct Place {
+    /// As the user wrote it.
+    pub(super) path: PathBuf,
+    _lock: File,
+}
+
+/// A job that failed.
+#[derive(Clone, Debug)]
+pub(super) struct Failure {
+    pub(super) name: String,
+    pub(super) message: String,
+}
+
+/// What happened.
+enum Event {
+    Started(String),
+    Ended(String, Result<Done, String>),
+}
+
+/// A line from the process that distributes jobs.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Line {
+    Started { name: String },
+    Done { name: String, folder: PathBuf },
+    Failed { name: String, message: String },
+}
+
+impl Place {
+    /// Opens a folder that is new, empty, or of this sweep.
+    pub(super) fn open(path: &Path, sweep: &Definition) -> Result<Self, Error> {
+        let at = path.display();
+        let cannot = |e: std::io::Error| Error::failed(format!("cannot write {at}: {}", reason(&e)));
+        let file = path.join(FILE);
+        let is_new = match fs::read_dir(path) {
+            Ok(mut entries) => entries.next().is_none(),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => true,
+            Err(error) => return Err(cannot(error)),
+        };
+        if !is_new {
+            let about: Option<serde_json::Value> =
+                read_file(&file, MOST_BYTES).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+            let about = about.filter(|about| about["kind"] == KIND);
+            let about = about.ok_or_else(|| {
+                Error::failed(format!("{at} is not empty, and not of a sweep: choose another folder"))
+            })?;
+            let (ours, theirs) = (&sweep.identity, &about["sweep"]);
+            let keys = ["what", "scenes", "options", "each", "format", "parts"];
+            if let Some(key) = keys.iter().find(|key| ours.get(key) != theirs.get(key)) {
+                return Err(Error::failed(format!(
+                    "{at} is of another sweep, whose {key} differs from that of {}: choose another folder",
+                    sweep.file.display()
+                )));
+            }
+        }
+        match fs::create_dir(path) {
+            Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => return Err(cannot(error)),
+            _ => {}
+        }
+        let lock = File::options().write(true).create(true).truncate(false).open(path.join(LOCK)).map_err(cannot)?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(Error::failed(format!(
+                    "{at}: another 'raystep sweep' works on it: wait until it has ended"
+                )));
+            }
+            Err(TryLockError::Error(error)) => return Err(cannot(error)),
+        }
+        let about = json!({ "kind": KIND, "schema_version": 1, "sweep": sweep.identity });
+        output::write(vec![(Target::new(&file)?, json_text(&about)?.into_bytes())])?;
+        fs::create_dir_all(path.join(JOBS)).map_err(cannot)?;
+        let place = Self { path: path.to_owned(), _lock: lock };
+        place.sweep_up();
+        Ok(place)
+    }
+
+    /// Removes what killed processes have left.
+    fn sweep_up(&self) {
+        for entry in fs::read_dir(self.path.join(JOBS)).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            if name.to_str().is_some_and(|name| name.starts_with(".raystep-") && name.ends_with(".part")) {
+                // What stays is in nobody's way.
+                let _ = fs::remove_dir_all(entry.path());
+            }
+        }
+    }
+
+    /// A job's folder.
+    pub(super) fn folder(&self, job: &str) -> PathBuf {
+        self.path.join(JOBS).join(job)
+    }
+
+    /// How a job ended, if it is finished.
+    pub(super) fn done(&self, job: &Job) -> Option<Done> {
+        Done::read(&self.folder(&job.name), job)
+    }
+
+    /// Runs jobs here, some side by side.
+    pub(super) fn run(&self, all: &[Job], side_by_side: usize, progress: &Progress) -> Vec<Failure> {
+        let pending: Vec<&Job> = all.iter().filter(|job| self.done(job).is_none()).collect();
+        let next = Mutex::new(pending.iter());
+        let (events, arrived) = channel();
+        std::thread::scope(|scope| {
+            for _ in 0..side_by_side.min(pending.len()) {
+                let (events, next) = (events.clone(), &next);
+                scope.spawn(move || {
+                    while let Some(job) = { next.lock().ok().and_then(|mut next| next.next()) } {
+                        // The receiver lives as long as this scope.
+                        let _ = events.send(Event::Started(job.name.clone()));
+                        let folder = self.folder(&job.name);
+                        let ended = job::remove(&folder).and_then(|()| job::run(job, &folder));
+                        let _ = events.send(Event::Ended(job.name.clone(), ended.map_err(|e| e.message)));
+                    }
+                });
+            }
+            drop(events);
+            show(arrived, all.len(), pending.len(), progress)
+        })
+    }
+
+    /// Lets another process run jobs: tells it those that are not finished, as a line of JSON, and reads from it what
+    /// becomes of them, a line each.
+    pub(super) fn serve(&self, all: &[Job], progress: &Progress) -> Result<Vec<Failure>, Error> {
+        let pending: Vec<&Job> = all.iter().filter(|job| self.done(job).is_none()).collect();
+        let hello = json!({ "jobs": pending, "folder": self.path.join(JOBS) });
+        let mut out = std::io::stdout();
+        writeln!(out, "{hello}").and_then(|()| out.flush()).map_err(Error::failed)?;
+        let (events, arrived) = channel();
+        Ok(std::thread::scope(|scope| {
+            let pending_jobs = &pending;
+            scope.spawn(move || {
+                for line in std::io::stdin().lines().map_while(Result::ok) {
+                    self.take(&line, pending_jobs, &events);
+                }
+            });
+            show(arrived, all.len(), pending.len(), progress)
+        }))
+    }
+
+    /// What a line says.
+    fn take(&self, line: &str, jobs: &[&Job], events: &Sender<Event>) {
+        let event = match serde_json::from_str(line) {
+            Ok(Line::Started { name }) => Event::Started(name),
+            Ok(Line::Failed { name, message }) => Event::Ended(name, Err(message)),
+            Ok(Line::Done { name, folder }) => {
+                let placed = jobs.iter().find(|job| job.name == name).map(|job| self.place(job, &folder));
+                Event::Ended(name, placed.unwrap_or_else(|| Err("it is not of this sweep".into())))
+            }
+            Err(error) => Event::Ended("?".into(), Err(format!("a line that is not of the protocol: {error}"))),
+        };
+        let _ = events.send(event);
+    }
+
+    /// Makes a folder on the same file system the job's own.
+    fn place(&self, job: &Job, folder: &Path) -> Result<Done, String> {
+        let done = Done::read(folder, job).ok_or("its results are those of another job, or incomplete")?;
+        let target = self.folder(&job.name);
+        job::remove(&target).map_err(|e| e.message)?;
+        fs::rename(folder, &target).map_err(|e| format!("cannot write {}: {}", target.display(), reason(&e)))?;
+        Ok(done)
+    }
+}
+
+/// Shows what happens, until nothing more can. Returns the failures.
+fn show(arrived: std::sync::mpsc::Receiver<Event>, all: usize, pending: usize, progress: &Progress) -> Vec<Failure> {
+    let mut done = all - pending;
+    if done > 0 {
+        progress.say(format_args!("{done} of {all} jobs are finished already"));
+    }
+    let mut failures: Vec<Failure> = Vec::new();
+    for event in arrived {
+        match event {
+            Event::Started(name) => progress.job(&name, done as u64, all as u64, failures.len()),
+            Event::Ended(name, Ok(ended)) => {
+                done += 1;
+                let time = Duration::from_secs_f64(ended.job_s.clamp(0.0, 1e9));
+                let again = if ended.attempts > 1 { format!(", attempt {}", ended.attempts) } else { String::new() };
+                progress.job("", done as u64, all as u64, failures.len());
+                progress.say(format_args!("{done} of {all}: {name}, {:.1} s{again}", time.as_secs_f64()));
+            }
+            Event::Ended(name, Err(message)) => {
+                progress.say(format_args!("failed: {name}: {message}"));
+                failures.push(Failure { name, message });
+                progress.job("", done as u64, all as u64, failures.len());
+            }
+        }
+    }
+    failures
+}

@@ -1,0 +1,274 @@
+//! The results of all jobs as one table, with its schema and a page.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use raystep_kernels::export::csv::writer;
+use raystep_lab::Hash;
+use raystep_lab::report::SECTIONS;
+use raystep_lab::tidy::package::{self, Resource};
+use serde_json::{Value, json};
+
+use super::drive::{Failure, Place};
+use super::file::{Definition, What};
+use super::job::{self, Done};
+use super::page;
+use super::plan::Job;
+use crate::commands::json_text;
+use crate::error::Error;
+use crate::output::{self, Target, TargetFolder};
+use crate::scene_file::read_file;
+
+const RESULTS: &str = "results.csv";
+const PAGE: &str = "index.html";
+/// Files that are written.
+pub(super) const NAMES: [&str; 3] = [RESULTS, package::FILE, PAGE];
+
+/// The folder of pictures that are merged from parts.
+const PICTURES: &str = "pictures";
+
+/// Most bytes of a job's table or picture.
+const MOST_BYTES: u64 = 1 << 32;
+
+/// Columns that only this table has, with their types and meanings.
+const OWN: [(&str, &str, &str); 9] = [
+    ("job", "string", "name of the job and of its folder in jobs"),
+    ("host", "string", "name of the machine that ran it"),
+    ("is_shared", "boolean", "whether something else ran on the machine meanwhile; empty if nothing was timed"),
+    ("table", "string", "section of the report"),
+    ("picture", "string", "the picture's file"),
+    ("picture_hash", "string", "hash of that file, with the method as prefix"),
+    ("trace_s", "number", "seconds of tracing"),
+    ("job_s", "number", "seconds of the job's process, or of all for a picture in parts"),
+    ("hits", "integer", "rays that hit a triangle"),
+];
+
+/// Fields of a row by column; columns that are missing are unknown.
+pub(super) type Row = BTreeMap<String, String>;
+
+/// Rows with their columns.
+#[derive(Default)]
+pub(super) struct Table {
+    columns: Vec<String>,
+    known: BTreeSet<String>,
+    pub(super) rows: Vec<Row>,
+}
+
+impl Table {
+    /// Adds a row, and the columns that it is the first to have.
+    fn add(&mut self, fields: impl IntoIterator<Item = (String, String)>) {
+        let mut row = Row::new();
+        for (column, field) in fields {
+            if self.known.insert(column.clone()) {
+                self.columns.push(column.clone());
+            }
+            // The first one counts: scene and adapter are among a job's own columns, too.
+            row.entry(column).or_insert(field);
+        }
+        self.rows.push(row);
+    }
+
+    /// RFC 4180.
+    fn csv(&self) -> std::io::Result<Vec<u8>> {
+        let mut file = Vec::new();
+        let mut csv = writer(&mut file);
+        csv.write_record(&self.columns)?;
+        for row in &self.rows {
+            csv.write_record(self.columns.iter().map(|column| row.get(column).map_or("", String::as_str)))?;
+        }
+        csv.flush()?;
+        drop(csv);
+        Ok(file)
+    }
+
+    /// The schema.
+    fn package(&self) -> Value {
+        let columns: Vec<&str> = self.columns.iter().map(String::as_str).collect();
+        let resource = Resource { file: RESULTS, what: "a result of a job", columns: &columns };
+        let mut package = package::describe("raystep-sweep", "raystep sweep", &[resource]);
+        for field in package["resources"][0]["schema"]["fields"].as_array_mut().into_iter().flatten() {
+            let name = field["name"].as_str().unwrap_or_default().to_owned();
+            if let Some((_, kind, what)) = OWN.iter().find(|(own, _, _)| *own == name) {
+                *field = json!({ "name": name, "type": kind, "description": what });
+            } else if let Some(option) = name.strip_prefix("option_") {
+                let what = format!("value of --{} of the job", option.replace('_', "-"));
+                *field = json!({ "name": name, "type": "string", "description": what });
+            }
+        }
+        package
+    }
+}
+
+/// What was gathered.
+pub(super) struct Gathered {
+    /// Jobs with results.
+    pub(super) finished: usize,
+    /// Jobs whose results are failures, and pictures that could not be merged.
+    pub(super) failures: Vec<Failure>,
+}
+
+/// Writes the files.
+pub(super) fn gather(sweep: &Definition, jobs: &[Job], place: &Place, failed: &[Failure]) -> Result<Gathered, Error> {
+    let done: Vec<(&Job, Done)> = jobs.iter().filter_map(|job| Some((job, place.done(job)?))).collect();
+    let mut failures = Vec::new();
+    let mut table = Table::default();
+    for (job, done) in &done {
+        failures
+            .extend(done.verdict.iter().map(|message| Failure { name: job.name.clone(), message: message.clone() }));
+        if job.part_of.is_none() {
+            add(&mut table, job, done, place)?;
+        }
+    }
+    for picture in pictures(jobs) {
+        let parts: Vec<&(&Job, Done)> = done.iter().filter(|(job, _)| job.part_of.as_ref() == Some(&picture)).collect();
+        let of = jobs.iter().filter(|job| job.part_of.as_ref() == Some(&picture)).count();
+        if parts.len() < of {
+            continue;
+        }
+        match merge(&picture, &parts, place) {
+            Ok(file) => add_merged(&mut table, &picture, &parts, &file, place)?,
+            Err(error) => failures.push(Failure { name: picture, message: error.message }),
+        }
+    }
+    let all: Vec<&Failure> = failed.iter().chain(&failures).collect();
+    let page = page::html(sweep.what, &table, [done.len(), jobs.len()], &all);
+    let csv = table.csv().map_err(|e| Error::failed(format!("cannot write {RESULTS}: {e}")))?;
+    let schema = json_text(&table.package())?.into_bytes();
+    let files = NAMES.into_iter().zip([csv, schema, page.into_bytes()]);
+    let files = files.map(|(name, bytes)| Ok((Target::new(&place.path.join(name))?, bytes)));
+    output::write(files.collect::<Result<_, Error>>()?)?;
+    Ok(Gathered { finished: done.len(), failures })
+}
+
+/// Pictures in parts, in order.
+fn pictures(jobs: &[Job]) -> Vec<String> {
+    super::super::distinct(&jobs.iter().filter_map(|job| job.part_of.clone()).collect::<Vec<_>>())
+}
+
+/// The columns that every row starts with.
+fn lead(
+    name: &str,
+    job: &Job,
+    scene: &str,
+    host: &str,
+    adapter: &str,
+    is_shared: Option<bool>,
+) -> Vec<(String, String)> {
+    let shared = is_shared.map(|is_shared| is_shared.to_string()).unwrap_or_default();
+    let mut fields: Vec<(&str, &str)> = vec![("job", name), ("scene", scene), ("host", host), ("adapter", adapter)];
+    let options: Vec<(String, &str)> = job
+        .each
+        .iter()
+        .map(|(option, value)| (format!("option_{}", option.replace('-', "_")), value.as_str()))
+        .collect();
+    fields.extend(options.iter().map(|(column, value)| (column.as_str(), *value)));
+    fields.push(("is_shared", &shared));
+    fields.into_iter().map(|(column, field)| (column.to_owned(), field.to_owned())).collect()
+}
+
+/// Adds the rows of a job.
+fn add(table: &mut Table, job: &Job, done: &Done, place: &Place) -> Result<(), Error> {
+    let folder = place.folder(&job.name);
+    let tables: Vec<(&str, Option<&str>)> = match job.what() {
+        Some(What::Bench) => vec![("summary.csv", None)],
+        Some(What::Stability) => vec![("stability.csv", None)],
+        Some(What::Report) => SECTIONS.iter().map(|section| (section.file, Some(section.name))).collect(),
+        Some(What::Render) | None => return add_picture(table, job, done, &folder),
+    };
+    for (file, section) in tables {
+        let path = folder.join(file);
+        if !path.exists() {
+            continue;
+        }
+        let bytes = read(&path)?;
+        let unreadable = |e: csv::Error| Error::failed(format!("{}: {e}", path.display()));
+        let mut reader = csv::Reader::from_reader(bytes.as_slice());
+        let names = reader.headers().map_err(unreadable)?.clone();
+        for record in reader.records() {
+            let record = record.map_err(unreadable)?;
+            let own: Vec<(&str, &str)> = names.iter().zip(record.iter()).collect();
+            let of = |name: &str| own.iter().find(|(column, _)| *column == name).map_or("", |(_, field)| *field);
+            let mut fields = lead(&job.name, job, &job.scene, &done.host, of("adapter"), done.is_shared);
+            fields.extend(section.map(|section| ("table".to_owned(), section.to_owned())));
+            fields.extend(own.iter().map(|(column, field)| ((*column).to_owned(), (*field).to_owned())));
+            table.add(fields);
+        }
+    }
+    Ok(())
+}
+
+/// Adds the row of a picture.
+fn add_picture(table: &mut Table, job: &Job, done: &Done, folder: &Path) -> Result<(), Error> {
+    let file = format!("picture.{}", job.format);
+    let summary: Value = serde_json::from_slice(&read(&folder.join(job::SUMMARY))?)
+        .map_err(|e| Error::failed(format!("{}: {e}", folder.join(job::SUMMARY).display())))?;
+    let adapter = summary["adapter"]["name"].as_str().unwrap_or("cpu");
+    let number = |value: &Value| if value.is_null() { String::new() } else { value.to_string() };
+    let mut fields = lead(&job.name, job, &job.scene, &done.host, adapter, done.is_shared);
+    let own = [
+        ("picture", format!("jobs/{}/{file}", job.name)),
+        ("picture_hash", Hash::of(&read(&folder.join(&file))?).to_string()),
+        ("trace_s", number(&summary["seconds"]["trace"])),
+        ("job_s", done.job_s.to_string()),
+        ("triangles", number(&summary["triangles"])),
+        ("passes", number(&summary["passes"])),
+        ("rays", number(&summary["rays"])),
+        ("hits", number(&summary["hits"])),
+    ];
+    fields.extend(own.map(|(column, field)| (column.to_owned(), field)));
+    table.add(fields);
+    Ok(())
+}
+
+/// Merges the parts of a picture. Returns the file, as seen from the output folder.
+fn merge(picture: &str, parts: &[&(&Job, Done)], place: &Place) -> Result<PathBuf, Error> {
+    let format = parts.first().map_or("png", |(job, _)| job.format.as_str());
+    let name = format!("{picture}.{format}");
+    let mut words: Vec<OsString> = vec!["merge".into()];
+    words.extend(parts.iter().map(|(job, _)| place.folder(&job.name).join("part").into_os_string()));
+    let pictures = place.path.join(PICTURES);
+    TargetFolder::new(&pictures, true)?.fill(&[], |folder| {
+        words.extend(["-o".into(), folder.place().join(&name).into_os_string(), "--quiet".into()]);
+        job::child(&words, None)
+    })?;
+    Ok(Path::new(PICTURES).join(name))
+}
+
+/// Adds the row of a picture that was merged.
+fn add_merged(
+    table: &mut Table,
+    picture: &str,
+    parts: &[&(&Job, Done)],
+    file: &Path,
+    place: &Place,
+) -> Result<(), Error> {
+    let Some((job, _)) = parts.first() else { return Ok(()) };
+    let hosts: BTreeSet<&str> = parts.iter().map(|(_, done)| done.host.as_str()).collect();
+    let adapters: BTreeSet<String> =
+        parts.iter().map(|(job, _)| device(&place.folder(&job.name).join("part"))).collect();
+    let joined = |names: Vec<&str>| names.join("; ");
+    let (hosts, adapters) =
+        (joined(hosts.into_iter().collect()), joined(adapters.iter().map(String::as_str).collect()));
+    let seconds: f64 = parts.iter().map(|(_, done)| done.job_s).sum();
+    let mut fields = lead(picture, job, &job.scene, &hosts, &adapters, None);
+    let own = [
+        ("picture", file.to_string_lossy().replace('\\', "/")),
+        ("picture_hash", Hash::of(&read(&place.path.join(file))?).to_string()),
+        ("job_s", seconds.to_string()),
+    ];
+    fields.extend(own.map(|(column, field)| (column.to_owned(), field)));
+    table.add(fields);
+    Ok(())
+}
+
+/// The device that a part of a picture was traced on; empty if it does not say.
+fn device(part: &Path) -> String {
+    let about = read_file(&part.join("shard.json"), MOST_BYTES).ok();
+    let about: Option<Value> = about.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    about.and_then(|about| Some(about["device"].as_str()?.to_owned())).unwrap_or_default()
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, Error> {
+    read_file(path, MOST_BYTES).map_err(|e| Error::failed(format!("{}: {e}", path.display())))
+}
