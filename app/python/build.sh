@@ -52,7 +52,7 @@ cp ../../scenes/textures-*.bin ../../scenes/*.png "$scenes"
 [ -n "$page" ] || {
     page="$target/page"
     rm -rf "$page"
-    sh ../web/build.sh "$page"
+    sh ../web/build.sh "$page" ${quick:+--quick}
 }
 rm -rf python/raystep/page
 cp -R "$page" python/raystep/page

@@ -4,6 +4,7 @@ themselves. `python test_notebooks.py [NAME…]` runs those named, else all; `--
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import nbformat
 
@@ -17,8 +18,16 @@ SHOWN = {
 """What each shows, at least: so many outputs of a kind."""
 
 
+def read(name: str) -> Any:
+    # Its functions have no types.
+    library: Any = nbformat
+    notebook = library.read(NOTEBOOKS / f"{name}.ipynb", as_version=4)
+    library.validate(notebook)
+    return notebook
+
+
 def code(name: str) -> str:
-    notebook = nbformat.read(NOTEBOOKS / f"{name}.ipynb", as_version=4)
+    notebook = read(name)
     return "\n\n".join(cell.source for cell in notebook.cells if cell.cell_type == "code") + "\n"
 
 
@@ -26,8 +35,7 @@ def run(name: str) -> None:
     from nbclient import NotebookClient
 
     begin = time.monotonic()
-    notebook = nbformat.read(NOTEBOOKS / f"{name}.ipynb", as_version=4)
-    nbformat.validate(notebook)
+    notebook = read(name)
     NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     shown = [kind for output in outputs for kind in output.get("data", {})]

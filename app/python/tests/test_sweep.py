@@ -4,6 +4,7 @@ python test_sweep.py FOLDER-OF-SCENES, in an environment with the wheel and Ray.
 from __future__ import annotations
 
 import doctest
+import importlib
 import io
 import json
 import os
@@ -25,7 +26,7 @@ from raystep import _sweep
 
 SCENES = Path(sys.argv.pop() if len(sys.argv) > 1 else Path(__file__).parents[3] / "scenes").resolve()
 
-SWEEP = {
+SWEEP: dict[str, Any] = {
     "scenes": [str(SCENES / "cornell-box.gltf"), str(SCENES / "primitives.gltf")],
     "options": {"size": "16x16", "device": "cpu"},
     "each": {"accelerator": ["grid", "bvh"], "spp": list(range(1, 11))},
@@ -121,9 +122,8 @@ class Sweep(unittest.TestCase):
             self.assertEqual(*pictures)
 
     def test_scenes_travel_with_their_files_and_jobs_that_measure_are_alone(self) -> None:
-        import ray
-
-        job = {"inputs": [str(SCENES / "textures.gltf"), str(SCENES / "textures-данные.bin")], "is_timed": True,
+        ray: Any = importlib.import_module("ray")
+        job: dict[str, Any] = {"inputs": [str(SCENES / "textures.gltf"), str(SCENES / "textures-данные.bin")], "is_timed": True,
                "needs_gpu": True}
         with tempfile.TemporaryDirectory() as folder:
             zipfile.ZipFile(io.BytesIO(_sweep._packed(job["inputs"]))).extractall(folder)
@@ -159,16 +159,18 @@ class Sweep(unittest.TestCase):
     def test_what_is_wrong_is_said(self) -> None:
         box = SCENES / "cornell-box.gltf"
         with tempfile.TemporaryDirectory() as name:
-            for wrong, message in [
+            right: dict[str, Any] = {"scenes": box, "output": Path(name, "out"), "quiet": True}
+            cases: list[tuple[dict[str, Any], str]] = [
                 ({"on": "slurm"}, 'on=\'slurm\': expected "local" or "ray"'),
                 ({"what": "trace"}, 'what = "trace": expected "bench"'),
                 ({"options": {"szie": "1x1"}}, "options.szie: raystep render has no option --szie; did you mean size?"),
                 ({"options": {"size": object()}}, "expected text, a number"),
                 ({"options": {"szie": 1}, "on": "ray"}, "options.szie: raystep render has no option --szie"),
                 ({"scenes": "none*.glb"}, "matches no file"),
-            ]:
+            ]
+            for wrong, message in cases:
                 with self.assertRaises(OptionError) as raised:
-                    raystep.sweep(**{"scenes": box, "output": Path(name, "out"), "quiet": True, **wrong})
+                    raystep.sweep(**(right | wrong))
                 self.assertIn(message, str(raised.exception))
                 self.assertFalse(Path(name, "out").exists())
             with self.assertRaises(SweepError) as failed:

@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from ._raystep import OptionError
+from ._scene import scene_names
 
 MACHINE = "raystep_machine"
 """The Ray resource of which a node may have 1, so that one job that measures times runs there at once."""
@@ -69,8 +70,8 @@ def sweep(
     """Runs a command for every scene and combination of options; returns its results, a dict a row, or a pandas frame
     where pandas is installed. They are also in `output`/results.csv, with a page.
 
-    `what`: "bench", "stability" (without scenes), "report" or "render". `scenes`: files, or patterns such as
-    "scenes/*.glb". `options`: the command's long options, without hyphens before them, for all jobs; a list is one value
+    `what`: "bench", "stability" (without scenes), "report" or "render". `scenes`: files, names of
+    scenes, or patterns such as "scenes/*.glb". `options`: the command's long options, without hyphens before them, for all jobs; a list is one value
     with commas. `each`: options with several values each, of which every combination is a job. `output`: a folder, new,
     empty or of the same sweep: then only jobs that are not finished run. `format` ("png" or "exr") and `parts` (jobs that
     share the samples of each picture) are for "render". A failed job runs again `retries` times; a job that measures times
@@ -96,7 +97,7 @@ def sweep(
         scenes = [scenes]
     keys: dict[str, Any] = {"what": what, "format": format, "parts": parts, "retries": retries, "wait_s": wait_s}
     if scenes is not None:
-        keys["scenes"] = [os.path.abspath(scene) for scene in scenes]
+        keys["scenes"] = [_scene(os.fspath(scene)) for scene in scenes]
     tables = {"options": options or {}, "each": {name: list(values) for name, values in (each or {}).items()}}
     lines = [f"{name} = {_toml(value)}" for name, value in keys.items() if value is not None]
     for table, values in tables.items():
@@ -124,6 +125,12 @@ def _written(output: Path) -> int | None:
     """When the results were written, in nanoseconds; None if they were not."""
     file = output / "results.csv"
     return file.stat().st_mtime_ns if file.exists() else None
+
+
+def _scene(scene: str) -> str:
+    """A file or pattern as seen from any folder; a scene's name as it is."""
+    is_name = scene in scene_names() and not os.path.exists(scene)
+    return scene if is_name else os.path.abspath(scene)
 
 
 def _toml(value: Any) -> str:

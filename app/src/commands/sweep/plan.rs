@@ -13,7 +13,7 @@ use super::file::{Definition, FILES, Setting, What};
 use crate::args::DeviceKind;
 use crate::cli::{Cli, Command};
 use crate::error::Error;
-use crate::scene_file::{self, read_file};
+use crate::scene_file::{self, file_of, is_known, read_file};
 use crate::usage;
 
 /// Most jobs: each has a folder.
@@ -147,6 +147,14 @@ fn scenes(sweep: &Definition, folder: &Path) -> Result<Vec<Scene>, Error> {
     for pattern in &sweep.scenes {
         let wrong = |why: &dyn std::fmt::Display| Error::failed(format!("{at}: scenes: \"{pattern}\" {why}"));
         let whole = if Path::new(pattern).is_absolute() { pattern.clone() } else { format!("{here}/{pattern}") };
+        // One that is installed, unless there is such a file.
+        if is_known(Path::new(pattern)) && !folder.join(pattern).exists() {
+            let path = file_of(Path::new(pattern))?;
+            if !scenes.iter().any(|scene| scene.path == path) {
+                scenes.push(Scene { given: pattern.clone(), path });
+            }
+            continue;
+        }
         // A file's name may have the characters of patterns.
         let file = folder.join(pattern);
         let whole =
