@@ -20,7 +20,7 @@ use crate::scene_file::read_file;
 /// `--shard`
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct ShardArgs {
-    /// Do only part I of N, counted from 1, for N machines or jobs; 'raystep merge' puts the parts together
+    /// Run only part I of N (counted from 1), to divide the work among N machines or jobs; 'raystep merge' combines the parts
     #[arg(long, value_name = "I/N", requires = "output")]
     pub(crate) shard: Option<Shard>,
 }
@@ -44,7 +44,7 @@ impl FromStr for Shard {
         let numbers = text.split_once('/').and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
         match numbers {
             Some((index, of)) if (1..=of).contains(&index) && of <= MOST => Ok(Self { index, of }),
-            _ => Err("expected the part's number and the number of parts, such as 1/4".into()),
+            _ => Err(format!("expected I/N, part I of N, with I from 1 to N and N at most {MOST}, such as 1/4")),
         }
     }
 }
@@ -143,9 +143,17 @@ impl Part {
         }
         let failed = |problem: &dyn fmt::Display| Error::failed(format!("{}: {problem}", path.display()));
         let bytes = read_file(&path, MOST_BYTES).map_err(|e| failed(&e))?;
-        let part: Self = serde_json::from_slice(&bytes).map_err(|e| failed(&format!("it describes no part: {e}")))?;
+        let part: Self = serde_json::from_slice(&bytes)
+            .map_err(|e| failed(&format!("it does not describe a part of a divided run: {e}")))?;
         let is_right = (1..=part.shard.of).contains(&part.shard.index) && part.shard.of <= MOST;
-        if is_right { Ok(Some(part)) } else { Err(failed(&format!("there is no part {}", part.shard))) }
+        if is_right {
+            Ok(Some(part))
+        } else {
+            Err(failed(&format!(
+                "part {} is invalid: expected I/N, with I from 1 to N and N at most {MOST}",
+                part.shard
+            )))
+        }
     }
 
     /// Why another part is not of the same whole: what differs, with both values. Devices are compared only if results
@@ -157,13 +165,18 @@ impl Part {
         };
         let scenes = |part: &Self| part.scenes.iter().map(|(name, hash)| format!("{name} {hash}")).collect::<Vec<_>>();
         let names = self.options.keys().chain(other.options.keys());
-        let option = |part: &Self, name: &str| part.options.get(name).map_or("nothing".to_owned(), Value::to_string);
+        let option = |part: &Self, name: &str| part.options.get(name).map_or("not set".to_owned(), Value::to_string);
         differ("command", &self.command, &other.command)
             .or_else(|| differ("version of raystep", &self.raystep_version, &other.raystep_version))
             .or_else(|| differ("number of parts", &self.shard.of, &other.shard.of))
             .or_else(|| differ("scene", &scenes(self).join(", "), &scenes(other).join(", ")))
             .or_else(|| names.into_iter().find_map(|name| differ(name, &option(self, name), &option(other, name))))
-            .or_else(|| (self.picture != other.picture).then(|| "size or samples of the picture".to_owned()))
+            .or_else(|| {
+                let text = |part: &Self| {
+                    part.picture.map_or("none".into(), |p| format!("{}x{}, {} samples", p.width, p.height, p.samples))
+                };
+                differ("picture", &text(self), &text(other))
+            })
             .or_else(|| differ("device", &self.device, &other.device).filter(|_| !is_mixed))
     }
 }

@@ -60,7 +60,7 @@ fn a_part_that_was_interrupted_costs_its_block_only() {
     let block = |index| place.path(format!("{second}/block-{index:04}.npy"));
     let (kept, lost) = (fs::metadata(block(4)).expect("a block").modified().expect("a time"), block(5));
     fs::remove_file(&lost).expect("a block");
-    place.fails(1, "block-0005.npy is missing: the part is not complete", &["merge", &first, &second, "-o", "b.png"]);
+    place.fails(1, "block-0005.npy is missing, so the part is incomplete", &["merge", &first, &second, "-o", "b.png"]);
     part(&place, 2, 2, &[]);
     assert_eq!(fs::metadata(block(4)).expect("a block").modified().expect("a time"), kept, "it was traced again");
     place.ok(&["merge", &first, &second, "-o", "b.png"]);
@@ -77,7 +77,7 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     let refused = |wanted: &str, folders: &[&str]| {
         place.fails(1, wanted, &[&["merge"], folders, &["-o", "no.png"]].concat());
     };
-    refused("part 2/2 is missing", &[&first]);
+    refused("part 2/2 is missing: name the folders of all 2 parts", &[&first]);
     refused("are the same part, 1/2", &[&first, &second, &first]);
     refused("differ in number of parts: 2 and 3", &[&first, &part(&place, 2, 3, &[])]);
     let other = |name: &str, more: &[&str]| {
@@ -101,14 +101,15 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     refused("differ in device: cpu and Some GPU; --mixed allows it", &[&first, &second]);
     place.ok(&["merge", &first, &second, "-o", "mixed.png", "--mixed"]);
     edited("\"of\": 2", "\"of\": 0");
-    refused("there is no part 2/0", &[&first, &second]);
+    refused("part 2/0 is invalid", &[&first, &second]);
     edited("\"width\": 24", "\"width\": 4294967295");
-    refused("differ in size or samples", &[&first, &second]);
+    refused("differ in picture: 24x18, 100 samples and 4294967295x18, 100 samples", &[&first, &second]);
     edited("{", "[");
-    refused("shard.json: it describes no part", &[&first, &second]);
+    refused("shard.json: it does not describe a part", &[&first, &second]);
     fs::create_dir(place.path("empty")).expect("a folder");
     refused("empty: it has no shard.json", &[&first, "empty"]);
-    refused("nowhere: there is no shard.json", &["nowhere"]);
+    refused("nowhere: there is no such folder", &["nowhere"]);
+    refused("parts 2/3 and 3/3 are missing", &[&part(&place, 1, 3, &[])]);
     // A folder of another part is not continued.
     let scene = scene("cornell-box.gltf").display().to_string();
     let again = ["render", &scene, "--spp", SAMPLES, "--size", "24x18", "--device", "cpu", "-o", &first, "--shard"];

@@ -118,16 +118,16 @@ fn every_scene_and_combination_is_a_job_that_runs_once() {
     fs::write(place.path("sweep.toml"), PICTURES.replace("16x16", "17x16")).expect("a file");
     let other = run(&place, &["sweep.toml", "-o", "out"]);
     assert!(
-        other.code == Some(1) && other.stderr.contains("out is of another sweep, whose options differ"),
+        other.code == Some(1) && other.stderr.contains("out contains a sweep with another value of 'options'"),
         "{other:?}"
     );
     fs::write(place.path("sweep.toml"), PICTURES).expect("a file");
     let lock = File::open(place.path("out/sweep.lock")).expect("a file");
     lock.lock().expect("nobody has it");
     let second = run(&place, &["sweep.toml", "-o", "out"]);
-    assert!(second.code == Some(1) && second.stderr.contains("another 'raystep sweep' works on it"), "{second:?}");
+    assert!(second.code == Some(1) && second.stderr.contains("is in use by another 'raystep sweep'"), "{second:?}");
     let full = run(&place, &["sweep.toml", "-o", "scenes"]);
-    assert!(full.code == Some(1) && full.stderr.contains("scenes is not empty, and not of a sweep"), "{full:?}");
+    assert!(full.code == Some(1) && full.stderr.contains("scenes is not empty and contains no sweep"), "{full:?}");
 }
 
 /// Whether a process runs that names a file in the folder; elsewhere than on Linux, unknown, and so assumed.
@@ -274,7 +274,7 @@ fn other_processes_can_run_the_jobs() {
     write!(driver.stdin.take().expect("a pipe"), "{wrong}\n{done}\n").expect("it reads");
     let output = driver.wait_with_output().expect("an end");
     let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(errors.contains("failed: stability: its results are those of another job, or incomplete"), "{errors}");
+    assert!(errors.contains("failed: stability: its results are incomplete or belong to another job"), "{errors}");
     assert_eq!(output.status.code(), Some(1), "{errors}");
     let all = rows(&place);
     assert!(!all.is_empty() && all.iter().all(|row| row["case"] == "no-triangle"), "{all:?}");
@@ -320,20 +320,20 @@ fn what_is_wrong_in_the_file_is_named_before_anything_runs() {
         (format!("{render}[options]\noutput = \"x.png\""), "options.output: a sweep sets --output itself"),
         (format!("{render}[options]\nforce = true"), "options.force: a sweep sets --force itself"),
         (format!("{render}[options]\nquiet = true"), "options.quiet: a sweep sets --quiet itself"),
-        (format!("{bench}[options]\nbaseline = \"x\""), "options.baseline: --baseline has no place in a sweep"),
+        (format!("{bench}[options]\nbaseline = \"x\""), "options.baseline: --baseline cannot be used in a sweep"),
         (format!("{bench}[options]\nserve = true"), "options.serve: raystep bench has no option --serve"),
         (format!("{render}[each]\nspp = 4"), "each.spp: expected a list of values"),
         (format!("{render}[each]\nspp = []"), "each.spp: expected a list of values"),
-        (format!("{render}[each]\nspp = [4, 4]"), "each.spp: 4 is in it twice"),
+        (format!("{render}[each]\nspp = [4, 4]"), "each.spp: 4 is listed twice"),
         (format!("{render}[each]\nspp = [4, 0]"), "job cornell-box-spp-0: --spp 0: expected"),
         (format!("{render}[options]\nspp = 2\n[each]\nspp = [4]"), "spp is under [options] and under [each]"),
         (
             format!("{bench}[each]\naccelerators = [\"grid\", \"bvh\"]"),
-            "each.accelerators: a benchmark compares its accelerators",
+            "each.accelerators: bench compares accelerators within one job",
         ),
         (format!("{render}format = \"jpg\""), "format: expected \"png\" or \"exr\""),
         (format!("{bench}format = \"exr\""), "format: bench makes no picture"),
-        (format!("{bench}parts = 2"), "parts: only pictures are divided"),
+        (format!("{bench}parts = 2"), "parts: only what = \"render\" can be divided"),
         (
             format!("{render}parts = 3\n[options]\nspp = 32"),
             "parts = 3: expected at most 2, the number of blocks of 16 samples",

@@ -211,7 +211,7 @@ fn help_examples_run() {
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    let commands = "inspect render trace dump bench cast report stability sweep plan info scene completions";
+    let commands = "inspect render trace dump bench cast merge report stability sweep plan info scene completions";
     let mut helps: Vec<Vec<&str>> = commands.split(' ').map(|name| vec![name]).collect();
     helps.extend([vec![], vec!["scene", "convert"], vec!["scene", "soup"]]);
     // On two threads: most of the time, an example keeps one core busy.

@@ -1,5 +1,6 @@
 #!/bin/bash
-# One picture by eight tasks of a Slurm job array, each with some blocks of its samples. Not run on a cluster yet.
+# Renders one picture with eight tasks of a Slurm job array; each traces some blocks of the samples. Not yet tested on a
+# cluster.
 #
 #   sbatch docs/cluster/slurm.sh scenes/teapot.glb teapot
 #
@@ -22,7 +23,8 @@ out=$2
 mkdir -p "$out"
 raystep render "$scene" --spp 256 --size 1920x1080 --shard "$SLURM_ARRAY_TASK_ID/$N" -o "$out/part-$SLURM_ARRAY_TASK_ID"
 
-# A benchmark of many scenes instead, a share of the scenes each, on machines of their own (add #SBATCH --exclusive):
+# To benchmark many scenes instead, give each task some of the scenes and a machine of its own (add #SBATCH --exclusive),
+# and call this script with out=bench:
 #
 #   raystep bench scenes/*.glb --accelerators grid,bvh --shard "$SLURM_ARRAY_TASK_ID/$N" -o "$out/part-$SLURM_ARRAY_TASK_ID"
 #   raystep merge bench/part-* -o bench-all --mixed     (--mixed if the machines have different adapters)

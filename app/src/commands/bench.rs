@@ -61,7 +61,7 @@ Examples:
   raystep bench scenes/cornell-box.gltf -o bench
   raystep bench scenes/teapot.glb --accelerators grid,bvh --schedules second,compact,fused -o bench
   raystep bench scenes/teapot.glb --sizes 512x512,1920x1080 --rays primary,bounce,shadow -o bench
-  raystep bench scenes/*.glb --shard 1/2 -o bench-1   (then raystep merge bench-* -o bench)
+  raystep bench scenes/teapot.glb scenes/terrain.glb --shard 1/2 -o bench-1
   raystep bench scenes/teapot.glb --repeats 50 -o before
   raystep bench scenes/teapot.glb --repeats 50 --baseline before -o after
   raystep bench scenes/teapot.glb --repeats 50 --baseline before --at-most 1.5 -o after

@@ -18,15 +18,15 @@ use crate::terminal::Progress;
 /// belong together are refused: of other scenes, options or versions, a part that is missing or given twice, and, without
 /// --mixed, results of different devices or drivers.
 ///
-/// Parts of a picture give the picture: bit for bit that of one run of all samples, if all devices are of one kind. Parts
-/// of 'bench' and 'stability' give a folder with the same tables as one run; pages with pictures stay one for each part.
+/// Parts of a picture are combined into one picture. If all devices are of the same kind, its pixels are bit-identical to
+/// those of a single run with all samples; an EXR has colour only, without the hit channels of 'raystep render'. Parts of
+/// 'bench' and 'stability' are combined into one folder with the tables of a single run; HTML pages are copied, one per part.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep render scenes/cornell-box.gltf -o part-1 --spp 256 --shard 1/2
   raystep render scenes/cornell-box.gltf -o part-2 --spp 256 --shard 2/2
-  raystep merge part-1 part-2 -o box.png
-  raystep merge bench-* -o bench")]
+  raystep merge part-1 part-2 -o box.png")]
 pub(crate) struct MergeArgs {
     /// The parts' folders
     #[arg(required = true, value_name = "DIR")]
@@ -43,6 +43,9 @@ pub(crate) struct MergeArgs {
     #[command(flatten)]
     quiet: QuietArgs,
 }
+
+/// Most missing parts that a message names.
+const MOST_NAMED: usize = 8;
 
 /// A part and where it is.
 struct Placed {
@@ -65,8 +68,8 @@ fn read(args: &MergeArgs) -> Result<Vec<Placed>, Error> {
     for folder in &args.parts {
         let part = Part::read(folder)?.ok_or_else(|| {
             let at = folder.display();
-            let is_there = if folder.is_dir() { "it has no " } else { "there is no " };
-            Error::failed(format!("{at}: {is_there}{FILE}; expected a folder of a command with --shard"))
+            let problem = if folder.is_dir() { format!("it has no {FILE}") } else { "there is no such folder".into() };
+            Error::failed(format!("{at}: {problem}; expected the output folder of a command run with --shard"))
         })?;
         parts.push(Placed { folder: folder.clone(), part });
     }
@@ -90,11 +93,11 @@ fn read(args: &MergeArgs) -> Result<Vec<Placed>, Error> {
         .filter(|index| !parts.iter().any(|placed| placed.part.shard.index == *index))
         .map(|index| format!("{index}/{of}"))
         .collect();
-    match missing.split_first() {
-        None => Ok(parts),
-        Some((part, [])) => Err(Error::failed(format!("part {part} is missing: expected every part once"))),
-        Some((part, others)) => {
-            Err(Error::failed(format!("part {part} and {} others are missing: expected every part once", others.len())))
-        }
-    }
+    let names = match missing.as_slice() {
+        [] => return Ok(parts),
+        [part] => format!("part {part} is"),
+        [first @ .., last] if missing.len() <= MOST_NAMED => format!("parts {} and {last} are", first.join(", ")),
+        [first, ..] => format!("part {first} and {} others are", missing.len() - 1),
+    };
+    Err(Error::failed(format!("{names} missing: name the folders of all {of} parts")))
 }

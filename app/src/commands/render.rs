@@ -36,14 +36,14 @@ const MISTAKES_SHOWN: usize = 8;
 ///
 /// With --shard I/N, the samples of a pixel are divided among N machines or jobs, in blocks of 16. The output is a folder
 /// then: it holds the mean of each of this part's blocks, and so-far.png, the picture that they give. Started again, the
-/// command continues with the blocks that are missing. 'raystep merge' makes the picture of all parts: bit for bit that of
-/// the same command without --shard, if all devices are of one kind.
+/// command traces only the missing blocks. 'raystep merge' combines all parts into one picture. If all devices are of the
+/// same kind, its pixels are bit-identical to those of the same command without --shard; a merged EXR has no hit channels.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep render scenes/cornell-box.gltf -o box.png
   raystep render scenes/cornell-box.gltf -o box.png --spp 64
-  raystep render scenes/cornell-box.gltf -o part-1 --spp 256 --shard 1/4   (then raystep merge part-* -o box.png)
+  raystep render scenes/cornell-box.gltf -o part-1 --spp 256 --shard 1/4
   raystep render scenes/teapot.glb -o teapot.exr --size 1920x1080 --device cpu
   raystep render scenes/cornell-box.gltf -o box.png --numerics paper --check
   raystep render scenes/terrain.glb -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30

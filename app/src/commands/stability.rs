@@ -52,7 +52,7 @@ Examples:
   raystep stability --cost --family room,slivers --quick --device cpu -o stability
   raystep stability --case axis --case cell-faces
   raystep stability --quick --device cpu --accelerator grid
-  raystep stability --shard 1/2 -o stability-1   (then raystep merge stability-* -o stability)
+  raystep stability --case axis --shard 1/2 -o stability-1
   raystep stability --list")]
 pub(crate) struct StabilityArgs {
     /// Output folder: new, or empty

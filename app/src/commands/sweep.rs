@@ -21,8 +21,8 @@ use file::Definition;
 /// Run a command for many scenes and options
 ///
 /// SWEEP.toml has the keys: what = "bench", "stability", "report" or "render"; scenes, a list of files or patterns such
-/// as "scenes/*.glb", relative to the file; under [options], options of all jobs, by their names without hyphens; under
-/// [each], options with a list of values each. There is a job for every scene and combination of these values. What a
+/// as "scenes/*.glb", relative to the file; under [options], the options of all jobs, by long name without the leading "--";
+/// under [each], options with a list of values each. There is a job for every scene and combination of these values. What a
 /// benchmark compares with each other stays in one job: its lists belong under [options]. Pictures: format = "png" or
 /// "exr", and parts = N to divide the samples of each among N jobs.
 ///
@@ -48,7 +48,7 @@ pub(crate) struct SweepArgs {
     /// Output folder: new, empty, or of the same sweep
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Jobs that run side by side, unless they measure times
+    /// Number of jobs to run in parallel; must be 1 for jobs that measure times
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1, 1024), allow_negative_numbers = true)]
     jobs: u32,
     /// Where jobs run
@@ -79,7 +79,7 @@ enum On {
 pub(crate) fn run(args: &SweepArgs) -> Result<(), Error> {
     if args.on == On::Ray {
         return Err(Error::usage(
-            "--on ray needs the Python package: install its wheel and Ray ('pip install ray'), and run its 'raystep sweep'",
+            "--on ray is only in the Python package's 'raystep': install the raystep wheel and Ray ('pip install ray'), and use that command",
         ));
     }
     if let Some(file) = &args.run_job {
@@ -91,7 +91,10 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Error> {
     let sweep = Definition::read(file)?;
     let jobs = plan::jobs(&sweep)?;
     if args.jobs > 1 && jobs.iter().any(|job| job.is_timed) {
-        return Err(Error::usage(format!("--jobs {}: jobs that measure times run one at a time; omit it", args.jobs)));
+        return Err(Error::usage(format!(
+            "--jobs {}: the jobs of this sweep measure times and must run one at a time; omit --jobs",
+            args.jobs
+        )));
     }
     let place = Place::open(&args.output, &sweep)?;
     progress.finish();

@@ -77,8 +77,8 @@ def report(
     names of scenes, one or several; all options are those of the command. `output`: a folder, new or empty, for the page,
     its plots and its tables. Takes one to three minutes for a scene on two cores; less with `quick` or few sections.
 
-    Raises `SceneError` for a scene that cannot be read, `OptionError` for a wrong option, `DeviceError` if a device
-    fails.
+    Raises `SceneError` for a scene that cannot be read, `OptionError` for a wrong option, `DeviceError` for any other
+    failure.
 
     >>> import raystep
     >>> tables = raystep.report("cornell-box", section="grid", quick=True, size=(16, 16), device="cpu")

@@ -87,8 +87,8 @@ class StreamArray(np.ndarray[Any, np.dtype[Any]]):
             setattr(self, name, getattr(other, name, none) if is_whole else none)
 
     def component(self, name: str) -> NDArray[Any]:
-        """A component, shape (H, W): float32 or uint32. A copy only where the stream is not one. Raises `OptionError` if
-        there is no such component.
+        """A component, shape (H, W), float32 or uint32: a view of this array, not a copy. Raises `OptionError` if there is no
+        such component.
 
         >>> from raystep import Renderer
         >>> state = Renderer("cornell-box", size=(8, 8), device="cpu").run().streams["state"]

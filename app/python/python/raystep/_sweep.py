@@ -39,7 +39,7 @@ COMMAND = "RAYSTEP_COMMAND"
 
 
 class SweepError(RuntimeError):
-    """Some jobs of a sweep failed. `rows` has the results of the others.
+    """Some jobs of a sweep failed. `rows` has all results that were written, including those of jobs that failed a check.
 
     >>> error = SweepError("job a: no such scene", [{"job": "b"}])
     >>> str(error), error.rows
@@ -75,13 +75,13 @@ def sweep(
     with commas. `each`: options with several values each, of which every combination is a job. `output`: a folder, new,
     empty or of the same sweep: then only jobs that are not finished run. `format` ("png" or "exr") and `parts` (jobs that
     share the samples of each picture) are for "render". A failed job runs again `retries` times; a job that measures times
-    waits `wait_s` seconds for its machine. `jobs`: how many run side by side on this machine, unless they measure times.
+    waits `wait_s` seconds for its machine. `jobs`: how many run in parallel on this machine; must be 1 if they measure times.
 
     `on`: "local", or "ray": the cluster at `address`, otherwise the one that is there, or a local one that is started. A
     job that measures times gets all processors of a node, or, where nodes have 1 of the resource raystep_machine, that.
 
-    Raises `OptionError` for wrong arguments before anything runs, `SweepError` if jobs fail; the others' results are kept.
-    After a KeyboardInterrupt, the same call continues.
+    Raises `OptionError` for wrong arguments, before any job runs, and `SweepError` if jobs fail, once all others have run.
+    Calling it again with the same arguments continues, also after a KeyboardInterrupt.
 
     >>> import tempfile
     >>> folder = tempfile.TemporaryDirectory()

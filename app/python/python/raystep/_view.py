@@ -109,7 +109,7 @@ class View:
 
     @property
     def url(self) -> str:
-        """Its address on this machine. Whoever has it can read the scene, so it contains a random token.
+        """Its address on this machine. It contains a random token, since anyone on this machine who has it can read the scene.
 
         >>> from raystep import Scene, view
         >>> shown = view(Scene(triangles=[], device="cpu"), link="pixel=3,4")
@@ -153,8 +153,9 @@ def _address(url: str) -> tuple[str, str | None]:
     is_remote = hub is not None or "SSH_CONNECTION" in os.environ or "COLAB_RELEASE_TAG" in os.environ
     if is_remote:
         return url, (
-            "raystep.view: this kernel runs on another machine than the browser; install jupyter-server-proxy beside "
-            f"JupyterHub, or forward the port (ssh -L {parts.port}:127.0.0.1:{parts.port} …) and open {url}"
+            "raystep.view: this kernel seems to run on a different machine from the browser. On JupyterHub, install "
+            "jupyter-server-proxy in the kernel's environment and restart the server; otherwise forward the port "
+            f"(ssh -L {parts.port}:127.0.0.1:{parts.port} HOST) and open {url}"
         )
     return url, None
 
@@ -163,9 +164,9 @@ def view(scene: Scene, link: str = "", *, height: int = 640) -> View:
     """Shows a scene in the inspector, in an iframe of `height` CSS pixels: every pass and every stream, in the browser.
 
     `link`: a place to begin at, as *Copy link* of the inspector gives it, or a part of one, such as
-    "pixel=200,260&pass=41&stream=tmax.x"; its scene is replaced by this one. The page is served from memory and from the
-    scene's own files to 127.0.0.1, and sends nothing anywhere. Raises `OptionError` for a link that is none, or if the
-    module was built without the page.
+    "pixel=200,260&pass=41&stream=tmax.x"; its scene is replaced by this one. The page and the scene are served on 127.0.0.1
+    only, and the page sends no data anywhere; the scene's files must stay in place. Raises `OptionError` if `link` is not
+    a valid link, or if the module was built without the page.
 
     >>> from raystep import Scene, view
     >>> scene = Scene(triangles=[[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], device="cpu")
@@ -175,7 +176,7 @@ def view(scene: Scene, link: str = "", *, height: int = 640) -> View:
     >>> shown.close()
     """
     if not (PAGE / "index.html").is_file():
-        raise OptionError("view: this build of the module has no web page: build it by sh app/python/build.sh DIR")
+        raise OptionError("view: this build of raystep does not include the inspector page: build the wheel with 'sh app/python/build.sh DIR'")
     text = link.rpartition("#")[2]
     text = text.removeprefix(PREFIX)
     place = parse_qsl(text, keep_blank_values=True)

@@ -22,7 +22,7 @@ pub(super) fn merge(args: &MergeArgs, parts: &[Placed], picture: Picture, progre
     if !(1..=MOST_PIXELS).contains(&pixels) || !(1..=Samples::MOST).contains(&samples) {
         let at = parts[0].folder.display();
         return Err(Error::failed(format!(
-            "{at}: there is no picture of {width}x{height} pixels and {samples} samples"
+            "{at}: shard.json describes an invalid picture: {width}x{height} pixels, {samples} samples"
         )));
     }
     let whole = Samples { count: samples, ..Samples::default() };
@@ -33,7 +33,9 @@ pub(super) fn merge(args: &MergeArgs, parts: &[Placed], picture: Picture, progre
             progress.part("merging blocks", u64::from(block), u64::from(blocks));
             let image = read_block(folder, block, picture)?.ok_or_else(|| {
                 let (at, name) = (folder.display(), block_file(block));
-                Error::failed(format!("{at}: {name} is missing: the part is not complete, run its command again"))
+                Error::failed(format!(
+                    "{at}: {name} is missing, so the part is incomplete: run its command again to continue"
+                ))
             })?;
             let count = whole.part(block).map_or(0, |part| part.count);
             merge.add(image, count);

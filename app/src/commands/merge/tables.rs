@@ -100,7 +100,7 @@ fn json(of: &[&Placed], name: &str) -> Result<Value, Error> {
     let mut values = Vec::new();
     for placed in of {
         let path = placed.folder.join(name);
-        let wrong = |e| Error::failed(format!("{}: it is not JSON: {e}", path.display()));
+        let wrong = |e| Error::failed(format!("{}: not valid JSON: {e}", path.display()));
         values.push(serde_json::from_slice::<Value>(&read(&path)?).map_err(wrong)?);
     }
     if name != package::FILE {

@@ -75,13 +75,13 @@ impl Place {
                 read_file(&file, MOST_BYTES).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
             let about = about.filter(|about| about["kind"] == KIND);
             let about = about.ok_or_else(|| {
-                Error::failed(format!("{at} is not empty, and not of a sweep: choose another folder"))
+                Error::failed(format!("{at} is not empty and contains no sweep: choose a new or empty folder"))
             })?;
             let (ours, theirs) = (&sweep.identity, &about["sweep"]);
             let keys = ["what", "scenes", "options", "each", "format", "parts"];
             if let Some(key) = keys.iter().find(|key| ours.get(key) != theirs.get(key)) {
                 return Err(Error::failed(format!(
-                    "{at} is of another sweep, whose {key} differs from that of {}: choose another folder",
+                    "{at} contains a sweep with another value of '{key}' than {}: choose another folder",
                     sweep.file.display()
                 )));
             }
@@ -94,9 +94,7 @@ impl Place {
         match lock.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                return Err(Error::failed(format!(
-                    "{at}: another 'raystep sweep' works on it: wait until it has ended"
-                )));
+                return Err(Error::failed(format!("{at} is in use by another 'raystep sweep': wait until that ends")));
             }
             Err(TryLockError::Error(error)) => return Err(cannot(error)),
         }
@@ -187,7 +185,7 @@ impl Place {
 
     /// Makes a folder on the same file system the job's own.
     fn place(&self, job: &Job, folder: &Path) -> Result<Done, String> {
-        let done = Done::read(folder, job).ok_or("its results are those of another job, or incomplete")?;
+        let done = Done::read(folder, job).ok_or("its results are incomplete or belong to another job")?;
         let target = self.folder(&job.name);
         job::remove(&target).map_err(|e| e.message)?;
         fs::rename(folder, &target).map_err(|e| format!("cannot write {}: {}", target.display(), reason(&e)))?;

@@ -141,8 +141,8 @@ impl Definition {
             }
             if what == What::Bench && COMPARED.contains(&name) {
                 return Err(format!(
-                    "each.{name}: a benchmark compares its {name} with each other, so they are not divided among jobs; \
-                     write the list under [options]"
+                    "each.{name}: bench compares {name} within one job, so they cannot be divided among jobs; \
+                     move the list to [options]"
                 ));
             }
             let Some(values) = values.as_array().filter(|values| !values.is_empty()) else {
@@ -153,7 +153,7 @@ impl Definition {
             if let Some((_, twice)) =
                 values.iter().enumerate().find(|(i, a)| values[..*i].iter().any(|b| a.words == b.words))
             {
-                return Err(format!("each.{name}: {} is in it twice", twice.value));
+                return Err(format!("each.{name}: {} is listed twice: remove one", twice.value));
             }
             each.push(values);
         }
@@ -172,7 +172,7 @@ impl Definition {
         };
         let parts = whole(table, "parts", 1, MOST)?;
         if parts.is_some() && what != What::Render {
-            return Err("parts: only pictures are divided into parts of their samples; omit it".into());
+            return Err("parts: only what = \"render\" can be divided into parts; omit it".into());
         }
         let identity = ["what", "scenes", "options", "each", "format", "parts"];
         let identity = identity.into_iter().filter_map(|key| Some((key.to_owned(), table.get(key)?.clone())));
@@ -240,7 +240,7 @@ impl OptionsOf {
             return Err(format!("{at}: a sweep sets --{name} itself; omit it"));
         }
         if TAKEN.contains(&name) {
-            return Err(format!("{at}: --{name} has no place in a sweep; omit it"));
+            return Err(format!("{at}: --{name} cannot be used in a sweep; omit it"));
         }
         let mut cli = Cli::command();
         cli.build();

@@ -65,10 +65,14 @@ impl Done {
 /// Runs a job into its folder, which must not exist. Failures are tried again.
 pub(super) fn run(job: &Job, target: &Path) -> Result<Done, Error> {
     if job.version != version() {
-        return Err(Error::failed(format!("the sweep is of raystep {}, and this is {}", job.version, version())));
+        return Err(Error::failed(format!(
+            "the sweep was planned by raystep {}, but this machine has {}: install the same build everywhere",
+            job.version,
+            version()
+        )));
     }
     if job.hash_inputs()? != job.input_hash {
-        return Err(Error::failed("its files have changed since the sweep was planned"));
+        return Err(Error::failed("its input files have changed since the sweep started: run the sweep again"));
     }
     let mut attempt = 1;
     loop {
