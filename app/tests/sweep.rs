@@ -239,7 +239,7 @@ fn a_benchmark_of_a_taken_machine_is_shared_and_not_ranked() {
     assert!(page.contains("nothing to rank") && page.matches(">shared</td>").count() == 4, "{page}");
     let refused = run(&place, &["sweep.toml", "-o", "out", "--jobs", "2"]);
     assert!(
-        refused.code == Some(2) && refused.stderr.contains("jobs that measure times run one at a time"),
+        refused.code == Some(2) && refused.stderr.contains("measure times and must run one at a time"),
         "{refused:?}"
     );
 }
@@ -352,7 +352,7 @@ fn what_is_wrong_in_the_file_is_named_before_anything_runs() {
         );
         assert!(place.names().len() <= before.len() + 1 && !place.path("out").exists(), "{text}: files are left");
     }
-    place.fails(2, "--on ray needs the Python package", &["sweep", "sweep.toml", "-o", "out", "--on", "ray"]);
+    place.fails(2, "--on ray is only in the Python package", &["sweep", "sweep.toml", "-o", "out", "--on", "ray"]);
     place.fails(1, "missing.toml: No such file", &["sweep", "missing.toml", "-o", "out"]);
     place.fails(2, "SWEEP.toml", &["sweep", "-o", "out"]);
 }
