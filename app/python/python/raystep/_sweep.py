@@ -294,6 +294,9 @@ def _distribute(jobs: list[dict[str, Any]], folder: str, to: IO[str], address: s
     finally:
         for task in running:
             ray.cancel(task, force=True)
+        if running:
+            # Ray may abort if it ends before it knows what became of them.
+            ray.wait(list(running), num_returns=len(running), timeout=10.0)
         if is_ours:
             ray.shutdown()
 
