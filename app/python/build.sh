@@ -73,3 +73,20 @@ esac
 for file in "$out"/raystep-*; do
     echo "$file: $(wc -c <"$file") bytes"
 done
+[ "$what" = wheel ] || exit 0
+
+# How long it takes to start, in an environment of its own.
+rm -rf "$target/start"
+python3 -m venv "$target/start"
+"$target/start/bin/pip" install --quiet "$out"/raystep-*.whl
+"$target/start/bin/python" - <<'END'
+import subprocess, sys, time
+
+for what, words in ("raystep --version", ["-m", "raystep", "--version"]), ("import raystep", ["-c", "import raystep"]):
+    times = []
+    for _ in range(5):
+        begin = time.perf_counter()
+        subprocess.run([sys.executable, *words], check=True, stdout=subprocess.DEVNULL)
+        times.append(time.perf_counter() - begin)
+    print(f"{what}: {sorted(times)[2] * 1000:.0f} ms")
+END

@@ -9,7 +9,7 @@
 //! numbers. So the blocks of one picture can be traced by different machines: [`Samples::part`] is the run of one block,
 //! and [`Merge`](crate::renderer::image::Merge) gives their means' mean, in the same bits as one run of all of them.
 
-use crate::shared::samples::Sampler;
+use crate::shared::samples::{BLOCK, Sampler};
 
 /// The samples of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,7 +38,7 @@ impl Samples {
     /// [`crate::programs::closest_hit::accumulate`].
     pub const MOST: u32 = 65_536;
     /// Samples that have their own mean before it is added to the pixel's.
-    pub const BLOCK: u32 = 16;
+    pub const BLOCK: u32 = BLOCK;
 
     /// Whether the rays of a pixel are distributed over it: not for a single sample, in the centre.
     #[must_use]

@@ -13,7 +13,6 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::numbers::named::named;
 use crate::numbers::real::Real;
-use crate::options::samples::Samples;
 
 /// How samples are distributed over a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -49,10 +48,13 @@ pub struct Sampling {
     pub first: u32,
 }
 
+/// Samples that have their own mean before it is added to the pixel's.
+pub const BLOCK: u32 = 16;
+
 /// The mean of `samples` samples: of complete blocks, whose means' sum is given, and of one that is not by its share.
 pub fn mean_of_blocks<R: Real>(sum: R, mean: R, samples: u32) -> R {
     let of = |count: u32| R::from_i32(count as i32);
-    let (complete, part) = (of(samples / Samples::BLOCK), of(samples % Samples::BLOCK) / of(Samples::BLOCK));
+    let (complete, part) = (of(samples / BLOCK), of(samples % BLOCK) / of(BLOCK));
     let begun = if part > R::zero() { mean * part } else { R::zero() };
     (sum + begun) / (complete + part)
 }

@@ -130,7 +130,7 @@ def _ends(name: str, values: ArrayLike, rays: int) -> NDArray[np.float32]:
 
 
 def scene_names() -> list[str]:
-    """Names of the scenes that come along: `Scene("cornell-box")` opens one, as does every command.
+    """Names of the scenes included in the package: `Scene("cornell-box")` opens one, as does every command.
 
     >>> from raystep import scene_names
     >>> "cornell-box" in scene_names(), "teapot" in scene_names()
@@ -140,7 +140,7 @@ def scene_names() -> list[str]:
 
 
 class Scene:
-    """A scene on a device: a glTF file (.gltf or .glb), the name of a scene that comes along, see `scene_names`, or
+    """A scene on a device: a glTF file (.gltf or .glb), the name of an included scene, see `scene_names`, or
     triangles of shape (N, 3, 3), corners in scene units. A file comes before a scene of its name.
 
     `device`: "auto" is the best GPU, otherwise the CPU; or "gpu", "cpu". `adapter`: the name of a GPU, or part of it.

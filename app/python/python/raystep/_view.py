@@ -1,4 +1,4 @@
-"""The inspector in the browser: the page that the wheel brings along, served to this machine alone."""
+"""The inspector in the browser: the page that the wheel includes, served to this machine only."""
 
 from __future__ import annotations
 
