@@ -19,9 +19,30 @@ fn main() {
     println!("cargo::rerun-if-changed={}", lock.unwrap_or("build.rs"));
     println!("cargo::rerun-if-changed=build.rs");
     pack_relocations();
+    fold_identical_code();
     let out = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
     if let Err(error) = std::fs::write(out.join("Cargo.lock"), bytes) {
         println!("cargo::error=cannot write to {}: {error}", out.display());
+    }
+}
+
+/// Keeps one copy of functions that are the same, a fiftieth of the binary, where LLD links: it comes with Rust, which uses
+/// it by default for this target. Another linker may not know the option, so LLD is named, unless the user has named one.
+fn fold_identical_code() {
+    let variable = |name: &str| std::env::var(name).unwrap_or_default();
+    let target = "x86_64-unknown-linux-gnu";
+    println!("cargo::rerun-if-env-changed=CARGO_ENCODED_RUSTFLAGS");
+    let is_chosen = !variable("RUSTC_LINKER").is_empty() || variable("CARGO_ENCODED_RUSTFLAGS").contains("link");
+    if variable("HOST") != target || variable("TARGET") != target || variable("PROFILE") != "release" || is_chosen {
+        return;
+    }
+    let output = Command::new(variable("RUSTC")).args(["--print", "sysroot"]).output();
+    let sysroot = output.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned()).unwrap_or_default();
+    let folder = Path::new(&sysroot).join("lib/rustlib").join(target).join("bin/gcc-ld");
+    if folder.join("ld.lld").exists() {
+        println!("cargo::rustc-link-arg-bins=-B{}", folder.display());
+        println!("cargo::rustc-link-arg-bins=-fuse-ld=lld");
+        println!("cargo::rustc-link-arg-bins=-Wl,--icf=all");
     }
 }
 
