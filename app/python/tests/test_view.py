@@ -83,7 +83,7 @@ class View(unittest.TestCase):
             frame = self.shown._repr_html_()
             self.assertIn(f'<iframe src="{self.shown.url.replace("&", "&amp;")}"', frame)
             os.environ["SSH_CONNECTION"] = "1"
-            self.assertIn("another machine", self.shown._repr_html_())
+            self.assertIn("different machine", self.shown._repr_html_())
             self.assertNotIn("<iframe", self.shown._repr_html_())
             os.environ["JUPYTERHUB_SERVICE_PREFIX"] = "/user/somebody/"
             with mock.patch("importlib.util.find_spec", return_value=object()):

@@ -171,7 +171,7 @@ def view(scene: Scene, link: str = "", *, height: int = 640) -> View:
     >>> from raystep import Scene, view
     >>> scene = Scene(triangles=[[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], device="cpu")
     >>> shown = view(scene, "pixel=10,20&pass=3")
-    >>> "<iframe" in shown._repr_html_() or "another machine" in shown._repr_html_()
+    >>> "<iframe" in shown._repr_html_() or "different machine" in shown._repr_html_()
     True
     >>> shown.close()
     """
