@@ -171,6 +171,8 @@ fn limited(place: &Place, mib: u64, arguments: &[&str]) -> Outcome {
     let shell = format!("ulimit -v {}; exec \"$0\" \"$@\"", mib * 1024);
     let mut command = std::process::Command::new("sh");
     command.current_dir(place.path("")).args(["-c", &shell, env!("CARGO_BIN_EXE_raystep")]).args(arguments);
+    // glibc reserves 64 MiB of address space for each thread that allocates while another does: a matter of chance.
+    command.env("MALLOC_ARENA_MAX", "1");
     outcome(&mut command)
 }
 

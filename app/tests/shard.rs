@@ -77,6 +77,8 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     let refused = |wanted: &str, folders: &[&str]| {
         place.fails(1, wanted, &[&["merge"], folders, &["-o", "no.png"]].concat());
     };
+    place.ok(&["merge", &first, "-o", "so-far.png", "--so-far"]);
+    assert!(place.read("so-far.png") == place.read(&format!("{first}/so-far.png")));
     refused("part 2/2 is missing: name the folders of all 2 parts", &[&first]);
     refused("are the same part, 1/2", &[&first, &second, &first]);
     refused("differ in number of parts: 2 and 3", &[&first, &part(&place, 2, 3, &[])]);

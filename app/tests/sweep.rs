@@ -142,7 +142,8 @@ fn has_job(place: &Place) -> bool {
 #[test]
 #[cfg(unix)]
 fn an_interrupted_sweep_continues() {
-    let place = place(&PICTURES.replace("16x16", "1024x1024"));
+    // Each job takes long enough to be interrupted, also on a busy machine.
+    let place = place(&PICTURES.replace("\"16x16\"", "\"1024x1024\"\nspp = 4"));
     let mut child = place
         .command(&["sweep", "sweep.toml", "-o", "out"].map(OsStr::new))
         .stderr(Stdio::null())
@@ -216,6 +217,31 @@ fn a_picture_in_parts_has_the_bytes_of_one() {
     let again = run(&place, &["sweep.toml", "-o", "out"]);
     assert!(again.code == Some(0) && again.stderr.contains("5 of 6 jobs are finished already"), "{again:?}");
     assert_eq!(rows(&place)[1]["picture_hash"], all[1]["picture_hash"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_picture_is_shown_while_its_parts_are_traced() {
+    let sweep = "what = \"render\"\nscenes = [\"scenes/cornell-box.gltf\"]\nretries = 0\nparts = 3\n\
+                 [options]\nsize = \"16x16\"\nspp = 60\ndevice = \"cpu\"\n";
+    let place = place(sweep);
+    // The program, except for the second part.
+    let lost = "case \"$*\" in *2/3*) echo lost >&2; exit 1;; esac; exec \"$0\" \"$@\"";
+    let words = serde_json::json!(["sh", "-c", lost, env!("CARGO_BIN_EXE_raystep")]).to_string();
+    let arguments = ["sweep", "sweep.toml", "-o", "out"].map(OsStr::new);
+    let outcome = outcome(place.command(&arguments).env("RAYSTEP_COMMAND", words));
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("part-2-of-3: lost"), "{outcome:?}");
+    let pictures = || {
+        let entries = fs::read_dir(place.path("out/pictures")).expect("a folder");
+        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(pictures(), ["cornell-box-so-far.png"]);
+    let first = "out/jobs/cornell-box-part-1-of-3/part";
+    place.ok(&["merge", "--so-far", first, "-o", "first.png"]);
+    assert!(place.read("first.png") == place.read(&format!("{first}/so-far.png")));
+    assert_eq!(run(&place, &["sweep.toml", "-o", "out"]).code, Some(0));
+    assert_eq!(pictures(), ["cornell-box.png"]);
+    assert!(place.read("out/pictures/cornell-box.png") != place.read("first.png"));
 }
 
 #[test]

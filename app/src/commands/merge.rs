@@ -37,6 +37,9 @@ pub(crate) struct MergeArgs {
     /// Also put together results of different devices: rows name theirs; pixels may differ in their last bits
     #[arg(long)]
     mixed: bool,
+    /// Make the picture of the samples that there are, if parts are missing or incomplete
+    #[arg(long)]
+    so_far: bool,
     /// Replace the tables in a folder that is not empty; other files are kept
     #[arg(long)]
     force: bool,
@@ -58,6 +61,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Error> {
     let parts = read(args)?;
     match parts[0].part.picture {
         Some(picture) => picture::merge(args, &parts, picture, &progress),
+        None if args.so_far => Err(Error::usage("--so-far is for parts of a picture: omit it")),
         None => tables::merge(args, &parts, &progress),
     }
 }
@@ -94,6 +98,7 @@ fn read(args: &MergeArgs) -> Result<Vec<Placed>, Error> {
         .map(|index| format!("{index}/{of}"))
         .collect();
     let names = match missing.as_slice() {
+        _ if args.so_far => return Ok(parts),
         [] => return Ok(parts),
         [part] => format!("part {part} is"),
         [first @ .., last] if missing.len() <= MOST_NAMED => format!("parts {} and {last} are", first.join(", ")),

@@ -102,9 +102,10 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Error> {
         let pending: Vec<&plan::Job> = jobs.iter().filter(|job| place.done(job).is_none()).collect();
         return crate::terminal::print(&super::json_text(&pending)?);
     }
+    let mut so_far = gather::SoFar::new(&jobs, &place);
     let mut failures = match args.serve {
-        true => place.serve(&jobs, &progress)?,
-        false => place.run(&jobs, args.jobs as usize, &progress),
+        true => place.serve(&jobs, &mut |job| so_far.show(job), &progress)?,
+        false => place.run(&jobs, args.jobs as usize, &mut |job| so_far.show(job), &progress),
     };
     progress.stage("gathering");
     let gathered = gather::gather(&sweep, &jobs, &place, &failures)?;

@@ -31,12 +31,15 @@ pub(super) fn merge(args: &MergeArgs, parts: &[Placed], picture: Picture, progre
         for block in part.shard.range(blocks as usize, "blocks of 16 samples")? {
             let block = block as u32;
             progress.part("merging blocks", u64::from(block), u64::from(blocks));
-            let image = read_block(folder, block, picture)?.ok_or_else(|| {
+            let Some(image) = read_block(folder, block, picture)? else {
+                if args.so_far {
+                    continue;
+                }
                 let (at, name) = (folder.display(), block_file(block));
-                Error::failed(format!(
+                return Err(Error::failed(format!(
                     "{at}: {name} is missing, so the part is incomplete: run its command again to continue"
-                ))
-            })?;
+                )));
+            };
             let count = whole.part(block).map_or(0, |part| part.count);
             merge.add(image, count);
         }
@@ -45,9 +48,11 @@ pub(super) fn merge(args: &MergeArgs, parts: &[Placed], picture: Picture, progre
     write(vec![(target, encode_colors(&image, &args.output, is_exr)?)])?;
     progress.finish();
     progress.say(format_args!(
-        "wrote {}: {width}x{height}, {samples} samples per pixel in {blocks} blocks of {} parts",
+        "wrote {}: {width}x{height}, {} of {samples} samples per pixel, from {} of {} parts",
         args.output.display(),
-        parts.len()
+        merge.samples(),
+        parts.len(),
+        parts[0].part.shard.of
     ));
     Ok(())
 }

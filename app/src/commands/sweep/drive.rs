@@ -127,8 +127,14 @@ impl Place {
         Done::read(&self.folder(&job.name), job)
     }
 
-    /// Runs jobs here, some side by side.
-    pub(super) fn run(&self, all: &[Job], side_by_side: usize, progress: &Progress) -> Vec<Failure> {
+    /// Runs jobs here, some side by side; calls `ended` after each that has results.
+    pub(super) fn run(
+        &self,
+        all: &[Job],
+        side_by_side: usize,
+        ended: &mut dyn FnMut(&str),
+        progress: &Progress,
+    ) -> Vec<Failure> {
         let pending: Vec<&Job> = all.iter().filter(|job| self.done(job).is_none()).collect();
         let next = Mutex::new(pending.iter());
         let (events, arrived) = channel();
@@ -140,19 +146,24 @@ impl Place {
                         // The receiver lives as long as this scope.
                         let _ = events.send(Event::Started(job.name.clone()));
                         let folder = self.folder(&job.name);
-                        let ended = job::remove(&folder).and_then(|()| job::run(job, &folder));
-                        let _ = events.send(Event::Ended(job.name.clone(), ended.map_err(|e| e.message)));
+                        let result = job::remove(&folder).and_then(|()| job::run(job, &folder));
+                        let _ = events.send(Event::Ended(job.name.clone(), result.map_err(|e| e.message)));
                     }
                 });
             }
             drop(events);
-            show(arrived, all.len(), pending.len(), progress)
+            show(arrived, all.len(), pending.len(), ended, progress)
         })
     }
 
     /// Lets another process run jobs: tells it those that are not finished, as a line of JSON, and reads from it what
-    /// becomes of them, a line each.
-    pub(super) fn serve(&self, all: &[Job], progress: &Progress) -> Result<Vec<Failure>, Error> {
+    /// becomes of them, a line each; calls `ended` after each that has results.
+    pub(super) fn serve(
+        &self,
+        all: &[Job],
+        ended: &mut dyn FnMut(&str),
+        progress: &Progress,
+    ) -> Result<Vec<Failure>, Error> {
         let pending: Vec<&Job> = all.iter().filter(|job| self.done(job).is_none()).collect();
         let hello = json!({ "jobs": pending, "folder": self.path.join(JOBS) });
         let mut out = std::io::stdout();
@@ -165,7 +176,7 @@ impl Place {
                     self.take(&line, pending_jobs, &events);
                 }
             });
-            show(arrived, all.len(), pending.len(), progress)
+            show(arrived, all.len(), pending.len(), ended, progress)
         }))
     }
 
@@ -194,7 +205,13 @@ impl Place {
 }
 
 /// Shows what happens, until nothing more can. Returns the failures.
-fn show(arrived: std::sync::mpsc::Receiver<Event>, all: usize, pending: usize, progress: &Progress) -> Vec<Failure> {
+fn show(
+    arrived: std::sync::mpsc::Receiver<Event>,
+    all: usize,
+    pending: usize,
+    ended: &mut dyn FnMut(&str),
+    progress: &Progress,
+) -> Vec<Failure> {
     let mut done = all - pending;
     if done > 0 {
         progress.say(format_args!("{done} of {all} jobs are finished already"));
@@ -203,12 +220,13 @@ fn show(arrived: std::sync::mpsc::Receiver<Event>, all: usize, pending: usize, p
     for event in arrived {
         match event {
             Event::Started(name) => progress.job(&name, done as u64, all as u64, failures.len()),
-            Event::Ended(name, Ok(ended)) => {
+            Event::Ended(name, Ok(result)) => {
                 done += 1;
-                let time = Duration::from_secs_f64(ended.job_s.clamp(0.0, 1e9));
-                let again = if ended.attempts > 1 { format!(", attempt {}", ended.attempts) } else { String::new() };
+                let time = Duration::from_secs_f64(result.job_s.clamp(0.0, 1e9));
+                let again = if result.attempts > 1 { format!(", attempt {}", result.attempts) } else { String::new() };
                 progress.job("", done as u64, all as u64, failures.len());
                 progress.say(format_args!("{done} of {all}: {name}, {:.1} s{again}", time.as_secs_f64()));
+                ended(&name);
             }
             Event::Ended(name, Err(message)) => {
                 progress.say(format_args!("failed: {name}: {message}"));

@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
+use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use raystep_kernels::export::csv::writer;
 use raystep_lab::Hash;
@@ -19,6 +21,7 @@ use crate::commands::json_text;
 use crate::error::Error;
 use crate::output::{self, Target, TargetFolder};
 use crate::scene_file::read_file;
+use crate::shard;
 
 const RESULTS: &str = "results.csv";
 const PAGE: &str = "index.html";
@@ -221,6 +224,44 @@ fn add_picture(table: &mut Table, job: &Job, done: &Done, folder: &Path) -> Resu
     Ok(())
 }
 
+/// Shows pictures while their parts are traced: after each part, the picture of those that are finished.
+pub(super) struct SoFar<'a> {
+    jobs: &'a [Job],
+    place: &'a Place,
+    /// When the last picture was written, and how long it took.
+    last: Option<(Instant, Duration)>,
+}
+
+impl<'a> SoFar<'a> {
+    pub(super) fn new(jobs: &'a [Job], place: &'a Place) -> Self {
+        Self { jobs, place, last: None }
+    }
+
+    /// Writes the picture of which a job has traced a part, unless that would take more than a tenth of the time.
+    pub(super) fn show(&mut self, ended: &str) {
+        let job = self.jobs.iter().find(|job| job.name == ended);
+        let Some(picture) = job.and_then(|job| job.part_of.as_ref()) else { return };
+        if self.last.is_some_and(|(end, took)| end.elapsed() < took * 10) {
+            return;
+        }
+        let begin = Instant::now();
+        let of_picture = self.jobs.iter().filter(|job| job.part_of.as_ref() == Some(picture));
+        let parts = of_picture.map(|job| self.place.folder(&job.name).join("part"));
+        let parts: Vec<PathBuf> = parts.filter(|part| part.join(shard::FILE).exists()).collect();
+        let path = self.place.path.join(PICTURES);
+        let mut words: Vec<OsString> = vec!["merge".into(), "--so-far".into(), "--mixed".into(), "--quiet".into()];
+        words.extend(parts.into_iter().map(PathBuf::into_os_string));
+        words.extend(["-o".into(), path.join(so_far_name(picture)).into_os_string()]);
+        // It is only to be looked at: what is wrong with a part, the merge of all says.
+        let _ = fs::create_dir_all(&path).map(|()| job::child(&words, None));
+        self.last = Some((Instant::now(), begin.elapsed()));
+    }
+}
+
+fn so_far_name(picture: &str) -> String {
+    format!("{picture}-so-far.png")
+}
+
 /// Merges the parts of a picture. Returns the file, as seen from the output folder.
 fn merge(picture: &str, parts: &[&(&Job, Done)], place: &Place) -> Result<PathBuf, Error> {
     let format = parts.first().map_or("png", |(job, _)| job.format.as_str());
@@ -232,6 +273,7 @@ fn merge(picture: &str, parts: &[&(&Job, Done)], place: &Place) -> Result<PathBu
         words.extend(["-o".into(), folder.place().join(&name).into_os_string(), "--quiet".into()]);
         job::child(&words, None)
     })?;
+    let _ = fs::remove_file(pictures.join(so_far_name(picture)));
     Ok(Path::new(PICTURES).join(name))
 }
 
