@@ -255,3 +255,41 @@ fn all(
     let wanted = Wanted { cases, accelerators, is_quick: args.quick, pipelines, cost, run_id };
     Ok(stability::measure(&wanted, &places, progress)?)
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::*;
+
+    #[derive(clap::Parser)]
+    struct Only {
+        #[command(flatten)]
+        args: StabilityArgs,
+    }
+
+    /// What is traced with these options: names of cases, whether pipelines are compared, names of families.
+    fn names(options: &str) -> (Vec<&'static str>, bool, Vec<&'static str>) {
+        let only = Only::try_parse_from(format!("stability -o out {options}").split_whitespace()).expect(options);
+        let cases = chosen_cases(&only.args.cases).expect("cases");
+        let Chosen { cases, pipelines, families } = chosen(&only.args, cases).expect("enough of them");
+        (cases.iter().map(|case| case.name).collect(), pipelines, families.iter().map(|family| family.name).collect())
+    }
+
+    #[test]
+    fn parts_have_every_case_family_and_comparison_once() {
+        for options in ["", "--cost", "--case axis", "--cost --family room,slivers"] {
+            let whole = names(options);
+            for of in [1, 2, 5] {
+                let (mut cases, mut pipelines, mut families) = (Vec::new(), 0, Vec::new());
+                for index in 1..=of {
+                    let part = names(&format!("{options} --shard {index}/{of}"));
+                    cases.extend(part.0);
+                    pipelines += usize::from(part.1);
+                    families.extend(part.2);
+                }
+                assert_eq!((cases, pipelines, families), (whole.0.clone(), usize::from(whole.1), whole.2.clone()));
+            }
+        }
+    }
+}
