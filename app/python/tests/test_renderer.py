@@ -307,4 +307,6 @@ class Run(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    # A shell ignores interrupts for what it runs in the background, and so would Python.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     unittest.main()

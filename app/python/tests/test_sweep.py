@@ -180,4 +180,6 @@ class Sweep(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    # A shell ignores interrupts for what it runs in the background, and so would Python.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     unittest.main()
