@@ -87,7 +87,7 @@ def sweep(
     >>> folder = tempfile.TemporaryDirectory()
     >>> rows = sweep(what="stability", options={"case": "no-triangle", "quick": True, "device": "cpu"},
     ...              each={"accelerator": ["grid", "bvh"]}, output=folder.name, quiet=True)
-    >>> sorted({row["job"] for row in rows})
+    >>> sorted(set(rows["job"] if hasattr(rows, "iloc") else (row["job"] for row in rows)))
     ['stability-accelerator-bvh', 'stability-accelerator-grid']
     >>> folder.cleanup()
     """
