@@ -32,11 +32,17 @@ rm -rf "$target/wheels"
 # The page that its own tests have built, if they have.
 page=$(dirname "$target")/web/served
 [ -n "$quick" ] && [ -f "$page/index.html" ] || page=""
+packaged=$PWD/app/python/python/raystep/page
 if [ $# = 0 ]; then
     sh app/python/build.sh ${page:+--page "$page"} $quick "$target/wheels"
 else
     mkdir "$target/wheels"
     cp "$1" "$target/wheels/"
+    # The same page as in the wheel, for the source distribution.
+    rm -rf "$packaged"
+    mkdir -p "$packaged"
+    python3 -m zipfile -e "$1" "$target/wheels/unpacked"
+    cp -R "$target/wheels/unpacked/raystep/page/." "$packaged"
 fi
 
 step "from Python and nothing else to a picture"
@@ -80,7 +86,7 @@ if [ -z "$quick" ]; then
 
     step "a wheel from the source distribution"
     rm -rf "$target/sdist"
-    sh app/python/build.sh --sdist --page app/python/python/raystep/page "$target/sdist"
+    sh app/python/build.sh --sdist --page "$packaged" "$target/sdist"
     tar -xf "$target"/sdist/raystep-*.tar.gz -C "$target/sdist"
     (
         cd "$target"/sdist/raystep-*/

@@ -54,8 +54,10 @@ cp ../../scenes/textures-*.bin ../../scenes/*.png "$scenes"
     rm -rf "$page"
     sh ../web/build.sh "$page" ${quick:+--quick}
 }
-rm -rf python/raystep/page
-cp -R "$page" python/raystep/page
+[ "$page" = "$PWD/python/raystep/page" ] || {
+    rm -rf python/raystep/page
+    cp -R "$page" python/raystep/page
+}
 rm -rf python/raystep/page/scenes python/raystep/page/lessons.*
 
 PATH="$target/tools/bin:$PATH"
