@@ -70,7 +70,7 @@ wheelyes)
     CARGO_PROFILE_RELEASE_OPT_LEVEL=0 maturin build --quiet --release --locked --compatibility linux --out "$out" \
         $(traces raystep-kernels raystep-scenes glam obvhs rayon rayon-core)
     ;;
-sdist*) maturin sdist --quiet --out "$out" ;;
+sdist*) maturin sdist --out "$out" ;;
 esac
 for file in "$out"/raystep-*; do
     echo "$file: $(wc -c <"$file") bytes"
