@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use rayon::prelude::*;
 use raystep_kernels::{CastHit, Caster, Options, Ray, RenderError};
 use raystep_lab::Machine;
 use raystep_scenes as scenes;
@@ -17,6 +18,9 @@ use crate::error::{OptionError, SceneError, of_run};
 
 /// Words of a [`CastHit`]: t, u, v, triangle, material.
 const HIT_WORDS: usize = size_of::<CastHit>() / size_of::<u32>();
+
+/// Rays that are made on all cores.
+const MANY: usize = 1 << 14;
 
 /// A scene and its structures on a device; those of a kind of ray are built at its first cast.
 #[pyclass(frozen, module = "raystep._raystep")]
@@ -71,9 +75,8 @@ impl Scene {
 
     /// The triangles as a GLB file.
     fn glb<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = detached(py, || {
-            scenes::write_glb(&self.scene).map_err(|error| SceneError::new_err(error.to_string()))
-        })?;
+        let bytes =
+            detached(py, || scenes::write_glb(&self.scene).map_err(|error| SceneError::new_err(error.to_string())))?;
         Ok(PyBytes::new(py, &bytes))
     }
 
@@ -124,8 +127,12 @@ impl Scene {
         if directions.len() != count || [t_min.len(), t_max.len()].iter().any(|&n| n != 1 && n != count) {
             return Err(OptionError::new_err("origins, directions, t_min and t_max differ in length"));
         }
-        let rays: Vec<Ray> =
-            (0..count).map(|i| Ray::new(origins[i], directions[i]).between(of(t_min, i), of(t_max, i))).collect();
+        let ray = |i: usize| Ray::new(origins[i], directions[i]).between(of(t_min, i), of(t_max, i));
+        // Waking other threads takes longer than making a few rays.
+        let rays: Vec<Ray> = match count {
+            ..MANY => (0..count).map(ray).collect(),
+            _ => (0..count).into_par_iter().map(ray).collect(),
+        };
         let hits = detached(py, || self.hits(&rays, any_hit).map_err(|error| of_run(&error)))?;
         debug_assert_eq!(hits.len(), count);
         let words: Vec<u32> = bytemuck::allocation::cast_slice_box(hits.into_boxed_slice()).into_vec();
