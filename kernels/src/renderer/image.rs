@@ -34,9 +34,7 @@ impl Image {
         let pixel = |i| {
             [0, 1, 2, 3].map(|layer| {
                 let mean = latest.get_f32(layer, i);
-                // The first block's mean is exact; its share is not.
-                let several = blocks.filter(|_| samples > Samples::BLOCK);
-                several.map_or(mean, |sum| mean_of_blocks(sum.get_f32(layer, i), mean, samples))
+                blocks.map_or(mean, |sum| mean_of_blocks(sum.get_f32(layer, i), mean, samples))
             })
         };
         let pixels = (0..latest.width as usize * latest.height as usize).map(pixel).collect();
@@ -95,11 +93,7 @@ impl Merge {
     /// The mean of the blocks so far; `None` without any.
     #[must_use]
     pub fn image(&self) -> Option<Image> {
-        let latest = self.latest.as_ref()?;
-        if self.samples <= Samples::BLOCK {
-            return Some(latest.clone());
-        }
-        let mut image = latest.clone();
+        let mut image = self.latest.clone()?;
         for (mean, sum) in image.pixels.as_flattened_mut().iter_mut().zip(self.sum.pixels.as_flattened()) {
             *mean = mean_of_blocks(*sum, *mean, self.samples);
         }

@@ -51,8 +51,12 @@ pub struct Sampling {
 /// Samples that have their own mean before it is added to the pixel's.
 pub const BLOCK: u32 = 16;
 
-/// The mean of `samples` samples: of complete blocks, whose means' sum is given, and of one that is not by its share.
+/// The mean of `samples` samples: of complete blocks, whose means' sum is given, and of one that is not by its share. Of
+/// a single block it is `mean`, the latest block's, exactly.
 pub fn mean_of_blocks<R: Real>(sum: R, mean: R, samples: u32) -> R {
+    if samples <= BLOCK {
+        return mean;
+    }
     let of = |count: u32| R::from_i32(count as i32);
     let (complete, part) = (of(samples / BLOCK), of(samples % BLOCK) / of(BLOCK));
     let begun = if part > R::zero() { mean * part } else { R::zero() };
