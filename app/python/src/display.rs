@@ -1,8 +1,5 @@
 //! Pictures for notebooks: images and streams as PNG, in the window's colours.
 
-use std::io::Cursor;
-
-use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -12,6 +9,7 @@ use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::stream::Meaning;
 use raystep_kernels::{Image, Stream};
 use raystep_lab::layer_stats::{LayerStats, NONE, Others};
+use raystep_lab::png;
 
 use crate::border::detached;
 use crate::error::OptionError;
@@ -22,12 +20,8 @@ const OTHER: [u8; 3] = [0x60, 0x60, 0x60];
 /// Colours of a legend's scale.
 const STOPS: usize = 16;
 
-fn png(width: u32, height: u32, rgb: &[u8]) -> PyResult<Vec<u8>> {
-    let mut file = Cursor::new(Vec::new());
-    PngEncoder::new(&mut file)
-        .write_image(rgb, width, height, ExtendedColorType::Rgb8)
-        .map_err(|e| OptionError::new_err(format!("cannot encode as PNG: {e}")))?;
-    Ok(file.into_inner())
+fn encoded(width: u32, height: u32, rgb: &[u8]) -> PyResult<Vec<u8>> {
+    png::encode(width, height, rgb).map_err(|e| OptionError::new_err(format!("cannot encode as PNG: {e}")))
 }
 
 /// A linear image, H×W×4, as a PNG in sRGB.
@@ -40,7 +34,7 @@ pub(crate) fn png_of_image<'py>(py: Python<'py>, image: PyReadonlyArray3<'py, f3
     let pixels = values.as_chunks::<4>().0.to_vec();
     let bytes = detached(py, || {
         let image = Image { width: width as u32, height: height as u32, pixels };
-        png(image.width, image.height, &image.to_srgb8())
+        encoded(image.width, image.height, &image.to_srgb8())
     })?;
     Ok(PyBytes::new(py, &bytes))
 }
@@ -70,7 +64,7 @@ pub(crate) fn draw_component<'py>(
         let scale = colors(meaning)
             .map(|map| (0..STOPS).map(|i| hex(map.at(i as f64 / (STOPS - 1) as f64))).collect::<Vec<_>>());
         let span = span.filter(|_| scale.is_some());
-        Ok((png(width as u32, height as u32, &rgb)?, span, scale.unwrap_or_default(), words(&stats.others)))
+        Ok((encoded(width as u32, height as u32, &rgb)?, span, scale.unwrap_or_default(), words(&stats.others)))
     })?;
     Ok((PyBytes::new(py, &bytes), span, scale, others))
 }

@@ -7,7 +7,6 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use image::ImageEncoder as _;
 use raystep_kernels::export::csv::{DrawnPart, PassWork, PassesCsv};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::trace_events::trace_events;
@@ -16,6 +15,7 @@ use raystep_kernels::options::mapping::Until;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Image, Numerics, RayHit};
 use raystep_lab::judge::{Report, Traced, check_rays};
+use raystep_lab::png;
 
 use super::summary;
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
@@ -259,11 +259,7 @@ fn cannot_encode(path: &Path, error: &dyn std::fmt::Display) -> Error {
 
 /// An image as PNG.
 fn encode_png(image: &Image, path: &Path) -> Result<Vec<u8>, Error> {
-    let mut file = Cursor::new(Vec::new());
-    image::codecs::png::PngEncoder::new(&mut file)
-        .write_image(&image.to_srgb8(), image.width, image.height, image::ExtendedColorType::Rgb8)
-        .map_err(|e| cannot_encode(path, &e))?;
-    Ok(file.into_inner())
+    png::encode(image.width, image.height, &image.to_srgb8()).map_err(|e| cannot_encode(path, &e))
 }
 
 /// An image without hits, in the format that a name asks for.

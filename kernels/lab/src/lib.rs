@@ -16,7 +16,7 @@
 //! | [`stiff`] | what scenes cost that get harder in one way |
 //! | [`subject`], [`reporter`] | their inputs: a scene with a view, and a receiver of progress |
 //! | [`tidy`] | their CSV files: one name for one thing, and a schema |
-//! | [`plots`], [`html`], [`text`], [`hash`] | the parts of their pages |
+//! | [`plots`], [`png`], [`html`], [`text`], [`hash`] | the parts of their pages |
 
 pub mod bench;
 pub mod compare;
@@ -32,6 +32,7 @@ pub mod machine;
 pub mod meter;
 pub mod parity;
 pub mod plots;
+pub mod png;
 mod portions;
 pub mod rays;
 pub mod reference;

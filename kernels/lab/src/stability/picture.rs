@@ -1,10 +1,7 @@
 //! The errors of a run as a small PNG.
 
-use std::io::Cursor;
-
-use image::{ExtendedColorType, ImageEncoder as _};
-
 use crate::Error;
+use crate::png;
 use crate::reference::Verdict;
 
 /// Columns and rows of a map of directions, longitude by latitude.
@@ -82,15 +79,7 @@ impl Picture {
     }
 
     pub(super) fn png(&self) -> Result<Vec<u8>, Error> {
-        let mut file = Cursor::new(Vec::new());
-        let bytes: Vec<u8> = self.pixels.iter().flatten().copied().collect();
-        image::codecs::png::PngEncoder::new(&mut file).write_image(
-            &bytes,
-            self.width,
-            self.height,
-            ExtendedColorType::Rgb8,
-        )?;
-        Ok(file.into_inner())
+        Ok(png::encode(self.width, self.height, self.pixels.as_flattened())?)
     }
 }
 
