@@ -183,6 +183,37 @@ pub(crate) fn write(files: Vec<(Target, Vec<u8>)>) -> Result<(), Error> {
     Ok(())
 }
 
+/// What there is where an output folder is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Folder {
+    /// Nothing, in a folder that exists.
+    Missing,
+    /// A folder without files.
+    Empty,
+    /// A folder with files.
+    Full,
+}
+
+impl Folder {
+    /// Looks at a path, which must not be a file's.
+    pub(crate) fn find(path: &Path) -> Result<Self, Error> {
+        let at = path.display();
+        match fs::metadata(path) {
+            Ok(found) if !found.is_dir() => Err(Error::failed(format!("{at} is not a folder"))),
+            Ok(_) => {
+                let mut files =
+                    fs::read_dir(path).map_err(|e| Error::failed(format!("cannot write {at}: {}", reason(&e))))?;
+                Ok(if files.next().is_some() { Self::Full } else { Self::Empty })
+            }
+            Err(_) if folder_of(path).is_dir() => Ok(Self::Missing),
+            Err(_) => {
+                let folder = folder_of(path).display();
+                Err(Error::failed(format!("cannot write {at}: there is no folder {folder}")))
+            }
+        }
+    }
+}
+
 /// An output folder that appears once all its files are complete.
 pub(crate) struct TargetFolder {
     /// As the user wrote it.
@@ -197,21 +228,15 @@ impl TargetFolder {
     pub(crate) fn new(path: &Path, may_replace: bool) -> Result<Self, Error> {
         let at = path.display();
         let cannot = |e: &io::Error| Error::failed(format!("cannot write {at}: {}", reason(e)));
-        let exists = match fs::metadata(path) {
-            Ok(found) if !found.is_dir() => return Err(Error::failed(format!("{at} is not a folder"))),
-            Ok(_) => true,
-            Err(_) => false,
-        };
-        if exists && !may_replace && fs::read_dir(path).map_err(|e| cannot(&e))?.next().is_some() {
+        let found = Folder::find(path)?;
+        if found == Folder::Full && !may_replace {
             return Err(Error::failed(format!(
                 "{at} is not empty: choose another folder, or use --force to replace files in it"
             )));
         }
+        let exists = found != Folder::Missing;
         // Renaming requires the same file system.
         let beside = if exists { path } else { folder_of(path) };
-        if !beside.is_dir() {
-            return Err(Error::failed(format!("cannot write {at}: there is no folder {}", beside.display())));
-        }
         let mut builder = tempfile::Builder::new();
         builder.prefix(".raystep-").suffix(".part");
         #[cfg(unix)]

@@ -11,6 +11,7 @@ use beside::Beside;
 use glam::DVec3;
 pub(crate) use named::{file_of, is_known, set_folder};
 use raystep_kernels::plan::Bytes;
+use raystep_lab::Hash;
 use raystep_lab::text::visible;
 use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
 
@@ -118,6 +119,15 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileErro
         .map_err(|e| reason(&e))?;
     let read = bytes.len() as u64;
     if read > max_bytes { Err(FileError::TooLarge { bytes: read }) } else { Ok(bytes) }
+}
+
+/// A hash that goes on with the contents of files, one after the other.
+pub(crate) fn hashed(mut hash: Hash, files: &[PathBuf], max_bytes: u64) -> Result<Hash, Error> {
+    for path in files {
+        let bytes = read_file(path, max_bytes);
+        hash.add(&bytes.map_err(|e| Error::failed(format!("{}: {e}", path.display())))?);
+    }
+    Ok(hash)
 }
 
 /// The up direction: `wanted`, unless the view is parallel to it.

@@ -88,7 +88,7 @@ pub(crate) struct Part {
     /// The options that determine the results.
     options: BTreeMap<String, Value>,
     /// The device, and the driver of an adapter.
-    device: String,
+    pub(crate) device: String,
     /// Of a picture.
     pub(crate) picture: Option<Picture>,
 }

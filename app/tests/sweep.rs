@@ -91,7 +91,7 @@ fn every_scene_and_combination_is_a_job_that_runs_once() {
         "structures agree, and scenes differ: {all:?}"
     );
     let page = String::from_utf8(place.read("out/index.html")).expect("UTF-8");
-    assert!(JOBS.iter().all(|job| page.contains(&format!("href=\"jobs/{job}/picture.png\""))), "{page}");
+    assert!(JOBS.iter().all(|job| page.contains(&format!("<img src=\"jobs/{job}/picture.png\""))), "{page}");
 
     let before: Vec<Vec<u8>> = JOBS.iter().map(|job| ended(&place, job)).collect();
     let again = run(&place, &["sweep.toml", "-o", "out"]);

@@ -6,7 +6,7 @@ use raystep_lab::{Hash, Subject};
 
 use crate::args::{CameraArgs, SceneArgs};
 use crate::error::Error;
-use crate::scene_file::{self, SceneFile, read_file};
+use crate::scene_file::{self, SceneFile, hashed};
 use crate::terminal::Progress;
 
 /// The files of a scene.
@@ -20,11 +20,7 @@ pub(crate) struct Input {
 /// Reads a scene, and prints its notes.
 pub(crate) fn read(file: SceneArgs, camera: &CameraArgs, progress: &Progress) -> Result<(Input, Subject), Error> {
     let SceneFile { scene, inputs: files } = scene_file::read(&file)?;
-    let mut hash = Hash::default();
-    for path in &files {
-        let bytes = read_file(path, file.read.max_memory);
-        hash.add(&bytes.map_err(|e| Error::failed(format!("{}: {e}", path.display())))?);
-    }
+    let hash = hashed(Hash::default(), &files, file.read.max_memory)?;
     let (camera, note) = scene_file::camera(camera, &scene)?;
     for note in scene.notes.iter().map(|n| &n.0).chain(&note) {
         progress.say(format_args!("note: {}: {note}", scene.name));

@@ -47,6 +47,19 @@ pub(crate) struct MergeArgs {
     quiet: QuietArgs,
 }
 
+impl MergeArgs {
+    /// All parts of a picture, without a word.
+    pub(super) fn complete(parts: Vec<PathBuf>, output: PathBuf) -> Self {
+        let quiet = QuietArgs { quiet: true };
+        Self { parts, output, mixed: false, so_far: false, force: false, quiet }
+    }
+
+    /// Those that there are, of whatever devices.
+    pub(super) fn so_far(parts: Vec<PathBuf>, output: PathBuf) -> Self {
+        Self { mixed: true, so_far: true, ..Self::complete(parts, output) }
+    }
+}
+
 /// Most missing parts that a message names.
 const MOST_NAMED: usize = 8;
 

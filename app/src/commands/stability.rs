@@ -118,7 +118,7 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
     }
     let progress = Progress::new(args.quiet.quiet);
     let report = match &args.output {
-        None => all(args, cases, None, &progress)?,
+        None => all(args, cases, &places(args, &progress)?, None, &progress)?,
         Some(path) => {
             let [csv, ..] = FILES;
             // Also of earlier versions.
@@ -128,9 +128,10 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
             let stale: Vec<String> = FILES.into_iter().chain([shard::FILE]).map(str::to_owned).collect();
             let unfinished = Unfinished::beside(path)?;
             let (report, names) = TargetFolder::new(path, args.force)?.fill(&stale, |folder| {
-                let report = all(args, cases, Some(&unfinished), &progress)?;
+                let places = places(args, &progress)?;
+                let report = all(args, cases, &places, Some(&unfinished), &progress)?;
                 if let Some(shard) = args.shard.shard {
-                    let text = describe(args, shard, &progress)?.text()?;
+                    let text = describe(args, shard, &places)?.text()?;
                     folder.write(shard::FILE, |out| out.write_all(text.as_bytes()))?;
                 }
                 let files = report.files()?;
@@ -218,14 +219,14 @@ fn chosen(args: &StabilityArgs, cases: Vec<&'static Case>) -> Result<Chosen, Err
 }
 
 /// What the part's folder says of it.
-fn describe(args: &StabilityArgs, shard: Shard, progress: &Progress) -> Result<Part, Error> {
+fn describe(args: &StabilityArgs, shard: Shard, places: &[(Place, Machine)]) -> Result<Part, Error> {
     let device = args.device.to_possible_value().map(|value| value.get_name().to_owned());
     let accelerators: Vec<_> = args.accelerator.iter().map(|a| a.name()).collect();
     let options = json!({
         "accelerator": accelerators, "case": args.cases, "cost": args.cost, "device": device, "family": args.families,
         "quick": args.quick,
     });
-    match places(args, progress)?.first() {
+    match places.first() {
         Some((_, machine)) => Part::new("stability", shard, Vec::new(), &options, machine),
         None => Err(Error::failed("there is no device")),
     }
@@ -234,10 +235,10 @@ fn describe(args: &StabilityArgs, shard: Shard, progress: &Progress) -> Result<P
 fn all(
     args: &StabilityArgs,
     cases: Vec<&'static Case>,
+    places: &[(Place, Machine)],
     unfinished: Option<&Unfinished>,
     progress: &Progress,
 ) -> Result<Report, Error> {
-    let places = places(args, progress)?;
     let accelerators = args.accelerator.clone();
     let Chosen { cases, pipelines, families } = chosen(args, cases)?;
     let run_id = run_id();
@@ -253,7 +254,7 @@ fn all(
         _ => None,
     };
     let wanted = Wanted { cases, accelerators, is_quick: args.quick, pipelines, cost, run_id };
-    Ok(stability::measure(&wanted, &places, progress)?)
+    Ok(stability::measure(&wanted, places, progress)?)
 }
 
 #[cfg(test)]

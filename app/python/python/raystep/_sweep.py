@@ -27,6 +27,7 @@ from typing import IO, Any
 
 from ._raystep import OptionError
 from ._scene import scene_names
+from ._tables import TableLike, table
 
 MACHINE = "raystep_machine"
 """The Ray resource of which a node may have 1, so that one job that measures times runs there at once."""
@@ -66,7 +67,7 @@ def sweep(
     jobs: int = 1,
     address: str | None = None,
     quiet: bool = False,
-) -> Any:
+) -> TableLike:
     """Runs a command for every scene and combination of options; returns its results, a dict a row, or a pandas frame
     where pandas is installed. They are also in `output`/results.csv, with a page.
 
@@ -149,7 +150,7 @@ def _toml(value: Any) -> str:
     raise OptionError(f"{value!r}: expected text, a number, True, False or a list of these")
 
 
-def _rows(output: Path) -> Any:
+def _rows(output: Path) -> TableLike:
     """The results, with the types that their schema gives."""
     package = json.loads((output / "datapackage.json").read_text(encoding="utf-8"))
     types = {field["name"]: field["type"] for field in package["resources"][0]["schema"]["fields"]}
@@ -159,9 +160,7 @@ def _rows(output: Path) -> Any:
             {name: convert.get(types.get(name, ""), str)(text) if text else None for name, text in row.items()}
             for row in csv.DictReader(file)
         ]
-    if importlib.util.find_spec("pandas") is None:
-        return rows
-    return importlib.import_module("pandas").DataFrame(rows)
+    return table(rows)
 
 
 def _command() -> list[str]:

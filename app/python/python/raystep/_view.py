@@ -6,6 +6,7 @@ import hmac
 import html
 import importlib.util
 import os
+import re
 import secrets
 import threading
 from http import HTTPStatus
@@ -177,17 +178,16 @@ def view(scene: Scene, link: str = "", *, height: int = 640) -> View:
     """
     if not (PAGE / "index.html").is_file():
         raise OptionError("view: this build of raystep does not include the inspector page: build the wheel with 'sh app/python/build.sh DIR'")
-    text = link.rpartition("#")[2]
-    text = text.removeprefix(PREFIX)
-    place = parse_qsl(text, keep_blank_values=True)
-    if text and any("=" not in pair or not pair[0].isalpha() or ":" in pair.split("=")[0] for pair in text.split("&")):
+    text = link.rpartition("#")[2].removeprefix(PREFIX)
+    if not re.fullmatch("(([a-z-]+=[^&]*)(&|$))*", text):
         raise OptionError(f"link {link!r}: expected a link of raystep, or parts of one such as pixel=200,260&pass=41")
     files: dict[str, Content] = {
         path.relative_to(PAGE).as_posix(): path for path in PAGE.rglob("*") if path.is_file()
     }
     name, of_scene = _files(scene)
-    files.update({f"scenes/{quoted}": content for quoted, content in of_scene.items()})
-    query = urlencode([("scene", name)] + [pair for pair in place if pair[0] != "scene"], quote_via=quote)
+    files.update({f"scenes/{path}": content for path, content in of_scene.items()})
+    place = [pair for pair in parse_qsl(text, keep_blank_values=True) if pair[0] != "scene"]
+    query = urlencode([("scene", name), *place], quote_via=quote)
     server, token = _serve(), secrets.token_urlsafe(24)
     server.views[token] = files
     return View(server, token, PREFIX + query, height)
@@ -199,9 +199,6 @@ def _files(scene: Scene) -> tuple[str, dict[str, Content]]:
     if not paths:
         return "triangles.glb", {"triangles.glb": scene._scene.glb()}
     folder = paths[0].parent
-    named = {}
-    for path in paths:
-        # Others are outside of the scene's folder, where a page has none.
-        if path.is_relative_to(folder):
-            named[path.relative_to(folder).as_posix()] = path
-    return paths[0].name, dict(named)
+    # Others are outside of the scene's folder, where a page has none.
+    beside = [path for path in paths if path.is_relative_to(folder)]
+    return paths[0].name, {path.relative_to(folder).as_posix(): path for path in beside}

@@ -12,8 +12,8 @@ use serde_json::json;
 
 use super::{RenderArgs, encode_png};
 use crate::error::Error;
-use crate::output::{Target, folder_of, reason, write};
-use crate::scene_file::read_file;
+use crate::output::{Folder, Target, reason, write};
+use crate::scene_file::{hashed, read_file};
 use crate::session::{Running, Session};
 use crate::shard::{self, Part, Picture, Shard};
 use crate::terminal::Progress;
@@ -44,12 +44,12 @@ pub(super) fn run(args: &RenderArgs, shard: Shard) -> Result<(), Error> {
     refuse_other_outputs(args)?;
     let progress = Progress::new(args.quiet.quiet);
     let whole = Samples::from(args.view.samples);
-    let blocks = shard.range(whole.blocks() as usize, "blocks of 16 samples")?;
+    let range = shard.range(whole.blocks() as usize, "blocks of 16 samples")?;
     let blocks: Vec<(u32, Samples)> =
-        (0..).zip((0..).map_while(|block| whole.part(block))).collect::<Vec<_>>()[blocks].to_vec();
+        range.filter_map(|block| Some((block as u32, whole.part(block as u32)?))).collect();
     let first = blocks.first().map_or(whole, |(_, samples)| *samples);
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| options.samples = first)?;
-    let hash = hash(&session, args.scene.read.max_memory)?;
+    let hash = hashed(Hash::default(), &session.inputs, args.scene.read.max_memory)?;
     let mut running = session.start(&progress)?;
     let plan = running.renderer.plan();
     let picture = Picture { width: plan.width, height: plan.height, samples: whole.count };
@@ -113,16 +113,6 @@ fn trace(running: &mut Running, samples: Samples, progress: &Progress) -> Result
     Ok(chosen.wait(renderer.image())?)
 }
 
-/// The hash of the scene's files.
-fn hash(session: &Session, max_bytes: u64) -> Result<Hash, Error> {
-    let mut hash = Hash::default();
-    for path in &session.inputs {
-        let bytes = read_file(path, max_bytes).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
-        hash.add(&bytes);
-    }
-    Ok(hash)
-}
-
 fn describe(running: &Running, hash: Hash, shard: Shard, whole: Samples, picture: Picture) -> Result<Part, Error> {
     let mut options = serde_json::to_value(running.run_options()).unwrap_or_default();
     if let (Some(options), RaySource::Camera { camera, .. }) = (options.as_object_mut(), &running.options.rays) {
@@ -141,7 +131,6 @@ fn describe(running: &Running, hash: Hash, shard: Shard, whole: Samples, picture
 /// Makes the part's folder, or continues in one of the same part.
 fn open(folder: &Path, part: &Part) -> Result<(), Error> {
     let at = folder.display();
-    let cannot = |e: &std::io::Error| Error::failed(format!("cannot write {at}: {}", reason(e)));
     if let Some(earlier) = Part::read(folder)? {
         let is_other = || (earlier.shard.index != part.shard.index).then(|| "number of the part".to_owned());
         return match earlier.difference(part, false).or_else(is_other) {
@@ -151,20 +140,12 @@ fn open(folder: &Path, part: &Part) -> Result<(), Error> {
             None => Ok(()),
         };
     }
-    match fs::metadata(folder) {
-        Ok(found) if !found.is_dir() => return Err(Error::failed(format!("{at} is not a folder"))),
-        Ok(_) => {
-            if fs::read_dir(folder).map_err(|e| cannot(&e))?.next().is_some() {
-                return Err(Error::failed(format!("{at} is not empty: choose another folder")));
-            }
+    match Folder::find(folder)? {
+        Folder::Full => return Err(Error::failed(format!("{at} is not empty: choose another folder"))),
+        Folder::Empty => {}
+        Folder::Missing => {
+            fs::create_dir(folder).map_err(|e| Error::failed(format!("cannot write {at}: {}", reason(&e))))?
         }
-        Err(_) if !folder_of(folder).is_dir() => {
-            return Err(Error::failed(format!(
-                "cannot write {at}: there is no folder {}",
-                folder_of(folder).display()
-            )));
-        }
-        Err(_) => fs::create_dir(folder).map_err(|e| cannot(&e))?,
     }
     write(vec![(Target::new(&folder.join(shard::FILE))?, part.text()?.into_bytes())])
 }

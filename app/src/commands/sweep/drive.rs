@@ -10,12 +10,12 @@ use std::time::Duration;
 use serde::Deserialize;
 use serde_json::json;
 
-use super::file::Definition;
+use super::file::{Definition, IDENTITY};
 use super::job::{self, Done};
 use super::plan::Job;
 use crate::commands::json_text;
 use crate::error::Error;
-use crate::output::{self, Target, reason};
+use crate::output::{self, Folder, Target, reason};
 use crate::scene_file::read_file;
 use crate::terminal::Progress;
 
@@ -65,12 +65,8 @@ impl Place {
         let at = path.display();
         let cannot = |e: std::io::Error| Error::failed(format!("cannot write {at}: {}", reason(&e)));
         let file = path.join(FILE);
-        let is_new = match fs::read_dir(path) {
-            Ok(mut entries) => entries.next().is_none(),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => true,
-            Err(error) => return Err(cannot(error)),
-        };
-        if !is_new {
+        let found = Folder::find(path)?;
+        if found == Folder::Full {
             let about: Option<serde_json::Value> =
                 read_file(&file, MOST_BYTES).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
             let about = about.filter(|about| about["kind"] == KIND);
@@ -78,17 +74,15 @@ impl Place {
                 Error::failed(format!("{at} is not empty and contains no sweep: choose a new or empty folder"))
             })?;
             let (ours, theirs) = (&sweep.identity, &about["sweep"]);
-            let keys = ["what", "scenes", "options", "each", "format", "parts"];
-            if let Some(key) = keys.iter().find(|key| ours.get(key) != theirs.get(key)) {
+            if let Some(key) = IDENTITY.iter().find(|key| ours.get(key) != theirs.get(key)) {
                 return Err(Error::failed(format!(
                     "{at} contains a sweep with another value of '{key}' than {}: choose another folder",
                     sweep.file.display()
                 )));
             }
         }
-        match fs::create_dir(path) {
-            Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => return Err(cannot(error)),
-            _ => {}
+        if found == Folder::Missing {
+            fs::create_dir(path).map_err(cannot)?;
         }
         let lock = File::options().write(true).create(true).truncate(false).open(path.join(LOCK)).map_err(cannot)?;
         match lock.try_lock() {

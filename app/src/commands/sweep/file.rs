@@ -21,6 +21,9 @@ const MOST_WAIT_S: u64 = 7 * 24 * 3600;
 /// Keys of the file.
 const KEYS: [&str; 8] = ["what", "scenes", "options", "each", "format", "parts", "retries", "wait_s"];
 
+/// Those that make it this sweep and not another.
+pub(super) const IDENTITY: [&str; 6] = ["what", "scenes", "options", "each", "format", "parts"];
+
 /// Options that a sweep sets itself, or that have no place in one: they read or write what is outside of a job.
 const TAKEN: [&str; 15] = [
     "output",
@@ -103,7 +106,7 @@ pub(super) struct Definition {
     pub(super) retries: u64,
     /// How long a timed job waits for its machine, seconds.
     pub(super) wait_s: u64,
-    /// What makes it this sweep and not another.
+    /// The values of [`IDENTITY`].
     pub(super) identity: Value,
 }
 
@@ -160,13 +163,8 @@ impl Definition {
         let scenes = scenes(table, what)?;
         let format = match (table.get("format").map(Value::as_str), what) {
             (None, _) => "png",
-            (Some(Some(format @ ("png" | "exr"))), What::Render) => {
-                if format == "exr" {
-                    "exr"
-                } else {
-                    "png"
-                }
-            }
+            (Some(Some("png")), What::Render) => "png",
+            (Some(Some("exr")), What::Render) => "exr",
             (Some(_), What::Render) => return Err("format: expected \"png\" or \"exr\"".into()),
             (Some(_), _) => return Err(format!("format: {} makes no picture; omit it", what.name())),
         };
@@ -174,8 +172,7 @@ impl Definition {
         if parts.is_some() && what != What::Render {
             return Err("parts: only what = \"render\" can be divided into parts; omit it".into());
         }
-        let identity = ["what", "scenes", "options", "each", "format", "parts"];
-        let identity = identity.into_iter().filter_map(|key| Some((key.to_owned(), table.get(key)?.clone())));
+        let identity = IDENTITY.into_iter().filter_map(|key| Some((key.to_owned(), table.get(key)?.clone())));
         Ok(Self {
             file: path.to_owned(),
             what,

@@ -1,7 +1,6 @@
 //! The results of all jobs as one table, with its schema and a page.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -18,10 +17,11 @@ use super::job::{self, Done};
 use super::page;
 use super::plan::Job;
 use crate::commands::json_text;
+use crate::commands::merge::{self, MergeArgs};
 use crate::error::Error;
-use crate::output::{self, Target, TargetFolder};
+use crate::output::{self, Target, reason};
 use crate::scene_file::read_file;
-use crate::shard;
+use crate::shard::{self, Part};
 
 const RESULTS: &str = "results.csv";
 const PAGE: &str = "index.html";
@@ -129,7 +129,7 @@ pub(super) fn gather(sweep: &Definition, jobs: &[Job], place: &Place, failed: &[
         if parts.len() < of {
             continue;
         }
-        match merge(&picture, &parts, place) {
+        match merge_parts(&picture, &parts, place) {
             Ok(file) => add_merged(&mut table, &picture, &parts, &file, place)?,
             Err(error) => failures.push(Failure { name: picture, message: error.message }),
         }
@@ -249,11 +249,9 @@ impl<'a> SoFar<'a> {
         let parts = of_picture.map(|job| self.place.folder(&job.name).join("part"));
         let parts: Vec<PathBuf> = parts.filter(|part| part.join(shard::FILE).exists()).collect();
         let path = self.place.path.join(PICTURES);
-        let mut words: Vec<OsString> = vec!["merge".into(), "--so-far".into(), "--mixed".into(), "--quiet".into()];
-        words.extend(parts.into_iter().map(PathBuf::into_os_string));
-        words.extend(["-o".into(), path.join(so_far_name(picture)).into_os_string()]);
+        let output = path.join(so_far_name(picture));
         // It is only to be looked at: what is wrong with a part, the merge of all says.
-        let _ = fs::create_dir_all(&path).map(|()| job::child(&words, None));
+        let _ = fs::create_dir_all(&path).map(|()| merge::run(&MergeArgs::so_far(parts, output)));
         self.last = Some((Instant::now(), begin.elapsed()));
     }
 }
@@ -263,16 +261,14 @@ fn so_far_name(picture: &str) -> String {
 }
 
 /// Merges the parts of a picture. Returns the file, as seen from the output folder.
-fn merge(picture: &str, parts: &[&(&Job, Done)], place: &Place) -> Result<PathBuf, Error> {
+fn merge_parts(picture: &str, parts: &[&(&Job, Done)], place: &Place) -> Result<PathBuf, Error> {
     let format = parts.first().map_or("png", |(job, _)| job.format.as_str());
     let name = format!("{picture}.{format}");
-    let mut words: Vec<OsString> = vec!["merge".into()];
-    words.extend(parts.iter().map(|(job, _)| place.folder(&job.name).join("part").into_os_string()));
+    let folders = parts.iter().map(|(job, _)| place.folder(&job.name).join("part")).collect();
     let pictures = place.path.join(PICTURES);
-    TargetFolder::new(&pictures, true)?.fill(&[], |folder| {
-        words.extend(["-o".into(), folder.place().join(&name).into_os_string(), "--quiet".into()]);
-        job::child(&words, None)
-    })?;
+    fs::create_dir_all(&pictures)
+        .map_err(|e| Error::failed(format!("cannot write {}: {}", pictures.display(), reason(&e))))?;
+    merge::run(&MergeArgs::complete(folders, pictures.join(&name)))?;
     let _ = fs::remove_file(pictures.join(so_far_name(picture)));
     Ok(Path::new(PICTURES).join(name))
 }
@@ -287,11 +283,10 @@ fn add_merged(
 ) -> Result<(), Error> {
     let Some((job, _)) = parts.first() else { return Ok(()) };
     let hosts: BTreeSet<&str> = parts.iter().map(|(_, done)| done.host.as_str()).collect();
-    let adapters: BTreeSet<String> =
-        parts.iter().map(|(job, _)| device(&place.folder(&job.name).join("part"))).collect();
-    let joined = |names: Vec<&str>| names.join("; ");
-    let (hosts, adapters) =
-        (joined(hosts.into_iter().collect()), joined(adapters.iter().map(String::as_str).collect()));
+    let about = parts.iter().filter_map(|(job, _)| Part::read(&place.folder(&job.name).join("part")).ok().flatten());
+    let adapters: BTreeSet<String> = about.map(|part| part.device).collect();
+    let hosts = hosts.into_iter().collect::<Vec<_>>().join("; ");
+    let adapters = adapters.into_iter().collect::<Vec<_>>().join("; ");
     let seconds: f64 = parts.iter().map(|(_, done)| done.job_s).sum();
     let mut fields = lead(picture, job, &job.scene, &hosts, &adapters, None);
     let own = [
@@ -302,13 +297,6 @@ fn add_merged(
     fields.extend(own.map(|(column, field)| (column.to_owned(), field)));
     table.add(fields);
     Ok(())
-}
-
-/// The device that a part of a picture was traced on; empty if it does not say.
-fn device(part: &Path) -> String {
-    let about = read_file(&part.join("shard.json"), MOST_BYTES).ok();
-    let about: Option<Value> = about.and_then(|bytes| serde_json::from_slice(&bytes).ok());
-    about.and_then(|about| Some(about["device"].as_str()?.to_owned())).unwrap_or_default()
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, Error> {

@@ -170,7 +170,7 @@ fn details(what: What, rows: &[&Row]) -> String {
             columns.extend(["picture", "trace, s", "hash"]);
             let cells = |row: &&Row| {
                 let own = vec![
-                    link(field(row, "picture"), field(row, "job")),
+                    picture(field(row, "picture"), field(row, "job")),
                     field(row, "trace_s").parse::<f64>().map_or(String::new(), |s| format!("{s:.3}")),
                     escaped(field(row, "picture_hash")),
                 ];
@@ -185,6 +185,17 @@ fn details(what: What, rows: &[&Row]) -> String {
 fn link(path: &str, text: &str) -> String {
     // Names of jobs have no characters that an address would need to escape, but percent signs and letters beyond ASCII.
     format!("<a href=\"{}\">{}</a>", escaped(&path.replace('%', "%25")), escaped(text))
+}
+
+/// A picture that is a link to itself; browsers show no EXR.
+fn picture(path: &str, name: &str) -> String {
+    if !path.ends_with(".png") {
+        return link(path, name);
+    }
+    let (path, name) = (escaped(&path.replace('%', "%25")), escaped(name));
+    format!(
+        "<a href=\"{path}\"><img src=\"{path}\" alt=\"{name}\" title=\"{name}\" width=\"192\" loading=\"lazy\"></a>"
+    )
 }
 
 /// A table of cells that are HTML.

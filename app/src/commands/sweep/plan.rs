@@ -13,7 +13,7 @@ use super::file::{Definition, FILES, Setting, What};
 use crate::args::DeviceKind;
 use crate::cli::{Cli, Command};
 use crate::error::Error;
-use crate::scene_file::{self, file_of, is_known, read_file};
+use crate::scene_file::{self, file_of, hashed, is_known};
 use crate::usage;
 
 /// Most jobs: each has a folder.
@@ -90,17 +90,8 @@ impl Job {
 
     /// Hash of the files as they are now.
     pub(super) fn hash_inputs(&self) -> Result<String, Error> {
-        hashed(Hash::default(), &self.inputs).map(|hash| hash.to_string())
+        hashed(Hash::default(), &self.inputs, u64::MAX).map(|hash| hash.to_string())
     }
-}
-
-/// A hash that goes on with files.
-fn hashed(mut hash: Hash, files: &[PathBuf]) -> Result<Hash, Error> {
-    for path in files {
-        let bytes = read_file(path, u64::MAX);
-        hash.add(&bytes.map_err(|e| Error::failed(format!("{}: {e}", path.display())))?);
-    }
-    Ok(hash)
 }
 
 /// A scene of the sweep.
@@ -285,13 +276,13 @@ fn job(
             Some(read) => read.clone(),
             None => {
                 let files = scene_file::read(&args).map_err(at)?.inputs;
-                let read = (files.clone(), hashed(Hash::default(), &files).map_err(at)?);
+                let read = (files.clone(), hashed(Hash::default(), &files, u64::MAX).map_err(at)?);
                 known.entry(key).or_insert(read).clone()
             }
         };
     }
     let others: Vec<PathBuf> = job.named.iter().skip(inputs.len().min(1)).map(|named| named.path.clone()).collect();
-    job.input_hash = hashed(hash, &others).map_err(at)?.to_string();
+    job.input_hash = hashed(hash, &others, u64::MAX).map_err(at)?.to_string();
     inputs.extend(others);
     job.inputs = inputs;
     Ok(job)
