@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 import unittest
 import uuid
 import zipfile
@@ -150,6 +151,10 @@ class Sweep(unittest.TestCase):
             rows = plain(rows)
             self.assertEqual([(row["job"], row["adapter"], row["runs"]) for row in rows], [("textures", "cpu", 1)])
             self.assertIsInstance(rows[0]["is_shared"], bool)
+
+    def test_values_are_the_same_in_toml(self) -> None:
+        for value in ("a\x7fb", "\U0001f600 \u00fc", 'quote " and \\', "line\nfeed", True, -3, 2.5, 1e-30, ["a", 1, [False]]):
+            self.assertEqual(tomllib.loads(f"value = {_sweep._toml(value)}")["value"], value)
 
     def test_what_is_wrong_is_said(self) -> None:
         box = SCENES / "cornell-box.gltf"
