@@ -11,8 +11,8 @@ use image::{ExtendedColorType, ImageEncoder as _, ImageError};
 /// # Errors
 /// If there are not 3 `width` × `height` bytes, or none.
 pub fn encode(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>, ImageError> {
-    // The encoder panics.
-    if rgb.len() as u64 != 3 * u64::from(width) * u64::from(height) {
+    // The encoder panics. Three times the square of the largest side is more than 64 bits hold.
+    if rgb.len() as u128 != 3 * u128::from(width) * u128::from(height) {
         return Err(ImageError::Parameter(ParameterError::from_kind(ParameterErrorKind::DimensionMismatch)));
     }
     let mut file = Cursor::new(Vec::new());
