@@ -25,7 +25,7 @@ use crate::{usage, window};
     disable_help_subcommand = true,
     after_help = "\
 Examples:
-  raystep scenes/cornell-box.gltf          (opens the inspector)
+  raystep scenes/cornell-box.gltf   # opens the inspector
   raystep render scenes/cornell-box.gltf -o box.png
   raystep plan scenes/cornell-box.gltf
   raystep trace scenes/cornell-box.gltf --pixel 256,256
@@ -37,6 +37,7 @@ Examples:
   raystep stability -o stability
   raystep sweep sweep.toml -o sweep
   raystep info
+Files in scenes/ are the repository's; with the wheel or the archive, use a scene's name, such as cornell-box.
 'raystep COMMAND --help' says more about each."
 )]
 pub(crate) struct Cli {

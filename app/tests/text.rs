@@ -20,6 +20,7 @@ fn help_has_examples_everywhere_and_no_argument_is_help() {
         "bench",
         "build",
         "cast",
+        "merge",
         "report",
         "stability",
         "sweep",

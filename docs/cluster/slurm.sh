@@ -1,5 +1,5 @@
 #!/bin/bash
-# Renders one picture with eight tasks of a Slurm job array; each traces some blocks of the samples. Not yet tested on a
+# Renders one image with eight tasks of a Slurm job array; each traces some blocks of the samples. Not yet tested on a
 # cluster.
 #
 #   sbatch docs/cluster/slurm.sh scenes/teapot.glb teapot
@@ -22,9 +22,3 @@ out=$2
 
 mkdir -p "$out"
 raystep render "$scene" --spp 256 --size 1920x1080 --shard "$SLURM_ARRAY_TASK_ID/$N" -o "$out/part-$SLURM_ARRAY_TASK_ID"
-
-# To benchmark many scenes instead, give each task some of the scenes and a machine of its own (add #SBATCH --exclusive),
-# and call this script with out=bench:
-#
-#   raystep bench scenes/*.glb --accelerators grid,bvh --shard "$SLURM_ARRAY_TASK_ID/$N" -o "$out/part-$SLURM_ARRAY_TASK_ID"
-#   raystep merge bench/part-* -o bench-all --mixed     (--mixed if the machines have different adapters)

@@ -175,6 +175,18 @@ class Run(unittest.TestCase):
         self.assertGreater(here, 0)
         self.assertEqual(run.step_to(here + 2).pass_count, here + 2)
 
+    def test_an_exception_in_the_callback_ends_a_comparison(self) -> None:
+        a, b = (Renderer("sphere-flake", size=(640, 480), spp=4096, device="cpu") for _ in range(2))
+        begin = time.monotonic()
+
+        def stop(now: raystep.Progress) -> None:
+            raise ZeroDivisionError(now.passes)
+
+        with self.assertRaises(ZeroDivisionError):
+            raystep.compare(a, b, progress=stop)
+        # Two samples take a second, all of them an hour.
+        self.assertLess(time.monotonic() - begin, 20)
+
     def test_other_threads_run_meanwhile_and_calls_take_turns(self) -> None:
         run = Renderer("teapot", size=(320, 240), spp=16, device="cpu")
         worker = threading.Thread(target=run.run)
@@ -213,7 +225,7 @@ class Run(unittest.TestCase):
             (lambda: Renderer(scene, grid=3, accelerator="bvh"), "--grid applies to a uniform grid"),
             (lambda: Renderer(scene, mapping="fragment"), "--mapping fragment draws on a GPU"),
             (lambda: Renderer(scene, device="cpu"), "device and adapter are those of the scene"),
-            (lambda: Renderer(scene, fov=object()), "--fov: expected a text, a number or a sequence of them, not object"),  # type: ignore[arg-type]
+            (lambda: Renderer(scene, fov=object()), "--fov: expected a string, a number or a sequence of these, not object"),  # type: ignore[arg-type]
             (lambda: Renderer(scene, camera=9), "--camera 9: the scene has one camera, number 0"),
             (lambda: run.step_to(-1), "passes -1: expected an integer of at least 0"),
             (lambda: run.history(8, 0), "pixel 8,0: the image has pixels 0,0 to 7,5"),

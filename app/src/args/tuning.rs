@@ -25,8 +25,8 @@ pub(crate) struct TuningArgs {
     /// Maximum steps per ray and pass with schedule compact [default: 8; for trace and dump 1, as in the paper]
     #[arg(long, value_name = "K", value_parser = whole::<u32>(1, 4096), allow_negative_numbers = true)]
     pub(crate) steps_per_pass: Option<u32>,
-    /// Who builds the grid, with --accelerator grid or irregular: the host, or the device that traces the rays, with the
-    /// same result; auto is the device if it is a GPU, and the grid an irregular one over 200,000 triangles or more
+    /// Where to build the grid (--accelerator grid or irregular): on the host, or on the device that traces the rays; the
+    /// result is the same. auto uses a GPU for irregular grids of at least 200,000 triangles, otherwise the host
     #[arg(long, default_value = "auto", value_parser = named(BuiltBy::ALL, BuiltBy::name))]
     pub(crate) build: BuiltBy,
     /// Omit nothing from the plan, to measure what omitting saves

@@ -39,8 +39,8 @@ pub(crate) struct BuildArgs {
     /// Compare with the build on the host, and fail if a list differs
     #[arg(long)]
     check: bool,
-    /// Build this many times on the device, then on the host, and report the medians. On a GPU, times are those
-    /// of its kernels, by its own clock, without reading the numbers by which streams are allocated
+    /// Build this many times on the device, then on the host, and report the medians. On a GPU, this is
+    /// kernel time by GPU timestamps, without reading back the counts used to allocate streams
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1, 10_000),
           allow_negative_numbers = true)]
     repeats: u32,

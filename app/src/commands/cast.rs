@@ -22,11 +22,11 @@ use crate::scene_file::{self, SceneFile, canonical};
 use crate::terminal::{Progress, print, say};
 use pipeline::{Counts, Pipeline};
 
-/// Cast rays of another program: read them from a file or a pipe, write what each of them hits
+/// Cast rays of another program: read them from a file or a pipe, and write what each ray hits
 ///
 /// Rays are an npy array of float32, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max; t_max may be
-/// infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). t counts lengths of the direction,
-/// which need not be normalised. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0. The result is an npy array
+/// infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). t is in multiples of the direction
+/// vector, which need not be normalised. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0. The result is an npy array
 /// with one element per ray: t (infinite without a hit), u, v (weights of the triangle's vertices 1 and 2), triangle and
 /// material (4294967295 without a hit). In Python, numpy.save('rays.npy', numpy.hstack([origins,
 /// directions]).astype('<f4')) writes rays, and hits = numpy.load('hits.npy') reads hits: hits['t'], hits['triangle'].
@@ -48,7 +48,7 @@ pub(crate) struct CastArgs {
     /// Hits, .npy; - for standard output
     #[arg(short, long, value_name = "F")]
     output: PathBuf,
-    /// Format of the rays [default: from the name's ending; npy for standard input]
+    /// Format of the rays [default: from the file extension; npy for standard input]
     #[arg(long, value_parser = named(RaysFormat::ALL, RaysFormat::name))]
     format: Option<RaysFormat>,
     /// Number of rays; needed only if f32 rays come from a pipe and hits go to a pipe
@@ -57,7 +57,7 @@ pub(crate) struct CastArgs {
     /// Report whichever hit is found first, not the closest
     #[arg(long)]
     any_hit: bool,
-    /// Rays per batch, or as many as the device has room for [default: 65536 on the CPU, 1048576 on a GPU]
+    /// Maximum rays per batch, fewer if the device cannot hold that many [default: 65536 on the CPU, 1048576 on a GPU]
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1, 1 << 26), allow_negative_numbers = true)]
     batch: Option<u32>,
     #[command(flatten)]
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     let format = format(args)?;
     let progress = Progress::new(args.quiet.quiet);
     progress.stage("reading the scene");
-    let SceneFile { scene, mut inputs } = scene_file::read(&args.scene)?;
+    let SceneFile { scene, mut inputs, .. } = scene_file::read(&args.scene)?;
     for note in &scene.notes {
         progress.say(format_args!("note: {}", note.0));
     }

@@ -66,7 +66,7 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_name = "N", requires = "lesson", value_parser = whole::<usize>(1, u64::MAX),
           allow_negative_numbers = true)]
     step: Option<usize>,
-    /// Set up every step of the lesson without a display, and check that what it speaks of is on the screen
+    /// Set up every step of the lesson without a display, and check that everything it refers to is visible
     #[arg(long, requires = "lesson", conflicts_with_all = ["screenshot", "step"])]
     check: bool,
     /// Draw the window to a PNG without a display, and exit

@@ -20,10 +20,10 @@ use crate::terminal::{Progress, print, say};
 /// Prints one row for every pass that processed the ray, from the executor's streams: kernel, state, cell, tmax, item,
 /// triangle tested, hit, and the reason. A row shows the cell as it was before the pass, and tmax, item, t and hit as
 /// they were after it. t is a multiple of the ray's direction; a camera's rays have length 1 along the view axis, so
-/// there t is depth. Values are in the streams' units; the footer has the conversion factors.
+/// there t is depth. Lengths are in traced units, as in the streams; the footer has the conversion factors.
 ///
-/// Only this ray is traced, unless --all-rays is used. Only then is the number of passes of the run known, and so the
-/// number of the last one, which shades.
+/// Only this ray is traced, unless --all-rays is used. Without it, the total number of passes is not known, and the final
+/// shading pass is shown as 'last'.
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("which").args(["pixel", "ray"]), after_help = "\
 Examples:

@@ -1,4 +1,4 @@
-"""Rays through scenes of triangles, on any GPU or on the CPU, and every pass and stream of a run.
+"""A ray tracer for triangles, on any GPU or on the CPU, of which every pass and every stream can be inspected.
 
 >>> import numpy as np
 >>> import raystep
@@ -10,7 +10,7 @@ array([1.5, inf], dtype=float32)
 array([ True, False])
 
 A run is stepped by a `Renderer`; `compare`, `stability` and `report` return tables, and so does `sweep`, for
-many scenes and options, here or on a cluster; `view` shows the inspector in the browser.
+many scenes and options, on this machine or on a cluster; `view` shows the inspector in the browser.
 """
 
 from __future__ import annotations

@@ -33,11 +33,11 @@ def stability(
 ) -> Tables:
     """Traces extreme cases and compares every ray with brute force in f64, as `raystep stability` does: the tables of its
     CSV files, by name: `stability` with a row for each case and configuration, and `tmax`, `pipelines` and, with `cost`,
-    `stiff` and `runs` where they are measured. `case`: only cases with one of these texts in their names. `output`: a
+    `stiff` and `runs` where they are measured. `case`: only cases whose names contain one of these strings. `output`: a
     folder, new or empty, for all files of the report. Takes seconds for a case and minutes for all, up to 20 with `cost`.
 
-    A result that is not expected, such as a wrong hit with robust numerics, is in `failure` of what is returned. Raises
-    `OptionError` for a wrong option, `DeviceError` if there is no such device.
+    If a check fails, such as a wrong hit with robust numerics, no exception is raised: `failure` of the returned tables
+    describes it. Raises `OptionError` for a wrong option, `DeviceError` if there is no such device.
 
     >>> import raystep
     >>> tables = raystep.stability("axis", quick=True, accelerator="grid", device="cpu")

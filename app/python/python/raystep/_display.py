@@ -15,7 +15,7 @@ from ._raystep import OptionError
 
 
 class Image(np.ndarray[Any, np.dtype[np.float32]]):
-    """A picture: shape (H, W, 4), float32, rows from the top. r, g and b are linear light; a is the share of samples that
+    """An image: shape (H, W, 4), float32, rows from the top. r, g and b are linear light; a is the share of samples that
     hit something. A notebook shows it, in sRGB. Parts of it and results of arithmetic are arrays as any other.
 
     >>> from raystep import Renderer
@@ -25,7 +25,7 @@ class Image(np.ndarray[Any, np.dtype[np.float32]]):
     """
 
     def png(self) -> bytes:
-        """The picture as a PNG: 8 bits a channel, sRGB, without a. Raises `OptionError` if the shape is not (H, W, 4).
+        """The image as a PNG: 8 bits a channel, sRGB, without a. Raises `OptionError` if the shape is not (H, W, 4).
 
         >>> import numpy as np
         >>> from raystep import Image
@@ -38,7 +38,7 @@ class Image(np.ndarray[Any, np.dtype[np.float32]]):
         return _raystep.png_of_image(values)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the picture to a .png file. Raises `OSError` if it cannot be written.
+        """Writes the image to a .png file. Raises `OSError` if it cannot be written.
 
         >>> import os, tempfile
         >>> import numpy as np

@@ -31,9 +31,9 @@ def _text(value: Any, option: str) -> str:
     try:
         number = value.item() if hasattr(value, "item") else value
     except ValueError:
-        raise OptionError(f"{option}: expected a text, a number or a sequence of them") from None
+        raise OptionError(f"{option}: expected a string, a number or a sequence of these") from None
     if not isinstance(number, (int, float)):
-        raise OptionError(f"{option}: expected a text, a number or a sequence of them, not {type(value).__name__}")
+        raise OptionError(f"{option}: expected a string, a number or a sequence of these, not {type(value).__name__}")
     return repr(number)
 
 

@@ -46,12 +46,12 @@ class Pass:
     duration_ns: int | None
     """How long it took on the device; None without `timings=True`, or if it is not known."""
     below_ns: int | None
-    """What the duration is less than, if the device's clock is too coarse to tell it."""
+    """Upper bound of the duration if the device's clock is too coarse to measure it."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run needs, what it omits, and why, as `raystep plan` tells it.
+    """What a run needs, what it omits, and why, as `raystep plan` prints it.
 
     >>> from raystep import Renderer
     >>> plan = Renderer("cornell-box", size=(8, 8), device="cpu").plan()
@@ -60,7 +60,7 @@ class Plan:
     """
 
     text: str
-    """For people."""
+    """Formatted for reading."""
     data: dict[str, Any]
     """As the JSON of `raystep plan --json`: kernels with their bindings, streams and buffers with their bytes."""
 
@@ -179,7 +179,7 @@ class Renderer:
             is_drawn = mapping is not None and mapping != "compute" and adapter is None
             scene = Scene(scene, device=device or ("gpu" if is_drawn else "auto"), adapter=adapter)
         elif device is not None or adapter is not None:
-            raise OptionError("device and adapter are those of the scene: omit them, or name a file")
+            raise OptionError("device and adapter are already set by the Scene: omit them, or pass a file or a name")
         words = words_of({"size": size_of(size, width, height), **options})
         self._scene = scene
         self._renderer = _raystep.Renderer(scene._scene, words)
@@ -209,7 +209,7 @@ class Renderer:
 
     @property
     def notes(self) -> list[str]:
-        """What to know about these options, a line for each thing.
+        """Notes about the chosen options, one string each.
 
         >>> Renderer("cornell-box", size=(8, 6), device="cpu").notes
         []
@@ -261,9 +261,8 @@ class Renderer:
         return _pass(self._renderer.step())
 
     def back(self) -> Pass | None:
-        """Goes back by one pass, to exactly what was before it, and returns the one that ran last; None at the start.
-        Passes are repeated where that is needed: a step back takes as long as some passes, and the first of them at most
-        as long as the run so far.
+        """Steps back by one pass, to exactly the state before it. Returns the pass that is now the last one, or None at the
+        start. Some passes may run again: the first step back can take as long as the run so far, later ones less.
 
         >>> run = Renderer("cornell-box", size=(8, 6), device="cpu").step_to(3)
         >>> run.back().index, run.pass_count
@@ -272,8 +271,8 @@ class Renderer:
         return _pass(self._renderer.back())
 
     def step_to(self, passes: int, progress: Watching = None) -> Renderer:
-        """Goes to where so many passes have run, forwards or backwards, or to the end if that comes first. `progress`: a
-        function that gets a `Progress` now and then, or True for a bar. An exception in it ends the call.
+        """Steps forwards or backwards until `passes` passes have run, or to the end if that comes first. `progress`: a
+        function called with a `Progress` about 20 times a second, or True for a bar. An exception in it ends the call.
 
         >>> run = Renderer("cornell-box", size=(8, 6), device="cpu")
         >>> run.step_to(4).pass_count, run.step_to(1).pass_count
@@ -301,7 +300,7 @@ class Renderer:
             yield pass_
 
     def image(self) -> Image:
-        """The picture so far, shape (H, W, 4): with several samples, their mean.
+        """The image so far, shape (H, W, 4): with several samples, their mean.
 
         >>> float(Renderer("cornell-box", size=(8, 6), device="cpu").run().image()[3, 4, 3])
         1.0

@@ -141,7 +141,7 @@ def scene_names() -> list[str]:
 
 class Scene:
     """A scene on a device: a glTF file (.gltf or .glb), the name of an included scene, see `scene_names`, or
-    triangles of shape (N, 3, 3), corners in scene units. A file comes before a scene of its name.
+    triangles of shape (N, 3, 3), corners in scene units. An existing file takes precedence over an included scene of the same name.
 
     `device`: "auto" is the best GPU, otherwise the CPU; or "gpu", "cpu". `adapter`: the name of a GPU, or part of it.
     Raises `SceneError` for a file that cannot be read, `OptionError` for a wrong argument, `DeviceError` if there is no
@@ -205,7 +205,7 @@ class Scene:
 
     @property
     def notes(self) -> list[str]:
-        """What the file has that is ignored or changed, a line for each thing.
+        """Features of the file that were ignored or changed, one string each.
 
         >>> Scene("cornell-box", device="cpu").notes
         []
@@ -233,8 +233,9 @@ class Scene:
     ) -> Hits:
         """The closest hit of each ray, or any hit.
 
-        `origins`, `directions`: shape (N, 3), scene units; contiguous float32 is read where it lies. A direction has any
-        length but 0. `t_min`, `t_max`: one number or (N,); hits count between them, in multiples of the direction.
+        `origins`, `directions`: shape (N, 3), scene units; contiguous float32 arrays are read without copying. Directions need not
+        be normalised, but must not be zero. `t_min`, `t_max`: one number or (N,), in multiples of the direction; a hit counts
+        if it lies between them.
         The structure is built at the first call and kept. Raises `OptionError` for arrays of wrong shapes or types, and
         for a ray that cannot be traced, such as one that is not finite; no ray is traced then. Other threads run
         meanwhile; casts of one scene take turns.
@@ -249,6 +250,6 @@ class Scene:
         """
         from_, along = _floats("origins", origins, "(N, 3)", (3,)), _floats("directions", directions, "(N, 3)", (3,))
         if len(from_) != len(along):
-            raise OptionError(f"origins and directions: expected as many of both, not {len(from_)} and {len(along)}")
+            raise OptionError(f"origins and directions: expected equal lengths, not {len(from_)} and {len(along)}")
         near, far = _ends("t_min", t_min, len(from_)), _ends("t_max", t_max, len(from_))
         return Hits(self._scene.cast(from_, along, near, far, any_hit).view(HIT))
