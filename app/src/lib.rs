@@ -58,7 +58,7 @@ pub fn set_scenes(folder: &Path) {
 /// # Errors
 /// In one line: what is wrong with the file, or with its name.
 pub fn read_scene(path: &Path) -> Result<(Scene, Vec<PathBuf>), String> {
-    scene_file::read_alone(path).map(|file| (file.scene, file.inputs)).map_err(|error| error.message)
+    scene_file::read_alone(path).map(|file| (file.scene, file.files)).map_err(|error| error.message)
 }
 
 /// The command line's definition, from which the manual pages are made.

@@ -29,6 +29,9 @@ pub(crate) struct SceneFile {
     pub(crate) scene: Scene,
     /// The canonical names of the file and of those it refers to: no output may replace them.
     pub(crate) inputs: Vec<PathBuf>,
+    /// The same files by the names under which they are found: in the scene's folder or below it, unless others are
+    /// allowed. Its own is the first.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 /// Reads a scene.
@@ -53,9 +56,8 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
         LoadError::TooLarge { .. } => failed(&format!("{e}; {raises}")),
         _ => failed(&e),
     })?;
-    let mut inputs = vec![path.to_owned()];
-    inputs.extend(files.into_read());
-    Ok(SceneFile { scene, inputs: canonical(&inputs) })
+    let files = files.into_read(path);
+    Ok(SceneFile { scene, inputs: canonical(&files), files })
 }
 
 /// Reads a scene with the default limits.

@@ -83,7 +83,7 @@ impl Session {
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
         let scene_path = scene.scene.clone();
-        let SceneFile { scene, inputs } = scene_file::read(scene)?;
+        let SceneFile { scene, inputs, .. } = scene_file::read(scene)?;
         for note in &scene.notes {
             progress.say(format_args!("note: {}", note.0));
         }

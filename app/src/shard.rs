@@ -1,5 +1,5 @@
 //! `--shard I/N`: one of N parts of a command's work, for as many machines, and what its folder says of it, so that
-//! `raystep merge` puts together only what belongs together.
+//! `raystep merge` combines only what belongs together.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -135,6 +135,12 @@ impl Part {
         crate::commands::json_text(self)
     }
 
+    /// What a text says. The last bits of its numbers may not be those that were written: only what was read from text is
+    /// compared.
+    pub(crate) fn parse(text: &[u8]) -> Result<Self, String> {
+        serde_json::from_slice(text).map_err(|e| format!("it does not describe a part of a split run: {e}"))
+    }
+
     /// Reads that of a folder; `None` if it has none.
     pub(crate) fn read(folder: &Path) -> Result<Option<Self>, Error> {
         let path = folder.join(FILE);
@@ -143,8 +149,7 @@ impl Part {
         }
         let failed = |problem: &dyn fmt::Display| Error::failed(format!("{}: {problem}", path.display()));
         let bytes = read_file(&path, MOST_BYTES).map_err(|e| failed(&e))?;
-        let part: Self = serde_json::from_slice(&bytes)
-            .map_err(|e| failed(&format!("it does not describe a part of a divided run: {e}")))?;
+        let part = Self::parse(&bytes).map_err(|e| failed(&e))?;
         let is_right = (1..=part.shard.of).contains(&part.shard.index) && part.shard.of <= MOST;
         if is_right {
             Ok(Some(part))
@@ -175,7 +180,7 @@ impl Part {
                 let text = |part: &Self| {
                     part.picture.map_or("none".into(), |p| format!("{}x{}, {} samples", p.width, p.height, p.samples))
                 };
-                differ("picture", &text(self), &text(other))
+                differ("image", &text(self), &text(other))
             })
             .or_else(|| differ("device", &self.device, &other.device).filter(|_| !is_mixed))
     }

@@ -58,7 +58,12 @@ fn installed_scenes_open_by_name() {
             "a typo",
         );
         for path in ["./teapot", "teapot.glb", "scenes.d/teapot"] {
-            assert_error(&run(&["info", path]), 1, &format!("{path}: No such file"), "a path");
+            assert_error(
+                &run(&["info", path]),
+                1,
+                &format!("{path}: No such file; the installed scene opens by its name, teapot"),
+                "a path",
+            );
         }
     }
 }

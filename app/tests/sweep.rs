@@ -82,16 +82,16 @@ fn every_scene_and_combination_is_a_job_that_runs_once() {
             "{row:?}"
         );
         assert!(!row["host"].is_empty() && row["rays"] == "256", "{row:?}");
-        let picture = place.read(&format!("out/{}", row["picture"]));
+        let picture = place.read(&format!("out/{}", row["image"]));
         assert!(picture.starts_with(b"\x89PNG"), "{row:?}");
     }
-    let hash = |i: usize| all[i]["picture_hash"].as_str();
+    let hash = |i: usize| all[i]["image_hash"].as_str();
     assert!(
         hash(0) == hash(1) && hash(2) == hash(3) && hash(0) != hash(2),
         "structures agree, and scenes differ: {all:?}"
     );
     let page = String::from_utf8(place.read("out/index.html")).expect("UTF-8");
-    assert!(JOBS.iter().all(|job| page.contains(&format!("<img src=\"jobs/{job}/picture.png\""))), "{page}");
+    assert!(JOBS.iter().all(|job| page.contains(&format!("<img src=\"jobs/{job}/image.png\""))), "{page}");
 
     let before: Vec<Vec<u8>> = JOBS.iter().map(|job| ended(&place, job)).collect();
     let again = run(&place, &["sweep.toml", "-o", "out"]);
@@ -103,7 +103,7 @@ fn every_scene_and_combination_is_a_job_that_runs_once() {
     let changed = run(&place, &["sweep.toml", "-o", "out"]);
     assert!(changed.code == Some(0) && changed.stderr.contains("2 of 4 jobs are finished already"), "{changed:?}");
     assert_eq!(JOBS.map(|job| ended(&place, job))[..2], before[..2]);
-    assert_ne!(rows(&place)[2]["picture_hash"], all[2]["picture_hash"]);
+    assert_ne!(rows(&place)[2]["image_hash"], all[2]["image_hash"]);
     assert_eq!(folders(&place).len(), 4);
 
     // A name with the characters of patterns, and of a folder that has them.
@@ -112,7 +112,7 @@ fn every_scene_and_combination_is_a_job_that_runs_once() {
     fs::write(place.path("a[b]/one.toml"), PICTURES.replace("scenes/*.gltf", "c[d] é?.gltf")).expect("a file");
     let one = run(&place, &["a[b]/one.toml", "-o", "a[b]/out"]);
     assert_eq!(one.code, Some(0), "{one:?}");
-    assert!(place.path("a[b]/out/jobs/c_d__é_-accelerator-grid/picture.png").exists());
+    assert!(place.path("a[b]/out/jobs/c_d__é_-accelerator-grid/image.png").exists());
 
     // Another sweep, or two programs at once.
     fs::write(place.path("sweep.toml"), PICTURES.replace("16x16", "17x16")).expect("a file");
@@ -154,14 +154,16 @@ fn an_interrupted_sweep_continues() {
         assert_eq!(child.try_wait().expect("a process"), None, "it ended before it was interrupted");
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    // Not SIGINT, which the test itself ignores if a shell runs it in the background.
+    let sent = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
     assert!(sent.is_ok_and(|status| status.success()));
-    assert_eq!(child.wait().expect("an end").code(), Some(130));
+    assert_eq!(child.wait().expect("an end").code(), Some(143));
     assert!(!cfg!(target_os = "linux") || !has_job(&place), "the job goes on without the sweep");
     let kept = folders(&place);
     assert!((1..4).contains(&kept.len()) && kept.iter().all(|name| JOBS.contains(&name.as_str())), "{kept:?}");
     // As a killed process would leave it.
     fs::create_dir(place.path("out/jobs/.raystep-killed.part")).expect("a folder");
+    fs::write(place.path("out/jobs/.raystep-killed.part.stiff.csv.part"), "").expect("a file");
     let before = ended(&place, JOBS[0]);
     let outcome = run(&place, &["sweep.toml", "-o", "out"]);
     let wanted = format!("{} of 4 jobs are finished already", kept.len());
@@ -209,14 +211,14 @@ fn a_picture_in_parts_has_the_bytes_of_one() {
         let options =
             ["--size", "16x16", "--spp", "60", "--device", "cpu", "--accelerator", accelerator, "-o", "whole.png"];
         place.ok(&[&["render", "scenes/cornell-box.gltf"][..], &options].concat());
-        assert_eq!(place.read(&format!("out/{}", row["picture"])), place.read("whole.png"), "{row:?}");
+        assert_eq!(place.read(&format!("out/{}", row["image"])), place.read("whole.png"), "{row:?}");
         assert!(row["adapter"].contains("cpu") && !row["host"].is_empty(), "{row:?}");
     }
     // A part that is lost is made again, and no other.
     fs::remove_dir_all(place.path("out/jobs/cornell-box-accelerator-bvh-part-2-of-3")).expect("a folder");
     let again = run(&place, &["sweep.toml", "-o", "out"]);
     assert!(again.code == Some(0) && again.stderr.contains("5 of 6 jobs are finished already"), "{again:?}");
-    assert_eq!(rows(&place)[1]["picture_hash"], all[1]["picture_hash"]);
+    assert_eq!(rows(&place)[1]["image_hash"], all[1]["image_hash"]);
 }
 
 #[test]
@@ -225,23 +227,51 @@ fn a_picture_is_shown_while_its_parts_are_traced() {
     let sweep = "what = \"render\"\nscenes = [\"scenes/cornell-box.gltf\"]\nretries = 0\nparts = 3\n\
                  [options]\nsize = \"16x16\"\nspp = 60\ndevice = \"cpu\"\n";
     let place = place(sweep);
-    // The program, except for the second part.
-    let lost = "case \"$*\" in *2/3*) echo lost >&2; exit 1;; esac; exec \"$0\" \"$@\"";
+    // The program, except that the second part is lost after its folder has appeared.
+    let lost = "case \"$*\" in *2/3*) \"$0\" \"$@\"; echo lost >&2; exit 1;; esac; exec \"$0\" \"$@\"";
     let words = serde_json::json!(["sh", "-c", lost, env!("CARGO_BIN_EXE_raystep")]).to_string();
     let arguments = ["sweep", "sweep.toml", "-o", "out"].map(OsStr::new);
     let outcome = outcome(place.command(&arguments).env("RAYSTEP_COMMAND", words));
     assert!(outcome.code == Some(1) && outcome.stderr.contains("part-2-of-3: lost"), "{outcome:?}");
-    let pictures = || {
-        let entries = fs::read_dir(place.path("out/pictures")).expect("a folder");
+    let images = |folder: &str| {
+        let entries = fs::read_dir(place.path(folder)).expect("a folder");
         entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect::<Vec<_>>()
     };
-    assert_eq!(pictures(), ["cornell-box-so-far.png"]);
+    assert_eq!(images("out/images"), ["so-far"]);
+    assert_eq!(images("out/images/so-far"), ["cornell-box.png"]);
+    assert_eq!(folders(&place), ["cornell-box-part-1-of-3", "cornell-box-part-3-of-3"]);
     let first = "out/jobs/cornell-box-part-1-of-3/part";
     place.ok(&["merge", "--so-far", first, "-o", "first.png"]);
     assert!(place.read("first.png") == place.read(&format!("{first}/so-far.png")));
     assert_eq!(run(&place, &["sweep.toml", "-o", "out"]).code, Some(0));
-    assert_eq!(pictures(), ["cornell-box.png"]);
-    assert!(place.read("out/pictures/cornell-box.png") != place.read("first.png"));
+    assert_eq!(images("out/images"), ["cornell-box.png"]);
+    assert!(place.read("out/images/cornell-box.png") != place.read("first.png"));
+}
+
+#[test]
+#[cfg(unix)]
+fn a_sweep_that_wrote_nothing_yet_begins_again_and_lets_others_see_its_lock() {
+    use std::os::unix::fs::PermissionsExt as _;
+    // A number that JSON's reader does not read back to the last bit, and a vector.
+    let place = place(
+        "what = \"bench\"\nscenes = [\"scenes/cornell-box.gltf\"]\n[options]\nsizes = \"8x8\"\nrepeats = 1\n\
+         device = \"cpu\"\nfov = 90.33333333333333\neye = [0, 1, 4]\nlook-at = [0.0, 0, 0]\n",
+    );
+    for folder in ["out", "tmp"] {
+        fs::create_dir(place.path(folder)).expect("a folder");
+    }
+    for file in ["out/sweep.lock", "out/.raystep-1.part"] {
+        fs::write(place.path(file), "").expect("a file");
+    }
+    let mut command = std::process::Command::new("sh");
+    command.current_dir(place.path("")).env("TMPDIR", place.path("tmp"));
+    let first =
+        outcome(command.args(["-c", "umask 077; exec \"$0\" sweep sweep.toml -o out", env!("CARGO_BIN_EXE_raystep")]));
+    assert_eq!(first.code, Some(0), "{first:?}");
+    let lock = fs::metadata(place.path("tmp/raystep-timed.lock")).expect("a lock");
+    assert_eq!(lock.permissions().mode() & 0o777, 0o644);
+    let again = run(&place, &["sweep.toml", "-o", "out"]);
+    assert!(again.code == Some(0) && again.stderr.contains("1 of 1 jobs are finished already"), "{again:?}");
 }
 
 #[test]
@@ -335,6 +365,7 @@ fn what_is_wrong_in_the_file_is_named_before_anything_runs() {
         ),
         (format!("{render}[options]\nsize = \"16\""), "job cornell-box: --size 16: expected two integers"),
         (format!("{render}[options]\nsize = true"), "options.size: expected the value of --size"),
+        (format!("{render}[options]\neye = [true]"), "options.eye: expected a list of numbers"),
         (
             format!("{render}[options]\nsize = [\"1x1\", \"2x2\"]"),
             "options.size: --size takes one value; to run a job with each",
@@ -358,7 +389,7 @@ fn what_is_wrong_in_the_file_is_named_before_anything_runs() {
             "each.accelerators: bench compares accelerators within one job",
         ),
         (format!("{render}format = \"jpg\""), "format: expected \"png\" or \"exr\""),
-        (format!("{bench}format = \"exr\""), "format: bench makes no picture"),
+        (format!("{bench}format = \"exr\""), "format: bench makes no image"),
         (format!("{bench}parts = 2"), "parts: only what = \"render\" can be divided"),
         (
             format!("{render}parts = 3\n[options]\nspp = 32"),

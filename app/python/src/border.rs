@@ -84,6 +84,9 @@ impl Watcher {
     }
 
     pub(crate) fn tell(&mut self, progress: &Progress) -> ControlFlow<()> {
+        if self.has_raised() {
+            return ControlFlow::Break(());
+        }
         let is_end = progress.samples == progress.samples_wanted;
         if self.last.elapsed() < INTERVAL && !is_end {
             return ControlFlow::Continue(());
@@ -107,12 +110,20 @@ impl Watcher {
 
     /// As [`tell`](Self::tell), for work that has no progress to tell.
     pub(crate) fn ask(&mut self) -> ControlFlow<()> {
+        if self.has_raised() {
+            return ControlFlow::Break(());
+        }
         if self.last.elapsed() < INTERVAL {
             return ControlFlow::Continue(());
         }
         self.last = Instant::now();
         self.raised = Python::attach(|py| py.check_signals()).err();
-        if self.raised.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.has_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Whether work has to stop. A run that is stopped where it would have ended anyway does not say so.
+    pub(crate) fn has_raised(&self) -> bool {
+        self.raised.is_some()
     }
 
     /// What a run came to.

@@ -52,8 +52,18 @@ impl Run {
                     0
                 }
             };
+            // A run that is stopped where it would have ended anyway does not say so.
+            let mut is_stopped = false;
             for stop in stops(base, place) {
-                self.renderer.run_to(stop, &mut tell).await?;
+                let tell = |progress: &Progress| {
+                    let flow = tell(progress);
+                    is_stopped |= flow.is_break();
+                    flow
+                };
+                self.renderer.run_to(stop, tell).await?;
+                if is_stopped {
+                    return Err(RenderError::Cancelled { passes: self.renderer.pass_count() });
+                }
                 self.keep().await?;
             }
         }

@@ -20,6 +20,8 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import raystep
 from raystep import OptionError, SweepError
 from raystep import _sweep
@@ -116,7 +118,7 @@ class Sweep(unittest.TestCase):
             there = raystep.sweep(**SWEEP, output=folder, quiet=True)
             self.assertEqual(len(plain(here)), 40)
             self.assertEqual(plain(there), plain(here))
-            pictures = [{file.parent.name: file.read_bytes() for file in Path(name, of).glob("jobs/*/picture.png")}
+            pictures = [{file.parent.name: file.read_bytes() for file in Path(name, of).glob("jobs/*/image.png")}
                         for of in ("ray", "local")]
             self.assertEqual(len(pictures[0]), 40)
             self.assertEqual(*pictures)
@@ -151,6 +153,45 @@ class Sweep(unittest.TestCase):
             rows = plain(rows)
             self.assertEqual([(row["job"], row["adapter"], row["runs"]) for row in rows], [("textures", "cpu", 1)])
             self.assertIsInstance(rows[0]["is_shared"], bool)
+
+    def test_files_travel_by_the_names_under_which_they_are_found(self) -> None:
+        ray: Any = importlib.import_module("ray")
+        with tempfile.TemporaryDirectory() as name:
+            # A scene and its textures behind links, in a store whose files are as old as can be.
+            store, models = Path(name, "store"), Path(name, "models")
+            store.mkdir()
+            models.mkdir()
+            for file in ("textures.gltf", "textures-данные.bin", "schach brett ü.png"):
+                (store / f"x-{file}").write_bytes((SCENES / file).read_bytes())
+                os.utime(store / f"x-{file}", (1, 1))
+                (models / file).symlink_to(store / f"x-{file}")
+            np.save(Path(name, "x.npy"), np.array([[0, 0, 5, 0, 0, -1]], np.float32))
+            Path(name, "rays.npy").symlink_to("x.npy")
+            here = os.getcwd()
+            ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+            hidden = _sweep._hashes
+            try:
+                _sweep._hashes = lambda files: ["other"] * len(files)
+                os.chdir(models)
+                options: dict[str, Any] = {"rays_file": "../rays.npy", "repeats": 1, "device": "cpu"}
+                rows = raystep.sweep("textures.gltf", options, what="bench", on="ray", output=Path(name, "out"), quiet=True)
+            finally:
+                os.chdir(here)
+                _sweep._hashes = hidden
+                ray.shutdown()
+            self.assertEqual({(row["scene"], row["rays"]) for row in plain(rows)}, {("textures", 1)})
+
+    def test_a_cluster_that_cannot_be_reached_is_named(self) -> None:
+        with tempfile.TemporaryDirectory() as name, self.assertRaises(SweepError) as failed:
+            raystep.sweep("cornell-box", on="ray", address="not an address", output=Path(name, "out"), quiet=True)
+        self.assertRegex(str(failed.exception), r"\Acannot start or connect to the Ray cluster \(not an address\): .+\Z")
+
+    def test_numbers_of_numpy_and_vectors_are_options(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            options = {"size": "8x8", "device": "cpu", "eye": np.array([0, 1, 4]), "look_at": (0, 0, 0)}
+            rows = raystep.sweep("cornell-box", options, each={"fov": np.linspace(30, 60, 3), "spp": np.arange(1, 3)},
+                                 output=Path(name, "out"), quiet=True)
+            self.assertEqual([row["option_fov"] for row in plain(rows)], ["30.0", "30.0", "45.0", "45.0", "60.0", "60.0"])
 
     def test_values_are_the_same_in_toml(self) -> None:
         for value in ("a\x7fb", "\U0001f600 \u00fc", 'quote " and \\', "line\nfeed", True, -3, 2.5, 1e-30, ["a", 1, [False]]):

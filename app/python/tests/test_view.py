@@ -4,6 +4,7 @@ import http.client
 import os
 import socket
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -43,6 +44,21 @@ class View(unittest.TestCase):
             status, body = get(self.shown.url, f"{self.base}scenes/{quote(path.name)}")
             self.assertEqual((status, body), (200, path.read_bytes()), path.name)
         self.assertEqual(urlsplit(self.shown.url).fragment, "raystep:1?scene=textures.gltf&pixel=3%2C4&stream=tmax.x")
+
+    def test_files_are_served_by_the_names_that_the_scene_gives(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            os.makedirs(f"{name}/scene/store")
+            Path(name, "scene", "link.gltf").write_bytes((SCENES / "textures.gltf").read_bytes())
+            for path in SCENES.iterdir():
+                if path.suffix in (".bin", ".png"):
+                    Path(name, "scene", "store", "x" + path.name).write_bytes(path.read_bytes())
+                    os.symlink(f"store/x{path.name}", f"{name}/scene/{path.name}")
+            shown = raystep.view(raystep.Scene(f"{name}/scene/link.gltf", device="cpu"))
+            self.addCleanup(shown.close)
+            base = urlsplit(shown.url).path
+            for path in (path for path in SCENES.iterdir() if path.suffix in (".bin", ".png")):
+                status, body = get(shown.url, f"{base}scenes/{quote(path.name)}")
+                self.assertEqual((status, body), (200, path.read_bytes()), path.name)
 
     def test_nothing_else_is(self) -> None:
         for path in (

@@ -19,7 +19,7 @@ pub(crate) struct Input {
 
 /// Reads a scene, and prints its notes.
 pub(crate) fn read(file: SceneArgs, camera: &CameraArgs, progress: &Progress) -> Result<(Input, Subject), Error> {
-    let SceneFile { scene, inputs: files } = scene_file::read(&file)?;
+    let SceneFile { scene, inputs: files, .. } = scene_file::read(&file)?;
     let hash = hashed(Hash::default(), &files, file.read.max_memory)?;
     let (camera, note) = scene_file::camera(camera, &scene)?;
     for note in scene.notes.iter().map(|n| &n.0).chain(&note) {

@@ -12,13 +12,13 @@ use crate::error::Error;
 use crate::shard::{FILE, Part};
 use crate::terminal::Progress;
 
-/// Put together the parts of a divided run
+/// Merge the parts of a run that was split with --shard
 ///
-/// The parts are folders of 'raystep render', 'bench' or 'stability' with --shard I/N, in any order. Parts that do not
-/// belong together are refused: of other scenes, options or versions, a part that is missing or given twice, and, without
-/// --mixed, results of different devices or drivers.
+/// The parts are folders of 'raystep render', 'bench' or 'stability' with --shard I/N, in any order. The
+/// command fails if parts come from different scenes, options or versions, if a part is missing (unless --so-far is used)
+/// or given twice, or if devices or drivers differ (unless --mixed is used).
 ///
-/// Parts of a picture are combined into one picture. If all devices are of the same kind, its pixels are bit-identical to
+/// Parts of an image are combined into one image. If all devices are of the same kind, its pixels are bit-identical to
 /// those of a single run with all samples; an EXR has colour only, without the hit channels of 'raystep render'. Parts of
 /// 'bench' and 'stability' are combined into one folder with the tables of a single run; HTML pages are copied, one per part.
 #[derive(Args, Debug)]
@@ -31,13 +31,13 @@ pub(crate) struct MergeArgs {
     /// The parts' folders
     #[arg(required = true, value_name = "DIR")]
     parts: Vec<PathBuf>,
-    /// Output: for a picture, a file whose name ends in .png or .exr; for tables, a folder, new or empty
+    /// Output: for an image, a file whose name ends in .png or .exr; for tables, a folder, new or empty
     #[arg(short, long, value_name = "OUT.png|OUT.exr|DIR")]
     output: PathBuf,
-    /// Also put together results of different devices: rows name theirs; pixels may differ in their last bits
+    /// Also merge results of different devices: each row names its device; pixels may differ in the last bits
     #[arg(long)]
     mixed: bool,
-    /// Make the picture of the samples that there are, if parts are missing or incomplete
+    /// Write an image of the samples so far, even if parts are missing or incomplete
     #[arg(long)]
     so_far: bool,
     /// Replace the tables in a folder that is not empty; other files are kept
@@ -48,7 +48,7 @@ pub(crate) struct MergeArgs {
 }
 
 impl MergeArgs {
-    /// All parts of a picture, without a word.
+    /// All parts of an image, without a word.
     pub(super) fn complete(parts: Vec<PathBuf>, output: PathBuf) -> Self {
         let quiet = QuietArgs { quiet: true };
         Self { parts, output, mixed: false, so_far: false, force: false, quiet }
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Error> {
     let parts = read(args)?;
     match parts[0].part.picture {
         Some(picture) => picture::merge(args, &parts, picture, &progress),
-        None if args.so_far => Err(Error::usage("--so-far is for parts of a picture: omit it")),
+        None if args.so_far => Err(Error::usage("--so-far is for parts of an image: omit it")),
         None => tables::merge(args, &parts, &progress),
     }
 }

@@ -34,9 +34,9 @@ const MISTAKES_SHOWN: usize = 8;
 /// PNG is sRGB. EXR is linear, with additional channels for what each ray hit: Z, Hit.T.V, Hit.Bary.U and .V,
 /// Hit.TriId.V, Normal.X, .Y and .Z.
 ///
-/// With --shard I/N, the samples of a pixel are divided among N machines or jobs, in blocks of 16. The output is a folder
-/// then: it holds the mean of each of this part's blocks, and so-far.png, the picture that they give. Started again, the
-/// command traces only the missing blocks. 'raystep merge' combines all parts into one picture. If all devices are of the
+/// With --shard I/N, the samples of each pixel are divided among N machines or jobs, in blocks of 16. The output is then
+/// a folder with the mean of each of this part's blocks, and their image so far, so-far.png. If it is started again, the
+/// command traces only the missing blocks. 'raystep merge' combines all parts into one image. If all devices are of the
 /// same kind, its pixels are bit-identical to those of the same command without --shard; a merged EXR has no hit channels.
 #[derive(Args, Debug)]
 #[command(after_help = "\
@@ -48,7 +48,7 @@ Examples:
   raystep render scenes/cornell-box.gltf -o box.png --numerics paper --check
   raystep render scenes/terrain.glb -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
   raystep render scenes/cornell-box.gltf -o box.png --passes-csv passes.csv --summary-json run.json
-  raystep render scenes/cornell-box.gltf -o box.png --trace-json trace.json   (for ui.perfetto.dev)")]
+  raystep render scenes/cornell-box.gltf -o box.png --trace-json trace.json   # for ui.perfetto.dev")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,

@@ -22,14 +22,14 @@ use file::Definition;
 ///
 /// SWEEP.toml has the keys: what = "bench", "stability", "report" or "render"; scenes, a list of files or patterns such
 /// as "scenes/*.glb", relative to the file; under [options], the options of all jobs, by long name without the leading "--";
-/// under [each], options with a list of values each. There is a job for every scene and combination of these values. What a
-/// benchmark compares with each other stays in one job: its lists belong under [options]. Pictures: format = "png" or
-/// "exr", and parts = N to divide the samples of each among N jobs.
+/// under [each], options with a list of values each. There is a job for every scene and combination of these values. For
+/// bench, the lists accelerators, schedules, mappings and traversals belong under [options], because one job compares them
+/// with each other. For render: format = "png" or "exr", and parts = N to divide the samples of each image among N jobs.
 ///
-/// Each job runs as a process of its own; its results are in DIR/jobs/NAME. A job that fails runs once more, or retries =
-/// N times; the others go on. After an interruption, the same command continues with the jobs that are not finished. A
-/// job that measures times runs alone; if another one on the same machine runs for longer than wait_s = 300 seconds, or
-/// other programs use the processor meanwhile, its rows have is_shared = true and are not ranked.
+/// Each job runs as a process of its own; its results are in DIR/jobs/NAME. A job that fails is retried once, or retries =
+/// N times; other jobs continue. After an interruption, the same command continues with the jobs that are not finished.
+/// Timed jobs run one at a time on a machine: a job waits up to wait_s = 300 seconds for the one before it. If it then
+/// starts anyway, or if other programs use the CPU while it runs, its rows have is_shared = true and are not ranked.
 ///
 /// DIR/results.csv has the rows of all jobs, DIR/datapackage.json its columns; DIR/index.html shows them for every
 /// machine and adapter.
@@ -40,9 +40,9 @@ Examples:
   printf '[options]\\nsize = \"64x64\"\\n' >> sweep.toml
   printf '[each]\\nnumerics = [\"robust\", \"paper\"]\\n' >> sweep.toml
   raystep sweep sweep.toml -o sweep
-  raystep sweep sweep.toml -o sweep --jobs 2     (continues, if it was interrupted)")]
+  raystep sweep sweep.toml -o sweep --jobs 2   # continues after an interruption")]
 pub(crate) struct SweepArgs {
-    /// The file that describes the sweep
+    /// File that describes the sweep
     #[arg(required_unless_present = "run_job", value_name = "SWEEP.toml")]
     file: Option<PathBuf>,
     /// Output folder: new, empty, or of the same sweep

@@ -14,7 +14,7 @@ pub(super) struct Beside {
     /// With links resolved, for comparison.
     folder: PathBuf,
     allow_outside: bool,
-    /// Bytes read so far.
+    /// Files read so far, by the names under which they were found.
     read: RefCell<Vec<PathBuf>>,
 }
 
@@ -25,9 +25,10 @@ impl Beside {
         Ok(Self { folder, allow_outside, read: RefCell::default() })
     }
 
-    /// The files that were read.
-    pub(super) fn into_read(self) -> Vec<PathBuf> {
-        self.read.into_inner()
+    /// The scene's file and those that were read, by their names in its folder.
+    pub(super) fn into_read(self, scene: &Path) -> Vec<PathBuf> {
+        let scene = scene.file_name().map_or_else(|| scene.to_owned(), |name| self.folder.join(name));
+        [vec![scene], self.read.into_inner()].concat()
     }
 
     /// The path of a file that is named relative to the folder, if it is permitted.
@@ -61,9 +62,8 @@ impl Beside {
 
 impl Resolver for Beside {
     fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, FileError> {
-        let path = self.find(path)?;
-        let bytes = read_file(&path, max_bytes)?;
-        self.read.borrow_mut().push(path);
+        let bytes = read_file(&self.find(path)?, max_bytes)?;
+        self.read.borrow_mut().push(self.folder.join(path));
         Ok(bytes)
     }
 }

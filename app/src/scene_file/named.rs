@@ -58,8 +58,17 @@ pub(crate) fn is_known(path: &Path) -> bool {
 
 /// The file that a path or name stands for. A file that exists is itself, whatever scenes there are.
 pub(crate) fn file_of(path: &Path) -> Result<PathBuf, Error> {
-    let Some((name, folder)) = name_of(path).zip(folder().filter(|folder| folder.is_dir())) else {
-        return Ok(path.to_owned());
+    let installed = || folder().filter(|folder| folder.is_dir());
+    let Some((name, folder)) = name_of(path).zip(installed()) else {
+        // Examples name the repository's files, which others do not have.
+        let stem = path.file_stem().and_then(|stem| stem.to_str()).filter(|_| !path.exists());
+        return match stem.filter(|stem| installed().is_some_and(|folder| find_in(&folder, stem).is_some())) {
+            Some(stem) => {
+                let at = path.display();
+                Err(Error::failed(format!("{at}: No such file; the installed scene opens by its name, {stem}")))
+            }
+            None => Ok(path.to_owned()),
+        };
     };
     find_in(&folder, name).ok_or_else(|| {
         let names = names_in(&folder);

@@ -68,18 +68,20 @@ def sweep(
     address: str | None = None,
     quiet: bool = False,
 ) -> TableLike:
-    """Runs a command for every scene and combination of options; returns its results, a dict a row, or a pandas frame
-    where pandas is installed. They are also in `output`/results.csv, with a page.
+    """Runs a command for every scene and combination of options. Returns the results as a table: a pandas frame where
+    pandas is installed, otherwise a list of dicts. `output` also has them as results.csv and as a page, index.html.
 
-    `what`: "bench", "stability" (without scenes), "report" or "render". `scenes`: files, names of
-    scenes, or patterns such as "scenes/*.glb". `options`: the command's long options, without hyphens before them, for all jobs; a list is one value
-    with commas. `each`: options with several values each, of which every combination is a job. `output`: a folder, new,
-    empty or of the same sweep: then only jobs that are not finished run. `format` ("png" or "exr") and `parts` (jobs that
-    share the samples of each picture) are for "render". A failed job runs again `retries` times; a job that measures times
-    waits `wait_s` seconds for its machine. `jobs`: how many run in parallel on this machine; must be 1 if they measure times.
+    `what`: "bench", "stability" (without scenes), "report" or "render". `scenes`: files, names of included scenes, or
+    patterns such as "scenes/*.glb". `options`: long options of the command for all jobs, without the leading hyphens; a
+    list for an option that accepts several values or numbers. `each`: a list of values per option; every combination is a job.
+    `output`: a folder, new, empty or of the same sweep; in the last case, only jobs that are not finished run. `format`
+    ("png" or "exr") and `parts` (number of jobs that share the samples of an image) are for "render". A failed job is
+    retried `retries` times (1). A timed job waits up to `wait_s` seconds (300) for the one before it on its machine.
+    `jobs`: number of jobs that run in parallel on this machine; must be 1 if they are timed.
 
-    `on`: "local", or "ray": the cluster at `address`, otherwise the one that is there, or a local one that is started. A
-    job that measures times gets all processors of a node, or, where nodes have 1 of the resource raystep_machine, that.
+    `on`: "local" or "ray". With "ray", jobs run on the cluster at `address` or RAY_ADDRESS, otherwise on a cluster that
+    is already running on this machine, or on a new local one. A timed job requests the resource raystep_machine if nodes
+    have 1 of it each, otherwise all CPUs of a node.
 
     Raises `OptionError` for wrong arguments, before any job runs, and `SweepError` if jobs fail, once all others have run.
     Calling it again with the same arguments continues, also after a KeyboardInterrupt.
@@ -99,7 +101,10 @@ def sweep(
     keys: dict[str, Any] = {"what": what, "format": format, "parts": parts, "retries": retries, "wait_s": wait_s}
     if scenes is not None:
         keys["scenes"] = [_scene(os.fspath(scene)) for scene in scenes]
-    tables = {"options": options or {}, "each": {name: list(values) for name, values in (each or {}).items()}}
+    tables = {
+        "options": {name: _placed(name, value) for name, value in (options or {}).items()},
+        "each": {name: [_placed(name, value) for value in values] for name, values in (each or {}).items()},
+    }
     lines = [f"{name} = {_toml(value)}" for name, value in keys.items() if value is not None]
     for table, values in tables.items():
         lines.append(f"[{table}]")
@@ -134,8 +139,20 @@ def _scene(scene: str) -> str:
     return scene if is_name else os.path.abspath(scene)
 
 
+FILES = ("rays-file", "methods", "strata")
+"""Options that name a file."""
+
+
+def _placed(name: str, value: Any) -> Any:
+    """A file's name as seen from any folder; other values as they are."""
+    is_file = name.replace("_", "-") in FILES and isinstance(value, (str, os.PathLike))
+    return os.path.abspath(value) if is_file else value
+
+
 def _toml(value: Any) -> str:
     """A value as TOML."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()  # NumPy's numbers and arrays.
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
@@ -145,8 +162,6 @@ def _toml(value: Any) -> str:
         return json.dumps(os.fspath(value), ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(map(_toml, value))}]"
-    if hasattr(value, "item"):
-        return _toml(value.item())
     raise OptionError(f"{value!r}: expected text, a number, True, False or a list of these")
 
 
@@ -248,7 +263,12 @@ def _distribute(jobs: list[dict[str, Any]], folder: str, to: IO[str], address: s
 
     is_ours = not ray.is_initialized()
     if is_ours:
-        ray.init(address=address, include_dashboard=False, log_to_driver=False, logging_level="warning")
+        try:
+            ray.init(address=address, include_dashboard=False, log_to_driver=False, logging_level="warning")
+        except Exception as error:  # Ray raises several kinds.
+            where = address or os.environ.get("RAY_ADDRESS") or "a local one"
+            why = (str(error).strip().splitlines() or [type(error).__name__])[-1]
+            raise SweepError(f"cannot start or connect to the Ray cluster ({where}): {why}") from None
     work = ray.remote(_work)
     resources = ray.cluster_resources()
     nodes = [node["Resources"] for node in ray.nodes() if node["Alive"]]
@@ -317,13 +337,13 @@ def _how(job: dict[str, Any], resources: Mapping[str, float], nodes: Sequence[Ma
 
 
 def _base(files: Sequence[str]) -> str:
-    return os.path.commonpath([os.path.dirname(file) for file in files]) if files else ""
+    return os.path.commonpath([os.path.dirname(os.path.normpath(file)) for file in files]) if files else ""
 
 
 def _packed(files: Sequence[str]) -> bytes:
     """The files as a ZIP, with names relative to their common folder."""
     packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_STORED) as archive:
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_STORED, strict_timestamps=False) as archive:
         # A scene may name a file twice.
         for file in dict.fromkeys(files):
             archive.write(file, os.path.relpath(file, _base(files)))
@@ -354,7 +374,7 @@ def _work(job: dict[str, Any], hashes: list[str], packed: list[Any], cores: int)
             zipfile.ZipFile(io.BytesIO(ray.get(packed[0]))).extractall(here)
 
             def place(file: str) -> str:
-                return os.path.join(here, os.path.relpath(os.path.realpath(file), base))
+                return os.path.join(here, os.path.relpath(file, base))
 
             named = [{**name, "path": place(name["path"])} for name in job["named"]]
             job = {**job, "inputs": [place(file) for file in files], "named": named}
@@ -368,7 +388,7 @@ def _work(job: dict[str, Any], hashes: list[str], packed: list[Any], cores: int)
         if code != 0:
             return None, error
         archive = io.BytesIO()
-        with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as into:
+        with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as into:
             for path in sorted(results.rglob("*")):
                 if path.is_file():
                     into.write(path, path.relative_to(results))
@@ -392,6 +412,8 @@ def main(arguments: Sequence[str]) -> int:
         code, error = _ray(words, None)
     except OptionError as wrong:
         code, error = 2, str(wrong)
+    except SweepError as lost:
+        code, error = 1, str(lost)
     except KeyboardInterrupt:
         return 130
     if code != 0:

@@ -6,6 +6,7 @@ import hmac
 import html
 import importlib.util
 import os
+import posixpath
 import re
 import secrets
 import threading
@@ -164,8 +165,8 @@ def _address(url: str) -> tuple[str, str | None]:
 def view(scene: Scene, link: str = "", *, height: int = 640) -> View:
     """Shows a scene in the inspector, in an iframe of `height` CSS pixels: every pass and every stream, in the browser.
 
-    `link`: a place to begin at, as *Copy link* of the inspector gives it, or a part of one, such as
-    "pixel=200,260&pass=41&stream=tmax.x"; its scene is replaced by this one. The page and the scene are served on 127.0.0.1
+    `link`: where to start: a link from the inspector's *Copy link*, or part of one, such as
+    "pixel=200,260&pass=41&stream=tmax.x". A scene in the link is ignored in favour of `scene`. The page and the scene are served on 127.0.0.1
     only, and the page sends no data anywhere; the scene's files must stay in place. Raises `OptionError` if `link` is not
     a valid link, or if the module was built without the page.
 
@@ -201,4 +202,5 @@ def _files(scene: Scene) -> tuple[str, dict[str, Content]]:
     folder = paths[0].parent
     # Others are outside of the scene's folder, where a page has none.
     beside = [path for path in paths if path.is_relative_to(folder)]
-    return paths[0].name, {path.relative_to(folder).as_posix(): path for path in beside}
+    # A browser asks for b, where a file names a/../b.
+    return paths[0].name, {posixpath.normpath(path.relative_to(folder).as_posix()): path for path in beside}

@@ -22,7 +22,7 @@ pub(super) fn merge(args: &MergeArgs, parts: &[Placed], picture: Picture, progre
     if !(1..=MOST_PIXELS).contains(&pixels) || !(1..=Samples::MOST).contains(&samples) {
         let at = parts[0].folder.display();
         return Err(Error::failed(format!(
-            "{at}: shard.json describes an invalid picture: {width}x{height} pixels, {samples} samples"
+            "{at}: shard.json describes an invalid image: {width}x{height} pixels, {samples} samples"
         )));
     }
     let whole = Samples { count: samples, ..Samples::default() };

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use raystep_lab::tidy::package;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::{MergeArgs, Placed};
 use crate::commands::json_text;
@@ -112,17 +112,23 @@ fn json(of: &[&Placed], name: &str) -> Result<Value, Error> {
         }
         return Ok(all);
     }
-    let mut values = values.into_iter();
-    let mut all = values.next().unwrap_or_default();
-    for mut other in values {
-        let more = other["resources"].take();
-        if let (Some(tables), Value::Array(more)) = (all["resources"].as_array_mut(), more) {
+    let (mut all, mut tables) = (Map::new(), Vec::<Value>::new());
+    for (value, placed) in values.into_iter().zip(of) {
+        let Value::Object(mut about) = value else {
+            let at = placed.folder.join(name);
+            return Err(Error::failed(format!("{}: expected a description of tables, an object", at.display())));
+        };
+        if let Some(Value::Array(more)) = about.remove("resources") {
             for table in more {
                 if !tables.iter().any(|known| known["path"] == table["path"]) {
                     tables.push(table);
                 }
             }
         }
+        if all.is_empty() {
+            all = about;
+        }
     }
-    Ok(all)
+    all.insert("resources".into(), tables.into());
+    Ok(all.into())
 }

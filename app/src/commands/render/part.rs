@@ -36,7 +36,7 @@ pub(in crate::commands) fn read_block(folder: &Path, block: u32, of: Picture) ->
     let failed = |problem: &dyn std::fmt::Display| Error::failed(format!("{}: {problem}", path.display()));
     let bytes = read_file(&path, most).map_err(|e| failed(&e))?;
     let image = npy::read_image(&bytes, of.width, of.height);
-    image.map(Some).ok_or_else(|| failed(&"it is no block of this picture: delete it, and run its part again"))
+    image.map(Some).ok_or_else(|| failed(&"it is not a block of this image: delete it, and run its part again"))
 }
 
 /// Traces the blocks of a part that its folder does not have yet.
@@ -78,7 +78,7 @@ pub(super) fn run(args: &RenderArgs, shard: Shard) -> Result<(), Error> {
     progress.finish();
     let (at, count, parts) = (args.output.display(), blocks.len(), shard.of);
     progress.say(format_args!(
-        "traced {traced} of {count} blocks of samples, all are in {at}; 'raystep merge' makes the picture of {parts} parts"
+        "traced {traced} of {count} blocks of samples, all are in {at}; 'raystep merge' combines the {parts} parts into an image"
     ));
     Ok(())
 }
@@ -131,7 +131,9 @@ fn describe(running: &Running, hash: Hash, shard: Shard, whole: Samples, picture
 /// Makes the part's folder, or continues in one of the same part.
 fn open(folder: &Path, part: &Part) -> Result<(), Error> {
     let at = folder.display();
+    let text = part.text()?;
     if let Some(earlier) = Part::read(folder)? {
+        let part = &Part::parse(text.as_bytes()).map_err(Error::failed)?;
         let is_other = || (earlier.shard.index != part.shard.index).then(|| "number of the part".to_owned());
         return match earlier.difference(part, false).or_else(is_other) {
             Some(difference) => {
@@ -147,5 +149,5 @@ fn open(folder: &Path, part: &Part) -> Result<(), Error> {
             fs::create_dir(folder).map_err(|e| Error::failed(format!("cannot write {at}: {}", reason(&e))))?
         }
     }
-    write(vec![(Target::new(&folder.join(shard::FILE))?, part.text()?.into_bytes())])
+    write(vec![(Target::new(&folder.join(shard::FILE))?, text.into_bytes())])
 }

@@ -1,14 +1,15 @@
 //! Runs the jobs of a sweep that are not finished, here or by others, and keeps their results.
 
+use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
 use serde::Deserialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::file::{Definition, IDENTITY};
 use super::job::{self, Done};
@@ -44,6 +45,11 @@ pub(super) struct Failure {
     pub(super) message: String,
 }
 
+/// Whether a file or folder of this name is one that was not completed.
+fn is_temporary(name: &str) -> bool {
+    name.starts_with(".raystep-") && name.ends_with(".part")
+}
+
 /// What happened.
 enum Event {
     Started(String),
@@ -64,25 +70,11 @@ impl Place {
     pub(super) fn open(path: &Path, sweep: &Definition) -> Result<Self, Error> {
         let at = path.display();
         let cannot = |e: std::io::Error| Error::failed(format!("cannot write {at}: {}", reason(&e)));
-        let file = path.join(FILE);
-        let found = Folder::find(path)?;
-        if found == Folder::Full {
-            let about: Option<serde_json::Value> =
-                read_file(&file, MOST_BYTES).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
-            let about = about.filter(|about| about["kind"] == KIND);
-            let about = about.ok_or_else(|| {
-                Error::failed(format!("{at} is not empty and contains no sweep: choose a new or empty folder"))
-            })?;
-            let (ours, theirs) = (&sweep.identity, &about["sweep"]);
-            if let Some(key) = IDENTITY.iter().find(|key| ours.get(key) != theirs.get(key)) {
-                return Err(Error::failed(format!(
-                    "{at} contains a sweep with another value of '{key}' than {}: choose another folder",
-                    sweep.file.display()
-                )));
-            }
-        }
-        if found == Folder::Missing {
-            fs::create_dir(path).map_err(cannot)?;
+        let text = json_text(&json!({ "kind": KIND, "schema_version": 1, "sweep": sweep.identity }))?;
+        Self::expect_free(path, sweep, &text)?;
+        match fs::create_dir(path) {
+            Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(cannot(error)),
+            _ => {}
         }
         let lock = File::options().write(true).create(true).truncate(false).open(path.join(LOCK)).map_err(cannot)?;
         match lock.try_lock() {
@@ -92,21 +84,53 @@ impl Place {
             }
             Err(TryLockError::Error(error)) => return Err(cannot(error)),
         }
-        let about = json!({ "kind": KIND, "schema_version": 1, "sweep": sweep.identity });
-        output::write(vec![(Target::new(&file)?, json_text(&about)?.into_bytes())])?;
+        // Another sweep may have begun before it was locked.
+        Self::expect_free(path, sweep, &text)?;
+        output::write(vec![(Target::new(&path.join(FILE))?, text.into_bytes())])?;
         fs::create_dir_all(path.join(JOBS)).map_err(cannot)?;
         let place = Self { path: path.to_owned(), _lock: lock };
         place.sweep_up();
         Ok(place)
     }
 
+    /// Refuses a folder with anything else than this sweep, whose description is `text`.
+    fn expect_free(path: &Path, sweep: &Definition, text: &str) -> Result<(), Error> {
+        let at = path.display();
+        let cannot = |e: std::io::Error| Error::failed(format!("cannot write {at}: {}", reason(&e)));
+        if Folder::find(path)? != Folder::Full {
+            return Ok(());
+        }
+        let about = |bytes: &[u8]| serde_json::from_slice::<Value>(bytes).ok().filter(|about| about["kind"] == KIND);
+        let Some(theirs) = read_file(&path.join(FILE), MOST_BYTES).ok().and_then(|bytes| about(&bytes)) else {
+            // A sweep that ended before it could describe itself.
+            let is_ours = |name: &OsStr| name == LOCK || name.to_str().is_some_and(is_temporary);
+            let names: Result<Vec<_>, _> = fs::read_dir(path).map_err(cannot)?.collect();
+            if names.map_err(cannot)?.iter().all(|entry| is_ours(&entry.file_name())) {
+                return Ok(());
+            }
+            return Err(Error::failed(format!(
+                "{at} is not empty and contains no sweep: choose a new or empty folder"
+            )));
+        };
+        // Numbers of both are read from text, in which their last bits may be lost.
+        let ours = about(text.as_bytes()).unwrap_or_default();
+        match IDENTITY.iter().find(|key| ours["sweep"].get(key) != theirs["sweep"].get(key)) {
+            Some(key) => Err(Error::failed(format!(
+                "{at} contains a sweep with another value of '{key}' than {}: choose another folder",
+                sweep.file.display()
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// Removes what killed processes have left.
     fn sweep_up(&self) {
         for entry in fs::read_dir(self.path.join(JOBS)).into_iter().flatten().flatten() {
             let name = entry.file_name();
-            if name.to_str().is_some_and(|name| name.starts_with(".raystep-") && name.ends_with(".part")) {
+            if name.to_str().is_some_and(is_temporary) {
                 // What stays is in nobody's way.
-                let _ = fs::remove_dir_all(entry.path());
+                let path = entry.path();
+                let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
             }
         }
     }

@@ -13,7 +13,7 @@ use crate::usage::{did_you_mean, or};
 
 /// Most bytes of the file.
 const MOST_BYTES: u64 = 1 << 20;
-/// Most parts of a picture, and most retries: more are surely a mistake.
+/// Most parts of an image, and most retries: more are surely a mistake.
 const MOST: u64 = 10_000;
 /// Longest time to wait for a machine, seconds.
 const MOST_WAIT_S: u64 = 7 * 24 * 3600;
@@ -98,9 +98,9 @@ pub(super) struct Definition {
     pub(super) options: Vec<Setting>,
     /// Options of which every combination is a job.
     pub(super) each: Vec<Vec<Setting>>,
-    /// Ending of pictures.
+    /// Ending of images.
     pub(super) format: &'static str,
-    /// Parts of a picture; 0 if it is not divided.
+    /// Parts of an image; 0 if it is not divided.
     pub(super) parts: u64,
     /// How often a failed job runs again.
     pub(super) retries: u64,
@@ -166,7 +166,7 @@ impl Definition {
             (Some(Some("png")), What::Render) => "png",
             (Some(Some("exr")), What::Render) => "exr",
             (Some(_), What::Render) => return Err("format: expected \"png\" or \"exr\"".into()),
-            (Some(_), _) => return Err(format!("format: {} makes no picture; omit it", what.name())),
+            (Some(_), _) => return Err(format!("format: {} makes no image; omit it", what.name())),
         };
         let parts = whole(table, "parts", 1, MOST)?;
         if parts.is_some() && what != What::Render {
@@ -251,6 +251,8 @@ impl OptionsOf {
             return Err(format!("{at}: raystep {command} has no option --{name}; {tip}see 'raystep {command} --help'"));
         };
         let is_list = matches!(argument.get_action(), ArgAction::Append);
+        // Such as X,Y,Z.
+        let is_vector = argument.get_value_names().is_some_and(|names| names.iter().any(|name| name.contains(',')));
         let (value, words) = match (argument.get_action().takes_values(), value) {
             (false, Value::Bool(is_set)) => {
                 (is_set.to_string(), if *is_set { vec![format!("--{name}")] } else { Vec::new() })
@@ -265,6 +267,11 @@ impl OptionsOf {
                     None => values.iter().map(|value| format!("--{name}={value}")).collect(),
                 };
                 (joined, words)
+            }
+            (true, Value::Array(values)) if is_vector => {
+                let values: Option<Vec<String>> = values.iter().map(text).collect();
+                let value = values.ok_or_else(|| format!("{at}: expected a list of numbers"))?.join(",");
+                (value.clone(), vec![format!("--{name}={value}")])
             }
             (true, Value::Array(_)) => {
                 return Err(format!("{at}: --{name} takes one value; to run a job with each of several, use [each]"));

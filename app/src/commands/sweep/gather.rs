@@ -28,10 +28,12 @@ const PAGE: &str = "index.html";
 /// Files that are written.
 pub(super) const NAMES: [&str; 3] = [RESULTS, package::FILE, PAGE];
 
-/// The folder of pictures that are merged from parts.
-const PICTURES: &str = "pictures";
+/// The folder of images that are merged from parts.
+const IMAGES: &str = "images";
+/// The folder of images some of whose parts are finished.
+const SO_FAR: &str = "images/so-far";
 
-/// Most bytes of a job's table or picture.
+/// Most bytes of a job's table or image.
 const MOST_BYTES: u64 = 1 << 32;
 
 /// Columns that only this table has, with their types and meanings.
@@ -40,10 +42,10 @@ const OWN: [(&str, &str, &str); 9] = [
     ("host", "string", "name of the machine that ran it"),
     ("is_shared", "boolean", "whether something else ran on the machine meanwhile; empty if nothing was timed"),
     ("table", "string", "section of the report"),
-    ("picture", "string", "the picture's file"),
-    ("picture_hash", "string", "hash of that file, with the method as prefix"),
+    ("image", "string", "the image's file"),
+    ("image_hash", "string", "hash of that file, with the method as prefix"),
     ("trace_s", "number", "seconds of tracing"),
-    ("job_s", "number", "seconds of the job's process, or of all for a picture in parts"),
+    ("job_s", "number", "seconds of the job's process, or of all for an image in parts"),
     ("hits", "integer", "rays that hit a triangle"),
 ];
 
@@ -107,7 +109,7 @@ impl Table {
 pub(super) struct Gathered {
     /// Jobs with results.
     pub(super) finished: usize,
-    /// Jobs whose results are failures, and pictures that could not be merged.
+    /// Jobs whose results are failures, and images that could not be merged.
     pub(super) failures: Vec<Failure>,
 }
 
@@ -123,15 +125,15 @@ pub(super) fn gather(sweep: &Definition, jobs: &[Job], place: &Place, failed: &[
             add(&mut table, job, done, place)?;
         }
     }
-    for picture in pictures(jobs) {
-        let parts: Vec<&(&Job, Done)> = done.iter().filter(|(job, _)| job.part_of.as_ref() == Some(&picture)).collect();
-        let of = jobs.iter().filter(|job| job.part_of.as_ref() == Some(&picture)).count();
+    for image in images(jobs) {
+        let parts: Vec<&(&Job, Done)> = done.iter().filter(|(job, _)| job.part_of.as_ref() == Some(&image)).collect();
+        let of = jobs.iter().filter(|job| job.part_of.as_ref() == Some(&image)).count();
         if parts.len() < of {
             continue;
         }
-        match merge_parts(&picture, &parts, place) {
-            Ok(file) => add_merged(&mut table, &picture, &parts, &file, place)?,
-            Err(error) => failures.push(Failure { name: picture, message: error.message }),
+        match merge_parts(&image, &parts, place) {
+            Ok(file) => add_merged(&mut table, &image, &parts, &file, place)?,
+            Err(error) => failures.push(Failure { name: image, message: error.message }),
         }
     }
     let all: Vec<&Failure> = failed.iter().chain(&failures).collect();
@@ -144,8 +146,8 @@ pub(super) fn gather(sweep: &Definition, jobs: &[Job], place: &Place, failed: &[
     Ok(Gathered { finished: done.len(), failures })
 }
 
-/// Pictures in parts, in order.
-fn pictures(jobs: &[Job]) -> Vec<String> {
+/// Images in parts, in order.
+fn images(jobs: &[Job]) -> Vec<String> {
     super::super::distinct(&jobs.iter().filter_map(|job| job.part_of.clone()).collect::<Vec<_>>())
 }
 
@@ -177,7 +179,7 @@ fn add(table: &mut Table, job: &Job, done: &Done, place: &Place) -> Result<(), E
         Some(What::Bench) => vec![("summary.csv", None)],
         Some(What::Stability) => vec![("stability.csv", None)],
         Some(What::Report) => SECTIONS.iter().map(|section| (section.file, Some(section.name))).collect(),
-        Some(What::Render) | None => return add_picture(table, job, done, &folder),
+        Some(What::Render) | None => return add_image(table, job, done, &folder),
     };
     for (file, section) in tables {
         let path = folder.join(file);
@@ -201,17 +203,17 @@ fn add(table: &mut Table, job: &Job, done: &Done, place: &Place) -> Result<(), E
     Ok(())
 }
 
-/// Adds the row of a picture.
-fn add_picture(table: &mut Table, job: &Job, done: &Done, folder: &Path) -> Result<(), Error> {
-    let file = format!("picture.{}", job.format);
+/// Adds the row of an image.
+fn add_image(table: &mut Table, job: &Job, done: &Done, folder: &Path) -> Result<(), Error> {
+    let file = format!("image.{}", job.format);
     let summary: Value = serde_json::from_slice(&read(&folder.join(job::SUMMARY))?)
         .map_err(|e| Error::failed(format!("{}: {e}", folder.join(job::SUMMARY).display())))?;
     let adapter = summary["adapter"]["name"].as_str().unwrap_or("cpu");
     let number = |value: &Value| if value.is_null() { String::new() } else { value.to_string() };
     let mut fields = lead(&job.name, job, &job.scene, &done.host, adapter, done.is_shared);
     let own = [
-        ("picture", format!("jobs/{}/{file}", job.name)),
-        ("picture_hash", Hash::of(&read(&folder.join(&file))?).to_string()),
+        ("image", format!("jobs/{}/{file}", job.name)),
+        ("image_hash", Hash::of(&read(&folder.join(&file))?).to_string()),
         ("trace_s", number(&summary["seconds"]["trace"])),
         ("job_s", done.job_s.to_string()),
         ("triangles", number(&summary["triangles"])),
@@ -224,11 +226,11 @@ fn add_picture(table: &mut Table, job: &Job, done: &Done, folder: &Path) -> Resu
     Ok(())
 }
 
-/// Shows pictures while their parts are traced: after each part, the picture of those that are finished.
+/// Shows images while their parts are traced: after each part, the image of those that are finished.
 pub(super) struct SoFar<'a> {
     jobs: &'a [Job],
     place: &'a Place,
-    /// When the last picture was written, and how long it took.
+    /// When the last image was written, and how long it took.
     last: Option<(Instant, Duration)>,
 }
 
@@ -237,46 +239,44 @@ impl<'a> SoFar<'a> {
         Self { jobs, place, last: None }
     }
 
-    /// Writes the picture of which a job has traced a part, unless that would take more than a tenth of the time.
+    /// Writes the image of which a job has traced a part, unless that would take more than a tenth of the time.
     pub(super) fn show(&mut self, ended: &str) {
         let job = self.jobs.iter().find(|job| job.name == ended);
-        let Some(picture) = job.and_then(|job| job.part_of.as_ref()) else { return };
+        let Some(image) = job.and_then(|job| job.part_of.as_ref()) else { return };
         if self.last.is_some_and(|(end, took)| end.elapsed() < took * 10) {
             return;
         }
         let begin = Instant::now();
-        let of_picture = self.jobs.iter().filter(|job| job.part_of.as_ref() == Some(picture));
-        let parts = of_picture.map(|job| self.place.folder(&job.name).join("part"));
+        let of_image = self.jobs.iter().filter(|job| job.part_of.as_ref() == Some(image));
+        let parts = of_image.map(|job| self.place.folder(&job.name).join("part"));
         let parts: Vec<PathBuf> = parts.filter(|part| part.join(shard::FILE).exists()).collect();
-        let path = self.place.path.join(PICTURES);
-        let output = path.join(so_far_name(picture));
+        let path = self.place.path.join(SO_FAR);
+        let output = path.join(format!("{image}.png"));
         // It is only to be looked at: what is wrong with a part, the merge of all says.
         let _ = fs::create_dir_all(&path).map(|()| merge::run(&MergeArgs::so_far(parts, output)));
         self.last = Some((Instant::now(), begin.elapsed()));
     }
 }
 
-fn so_far_name(picture: &str) -> String {
-    format!("{picture}-so-far.png")
-}
-
-/// Merges the parts of a picture. Returns the file, as seen from the output folder.
-fn merge_parts(picture: &str, parts: &[&(&Job, Done)], place: &Place) -> Result<PathBuf, Error> {
+/// Merges the parts of an image. Returns the file, as seen from the output folder.
+fn merge_parts(image: &str, parts: &[&(&Job, Done)], place: &Place) -> Result<PathBuf, Error> {
     let format = parts.first().map_or("png", |(job, _)| job.format.as_str());
-    let name = format!("{picture}.{format}");
+    let name = format!("{image}.{format}");
     let folders = parts.iter().map(|(job, _)| place.folder(&job.name).join("part")).collect();
-    let pictures = place.path.join(PICTURES);
-    fs::create_dir_all(&pictures)
-        .map_err(|e| Error::failed(format!("cannot write {}: {}", pictures.display(), reason(&e))))?;
-    merge::run(&MergeArgs::complete(folders, pictures.join(&name)))?;
-    let _ = fs::remove_file(pictures.join(so_far_name(picture)));
-    Ok(Path::new(PICTURES).join(name))
+    let images = place.path.join(IMAGES);
+    fs::create_dir_all(&images)
+        .map_err(|e| Error::failed(format!("cannot write {}: {}", images.display(), reason(&e))))?;
+    merge::run(&MergeArgs::complete(folders, images.join(&name)))?;
+    let so_far = place.path.join(SO_FAR);
+    // The folder goes with its last file.
+    let _ = fs::remove_file(so_far.join(format!("{image}.png"))).and_then(|()| fs::remove_dir(so_far));
+    Ok(Path::new(IMAGES).join(name))
 }
 
-/// Adds the row of a picture that was merged.
+/// Adds the row of an image that was merged.
 fn add_merged(
     table: &mut Table,
-    picture: &str,
+    image: &str,
     parts: &[&(&Job, Done)],
     file: &Path,
     place: &Place,
@@ -288,10 +288,10 @@ fn add_merged(
     let hosts = hosts.into_iter().collect::<Vec<_>>().join("; ");
     let adapters = adapters.into_iter().collect::<Vec<_>>().join("; ");
     let seconds: f64 = parts.iter().map(|(_, done)| done.job_s).sum();
-    let mut fields = lead(picture, job, &job.scene, &hosts, &adapters, None);
+    let mut fields = lead(image, job, &job.scene, &hosts, &adapters, None);
     let own = [
-        ("picture", file.to_string_lossy().replace('\\', "/")),
-        ("picture_hash", Hash::of(&read(&place.path.join(file))?).to_string()),
+        ("image", file.to_string_lossy().replace('\\', "/")),
+        ("image_hash", Hash::of(&read(&place.path.join(file))?).to_string()),
         ("job_s", seconds.to_string()),
     ];
     fields.extend(own.map(|(column, field)| (column.to_owned(), field)));

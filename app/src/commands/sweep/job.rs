@@ -97,8 +97,8 @@ fn attempt_at(job: &Job, folder: &Path, attempt: u64) -> Result<Done, Error> {
     let (output, known_by) = match job.what() {
         Some(What::Render) if job.part_of.is_none() => {
             words.extend(["--summary-json".into(), folder.join(SUMMARY).into()]);
-            let picture = folder.join(format!("picture.{}", job.format));
-            (picture.clone(), picture)
+            let image = folder.join(format!("image.{}", job.format));
+            (image.clone(), image)
         }
         // Its files have names that only the merge needs to know.
         Some(What::Render) => (folder.join("part"), folder.join("part")),
@@ -111,9 +111,9 @@ fn attempt_at(job: &Job, folder: &Path, attempt: u64) -> Result<Done, Error> {
     let begin = Instant::now();
     let failed = child(&words, owner.as_ref().and_then(Owner::handle)).err();
     let job_s = begin.elapsed().as_secs_f64();
-    // A command that judges its results may fail with them.
+    // A command that judges its results may fail with them. A part does not, and its folder is there from the start.
     let verdict = match failed {
-        Some(error) if !known_by.exists() => return Err(error),
+        Some(error) if job.part_of.is_some() || !known_by.exists() => return Err(error),
         Some(error) => Some(error.message),
         None if !known_by.exists() => return Err(Error::failed("it wrote no results")),
         None => None,

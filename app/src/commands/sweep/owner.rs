@@ -40,7 +40,18 @@ impl Owner {
 
 /// Opens the file, which another user may have created: in a folder for all users, Linux lets nobody else create it again.
 fn open(path: &Path) -> io::Result<File> {
-    File::open(path).or_else(|_| File::create_new(path)).or_else(|_| File::open(path))
+    File::open(path).or_else(|_| create(path)).or_else(|_| File::open(path))
+}
+
+/// Creates the file so that other users can open it, whatever the umask.
+fn create(path: &Path) -> io::Result<File> {
+    let file = File::create_new(path)?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        file.set_permissions(std::fs::Permissions::from_mode(0o644))?;
+    }
+    Ok(file)
 }
 
 fn lock(file: File, patience: Duration) -> Option<File> {

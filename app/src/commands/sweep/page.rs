@@ -83,7 +83,7 @@ fn result(what: What, rows: &[&Row]) -> String {
             format!("{} of {} rows fail that must pass", failed.count(), rows.len())
         }
         What::Report => format!("{} rows", rows.len()),
-        What::Render => format!("{} pictures", rows.len()),
+        What::Render => format!("{} images", rows.len()),
     }
 }
 
@@ -167,12 +167,12 @@ fn details(what: What, rows: &[&Row]) -> String {
             table_of(&columns, &cells.collect::<Vec<_>>())
         }
         What::Render => {
-            columns.extend(["picture", "trace, s", "hash"]);
+            columns.extend(["image", "trace, s", "hash"]);
             let cells = |row: &&Row| {
                 let own = vec![
-                    picture(field(row, "picture"), field(row, "job")),
+                    image(field(row, "image"), field(row, "job")),
                     field(row, "trace_s").parse::<f64>().map_or(String::new(), |s| format!("{s:.3}")),
-                    escaped(field(row, "picture_hash")),
+                    escaped(field(row, "image_hash")),
                 ];
                 [lead(row), own].concat()
             };
@@ -187,8 +187,8 @@ fn link(path: &str, text: &str) -> String {
     format!("<a href=\"{}\">{}</a>", escaped(&path.replace('%', "%25")), escaped(text))
 }
 
-/// A picture that is a link to itself; browsers show no EXR.
-fn picture(path: &str, name: &str) -> String {
+/// A image that is a link to itself; browsers show no EXR.
+fn image(path: &str, name: &str) -> String {
     if !path.ends_with(".png") {
         return link(path, name);
     }

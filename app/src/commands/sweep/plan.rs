@@ -48,9 +48,9 @@ pub(super) struct Job {
     pub(super) scene: String,
     /// Its values of the options under `[each]`.
     pub(super) each: Vec<(String, String)>,
-    /// Ending of its picture.
+    /// Ending of its image.
     pub(super) format: String,
-    /// The picture that it is a part of.
+    /// The image that it is a part of.
     pub(super) part_of: Option<String>,
     /// Whether it may use a GPU.
     pub(super) needs_gpu: bool,
@@ -209,11 +209,11 @@ fn job(
     folder: &Path,
     scene: Option<&Scene>,
     each: &[&Setting],
-    picture: &str,
+    image: &str,
     part: Option<(usize, usize)>,
     known: &mut BTreeMap<String, (Vec<PathBuf>, Hash)>,
 ) -> Result<Job, Error> {
-    let name = part.map_or_else(|| picture.to_owned(), |(part, of)| format!("{picture}-part-{part}-of-{of}"));
+    let name = part.map_or_else(|| image.to_owned(), |(part, of)| format!("{image}-part-{part}-of-{of}"));
     let (mut words, mut named) = (vec![sweep.what.name().to_owned()], Vec::new());
     if let Some(scene) = scene {
         named.push(Named { word: 1, before: String::new(), path: scene.path.clone() });
@@ -236,7 +236,7 @@ fn job(
         scene: scene.and_then(|s| s.path.file_stem()?.to_str()).unwrap_or_default().to_owned(),
         each: each.iter().map(|setting| (setting.option.clone(), setting.value.clone())).collect(),
         format: sweep.format.to_owned(),
-        part_of: part.map(|_| picture.to_owned()),
+        part_of: part.map(|_| image.to_owned()),
         needs_gpu: true,
         is_timed: false,
         is_shared: false,
@@ -275,11 +275,15 @@ fn job(
         (inputs, hash) = match known.get(&key) {
             Some(read) => read.clone(),
             None => {
-                let files = scene_file::read(&args).map_err(at)?.inputs;
+                let files = scene_file::read(&args).map_err(at)?.files;
                 let read = (files.clone(), hashed(Hash::default(), &files, u64::MAX).map_err(at)?);
                 known.entry(key).or_insert(read).clone()
             }
         };
+    }
+    if let (Some(scene), Some(file)) = (job.named.first_mut().filter(|_| scene.is_some()), inputs.first()) {
+        // As its other files are named, so that all of them can be moved together.
+        scene.path.clone_from(file);
     }
     let others: Vec<PathBuf> = job.named.iter().skip(inputs.len().min(1)).map(|named| named.path.clone()).collect();
     job.input_hash = hashed(hash, &others, u64::MAX).map_err(at)?.to_string();
