@@ -13,14 +13,16 @@ folder=$(mktemp -d)
 Xvfb -displayfd 3 -screen 0 1400x900x24 3>"$folder/display" 2>/dev/null &
 server=$!
 trap 'kill $window_manager $server 2>/dev/null; rm -rf "$folder"' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
 window_manager=""
-while [ ! -s "$folder/display" ]; do sleep 0.1; done
+until [ -s "$folder/display" ]; do kill -0 "$server" && sleep 0.1; done
 DISPLAY=":$(cat "$folder/display")"
 export DISPLAY HOME="$folder" XDG_RUNTIME_DIR="$folder"
 unset WAYLAND_DISPLAY WAYLAND_SOCKET XDG_DATA_HOME
 openbox >/dev/null 2>&1 &
 window_manager=$!
-until wmctrl -m >/dev/null 2>&1; do sleep 0.1; done
+until wmctrl -m >/dev/null 2>&1; do kill -0 "$window_manager" && sleep 0.1; done
 "$binary" scene terrain --triangles 60000 --seed 1 -o "$folder/terrain.glb" >/dev/null
 for scene in scenes/cornell-box.gltf "$folder/terrain.glb"; do
     for device in cpu gpu; do

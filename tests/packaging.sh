@@ -70,12 +70,15 @@ ldd "$program" | grep -o '/[^ ]*' | while read -r library; do
     cp -L "$library" "$root/$library"
 done
 mkdir "$root/proc"
+# Some systems let only root mount, others everybody in a namespace of their own.
+as_root="" map=""
+if [ "$(id -u)" != 0 ]; then
+    if unshare --map-root-user --mount true 2>/dev/null; then map=--map-root-user; else as_root=sudo; fi
+fi
 # The program finds the scenes beside itself, and itself in /proc.
 in_root() {
-    map=""
-    [ "$(id -u)" = 0 ] || map=--map-root-user
     # shellcheck disable=SC2016,SC2086 # the inner shell's; no argument where it is empty
-    env -i PATH=/bin:/usr/bin:/usr/sbin unshare $map --mount \
+    $as_root env -i PATH=/bin:/usr/bin:/usr/sbin unshare $map --mount \
         sh -c 'mount --rbind /proc "$0/proc" && exec chroot "$0" "$@"' "$root" "$@"
 }
 in_root raystep --version

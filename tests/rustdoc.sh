@@ -21,6 +21,8 @@ document() {
     done
     folder=$(mktemp -d)
     trap 'rm -rf "$folder"' EXIT
+    trap 'exit 130' INT
+    trap 'exit 143' TERM
     rustdoc "$@" -D warnings --out-dir "$folder"
 }
 

@@ -56,6 +56,8 @@ display=$(mktemp)
 Xvfb -displayfd 3 -screen 0 1400x1000x24 3>"$display" 2>/dev/null &
 server=$!
 trap 'kill $server 2>/dev/null; rm -f "$display"' EXIT
-until [ -s "$display" ]; do sleep 0.1; done
+trap 'exit 130' INT
+trap 'exit 143' TERM
+until [ -s "$display" ]; do kill -0 "$server" && sleep 0.1; done
 DISPLAY=":$(cat "$display")" node --test --test-concurrency=1 --test-reporter=spec \
     tests/web/page.test.mjs tests/web/hard.test.mjs tests/web/hits.test.mjs

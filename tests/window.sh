@@ -31,6 +31,8 @@ begin() {
     Xvfb -displayfd 3 -screen 0 1400x900x24 3>"$folder/display" 2>/dev/null &
     server=$!
     trap 'kill $window_manager $server 2>/dev/null; rm -rf "$folder"' EXIT
+    trap 'exit 130' INT
+    trap 'exit 143' TERM
     until_it_does 100 test -s "$folder/display"
     DISPLAY=":$(cat "$folder/display")"
     export DISPLAY HOME="$folder" XDG_RUNTIME_DIR="$folder"

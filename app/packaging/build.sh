@@ -102,13 +102,12 @@ done
 }
 cp "$licences" "$doc/LICENCES-dependencies.txt"
 
-rm -f "$out"/raystep-*."$format"
+rm -f "$out"/raystep-*-"$host.$format"
 python3 app/packaging/pack.py "$tree" "$out/$name.$format"
 echo "$out/$name.$format: $(wc -c <"$out/$name.$format") bytes, the program $(wc -c <"$tree/bin/raystep$exe")"
 
 case "$parts" in
 *wheel*)
-    rm -f "$out"/raystep-*.whl
     # Its own flags: they are part of what Cargo compares to find out what to build.
     (unset CARGO_ENCODED_RUSTFLAGS && sh app/python/build.sh "$out")
     ;;
@@ -116,5 +115,7 @@ esac
 
 cd "$out"
 rm -f SHA256SUMS
-if command -v sha256sum >/dev/null; then sha256sum raystep-*; else shasum -a 256 raystep-*; fi >SHA256SUMS.part
+set -- "$name.$format"
+case "$parts" in *wheel*) set -- "$@" raystep-*.whl ;; esac
+if command -v sha256sum >/dev/null; then sha256sum "$@"; else shasum -a 256 "$@"; fi >SHA256SUMS.part
 mv SHA256SUMS.part SHA256SUMS

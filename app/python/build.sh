@@ -3,7 +3,7 @@
 #
 #     sh app/python/build.sh [--sdist] [--page PAGE] [--quick] DIR
 #
-# with --sdist, the source distribution. Needs Rust and Python 3.11 or later; maturin, and zig as a linker for an old
+# instead of another wheel of raystep there; with --sdist, the source distribution. Needs Rust and Python 3.11 or later; maturin, and zig as a linker for an old
 # glibc, are installed into target/python. --page takes the folder of a page that app/web/build.sh has built before. For
 # tests, --quick optimises only what traces rays, and links for this machine.
 set -eu
@@ -24,17 +24,15 @@ done
 case ${1:---} in -*) usage ;; esac
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
-cd "$(dirname "$0")"
-target="${CARGO_TARGET_DIR:-$PWD/../../target}/python"
+target="${CARGO_TARGET_DIR:-$(dirname "$0")/../../target}/python"
 mkdir -p "$target"
 target=$(cd "$target" && pwd)
+cd "$(dirname "$0")"
 MATURIN=1.16.0
 ZIG=0.17.1
 
-[ -x "$target/tools/bin/maturin" ] || {
-    python3 -m venv "$target/tools"
-    "$target/tools/bin/pip" install --quiet "maturin==$MATURIN" "ziglang==$ZIG"
-}
+[ -x "$target/tools/bin/pip" ] || python3 -m venv "$target/tools"
+"$target/tools/bin/pip" install --quiet "maturin==$MATURIN" "ziglang==$ZIG"
 
 # The scenes that open by name, with the files that they refer to. Those that only tests read stay behind.
 scenes=python/raystep/scenes
@@ -62,6 +60,8 @@ rm -rf python/raystep/page/scenes python/raystep/page/lessons.*
 
 PATH="$target/tools/bin:$PATH"
 export PATH CARGO_TARGET_DIR="$target/build"
+# pip would not know which of two to install.
+[ "$what" = sdist ] || rm -f "$out"/raystep-*.whl
 case $what$quick in
 wheel) maturin build --quiet --release --locked --zig --compatibility manylinux_2_28 --out "$out" ;;
 wheelyes)

@@ -41,8 +41,11 @@ if ! has_std "$RUSTC"; then
     (cd "$root/empty" && RUSTC_BOOTSTRAP=1 cargo build --quiet --release --target "$target" --target-dir "$root/empty/target" \
         -Zbuild-std=std,panic_abort) >&2
     lib="$root/usr/lib/rustlib/$target/lib"
-    mkdir -p "$lib"
-    find "$root/empty/target/$target/release/deps" -name '*.rlib' ! -name 'libempty*' -exec cp {} "$lib" \;
+    rm -rf "$lib" "$lib.part"
+    mkdir -p "$lib.part"
+    find "$root/empty/target/$target/release/deps" -name '*.rlib' ! -name 'libempty*' -exec cp {} "$lib.part" \;
+    # All of it at once: what is there is taken as complete.
+    mv "$lib.part" "$lib"
     rm -rf "$root/packages" "$root/empty"
 fi
 for name in LD_LIBRARY_PATH RUSTC CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER; do
