@@ -4,18 +4,44 @@
 use std::any::Any;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Mutex, PoisonError};
-use std::thread::{ThreadId, current};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{ThreadId, current, panicking};
 use std::time::{Duration, Instant};
 
+use parking_lot::Mutex;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use raystep_kernels::{Progress, RenderError};
 
 use crate::error::{DeviceError, of_request};
 
+/// Whether this process has worked, and so may have threads.
+static HAS_WORKED: AtomicBool = AtomicBool::new(false);
+
+/// Whether it was forked from one that had: it lacks those threads, and would wait for them forever.
+static IS_FORKED: AtomicBool = AtomicBool::new(false);
+
+/// Called in a process that was forked.
+#[pyfunction]
+pub(crate) fn after_fork() {
+    IS_FORKED.store(HAS_WORKED.load(Ordering::Relaxed), Ordering::Relaxed);
+}
+
+/// Refuses to work in a process that lacks threads.
+pub(crate) fn expect_unforked() -> PyResult<()> {
+    if IS_FORKED.load(Ordering::Relaxed) {
+        return Err(DeviceError::new_err(
+            "this process was forked from one that had used raystep, whose threads it lacks: start it with 'spawn', as \
+             multiprocessing.get_context('spawn') does",
+        ));
+    }
+    HAS_WORKED.store(true, Ordering::Relaxed);
+    Ok(())
+}
+
 /// Works without the interpreter's lock.
 pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
+    expect_unforked()?;
     let result = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
     result.unwrap_or_else(|panic| Err(PyRuntimeError::new_err(format!("a defect of raystep: {}", text_of(&*panic)))))
 }
@@ -30,38 +56,53 @@ pub(crate) struct Turns<T> {
     value: Mutex<T>,
     /// The thread whose turn it is.
     owner: Mutex<Option<ThreadId>>,
+    /// Whether a turn has panicked.
+    is_broken: AtomicBool,
 }
 
 /// Ends a turn, also if it panics.
-struct Turn<'a>(&'a Mutex<Option<ThreadId>>);
+struct Turn<'a> {
+    owner: &'a Mutex<Option<ThreadId>>,
+    is_broken: &'a AtomicBool,
+}
 
 impl<'a> Turn<'a> {
-    fn begin(owner: &'a Mutex<Option<ThreadId>>) -> Self {
-        *owner.lock().unwrap_or_else(PoisonError::into_inner) = Some(current().id());
-        Self(owner)
+    fn begin(owner: &'a Mutex<Option<ThreadId>>, is_broken: &'a AtomicBool) -> Self {
+        *owner.lock() = Some(current().id());
+        Self { owner, is_broken }
     }
 }
 
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        *self.owner.lock() = None;
+        if panicking() {
+            self.is_broken.store(true, Ordering::Relaxed);
+        }
     }
 }
 
 impl<T: Send> Turns<T> {
     pub(crate) fn new(value: T) -> Self {
-        Self { value: Mutex::new(value), owner: Mutex::new(None) }
+        Self { value: Mutex::new(value), owner: Mutex::new(None), is_broken: AtomicBool::new(false) }
     }
 
-    /// Waits for its turn without the interpreter's lock, and works.
+    /// Waits for its turn without the interpreter's lock, unless it is interrupted, and works.
     pub(crate) fn take<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut T) -> PyResult<R> + Send) -> PyResult<R> {
-        if *self.owner.lock().unwrap_or_else(PoisonError::into_inner) == Some(current().id()) {
+        if *self.owner.lock() == Some(current().id()) {
             return Err(PyRuntimeError::new_err("a progress callback cannot use the renderer that calls it"));
         }
         detached(py, || {
-            let broken = |_| DeviceError::new_err("the renderer has failed before: make a new one");
-            let mut value = self.value.lock().map_err(broken)?;
-            let _turn = Turn::begin(&self.owner);
+            let mut value = loop {
+                match self.value.try_lock_for(INTERVAL) {
+                    Some(value) => break value,
+                    None => Python::attach(|py| py.check_signals())?,
+                }
+            };
+            if self.is_broken.load(Ordering::Relaxed) {
+                return Err(DeviceError::new_err("the renderer has failed before: make a new one"));
+            }
+            let _turn = Turn::begin(&self.owner, &self.is_broken);
             work(&mut value)
         })
     }

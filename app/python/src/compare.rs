@@ -92,7 +92,12 @@ fn common(a: &Kernels, b: &Kernels) -> Vec<Stream> {
 
 /// A component's bits as a number.
 fn number(stream: Stream, layer: usize, bits: u32) -> Value {
-    if stream.is_float_layer(layer) { json!(f32::from_bits(bits)) } else { json!(bits) }
+    if stream.is_float_layer(layer) { real(f32::from_bits(bits).into()) } else { json!(bits) }
+}
+
+/// A number, or text for one that JSON does not have.
+fn real(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { json!(value.to_string()) }
 }
 
 /// A row for each component that differs after a pass, with the first ray that does.
@@ -137,7 +142,7 @@ fn of_stream(left: &StreamData, right: &StreamData) -> Vec<Value> {
             "first_y": found.first.map(|ray| ray / width),
             "max_ulps": floats.map(|floats| floats.max_ulps),
             "median_ulps": floats.map(|floats| floats.median_ulps),
-            "max_difference": floats.map(|floats| floats.largest),
+            "max_difference": floats.map(|floats| real(floats.largest)),
         })
     };
     (0..stream.layers()).map(row).collect()
@@ -165,9 +170,9 @@ fn of_runs(a: &Kernels, b: &Kernels, found: &Found, counts: Option<&Counts>) -> 
         "other_triangle_rays": counts.map(|counts| counts.triangle),
         "other_t_rays": counts.map(|counts| counts.t),
         "max_t_ulps": counts.map(|counts| counts.max_ulps),
-        "max_t_difference": counts.map(|counts| counts.max_t),
+        "max_t_difference": counts.map(|counts| real(counts.max_t)),
         "other_weights_rays": counts.map(|counts| counts.weights),
         "other_color_pixels": counts.map(|counts| counts.color),
-        "max_color_difference": counts.map(|counts| counts.max_color),
+        "max_color_difference": counts.map(|counts| real(counts.max_color.into())),
     })
 }

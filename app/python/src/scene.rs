@@ -12,7 +12,7 @@ use raystep_kernels::{CastHit, Caster, Options, Ray, RenderError};
 use raystep_lab::Machine;
 use raystep_scenes as scenes;
 
-use crate::border::detached;
+use crate::border::{detached, expect_unforked};
 use crate::device::choose;
 use crate::error::{OptionError, SceneError, of_run};
 
@@ -115,6 +115,7 @@ impl Scene {
         t_max: PyReadonlyArray1<'py, f32>,
         any_hit: bool,
     ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        expect_unforked()?;
         let contiguous = |_| OptionError::new_err("expected contiguous arrays");
         let (origins, directions) =
             (origins.as_slice().map_err(contiguous)?, directions.as_slice().map_err(contiguous)?);

@@ -1,15 +1,19 @@
 """Casts: right hits, or a clear exception. Run by tests/python.sh in a clean environment with the wheel."""
 
 import doctest
+import os
 import resource
+import signal
 import threading
+import time
 import unittest
+import warnings
 from typing import Any
 
 import numpy as np
 
 import raystep
-from raystep import OptionError, Scene, SceneError
+from raystep import DeviceError, OptionError, Scene, SceneError
 
 TRIANGLE = [[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]]
 
@@ -67,11 +71,15 @@ class Cast(unittest.TestCase):
         fixed.flags.writeable = False
         wide = np.zeros((2, 6), np.float32)
         wide[:, ::2] = origins
+        unaligned = np.frombuffer(b"." + origins.tobytes(), np.uint8)[1:].view(np.float32).reshape(2, 3)
+        self.assertFalse(unaligned.flags.aligned)
         for other in [fixed, wide[:, ::2], np.asfortranarray(origins), origins.astype(">f4"), origins.astype(np.float64),
-                      origins.astype(np.int64), origins[::-1][::-1], origins.tolist()]:
+                      origins.astype(np.int64), origins[::-1][::-1], origins.tolist(), unaligned]:
             self.assertEqual(list(scene.cast(other, directions).is_hit), [True, False])
         self.assertEqual(len(scene.cast([], [])), 0)
         self.assertEqual(len(scene.cast(np.empty((0, 3)), np.empty((0, 3)))), 0)
+        with np.errstate(all="raise"):
+            self.assertTrue(scene.cast([[0, 1e-50, 3]], [[0, 0, -1]]).is_hit[0])
 
     def test_what_is_wrong_is_said(self) -> None:
         scene = Scene(triangles=TRIANGLE, device="cpu")
@@ -79,10 +87,13 @@ class Cast(unittest.TestCase):
         cases: list[tuple[Any, str]] = [
             (lambda: scene.cast([0, 0, 3], [0, 0, -1]), r"origins: expected numbers of shape \(N, 3\), not \(3,\)"),
             (lambda: scene.cast(rays[0], [[0, 0]]), r"directions: expected numbers of shape \(N, 3\)"),
-            (lambda: scene.cast(rays[0] * 2, rays[1]), "expected as many of both, not 2 and 1"),
+            (lambda: scene.cast(rays[0] * 2, rays[1]), "expected equal lengths, not 2 and 1"),
             (lambda: scene.cast([["a", "b", "c"]], rays[1]), "origins: expected numbers"),
             (lambda: scene.cast([[1j, 0, 0]], rays[1]), "origins: expected numbers .* not complex128"),
             (lambda: scene.cast([[0, 0], [0]], rays[1]), "origins: expected numbers"),
+            (lambda: scene.cast(np.empty((5, 0)), np.empty((5, 0))), r"origins: expected .* not \(5, 0\)"),
+            (lambda: scene.cast(np.ma.masked_equal(rays[0], 3), rays[1]), "origins: expected an array without a mask"),
+            (lambda: scene.cast(*rays, t_min=[1, [2, 3]]), "t_min: expected numbers"),  # type: ignore[arg-type]
             (lambda: scene.cast(*rays, t_min=[0, 0]), "t_min: expected 1 or 1 numbers, not 2"),
             (lambda: scene.cast(*rays, t_min=2, t_max=1), "ray 0 cannot be traced: its t_max is below its t_min"),
             (lambda: scene.cast(*rays, t_max=np.nan), "ray 0 cannot be traced"),
@@ -101,6 +112,29 @@ class Cast(unittest.TestCase):
             Scene(triangles=np.full((1, 3, 3), np.nan))
         # It goes on after all of these.
         self.assertTrue(scene.cast(*rays).is_hit[0])
+
+    @unittest.skipUnless(hasattr(os, "fork"), "no processes are forked")
+    def test_a_forked_process_says_that_it_cannot(self) -> None:
+        scene = Scene(triangles=soup(100), device="cpu")
+        rays = (np.full((20_000, 3), 9, np.float32), np.ones((20_000, 3), np.float32))
+        scene.cast(*rays)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)
+            child = os.fork()
+        if child == 0:
+            try:
+                scene.cast(*rays)
+            except DeviceError as error:
+                os._exit(17 if "spawn" in str(error) else 1)
+            os._exit(2)
+        end = time.monotonic() + 60
+        while (ended := os.waitpid(child, os.WNOHANG)) == (0, 0) and time.monotonic() < end:
+            time.sleep(0.01)
+        if ended == (0, 0):
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+        self.assertEqual(os.waitstatus_to_exitcode(ended[1]) if ended != (0, 0) else "it hangs", 17)
+        self.assertEqual(len(scene.cast(*rays)), 20_000)
 
     def test_threads_get_the_same_hits(self) -> None:
         scene = Scene(triangles=soup(2000), device="cpu")

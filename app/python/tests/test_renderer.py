@@ -4,6 +4,7 @@ import csv
 import doctest
 import io
 import json
+import math
 import os
 import signal
 import subprocess
@@ -13,6 +14,7 @@ import threading
 import time
 import unittest
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
@@ -187,6 +189,30 @@ class Run(unittest.TestCase):
         # Two samples take a second, all of them an hour.
         self.assertLess(time.monotonic() - begin, 20)
 
+    def test_who_waits_for_a_turn_can_be_interrupted(self) -> None:
+        run = Renderer("sphere-flake", size=(640, 480), spp=4096, device="cpu")
+        is_over, began = threading.Event(), threading.Event()
+
+        def tell(now: raystep.Progress) -> None:
+            began.set()
+            if is_over.is_set():
+                raise ZeroDivisionError
+
+        def work() -> None:
+            with self.assertRaises(ZeroDivisionError):
+                run.run(progress=tell)
+
+        worker = threading.Thread(target=work)
+        worker.start()
+        self.assertTrue(began.wait(60))
+        timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+        timer.start()
+        with self.assertRaises(KeyboardInterrupt):
+            run.image()
+        is_over.set()
+        worker.join(60)
+        self.assertFalse(worker.is_alive())
+
     def test_other_threads_run_meanwhile_and_calls_take_turns(self) -> None:
         run = Renderer("teapot", size=(320, 240), spp=16, device="cpu")
         worker = threading.Thread(target=run.run)
@@ -217,6 +243,8 @@ class Run(unittest.TestCase):
         cases: list[tuple[Any, str]] = [
             (lambda: Renderer(scene, accelerator="tree"), "--accelerator tree: expected auto, grid, irregular, bvh or none"),
             (lambda: Renderer(scene, size=(8, -1)), "--size 8x-1: expected 1 to 32768 pixels per side"),
+            (lambda: Renderer(scene, size=512), "size 512: expected width and height"),  # type: ignore[arg-type]
+            (lambda: Renderer(scene, fov=np.array(40.0)), "--fov requires --eye"),  # type: ignore[arg-type]
             (lambda: Renderer(scene, width=8), "width requires height as well"),
             (lambda: Renderer(scene, size="8x8", width=8, height=8), "size cannot be combined with width and height"),
             (lambda: Renderer(scene, eye=(0, 0, 1)), "--eye requires --look-at"),
@@ -224,7 +252,7 @@ class Run(unittest.TestCase):
             (lambda: Renderer(scene, seed=3), "--seed requires several samples per pixel"),
             (lambda: Renderer(scene, grid=3, accelerator="bvh"), "--grid applies to a uniform grid"),
             (lambda: Renderer(scene, mapping="fragment"), "--mapping fragment draws on a GPU"),
-            (lambda: Renderer(scene, device="cpu"), "device and adapter are those of the scene"),
+            (lambda: Renderer(scene, device="cpu"), "device and adapter are already set by the Scene"),
             (lambda: Renderer(scene, fov=object()), "--fov: expected a string, a number or a sequence of these, not object"),  # type: ignore[arg-type]
             (lambda: Renderer(scene, camera=9), "--camera 9: the scene has one camera, number 0"),
             (lambda: run.step_to(-1), "passes -1: expected an integer of at least 0"),
@@ -286,8 +314,24 @@ class Run(unittest.TestCase):
         self.assertEqual(read, wanted)
         self.assertEqual([type(value) for value in read[0].values()], [int, float, bool, str])
 
+    def test_numbers_that_json_does_not_have_come_back(self) -> None:
+        row = {"pass": 1, "kernel": "setup", "a": "NaN", "b": "-inf", "max_ulps": 3}
+        found = {"runs": [{"passes_a": 2, "passes_b": 2, "compared_passes": 2}], "first": [row],
+                 "streams": [{"stream": "tmax", "max_difference": "inf", "first_x": None}]}
+        run = Renderer("cornell-box", **SMALL)
+        with mock.patch("raystep._raystep.compare", return_value=json.dumps(found)):
+            tables = raystep.compare(run, run)
+        first, streams = rows(tables["first"])[0], rows(tables["streams"])[0]
+        # pandas has no other value for what is missing.
+        self.assertTrue(first["a"] is None or math.isnan(first["a"]))
+        self.assertEqual((first["b"], first["kernel"], streams["max_difference"]), (-math.inf, "setup", math.inf))
+
     def test_arrays_show_themselves_as_long_as_they_are_whole(self) -> None:
         run = Renderer("cornell-box", counters=True, **SMALL).run()
+        hit: Any = run.streams["hit"]
+        self.assertEqual(hit[:].component("t" if "t" in hit.components else "u").shape, hit.shape[:2])
+        for part in (hit[..., ::-1], hit[..., [2, 1, 0]], hit[::-1], hit + 1, hit[:4]):
+            self.assertEqual((part.components, part.stream, shown(part)), ((), "", None))
         for name, stream in run.streams.items():
             page = shown(stream)
             self.assertEqual(page.count("data:image/png"), len(stream.components) + (name == "color"), name)

@@ -158,9 +158,8 @@ class Sweep(unittest.TestCase):
         ray: Any = importlib.import_module("ray")
         with tempfile.TemporaryDirectory() as name:
             # A scene and its textures behind links, in a store whose files are as old as can be.
-            store, models = Path(name, "store"), Path(name, "models")
-            store.mkdir()
-            models.mkdir()
+            store, models = Path(name, "models", "store"), Path(name, "models")
+            store.mkdir(parents=True)
             for file in ("textures.gltf", "textures-данные.bin", "schach brett ü.png"):
                 (store / f"x-{file}").write_bytes((SCENES / file).read_bytes())
                 os.utime(store / f"x-{file}", (1, 1))

@@ -1,10 +1,14 @@
 """The inspector in the browser: what is served, to whom, and what notebooks show of it."""
 
+import contextlib
 import http.client
+import io
 import os
 import socket
+import struct
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -43,7 +47,7 @@ class View(unittest.TestCase):
         for path in beside:
             status, body = get(self.shown.url, f"{self.base}scenes/{quote(path.name)}")
             self.assertEqual((status, body), (200, path.read_bytes()), path.name)
-        self.assertEqual(urlsplit(self.shown.url).fragment, "raystep:1?scene=textures.gltf&pixel=3%2C4&stream=tmax.x")
+        self.assertEqual(urlsplit(self.shown.url).fragment, "raystep:1?scene=textures.gltf&pixel=3,4&stream=tmax.x")
 
     def test_files_are_served_by_the_names_that_the_scene_gives(self) -> None:
         with tempfile.TemporaryDirectory() as name:
@@ -74,6 +78,17 @@ class View(unittest.TestCase):
         ):
             self.assertEqual(get(self.shown.url, path)[0], 404, path)
         self.assertEqual(get(self.shown.url, self.base, "POST")[0], 501)
+        with contextlib.redirect_stderr(io.StringIO()) as errors:
+            here = ("127.0.0.1", urlsplit(self.shown.url).port)
+            with socket.create_connection(here, timeout=10) as wrong:
+                wrong.sendall(b"GET http://[ HTTP/1.0\r\n\r\n")
+                self.assertIn(b" 400 ", wrong.recv(100))
+            # A browser that goes away.
+            with socket.create_connection(here, timeout=10) as gone:
+                gone.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+                gone.sendall(f"GET {self.base}raystep_web_bg.wasm.gz HTTP/1.0\r\n\r\n".encode())
+            time.sleep(0.5)
+        self.assertEqual(errors.getvalue(), "")
 
     def test_each_view_has_a_token_and_ends(self) -> None:
         other = raystep.view(raystep.Scene(triangles=[[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], device="cpu"))
@@ -110,11 +125,14 @@ class View(unittest.TestCase):
                 self.assertIn(f'src="/user/somebody/proxy/{port}{self.base}?embed#', self.shown._repr_html_())
 
     def test_a_wrong_link_is_refused(self) -> None:
-        for wrong in ("https://example.org/", "raystep:2?pixel=1,2", "pixel", "javascript:alert(1)"):
+        for wrong in ("https://example.org/", "raystep:2?pixel=1,2", "pixel", "javascript:alert(1)", "nonsense=yes", "pixel=banana"):
             with self.assertRaises(raystep.OptionError, msg=wrong):
                 raystep.view(self.scene, wrong)
-        self.assertIn("pixel=5%2C6", raystep.view(self.scene, "http://localhost:8000/#raystep:1?pixel=5,6").url)
-        script = raystep.view(self.scene, 'stream="><script>alert(1)</script>')._repr_html_()
+        # Of another scene, its place is kept, and nothing else.
+        text = "raystep:1?scene=a.glb&scene-index=2&scene-hash=fnv1a64:0123456789abcdef&eye=1e+5,0,0&look-at=0,0,0&pixel=5,6"
+        shown = raystep.view(self.scene, f"http://localhost:8000/#{text}")
+        self.assertEqual(urlsplit(shown.url).fragment, "raystep:1?scene=textures.gltf&eye=100000,0,0&look-at=0,0,0&pixel=5,6")
+        script = raystep.view(self.scene, 'adapter="><script>alert(1)</script>')._repr_html_()
         self.assertNotIn("<script", script)
 
 

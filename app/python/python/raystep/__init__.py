@@ -27,11 +27,20 @@ from ._compare import compare
 from ._display import Image, StreamArray
 from ._progress import Progress
 from ._raystep import DeviceError, OptionError, SceneError, __version__
+from ._raystep import after_fork as _after_fork
 from ._renderer import Pass, Plan, Renderer, Streams
 from ._scene import MISS, Hits, Scene, scene_names
 from ._sweep import SweepError, sweep
 from ._tables import Table, Tables
-from ._view import View, view
+from ._view import View, forget, view
+
+if hasattr(os, "register_at_fork"):
+
+    def _forked() -> None:
+        _after_fork()
+        forget()
+
+    os.register_at_fork(after_in_child=_forked)
 
 __all__ = [
     "MISS",

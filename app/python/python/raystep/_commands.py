@@ -86,7 +86,7 @@ def report(
     True
     """
     options: dict[str, Any] = {
-        name: value for name, value in locals().items() if name not in ("scenes", "size", "output")
+        name: value for name, value in dict(locals()).items() if name not in ("scenes", "size", "output")
     }
     options.update((name, os.fspath(options[name])) for name in ("methods", "rays_file", "strata") if options[name])
     files = [scenes] if isinstance(scenes, (str, os.PathLike)) else list(scenes)

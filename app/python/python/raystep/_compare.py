@@ -10,6 +10,10 @@ from ._renderer import Renderer
 from ._tables import Tables, table
 
 
+REALS = {"a", "b", "max_difference", "max_t_difference", "max_color_difference"}
+"""Columns of numbers that JSON may not have: they come as text if they are not finite."""
+
+
 def compare(a: Renderer, b: Renderer, progress: Watching = None) -> Tables:
     """Compares two runs of the same size from their starts to their ends; they stay where they are. Three tables:
 
@@ -29,6 +33,9 @@ def compare(a: Renderer, b: Renderer, progress: Watching = None) -> Tables:
     """
     with Watched(progress) as call:
         found = json.loads(_raystep.compare(a._renderer, b._renderer, call))
+    for row in (row for rows in found.values() for row in rows):
+        for name in REALS & row.keys():
+            row[name] = None if row[name] is None else float(row[name]) if isinstance(row[name], str) else row[name]
     run, first = found["runs"][0], found["first"]
     compared = run["compared_passes"]
     if first:

@@ -81,8 +81,8 @@ class StreamArray(np.ndarray[Any, np.dtype[Any]]):
     """Unit of the numbers."""
 
     def __array_finalize__(self, other: Any) -> None:
-        # Only the whole stream knows what its components are.
-        is_whole = getattr(other, "shape", None) == self.shape and getattr(other, "dtype", None) == self.dtype
+        # Only the whole stream knows what its components are: the same values at the same places.
+        is_whole = isinstance(other, StreamArray) and _layout(other) == _layout(self)
         for name, none in (("stream", ""), ("components", ()), ("meanings", ()), ("unit", "")):
             setattr(self, name, getattr(other, name, none) if is_whole else none)
 
@@ -135,6 +135,11 @@ class StreamArray(np.ndarray[Any, np.dtype[Any]]):
             bar = f"background: linear-gradient(to right, {', '.join(scale)}); width: 6em; height: 0.8em"
             legend = f'{span[0]:.5g} <span style="display: inline-block; {bar}"></span> {span[1]:.5g}'
         return _figure(f"{self.stream}.{name}", picture, "<br>".join([legend, *map(html.escape, others)]))
+
+
+def _layout(array: NDArray[Any]) -> tuple[Any, ...]:
+    """Where an array's elements are, and what they are."""
+    return array.ctypes.data, array.shape, array.strides, array.dtype
 
 
 def _figure(title: str, picture: bytes, legend: str) -> str:

@@ -26,6 +26,8 @@ def words_of(options: dict[str, Any]) -> list[str]:
 def _text(value: Any, option: str) -> str:
     if isinstance(value, str):
         return value
+    if getattr(value, "ndim", None) == 0:
+        value = value.item()
     if isinstance(value, Iterable):
         return ",".join(_text(part, option) for part in value)
     try:
@@ -42,6 +44,8 @@ def size_of(size: tuple[int, int] | str | None, width: int | None, height: int |
     if size is not None:
         if width is not None or height is not None:
             raise OptionError("size cannot be combined with width and height: omit one of them")
+        if not isinstance(size, (str, Iterable)):
+            raise OptionError(f"size {size!r}: expected width and height, such as (640, 480)")
         return size if isinstance(size, str) else "x".join(str(side) for side in size)
     if (width is None) != (height is None):
         raise OptionError("width requires height as well" if height is None else "height requires width as well")

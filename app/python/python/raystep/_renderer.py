@@ -171,7 +171,7 @@ class Renderer:
     ) -> None:
         options = {
             name: value
-            for name, value in locals().items()
+            for name, value in dict(locals()).items()
             if name not in ("self", "scene", "size", "width", "height", "device", "adapter")
         }
         if not isinstance(scene, Scene):

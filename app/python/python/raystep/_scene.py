@@ -105,25 +105,29 @@ class Hits:
         return np.not_equal(self.triangle, MISS)
 
 
-def _floats(name: str, values: ArrayLike, shape: str, wanted: tuple[int, ...]) -> NDArray[np.float32]:
-    """Values as contiguous float32: themselves if they are, else a copy."""
+def _floats(
+    name: str, values: ArrayLike, shape: str, wanted: tuple[int, ...], least: int = 0
+) -> NDArray[np.float32]:
+    """Values as contiguous, aligned float32: themselves if they are, else a copy. `least`: dimensions that they get."""
+    if np.ma.isMaskedArray(values):
+        raise OptionError(f"{name}: expected an array without a mask")
     try:
-        array = np.asarray(values)
+        array = np.array(values, copy=None, ndmin=least)
     except (TypeError, ValueError) as error:
         raise OptionError(f"{name}: expected numbers of shape {shape}: {error}") from None
     if array.dtype.kind not in "fiub":
         raise OptionError(f"{name}: expected numbers of shape {shape}, not {array.dtype}")
-    if array.size == 0 and array.ndim <= len(wanted) + 1:
+    if array.shape == (0,):
         array = array.reshape(0, *wanted)
     if array.ndim != len(wanted) + 1 or array.shape[1:] != wanted:
         raise OptionError(f"{name}: expected numbers of shape {shape}, not {array.shape}")
-    with np.errstate(over="ignore"):
-        return np.ascontiguousarray(array, dtype=np.float32)
+    with np.errstate(all="ignore"):
+        return np.require(array, np.float32, ["C", "A"])
 
 
 def _ends(name: str, values: ArrayLike, rays: int) -> NDArray[np.float32]:
     """One value for all rays, or one for each."""
-    array = _floats(name, np.atleast_1d(np.asarray(values)), f"() or ({rays},)", ())
+    array = _floats(name, values, f"() or ({rays},)", (), 1)
     if len(array) not in (1, rays):
         raise OptionError(f"{name}: expected 1 or {rays} numbers, not {len(array)}")
     return array

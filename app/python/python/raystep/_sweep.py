@@ -265,9 +265,9 @@ def _distribute(jobs: list[dict[str, Any]], folder: str, to: IO[str], address: s
     if is_ours:
         try:
             ray.init(address=address, include_dashboard=False, log_to_driver=False, logging_level="warning")
-        except Exception as error:  # Ray raises several kinds.
+        except Exception as refused:  # Ray raises several kinds.
             where = address or os.environ.get("RAY_ADDRESS") or "a local one"
-            why = (str(error).strip().splitlines() or [type(error).__name__])[-1]
+            why = (str(refused).strip().splitlines() or [type(refused).__name__])[-1]
             raise SweepError(f"cannot start or connect to the Ray cluster ({where}): {why}") from None
     work = ray.remote(_work)
     resources = ray.cluster_resources()

@@ -7,20 +7,20 @@ import html
 import importlib.util
 import os
 import posixpath
-import re
 import secrets
+import sys
 import threading
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path, PurePosixPath
-from typing import Union
-from urllib.parse import parse_qsl, quote, unquote, urlencode, urlsplit
+from typing import Any, Union
+from urllib.parse import unquote, urlsplit
 
+from . import _raystep
 from ._raystep import OptionError
 from ._scene import Scene
 
 PAGE = Path(__file__).parent / "page"
-PREFIX = "raystep:1?"
 TYPES = {
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -43,6 +43,11 @@ class _Server(ThreadingHTTPServer):
         self.views: dict[str, dict[str, Content]] = {}
         threading.Thread(target=self.serve_forever, name="raystep view", daemon=True).start()
 
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Reports an error, unless the browser has only gone away."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
     def find(self, path: str) -> Content | None:
         """What is at `/TOKEN/NAME`: nothing but the files that a view lists."""
         token, _, name = unquote(path).lstrip("/").partition("/")
@@ -60,7 +65,12 @@ class _Handler(BaseHTTPRequestHandler):
     sys_version = ""
 
     def do_GET(self) -> None:
-        content = self.server.find(urlsplit(self.path).path)
+        try:
+            path = urlsplit(self.path).path
+        except ValueError:
+            self.send_error(HTTPStatus.BAD_REQUEST)
+            return
+        content = self.server.find(path)
         try:
             body = content.read_bytes() if isinstance(content, Path) else content
         except OSError:
@@ -68,7 +78,7 @@ class _Handler(BaseHTTPRequestHandler):
         if body is None:
             self.send_error(HTTPStatus.NOT_FOUND)
             return
-        suffix = PurePosixPath(urlsplit(self.path).path).suffix or ".html"
+        suffix = PurePosixPath(path).suffix or ".html"
         self.send_response(HTTPStatus.OK)
         self.send_header("Content-Type", TYPES.get(suffix, "application/octet-stream"))
         self.send_header("Content-Length", str(len(body)))
@@ -85,6 +95,12 @@ class _Handler(BaseHTTPRequestHandler):
 
 _lock = threading.Lock()
 _server: _Server | None = None
+
+
+def forget() -> None:
+    """In a forked process, where the server's thread does not run."""
+    global _lock, _server
+    _lock, _server = threading.Lock(), None
 
 
 def _serve() -> _Server:
@@ -116,7 +132,7 @@ class View:
         >>> from raystep import Scene, view
         >>> shown = view(Scene(triangles=[], device="cpu"), link="pixel=3,4")
         >>> shown.url.split("#")[1]
-        'raystep:1?scene=triangles.glb&pixel=3%2C4'
+        'raystep:1?scene=triangles.glb&pixel=3,4'
         >>> shown.close()
         """
         return f"http://127.0.0.1:{self._server.server_port}/{self._token}/?embed#{self._fragment}"
@@ -179,19 +195,16 @@ def view(scene: Scene, link: str = "", *, height: int = 640) -> View:
     """
     if not (PAGE / "index.html").is_file():
         raise OptionError("view: this build of raystep does not include the inspector page: build the wheel with 'sh app/python/build.sh DIR'")
-    text = link.rpartition("#")[2].removeprefix(PREFIX)
-    if not re.fullmatch("(([a-z-]+=[^&]*)(&|$))*", text):
-        raise OptionError(f"link {link!r}: expected a link of raystep, or parts of one such as pixel=200,260&pass=41")
+    name, of_scene = _files(scene)
+    # What the inspector would say of it, without waiting for the page.
+    fragment = _raystep.link_to(name, link)
     files: dict[str, Content] = {
         path.relative_to(PAGE).as_posix(): path for path in PAGE.rglob("*") if path.is_file()
     }
-    name, of_scene = _files(scene)
     files.update({f"scenes/{path}": content for path, content in of_scene.items()})
-    place = [pair for pair in parse_qsl(text, keep_blank_values=True) if pair[0] != "scene"]
-    query = urlencode([("scene", name), *place], quote_via=quote)
     server, token = _serve(), secrets.token_urlsafe(24)
     server.views[token] = files
-    return View(server, token, PREFIX + query, height)
+    return View(server, token, fragment, height)
 
 
 def _files(scene: Scene) -> tuple[str, dict[str, Content]]:
@@ -202,5 +215,7 @@ def _files(scene: Scene) -> tuple[str, dict[str, Content]]:
     folder = paths[0].parent
     # Others are outside of the scene's folder, where a page has none.
     beside = [path for path in paths if path.is_relative_to(folder)]
-    # A browser asks for b, where a file names a/../b.
-    return paths[0].name, {posixpath.normpath(path.relative_to(folder).as_posix()): path for path in beside}
+    # A browser asks for b, where a file names a/../b. Bytes that are no text are not of a link.
+    name = os.fsencode(paths[0].name).decode("utf-8", "replace")
+    files: dict[str, Content] = {name: paths[0]}
+    return name, files | {posixpath.normpath(path.relative_to(folder).as_posix()): path for path in beside}
