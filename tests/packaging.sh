@@ -127,14 +127,26 @@ fish --no-config -c 'source $argv[1]/share/fish/vendor_completions.d/raystep.fis
     "$tree" || fail "fish does not complete"
 
 step "licences"
-dependencies="$tree/share/doc/raystep/LICENCES-dependencies.txt"
-cargo tree --locked -p raystep -e normal,no-proc-macro --target "$(rustc -vV | sed -n 's/^host: //p')" --prefix none \
-    --format '{p}' | sed 's/ v/ /; s/ (.*//' | sort -u >"$tried/crates"
-[ "$(wc -l <"$tried/crates")" -gt 100 ]
-while read -r crate; do
-    grep -q "^    $crate\(,\|$\)" "$dependencies" || fail "no licence of $crate"
-done <"$tried/crates"
-echo "of $(wc -l <"$tried/crates") crates; $(wc -c <"$dependencies") bytes"
+# Whether a file has the licence of each crate that another is made from.
+has_licences() {
+    cargo tree --locked --manifest-path "$1" -e normal,no-proc-macro --target "$2" \
+        --prefix none --format '{p}' | sed 's/ v/ /; s/ (.*//' | sort -u >"$tried/crates"
+    [ "$(wc -l <"$tried/crates")" -gt 100 ]
+    while read -r crate; do
+        grep -q "^    $crate\(,\|$\)" "$3" || fail "no licence of $crate in $3"
+    done <"$tried/crates"
+    [ -s "$(dirname "$3")/LICENCES-rust-library.html" ]
+    echo "of $(wc -l <"$tried/crates") crates; $(wc -c <"$3") bytes"
+}
+host=$(rustc -vV | sed -n 's/^host: //p')
+has_licences app/Cargo.toml "$host" "$tree/share/doc/raystep/LICENCES-dependencies.txt"
+if [ "${1:-}" != --archive ]; then
+    mkdir "$tried/wheel"
+    python3 -m zipfile -e "$(ls "$out"/raystep-*.whl)" "$tried/wheel"
+    licences=$(ls -d "$tried"/wheel/raystep-*.dist-info/licenses)
+    has_licences app/python/Cargo.toml "$host" "$licences/LICENCES-dependencies.txt"
+    has_licences app/web/Cargo.toml wasm32-unknown-unknown "$licences/LICENCES-page.txt"
+fi
 
 if [ "${1:-}" != --archive ]; then
     sh tests/python.sh "$(ls "$out"/raystep-*.whl)"

@@ -88,19 +88,23 @@ date=$(python3 -c 'import sys, time; print(time.strftime("%Y-%m-%d", time.gmtime
 [ -z "$exe" ] || "$tree/bin/raystep$exe" completions powershell >"$doc/raystep.ps1"
 
 cp README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE "$doc/"
-cp "$(rustc --print sysroot)/share/doc/rust/COPYRIGHT-library.html" "$doc/LICENCES-rust-library.html"
-# Minutes, so only where something may have changed.
-licences="$target/licences-$host.txt"
-for file in Cargo.lock app/Cargo.toml app/packaging/about.toml app/packaging/licences.hbs; do
-    [ "$licences" -nt "$file" ] || rm -f "$licences"
-done
-[ -s "$licences" ] || {
-    cargo fetch --quiet --locked
-    "$tools/bin/cargo-about" generate --frozen --fail --manifest-path app/Cargo.toml --target "$host" \
-        --config app/packaging/about.toml --output-file "$licences.part" app/packaging/licences.hbs
-    mv "$licences.part" "$licences"
+rust_licences=$(rustc --print sysroot)/share/doc/rust/COPYRIGHT-library.html
+# Writes the licences of a crate's dependencies. Takes minutes, so only where something may have changed.
+licences_of() {
+    manifest=$1 lock=$2 of=$3 file=$4
+    for input in "$lock" "$manifest" app/packaging/about.toml app/packaging/licences.hbs; do
+        [ "$file" -nt "$input" ] || rm -f "$file"
+    done
+    [ -s "$file" ] || {
+        cargo fetch --quiet --locked --manifest-path "$manifest"
+        "$tools/bin/cargo-about" generate --frozen --fail --manifest-path "$manifest" --target "$of" \
+            --config app/packaging/about.toml --output-file "$file.part" app/packaging/licences.hbs
+        mv "$file.part" "$file"
+    }
 }
-cp "$licences" "$doc/LICENCES-dependencies.txt"
+licences_of app/Cargo.toml Cargo.lock "$host" "$target/licences-$host.txt"
+cp "$target/licences-$host.txt" "$doc/LICENCES-dependencies.txt"
+cp "$rust_licences" "$doc/LICENCES-rust-library.html"
 
 rm -f "$out"/raystep-*-"$host.$format"
 python3 app/packaging/pack.py "$tree" "$out/$name.$format"
@@ -108,8 +112,13 @@ echo "$out/$name.$format: $(wc -c <"$out/$name.$format") bytes, the program $(wc
 
 case "$parts" in
 *wheel*)
+    mkdir -p "$target/licences"
+    licences_of app/python/Cargo.toml app/python/Cargo.lock "$host" "$target/licences/LICENCES-dependencies.txt"
+    # Of the page, which it brings along.
+    licences_of app/web/Cargo.toml Cargo.lock wasm32-unknown-unknown "$target/licences/LICENCES-page.txt"
+    cp "$rust_licences" "$target/licences/LICENCES-rust-library.html"
     # Its own flags: they are part of what Cargo compares to find out what to build.
-    (unset CARGO_ENCODED_RUSTFLAGS && sh app/python/build.sh "$out")
+    (unset CARGO_ENCODED_RUSTFLAGS && sh app/python/build.sh --licences "$target/licences" "$out")
     ;;
 esac
 

@@ -1,20 +1,25 @@
 #!/bin/sh
 # Builds the wheel into a folder:
 #
-#     sh app/python/build.sh [--sdist] [--page PAGE] [--quick] DIR
+#     sh app/python/build.sh [--sdist] [--page PAGE] [--licences FOLDER] [--quick] DIR
 #
-# instead of another wheel of raystep there; with --sdist, the source distribution. Needs Rust and Python 3.11 or later; maturin, and zig as a linker for an old
-# glibc, are installed into target/python. --page takes the folder of a page that app/web/build.sh has built before. For
-# tests, --quick optimises only what traces rays, and links for this machine.
+# instead of another wheel of raystep there; with --sdist, the source distribution. Needs Rust and Python 3.11 or later;
+# maturin, and zig as a linker for an old glibc, are installed into target/python. --page takes the folder of a page that
+# app/web/build.sh has built before, --licences a folder with those of the dependencies, LICENCES-*, which go into the
+# wheel beside raystep's own. For tests, --quick optimises only what traces rays, and links for this machine.
 set -eu
-usage() { echo "usage: sh app/python/build.sh [--sdist] [--page PAGE] [--quick] DIR" >&2; exit 2; }
-what=wheel page="" quick=""
+usage() { echo "usage: sh app/python/build.sh [--sdist] [--page PAGE] [--licences FOLDER] [--quick] DIR" >&2; exit 2; }
+what=wheel page="" licences="" quick=""
 while [ $# -gt 1 ]; do
     case $1 in
     --sdist) what=sdist ;;
     --quick) quick=yes ;;
     --page)
         page=$(cd "$2" && pwd)
+        shift
+        ;;
+    --licences)
+        licences=$(cd "$2" && pwd)
         shift
         ;;
     *) usage ;;
@@ -45,6 +50,10 @@ for name in quantized sphere-flake teapot terrain; do
     cp "../../scenes/$name.glb" "$scenes"
 done
 cp ../../scenes/textures-*.bin ../../scenes/*.png "$scenes"
+
+# What is named like this, maturin takes along.
+rm -f LICENCES-*
+[ -z "$licences" ] || cp "$licences"/LICENCES-* .
 
 # The inspector for browsers, without scenes: `view` serves the one that is shown.
 [ -n "$page" ] || {
