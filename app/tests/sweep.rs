@@ -214,6 +214,9 @@ fn a_picture_in_parts_has_the_bytes_of_one() {
         assert_eq!(place.read(&format!("out/{}", row["image"])), place.read("whole.png"), "{row:?}");
         assert!(row["adapter"].contains("cpu") && !row["host"].is_empty(), "{row:?}");
     }
+    let page = String::from_utf8(place.read("out/index.html")).expect("UTF-8");
+    let seconds = format!("{:.3}", all[0]["job_s"].parse::<f64>().expect("seconds"));
+    assert!(page.contains("all parts, s") && page.contains(&seconds), "{page}");
     // A part that is lost is made again, and no other.
     fs::remove_dir_all(place.path("out/jobs/cornell-box-accelerator-bvh-part-2-of-3")).expect("a folder");
     let again = run(&place, &["sweep.toml", "-o", "out"]);

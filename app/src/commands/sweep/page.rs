@@ -167,11 +167,14 @@ fn details(what: What, rows: &[&Row]) -> String {
             table_of(&columns, &cells.collect::<Vec<_>>())
         }
         What::Render => {
-            columns.extend(["image", "trace, s", "hash"]);
+            // An image of parts has no time of its own.
+            let is_whole = rows.iter().any(|row| !field(row, "trace_s").is_empty());
+            let (time, title) = if is_whole { ("trace_s", "trace, s") } else { ("job_s", "all parts, s") };
+            columns.extend(["image", title, "hash"]);
             let cells = |row: &&Row| {
                 let own = vec![
                     image(field(row, "image"), field(row, "job")),
-                    field(row, "trace_s").parse::<f64>().map_or(String::new(), |s| format!("{s:.3}")),
+                    field(row, time).parse::<f64>().map_or(String::new(), |s| format!("{s:.3}")),
                     escaped(field(row, "image_hash")),
                 ];
                 [lead(row), own].concat()
@@ -187,7 +190,7 @@ fn link(path: &str, text: &str) -> String {
     format!("<a href=\"{}\">{}</a>", escaped(&path.replace('%', "%25")), escaped(text))
 }
 
-/// A image that is a link to itself; browsers show no EXR.
+/// An image that is a link to itself; browsers show no EXR.
 fn image(path: &str, name: &str) -> String {
     if !path.ends_with(".png") {
         return link(path, name);
