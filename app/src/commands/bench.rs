@@ -46,12 +46,12 @@ use crate::terminal::{Progress, print, say};
 /// each primary hit to a light, or, if the scene has none, to the top centre of its box; random, from anywhere in the
 /// scene's box in any direction. They are the same in every run.
 ///
-/// With --at-most R, bench is a regression gate: it checks that this build takes at most R times as long as another, with
-/// the same hits, tests, cells and passes. --against BINARY runs both builds alternately, in several processes each. --baseline DIR compares with an
-/// earlier benchmark; as the machine may have become slower or faster since, times are judged only if R exceeds the
-/// drift measured. Exit code 0: not slower than R; 1: slower than R, or hits, counts, device or scene differ, or a row is
-/// missing; 3: too noisy to tell. The verdict on times holds with 95% confidence for all rows together. DIR/gate.json
-/// and DIR/gate.md have the result.
+/// With --at-most R, bench is a regression gate: it checks that this build takes at most R times as long as another,
+/// with the same hits, tests, cells and passes. --against BINARY runs both builds alternately, in several processes
+/// each. --baseline DIR compares with an earlier benchmark; as the machine may have become slower or faster since,
+/// times are judged only if R exceeds the drift measured. Exit code 0: not slower than R; 1: slower than R, or hits,
+/// counts, device or scene differ, or a row is missing; 3: too noisy to tell. The verdict on times holds with 95%
+/// confidence for all rows together. DIR/gate.json and DIR/gate.md have the result.
 ///
 /// With --shard I/N, only some of the scenes are measured, for N machines or jobs, and 'raystep merge' combines their
 /// tables. What is compared within a scene is never divided.

@@ -25,11 +25,12 @@ use pipeline::{Counts, Pipeline};
 /// Cast rays of another program: read them from a file or a pipe, and write what each ray hits
 ///
 /// Rays are an npy array of float32, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max; t_max may be
-/// infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). t is in multiples of the direction
-/// vector, which need not be normalised. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0. The result is an npy array
-/// with one element per ray: t (infinite without a hit), u, v (weights of the triangle's vertices 1 and 2), triangle and
-/// material (4294967295 without a hit). In Python, numpy.save('rays.npy', numpy.hstack([origins,
-/// directions]).astype('<f4')) writes rays, and hits = numpy.load('hits.npy') reads hits: hits['t'], hits['triangle'].
+/// infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). t is in multiples of the
+/// direction vector, which need not be normalised. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0. The
+/// result is an npy array with one element per ray: t (infinite without a hit), u, v (weights of the triangle's
+/// vertices 1 and 2), triangle and material (4294967295 without a hit). In Python, numpy.save('rays.npy',
+/// numpy.hstack([origins, directions]).astype('<f4')) writes rays, and hits = numpy.load('hits.npy') reads hits:
+/// hits['t'], hits['triangle'].
 ///
 /// Rays are read, traced and written in batches at the same time, so any number of them takes the same memory.
 #[derive(Args, Debug)]

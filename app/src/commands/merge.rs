@@ -14,13 +14,14 @@ use crate::terminal::Progress;
 
 /// Merge the parts of a run that was split with --shard
 ///
-/// The parts are folders of 'raystep render', 'bench' or 'stability' with --shard I/N, in any order. The
-/// command fails if parts come from different scenes, options or versions, if a part is missing (unless --so-far is used)
-/// or given twice, or if devices or drivers differ (unless --mixed is used).
+/// The parts are folders of 'raystep render', 'bench' or 'stability' with --shard I/N, in any order. The command fails
+/// if parts come from different scenes, options or versions, if a part is missing (unless --so-far is used) or given
+/// twice, or if devices or drivers differ (unless --mixed is used).
 ///
 /// Parts of an image are combined into one image. If all devices are of the same kind, its pixels are bit-identical to
-/// those of a single run with all samples; an EXR has colour only, without the hit channels of 'raystep render'. Parts of
-/// 'bench' and 'stability' are combined into one folder with the tables of a single run; HTML pages are copied, one per part.
+/// those of a single run with all samples; an EXR has colour only, without the hit channels of 'raystep render'. Parts
+/// of 'bench' and 'stability' are combined into one folder with the tables of a single run; HTML pages are copied, one
+/// per part.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
