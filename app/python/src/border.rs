@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use raystep_kernels::{Progress, RenderError};
+use raystep_kernels::{Progress, RenderError, Renderer};
 
 use crate::error::{DeviceError, of_request};
 
@@ -162,8 +162,12 @@ impl Watcher {
         if self.has_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// Whether work has to stop. A run that is stopped where it would have ended anyway does not say so.
-    pub(crate) fn has_raised(&self) -> bool {
+    /// Ends work with several runs, or several ends of one: a run that is stopped where it would have ended anyway goes on.
+    pub(crate) fn expect_calm(&self, run: &Renderer) -> Result<(), RenderError> {
+        if self.has_raised() { Err(RenderError::Cancelled { passes: run.pass_count() }) } else { Ok(()) }
+    }
+
+    fn has_raised(&self) -> bool {
         self.raised.is_some()
     }
 

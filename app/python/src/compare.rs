@@ -45,7 +45,7 @@ async fn tables(runs: &mut [Kernels; 2], watcher: &mut Watcher) -> Result<Value,
     let mut streams = Vec::new();
     for stream in common(a, b) {
         let _ = watcher.ask();
-        expect_calm(a, watcher)?;
+        watcher.expect_calm(a)?;
         let (left, right) = (a.values(stream).await?, b.values(stream).await?);
         streams.extend(of_stream(&left, &right));
     }
@@ -63,7 +63,7 @@ async fn together([a, b]: &mut [Kernels; 2], watcher: &mut Watcher) -> Result<Fo
     while a.next_kernel().is_some() && a.next_kernel() == b.next_kernel() {
         a.run_to(found.compared + 1, |progress| watcher.tell(progress)).await?;
         b.run_to(found.compared + 1, |_| std::ops::ControlFlow::Continue(())).await?;
-        expect_calm(a, watcher)?;
+        watcher.expect_calm(a)?;
         let Some(pass) = a.passes().get(found.compared).copied() else { break };
         found.compared += 1;
         let plan = a.shared_plan();
@@ -78,11 +78,6 @@ async fn together([a, b]: &mut [Kernels; 2], watcher: &mut Watcher) -> Result<Fo
         }
     }
     Ok(found)
-}
-
-/// An error if the watcher has raised one.
-fn expect_calm(run: &Kernels, watcher: &Watcher) -> Result<(), RenderError> {
-    if watcher.has_raised() { Err(RenderError::Cancelled { passes: run.pass_count() }) } else { Ok(()) }
 }
 
 /// The streams that both have.

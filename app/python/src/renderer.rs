@@ -228,6 +228,6 @@ impl Renderer {
 
 /// Goes to a place, unless the watcher ends it. A thread polls a GPU meanwhile: several runs may use it at a time.
 fn arrive(run: &mut Run, place: usize, mut watcher: Watcher) -> PyResult<()> {
-    let result = block_on(run.go(place, |progress| watcher.tell(progress)));
+    let result = block_on(run.go(place, &mut watcher));
     watcher.finish(result)
 }

@@ -1,8 +1,8 @@
 //! Moves a run forwards and backwards.
 
-use std::ops::ControlFlow;
+use raystep_kernels::{Checkpoint, Device, Options, RenderError, Renderer};
 
-use raystep_kernels::{Checkpoint, Device, Options, Progress, RenderError, Renderer};
+use crate::border::Watcher;
 
 /// Most bytes of checkpoints.
 const BUDGET: u64 = 1 << 30;
@@ -34,12 +34,8 @@ impl Run {
         Ok(self.side.insert(side))
     }
 
-    /// Runs until so many passes have run, or to the end. If `tell` stops it, it stays where it is.
-    pub(crate) async fn go(
-        &mut self,
-        place: usize,
-        mut tell: impl FnMut(&Progress) -> ControlFlow<()>,
-    ) -> Result<(), RenderError> {
+    /// Runs until so many passes have run, or to the end. If the watcher stops it, it stays where it is.
+    pub(crate) async fn go(&mut self, place: usize, watcher: &mut Watcher) -> Result<(), RenderError> {
         if place < self.renderer.pass_count() {
             self.kept.retain(|kept| kept.place() <= place);
             let base = match self.kept.last() {
@@ -52,22 +48,13 @@ impl Run {
                     0
                 }
             };
-            // A run that is stopped where it would have ended anyway does not say so.
-            let mut is_stopped = false;
             for stop in stops(base, place) {
-                let tell = |progress: &Progress| {
-                    let flow = tell(progress);
-                    is_stopped |= flow.is_break();
-                    flow
-                };
-                self.renderer.run_to(stop, tell).await?;
-                if is_stopped {
-                    return Err(RenderError::Cancelled { passes: self.renderer.pass_count() });
-                }
+                self.renderer.run_to(stop, |progress| watcher.tell(progress)).await?;
+                watcher.expect_calm(&self.renderer)?;
                 self.keep().await?;
             }
         }
-        self.renderer.run_to(place, tell).await
+        self.renderer.run_to(place, |progress| watcher.tell(progress)).await
     }
 
     /// Keeps a checkpoint here.
