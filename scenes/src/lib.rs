@@ -14,4 +14,4 @@ pub mod scene;
 
 pub use glb::{WriteError, write_glb};
 pub use load::{FileError, LoadError, LoadOptions, NoFiles, Resolver, external_files, load};
-pub use scene::{Bounds, Camera, Light, Material, Note, Projection, Scene, Texture, Wrap};
+pub use scene::{Bounds, Camera, Light, Material, Note, Projection, Scene, Texture, Wrap, offset_for};

@@ -1,6 +1,6 @@
-//! Loads glTF 2.0 into a [`Scene`].
+//! Loads a file into a [`Scene`].
 //!
-//! The modules below are in the order in which a file is read:
+//! The modules of glTF are in the order in which a file is read, and `gltf_scene` calls them:
 //!
 //! * `container` splits a GLB and parses the JSON; `repair` rewrites what the parser wrongly rejects.
 //! * `buffers` reads bytes on demand: the BIN chunk, data URIs and external files.
@@ -20,19 +20,21 @@ mod buffers;
 mod check;
 mod container;
 mod geometry;
+mod gltf_scene;
 mod graph;
 mod images;
 mod json_path;
 mod lights_cameras;
 mod materials;
+mod notes;
 mod place;
 mod pose;
 mod repair;
 
-use crate::{Note, Scene};
+use crate::Scene;
 use budget::Budget;
-use check::{Notes, at};
-use std::cell::{Cell, RefCell};
+use check::at;
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 /// Reads the external files of a glTF file.
@@ -236,60 +238,7 @@ pub fn external_files(bytes: &[u8], max_bytes: u64) -> Result<Vec<String>, LoadE
 pub fn load(name: &str, bytes: &[u8], resolver: &dyn Resolver, options: &LoadOptions) -> Result<Scene, LoadError> {
     let budget = Budget::new(options.max_bytes);
     budget.take(bytes.len() as u64, "the file")?;
-    let (root, bin) = container::parse(bytes, &budget)?;
-    let notes = RefCell::new(Notes::default());
-    check::extensions(&root, &mut notes.borrow_mut())?;
-
-    let buffers = buffers::Buffers::new(&root, bin, resolver, &budget)?;
-    let accessors = accessor::Accessors::new(&root, &buffers, &budget, &notes);
-
-    let graph = graph::Graph::new(&root)?;
-    let nodes = graph.nodes_of(&root, options.scene)?;
-    graph::check_transforms(&root, &nodes, &mut notes.borrow_mut());
-    let groups = geometry::groups(&root, &nodes)?;
-    let primitives = geometry::survey(&root, &accessors, &groups, &notes)?;
-
-    // Sorted without duplicates: the default material, then file order.
-    let used: BTreeSet<Option<usize>> = primitives.iter().map(geometry::Primitive::material).collect();
-    let images = images::Images {
-        buffers: &buffers,
-        resolver,
-        budget: &budget,
-        max_texels: options.max_texels,
-        texels: Cell::new(0),
-    };
-    let materials = materials::read(&root, &used, &images, &mut notes.borrow_mut())?;
-
-    let poser = pose::Poser::new(&root, &accessors, &graph, &budget);
-    let triangles = geometry::triangles(&primitives, &accessors, &poser, &graph, &materials, &budget, &notes)?;
-    let mut notes = notes.take();
-    let cameras = lights_cameras::cameras(&root, &graph, &nodes, &budget)?;
-    let lights = lights_cameras::lights(&root, &graph, &nodes, &mut notes)?;
-
-    if triangles.positions.is_empty() {
-        notes.add("the scene has no triangles");
-    }
-    if cameras.is_empty() {
-        notes.add("no camera in the file: using one that frames the scene");
-    }
-    if lights.is_empty() {
-        notes.add("no lights in the file: using a headlight at the eye");
-    }
-    if !root.animations.is_empty() {
-        notes.add("animations are ignored");
-    }
+    let scene = gltf_scene::read(bytes, resolver, options, &budget)?;
     let name = name.strip_suffix(".gltf").or_else(|| name.strip_suffix(".glb")).unwrap_or(name);
-    Ok(Scene {
-        name: name.to_owned(),
-        triangles: triangles.positions,
-        normals: triangles.normals,
-        texcoords: triangles.texcoords,
-        colors: triangles.colors,
-        triangle_materials: triangles.materials,
-        materials: materials.materials,
-        textures: materials.textures,
-        lights,
-        cameras,
-        notes: notes.into_vec().into_iter().map(Note).collect(),
-    })
+    Ok(Scene { name: name.to_owned(), ..scene })
 }

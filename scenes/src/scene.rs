@@ -5,10 +5,16 @@ use glam::{DVec3, Vec3};
 /// A scene in world space. Right-handed, +Y up as in glTF, lengths in scene units.
 ///
 /// Everything per triangle is indexed by the triangle's id, its position in [`triangles`](Self::triangles).
+///
+/// Positions of triangles, lights and cameras are those of the file minus [`offset`](Self::offset): far from the
+/// origin, f32 could not tell the vertices of a small triangle apart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// A short name for reports: the file's stem, or the generator's name.
     pub name: String,
+    /// Where the scene's origin lies in the file's coordinates; 0 unless all triangles lie far from the file's origin.
+    /// See [`offset_for`].
+    pub offset: DVec3,
     /// Vertex positions. All are finite.
     pub triangles: Vec<[[f32; 3]; 3]>,
     /// Unit vertex normals, three per triangle; `None` if no mesh has any. If only some meshes have them, the others
@@ -176,6 +182,28 @@ impl Bounds {
     }
 }
 
+/// The point that is subtracted, in f64, from the coordinates of a file whose vertices have these bounds: 0 on an axis
+/// where they come near the origin, compared with their extent, and otherwise near their centre. Coordinates stay as
+/// they are, to the bit, unless f32 would represent them at least four times more coarsely than around the origin. The
+/// result has few bits, so that subtracting it adds no rounding error of its own.
+#[must_use]
+pub fn offset_for(min: DVec3, max: DVec3) -> DVec3 {
+    /// Distances from the origin up to this multiple of the extent are left alone.
+    const NEAR: f64 = 4.0;
+    let extent = (max - min).max_element();
+    if !(extent > 0.0 && extent.is_finite()) {
+        return DVec3::ZERO;
+    }
+    // An eighth to a sixteenth of the extent: a power of two, unless that would be subnormal.
+    let step = (extent / 8.0).log2().floor().exp2().max(f64::MIN_POSITIVE);
+    let of_axis = |min: f64, max: f64| {
+        let center = min + (max - min) / 2.0;
+        if min.abs().max(max.abs()) > NEAR * extent { (center / step).round() * step } else { 0.0 }
+    };
+    let offset = DVec3::new(of_axis(min.x, max.x), of_axis(min.y, max.y), of_axis(min.z, max.z));
+    if offset.is_finite() { offset } else { DVec3::ZERO }
+}
+
 impl Scene {
     /// A scene of triangles only, in scene units: grey, matt, and lit from the eye.
     ///
@@ -187,6 +215,13 @@ impl Scene {
     pub fn from_triangles(triangles: Vec<[[f32; 3]; 3]>) -> Self {
         let triangle_materials = vec![0; triangles.len()];
         Self { triangles, triangle_materials, materials: vec![Material::default()], ..Self::default() }
+    }
+
+    /// The box of all vertices in the file's coordinates, smallest and largest; `None` without triangles.
+    #[must_use]
+    pub fn bounds_in_file(&self) -> Option<[DVec3; 2]> {
+        let Bounds { min, max } = Some(self.bounds()).filter(|bounds| !bounds.is_empty())?;
+        Some([min, max].map(|corner| self.offset + corner.as_dvec3()))
     }
 
     /// The box of all vertices; [`Bounds::EMPTY`] without triangles.
@@ -240,5 +275,33 @@ impl Camera {
             forward: DVec3::NEG_Z,
             projection,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_scenes_far_from_the_origin_for_their_size_have_an_offset() {
+        let offset = |min: [f64; 3], size: f64| offset_for(DVec3::from(min), DVec3::from(min) + size);
+        assert_eq!(offset([0.0, -1.0, 2.9], 1.0), DVec3::ZERO);
+        assert_eq!(offset([1e7, 0.0, -1e7], 1000.0), DVec3::new(1e7 + 512.0, 0.0, -1e7 + 512.0));
+        assert_eq!(offset([f64::MAX, 0.0, 0.0], 1.0), DVec3::ZERO, "no extent is left at that distance");
+        for (min, size) in [(-f64::MAX, f64::INFINITY), (f64::NAN, 1.0), (1e-310, 1e-315), (5e-324, 5e-324)] {
+            let offset = offset([min; 3], size);
+            assert!(offset.is_finite(), "{min} {size}: {offset}");
+        }
+    }
+
+    #[test]
+    fn what_is_left_of_a_coordinate_is_exact_and_small() {
+        let (min, size) = (12_958_095.124_851_028, 0.4);
+        let offset = offset_for(DVec3::splat(min), DVec3::splat(min + size)).x;
+        // The nearest f64 of the difference, computed another way: both numbers are multiples of 2^-29.
+        let scale = 29.0_f64.exp2();
+        let exact = (min * scale) as i64 - (offset * scale) as i64;
+        assert_eq!((min - offset) * scale, exact as f64);
+        assert!((min - offset).abs() <= size, "{offset}");
     }
 }

@@ -48,6 +48,7 @@ fn everything() -> Scene {
     };
     let direction = [0.6, -0.8, 0.0];
     Scene {
+        offset: DVec3::ZERO,
         name: "everything".into(),
         triangles: all().map(|i| [0, 1, 2].map(|k| corner(i, k))).collect(),
         normals: Some(all().map(|i| [[0.0, if i % 2 == 0 { 1.0 } else { -1.0 }, 0.0]; 3]).collect()),

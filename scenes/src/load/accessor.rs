@@ -3,7 +3,8 @@
 
 use super::budget::Budget;
 use super::buffers::Buffers;
-use super::check::{self, Notes, Wrong};
+use super::check;
+use super::notes::{Notes, Wrong};
 use super::{LoadError, at};
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::{Index, Root, buffer::View};

@@ -6,9 +6,10 @@
 
 use super::accessor::Accessors;
 use super::budget::Budget;
-use super::check::{self, Notes, Wrong};
+use super::check;
 use super::graph::Graph;
 use super::materials::Materials;
+use super::notes::{Notes, Wrong};
 use super::place::{Placement, flat_normal};
 use super::pose::{Influences, Key, Poser, Vertices, expect_count};
 use super::{LoadError, at};

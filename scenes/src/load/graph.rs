@@ -1,7 +1,8 @@
 //! The node hierarchy: one parent each, no cycles, and every node's world matrix. Nothing here is recursive, since a
 //! file may nest its nodes arbitrarily deep.
 
-use super::check::{self, Notes, Wrong};
+use super::check;
+use super::notes::{Notes, Wrong};
 use super::{LoadError, at};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use gltf::json::{Index, Node, Root};

@@ -1,8 +1,9 @@
 //! Lights and cameras, placed by their nodes.
 
 use super::budget::Budget;
-use super::check::{self, Notes, Wrong};
+use super::check;
 use super::graph::Graph;
+use super::notes::{Notes, Wrong};
 use super::{LoadError, at};
 use crate::{Camera, Light, Projection};
 use glam::{DAffine3, DVec3};

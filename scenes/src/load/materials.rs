@@ -1,8 +1,9 @@
 //! The materials in use, and their textures.
 
 use super::LoadError;
-use super::check::{self, Notes, Wrong};
+use super::check;
 use super::images::Images;
+use super::notes::{Notes, Wrong};
 use crate::{Material, Texture, Wrap};
 use gltf::json::material::AlphaMode;
 use gltf::json::texture::{self, MagFilter, Sampler, WrappingMode};

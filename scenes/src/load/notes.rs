@@ -1,0 +1,82 @@
+//! Notes for the user: what was ignored, assumed or mended, one counted sentence per kind.
+
+use std::collections::{BTreeMap, HashSet};
+
+/// Faults that are noted but do not prevent loading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Wrong {
+    /// Vertices whose normal has no direction, by accessor.
+    Normals,
+    /// Vertices whose colour is not finite, by accessor.
+    Colors,
+    /// Vertices whose colour is outside [0, 1], by accessor.
+    ColorsOutside,
+    /// Vertices whose texture coordinates are not finite, by accessor.
+    Texcoords,
+    /// Accessors with elements outside their `min` and `max`, by accessor.
+    Bounds,
+    /// A material's colours outside [0, 1], by material.
+    FactorOutside,
+    /// Lights with a colour outside [0, 1], by light.
+    LightOutside,
+    /// Nodes with a matrix and also a translation, rotation or scale, by node.
+    MatrixBesideParts,
+    /// Nodes with a rotation that is not of length 1, by node.
+    RotationNotUnit,
+}
+
+impl Wrong {
+    /// The note for this number of occurrences.
+    fn sentence(self, count: usize) -> String {
+        let (one, many, rest) = match self {
+            Self::Normals => ("normal", "normals", "no direction (zeros, NaN or infinities): drawn flat there"),
+            Self::Colors => ("vertex colour", "vertex colours", "parts that are no numbers: drawn as 1"),
+            Self::ColorsOutside => ("vertex colour", "vertex colours", "parts outside of 0 to 1: drawn as they are"),
+            Self::Texcoords => ("texture coordinate", "texture coordinates", "parts that are no numbers: drawn as 0"),
+            Self::Bounds => ("accessor", "accessors", "elements outside of min and max: drawn as they are"),
+            Self::FactorOutside => {
+                ("material factor", "material factors", "parts outside of 0 to 1: drawn as they are")
+            }
+            Self::LightOutside => ("light", "lights", "a colour outside of 0 to 1: drawn as it is"),
+            Self::MatrixBesideParts => {
+                ("node", "nodes", "a matrix beside a translation, rotation or scale: drawn by the matrix")
+            }
+            Self::RotationNotUnit => ("node", "nodes", "a rotation of another length than 1: drawn as if it were 1"),
+        };
+        if count == 1 { format!("1 {one} has {rest}") } else { format!("{count} {many} have {rest}") }
+    }
+}
+
+/// Notes for the user, without duplicates.
+#[derive(Default)]
+pub(crate) struct Notes {
+    said: Vec<String>,
+    known: HashSet<String>,
+    /// How often each fault occurs in one part of the file; the part may be read repeatedly.
+    found: BTreeMap<(Wrong, usize), usize>,
+}
+
+impl Notes {
+    pub(crate) fn add(&mut self, note: impl Into<String>) {
+        let note = note.into();
+        if self.known.insert(note.clone()) {
+            self.said.push(note);
+        }
+    }
+
+    /// Records that this fault occurs `count` times in the part of the file with this index.
+    pub(crate) fn found(&mut self, what: Wrong, index: usize, count: usize) {
+        if count > 0 {
+            self.found.insert((what, index), count);
+        }
+    }
+
+    /// All notes: sentences first, then counted faults.
+    pub(crate) fn into_vec(self) -> Vec<String> {
+        let mut counts: BTreeMap<Wrong, usize> = BTreeMap::new();
+        for ((what, _), count) in self.found {
+            *counts.entry(what).or_default() += count;
+        }
+        self.said.into_iter().chain(counts.into_iter().map(|(what, count)| what.sentence(count))).collect()
+    }
+}
