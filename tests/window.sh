@@ -1,6 +1,6 @@
 #!/bin/sh
 # Opens the real window under a window manager, on a virtual display, with each device. It must open every time, survive
-# being resized and moved while it traces, trace to the end, and close without messages.
+# being resized and moved while it traces, trace to the end, and close without messages, also in the middle of its work.
 # With RAYSTEP_THOROUGH, which tests/full.sh sets, it is opened more often.
 set -eu
 cd "$(dirname "$0")/.."
@@ -11,7 +11,12 @@ if [ -z "$binary" ]; then
 fi
 # Repeated starts find intermittent failures; the first start finds the others.
 starts=3
-[ -z "${RAYSTEP_THOROUGH:-}" ] || starts=10
+# Times that it is closed in the middle of each kind of work.
+interruptions=2
+if [ -n "${RAYSTEP_THOROUGH:-}" ]; then
+    starts=10
+    interruptions=20
+fi
 
 # Repeats a command until it succeeds, up to this many times, every 0.1 s.
 until_it_does() {
@@ -49,12 +54,14 @@ fail() {
     exit 1
 }
 
-# Starts raystep in a fresh home folder with these options, and waits until it shows the scene.
+# Starts raystep in a fresh home folder with these options, and waits until its title names the scene, the first argument.
 open() {
+    scene=$1
+    shift
     rm -rf "$folder/.local" "$folder/said"
     until_it_does 100 no_window || fail "$*: a window is already open"
     # The last line of its output is its exit code.
-    ("$binary" scenes/cornell-box.gltf "$@" 2>&1; echo "exit code $?") >"$folder/said" &
+    ("$binary" inspect "$@" 2>&1; echo "exit code $?") >"$folder/said" &
     opened=$!
     until_it_does 300 shows_the_scene && [ ! -s "$folder/said" ] || fail "$*: the window did not show the scene"
 }
@@ -65,12 +72,12 @@ no_window() {
 
 shows_the_scene() {
     # If it has ended, there is nothing to wait for.
-    [ -s "$folder/said" ] || wmctrl -l | grep -q cornell-box
+    [ -s "$folder/said" ] || wmctrl -l | grep -q "$scene"
 }
 
 # Closes the window as a user would.
 close() {
-    wmctrl -c cornell-box || fail "$*: the window is gone"
+    wmctrl -c "$scene" || fail "$*: the window is gone"
     until_it_does 300 test -s "$folder/said" || fail "$*: the window does not close"
     wait "$opened"
     [ "$(cat "$folder/said")" = "exit code 0" ] || fail "$*: the window did not stay open and silent"
@@ -84,16 +91,15 @@ is_traced() {
 
 test_with() {
     device=$1
-    begin
     start=1
     while [ "$start" -le "$starts" ]; do
-        open --device "$device"
+        open cornell-box scenes/cornell-box.gltf --device "$device"
         # Wait for the first passes, while window manager and window settle on a size.
         sleep 1
         close "--device $device, start $start"
         start=$((start + 1))
     done
-    open --device "$device" --size 1024x1024
+    open cornell-box scenes/cornell-box.gltf --device "$device" --size 1024x1024
     for turn in 1 2 3 4 5 6 7 8 9 10; do
         wmctrl -r cornell-box -e "0,$((20 * turn)),$((10 * turn)),$((500 + 80 * turn)),$((300 + 50 * turn))"
         sleep 0.2
@@ -104,10 +110,26 @@ test_with() {
     close "--device $device, after twenty resizes"
 }
 
+# Closes the window in the middle of tracing, of a comparison, and of measuring choices, each time a little later.
+interrupt_with() {
+    device=$1
+    for work in "Go to end" "Compare with BVH" "Measure choices"; do
+        printf '# Work\n\n## A step\n\n```raystep\n%s\ndo %s\n```\n' \
+            "open scene=built-in:terrain size=1024x1024" "$work" >"$folder/work.md"
+        turn=1
+        while [ "$turn" -le "$interruptions" ]; do
+            open terrain --lesson "$folder/work.md" --device "$device"
+            sleep "$((turn % 5)).$((turn % 10))"
+            close "--device $device, in the middle of '$work', turn $turn"
+            turn=$((turn + 1))
+        done
+    done
+}
+
 # `--device auto` selects one of these. They mostly wait, so run both at once.
-(test_with gpu) &
+(begin; test_with gpu; interrupt_with gpu) &
 gpu=$!
-(test_with cpu) &
+(begin; test_with cpu; interrupt_with cpu) &
 cpu=$!
 failed=0
 wait "$gpu" || failed=1

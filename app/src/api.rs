@@ -11,7 +11,7 @@ use raystep_scenes::Scene;
 use crate::args::{DeviceArgs, RunArgs, ViewArgs};
 use crate::error::{self, Error};
 use crate::session;
-use crate::{device, scene_file, usage};
+use crate::{device, scene_file, threads, usage};
 
 /// Why something cannot be had: one line, as after `error: ` on the command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,6 +70,13 @@ fn parse<A: Args>(words: &[OsString]) -> Result<A, Error> {
 /// If an option is wrong, or there is no such device.
 pub fn open(words: &[OsString]) -> Result<Machine, Failure> {
     Ok(device::choose(&parse::<DeviceArgs>(words)?)?)
+}
+
+/// Ends the threads that call devices, before the process ends: a driver may crash if they call it while its exit handlers
+/// run. No device works afterwards.
+pub fn end() {
+    // If one does not end in time, the host still decides how its process ends.
+    let _ = threads::end();
 }
 
 /// The options of a run of a scene, and notes about them: those of `raystep render` for view, samples and tracing, except

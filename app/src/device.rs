@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::args::{DeviceArgs, DeviceKind};
 use crate::error::Error;
+use crate::threads;
 
 /// The device for the given options.
 pub(crate) fn choose(args: &DeviceArgs) -> Result<Machine, Error> {
@@ -74,21 +75,15 @@ pub(crate) fn open(choice: &AdapterChoice) -> Result<Arc<Gpu>, Error> {
 /// The same without blocking.
 pub(crate) async fn opening(choice: &AdapterChoice) -> Result<Arc<Gpu>, Error> {
     let gpu = Gpu::new(choice).await?;
-    keep(&gpu);
+    threads::keep(&gpu);
     gpu.check_clock(now_ns).await?;
     Ok(gpu)
 }
 
 /// Compares its clock with the host's.
 fn check_clock(gpu: &Arc<Gpu>) -> Result<(), Error> {
-    keep(gpu);
+    threads::keep(gpu);
     Ok(block_on(Some(gpu), gpu.check_clock(now_ns))?)
-}
-
-/// A device must live as long as the process: the thread that dropped it last would unload the driver, and if the
-/// process exits meanwhile, the driver's exit handlers would be gone when they are called.
-fn keep(gpu: &Arc<Gpu>) {
-    std::mem::forget(gpu.clone());
 }
 
 #[cfg(test)]

@@ -29,8 +29,12 @@ pub(crate) fn end(code: i32) -> ! {
     for path in temporary.iter() {
         let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
+    leave(code)
+}
+
+/// Exits without the exit handlers of libraries, which would conflict with threads that still run.
+pub(crate) fn leave(code: i32) -> ! {
     #[cfg(unix)]
-    // Immediately: exit handlers of libraries would conflict with their threads, which still run.
     signal_hook::low_level::exit(code);
     #[cfg(not(unix))]
     std::process::exit(code)

@@ -17,6 +17,7 @@ mod session;
 mod session_file;
 mod shard;
 mod terminal;
+mod threads;
 mod usage;
 mod window;
 
@@ -36,13 +37,16 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     #[cfg(target_os = "linux")]
     silence_mesa();
     interrupt::install();
-    match run(arguments) {
+    // What the process ends with after a panic.
+    let mut ending = threads::Ending { code: 101 };
+    ending.code = match run(arguments) {
         Ok(()) => 0,
         Err(error) => {
             terminal::say(&error);
             error.code
         }
-    }
+    };
+    ending.code
 }
 
 /// Names the folder with the scenes that a host brings along, which open by name: `cornell-box` is `cornell-box.gltf` or

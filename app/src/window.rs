@@ -224,5 +224,8 @@ impl eframe::App for Window {
 
     fn on_exit(&mut self) {
         self.keep();
+        // Where the system ends the process from within its event loop, nothing comes after this.
+        #[cfg(target_os = "macos")]
+        let _ = crate::threads::end();
     }
 }

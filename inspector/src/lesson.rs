@@ -23,6 +23,7 @@
 
 pub mod built_in;
 pub mod command;
+mod comparison;
 mod error;
 mod expression;
 pub mod fact;
@@ -31,7 +32,8 @@ mod read;
 mod set_up;
 mod value;
 
-pub use command::{Action, Condition, Expect, Goal, Operand};
+pub use command::{Action, Expect, Goal};
+pub use comparison::{Comparison, Condition, Operand};
 pub use error::{LessonError, Wrong};
 pub use expression::{Expression, Sign};
 pub use fact::{Fact, Field, Name};

@@ -27,9 +27,14 @@ pub(crate) fn after_fork() {
     IS_FORKED.store(HAS_WORKED.load(Ordering::Relaxed), Ordering::Relaxed);
 }
 
+/// Whether this process lacks threads that it had before it was forked.
+pub(crate) fn is_forked() -> bool {
+    IS_FORKED.load(Ordering::Relaxed)
+}
+
 /// Refuses to work in a process that lacks threads.
 pub(crate) fn expect_unforked() -> PyResult<()> {
-    if IS_FORKED.load(Ordering::Relaxed) {
+    if is_forked() {
         return Err(DeviceError::new_err(
             "this process was forked from one that had used raystep, whose threads it lacks: start it with 'spawn', as \
              multiprocessing.get_context('spawn') does",

@@ -24,6 +24,14 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| raystep_app::main(arguments))
 }
 
+/// Ends the threads that call devices; called when the interpreter exits.
+#[pyfunction]
+fn end(py: Python<'_>) {
+    if !border::is_forked() {
+        py.detach(raystep_app::api::end);
+    }
+}
+
 /// Names the folder of the scenes that open by name.
 #[pyfunction]
 fn set_scenes(folder: PathBuf) {
@@ -48,6 +56,7 @@ fn _raystep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(display::draw_component, module)?)?;
     module.add_function(wrap_pyfunction!(display::png_of_image, module)?)?;
     module.add_function(wrap_pyfunction!(border::after_fork, module)?)?;
+    module.add_function(wrap_pyfunction!(end, module)?)?;
     module.add_function(wrap_pyfunction!(link_to, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     module.add_function(wrap_pyfunction!(set_scenes, module)?)?;

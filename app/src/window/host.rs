@@ -11,13 +11,13 @@ use raystep_inspector::session::request::{Loader, at_once};
 use raystep_inspector::session_file::EXTENSION;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
-use raystep_lab::block_on_shared;
 
 use super::{files, last_error};
 use crate::args::{ReadArgs, SceneArgs};
 use crate::output::{Target, write};
 use crate::scene_file;
 use crate::session_file;
+use crate::threads;
 
 /// A scene's path, and which scene of a file with several.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,8 +81,7 @@ impl Desktop {
 
 impl Host for Desktop {
     fn spawn(&mut self, task: EngineTask) {
-        let gpu = self.gpu.clone();
-        std::thread::spawn(move || block_on_shared(&gpu, task));
+        threads::spawn(self.gpu.clone(), task);
     }
 
     fn scene_of(&self, path: &str) -> (String, Option<usize>) {

@@ -1,6 +1,7 @@
 //! A host for windows without a screen: threads, and a generated scene.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use raystep_inspector::session::engine::EngineTask;
 use raystep_inspector::session::request::{Loader, at_once};
@@ -17,7 +18,7 @@ pub(crate) struct Threads {
 impl Host for Threads {
     fn spawn(&mut self, task: EngineTask) {
         let gpu = self.gpu.clone();
-        std::thread::spawn(move || block_on_shared(&gpu, task));
+        std::thread::spawn(move || block_on_shared(&gpu, &AtomicBool::new(false), task));
     }
 
     fn scene_of(&self, path: &str) -> (String, Option<usize>) {

@@ -1,5 +1,6 @@
 //! The commands of a lesson, one a line.
 
+use super::comparison::Comparison;
 use super::error::Wrong;
 use super::expression::Expression;
 use super::fact::is_label;
@@ -15,6 +16,11 @@ pub const WORDS: &[(&str, &str, &str)] = &[
         "opens a scene with the keys of a link (or a link), runs it to its end, and resets the panels",
     ),
     ("pixel", "X,Y", "selects the ray of a pixel"),
+    (
+        "find",
+        "VALUE = VALUE, …",
+        "selects the ray nearest to that pixel, or to the middle of the image, for which all of this holds; only values of `tie`",
+    ),
     ("start", "", "goes to before the first pass"),
     ("pass", "N", "goes to after pass N"),
     ("end", "", "goes to after the last pass"),
@@ -26,7 +32,7 @@ pub const WORDS: &[(&str, &str, &str)] = &[
     ),
     ("show", "PANEL", "shows one more panel, in a row at the bottom"),
     ("stream", "NAME[.LAYER]", "shows a stream in the stream panel, as a whole"),
-    ("zoom", "N at X,Y", "enlarges it to N points a texel, around a pixel"),
+    ("zoom", "N [at X,Y]", "enlarges it to N points a texel, around a pixel, or the selected one"),
     ("do", "COMMAND", "performs a command of the menus"),
     (
         "measure",
@@ -47,6 +53,8 @@ pub enum Action {
     Open(Box<Link>),
     /// Selects a ray.
     Pixel([u32; 2]),
+    /// Selects the nearest ray for which all of this holds.
+    Find(Vec<Comparison>),
     /// Goes to a pass.
     Go(Goal),
     /// Shows exactly these panels, in rows.
@@ -55,8 +63,8 @@ pub enum Action {
     Show(PaneKind),
     /// Shows a stream.
     Stream(LinkStream),
-    /// Enlarges it: points a texel, and the pixel in the middle.
-    Zoom(f32, [f32; 2]),
+    /// Enlarges it: points a texel, and the pixel in the middle, if it is not the selected one.
+    Zoom(f32, Option<[f32; 2]>),
     /// Performs a command.
     Do(Command),
     /// Measures a run.
@@ -86,43 +94,7 @@ pub enum Expect {
     /// A text can be read outside of the lesson.
     Text(String),
     /// Values compare so.
-    Values(Expression, Condition, Operand),
-}
-
-/// How values compare.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Condition {
-    /// Equal.
-    Equal,
-    /// Not equal.
-    Unequal,
-    /// Less.
-    Less,
-    /// Greater.
-    Greater,
-    /// The first, as text, contains the second.
-    Contains,
-}
-
-/// What a value is compared with.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Operand {
-    /// A number.
-    Number(f64),
-    /// A text.
-    Text(String),
-    /// Another value.
-    Value(Expression),
-}
-
-impl Condition {
-    const ALL: [(&'static str, Self); 5] = [
-        (" = ", Self::Equal),
-        (" != ", Self::Unequal),
-        (" < ", Self::Less),
-        (" > ", Self::Greater),
-        (" contains ", Self::Contains),
-    ];
+    Values(Comparison),
 }
 
 /// A line of commands.
@@ -153,6 +125,7 @@ pub(super) fn line(text: &str) -> Result<Line, Wrong> {
     let action = match word {
         "open" => Action::Open(Box::new(link("open", rest)?)),
         "pixel" => Action::Pixel(pair("pixel", rest)?),
+        "find" => find(rest)?,
         "start" => nothing("start", rest, Action::Go(Goal::Passes(0)))?,
         "end" => nothing("end", rest, Action::Go(Goal::End))?,
         "pass" => {
@@ -184,6 +157,16 @@ fn wrong(word: &'static str, wanted: impl Into<String>) -> Wrong {
     Wrong::Argument(word, wanted.into())
 }
 
+fn find(rest: &str) -> Result<Action, Wrong> {
+    let all = rest.split(',').map(|part| Comparison::parse("find", part, "")).collect::<Result<Vec<_>, _>>()?;
+    let mut names = all.iter().flat_map(Comparison::expressions).flat_map(Expression::names);
+    if let Some(other) = names.find(|name| !name.is_of_tie()) {
+        return Err(wrong("find", format!("{other} is not a value of tie, and only those are known of every ray")));
+    }
+    drop(names);
+    Ok(Action::Find(all))
+}
+
 fn nothing(word: &'static str, rest: &str, action: Action) -> Result<Action, Wrong> {
     if rest.is_empty() { Ok(action) } else { Err(wrong(word, format!("takes nothing, but {rest:?} follows"))) }
 }
@@ -207,7 +190,7 @@ fn pair<T: std::str::FromStr>(word: &'static str, text: &str) -> Result<[T; 2], 
 }
 
 /// The text between double quotes.
-fn quoted(word: &'static str, text: &str) -> Result<String, Wrong> {
+pub(super) fn quoted(word: &'static str, text: &str) -> Result<String, Wrong> {
     let inner = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
     let inner = inner.filter(|inner| !inner.trim().is_empty());
     inner.map(str::to_owned).ok_or_else(|| wrong(word, "expected a text in double quotes"))
@@ -255,12 +238,18 @@ fn stream(name: &str) -> Result<LinkStream, Wrong> {
     found.stream.ok_or_else(|| wrong("stream", "expected the name of a stream, such as state.t"))
 }
 
+/// The middle of a pixel.
+#[must_use]
+pub fn middle_of(pixel: [u32; 2]) -> [f32; 2] {
+    pixel.map(|side| side as f32 + 0.5)
+}
+
 fn zoom(rest: &str) -> Result<Action, Wrong> {
-    const WANTED: &str = "expected points a texel and a pixel, such as 'zoom 40 at 256,4'";
-    let (points, at) = rest.split_once(" at ").ok_or_else(|| wrong("zoom", WANTED))?;
+    let (points, at) = rest.split_once(" at ").map_or((rest, None), |(points, at)| (points, Some(at)));
     let points = points.trim().parse::<f32>().ok().filter(|points| (0.01..=256.0).contains(points));
-    let [x, y] = pair::<u32>("zoom", at.trim())?.map(|side| side as f32 + 0.5);
-    Ok(Action::Zoom(points.ok_or_else(|| wrong("zoom", "expected 0.01 to 256 points a texel"))?, [x, y]))
+    let wanted = "expected 0.01 to 256 points a texel, and perhaps a pixel, such as 'zoom 40 at 256,4'";
+    let at = at.map(|at| pair::<u32>("zoom", at.trim())).transpose()?;
+    Ok(Action::Zoom(points.ok_or_else(|| wrong("zoom", wanted))?, at.map(middle_of)))
 }
 
 fn command(name: &str) -> Result<Command, Wrong> {
@@ -293,16 +282,5 @@ fn expect(rest: &str) -> Result<Expect, Wrong> {
     if let Some(text) = rest.strip_prefix("text ") {
         return quoted("expect", text.trim()).map(Expect::Text);
     }
-    let found = Condition::ALL.into_iter().find_map(|(mark, condition)| Some((rest.split_once(mark)?, condition)));
-    let Some(((first, second), condition)) = found else {
-        let wanted = "expected 'panel NAME', 'text \"TEXT\"', or two values with =, !=, <, > or contains between them";
-        return Err(wrong("expect", wanted));
-    };
-    let second = second.trim();
-    let operand = match second.parse::<f64>() {
-        Ok(number) if number.is_finite() => Operand::Number(number),
-        _ if second.starts_with('"') => Operand::Text(quoted("expect", second)?),
-        _ => Operand::Value(Expression::parse(second)?),
-    };
-    Ok(Expect::Values(Expression::parse(first.trim())?, condition, operand))
+    Comparison::parse("expect", rest, "'panel NAME', 'text \"TEXT\"', or ").map(Expect::Values)
 }

@@ -100,6 +100,12 @@ impl Fact {
 }
 
 impl Name {
+    /// Whether it is of the triangles that a ray may hit, see the command `candidates`.
+    #[must_use]
+    pub fn is_of_tie(&self) -> bool {
+        matches!(self, Self::Fact(fact) if fact.name().starts_with("tie."))
+    }
+
     /// The value of this name; `None` if there is none.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {

@@ -3,9 +3,7 @@
 use super::command::{self, Line};
 use super::error::Wrong;
 use super::prose::{Content, Paragraph, paragraph};
-use super::{
-    Action, Expect, Expression, Lesson, LessonError, MOST_BYTES, MOST_COMMANDS, MOST_STEPS, Name, Operand, Step,
-};
+use super::{Action, Expect, Expression, Lesson, LessonError, MOST_BYTES, MOST_COMMANDS, MOST_STEPS, Name, Step};
 
 /// The fence of a block of commands.
 const BLOCK: &str = "```raystep";
@@ -148,8 +146,8 @@ fn check(lesson: &Lesson) -> Result<(), Mistake> {
                     Name::Measured(of, _) if !measured.contains(&of.as_str()) => {
                         return Err((line, Wrong::NotMeasured(of.clone())));
                     }
-                    Name::Fact(fact) if fact.name().starts_with("tie.") && !has_candidates => {
-                        return Err((line, Wrong::NoCandidates(fact.name().to_owned())));
+                    name if name.is_of_tie() && !has_candidates => {
+                        return Err((line, Wrong::NoCandidates(name.to_string())));
                     }
                     _ => {}
                 }
@@ -167,14 +165,11 @@ fn expressions<'a>(lesson: &'a Lesson, step: &'a Step) -> impl Iterator<Item = (
         Content::Value(expression) => Some((part.line, expression)),
         Content::Text(_) => None,
     });
-    let compared = step.expects.iter().flat_map(|(line, expect)| {
-        let both = match expect {
-            Expect::Values(first, _, Operand::Value(second)) => [Some(first), Some(second)],
-            Expect::Values(first, ..) => [Some(first), None],
-            Expect::Panel(_) | Expect::Text(_) => [None, None],
-        };
-        both.into_iter().flatten().map(|expression| (*line, expression))
+    let compared = step.expects.iter().filter_map(|(line, expect)| match expect {
+        Expect::Values(comparison) => Some(comparison.expressions().map(|expression| (*line, expression))),
+        Expect::Panel(_) | Expect::Text(_) => None,
     });
+    let compared = compared.flatten();
     shown.chain(compared)
 }
 

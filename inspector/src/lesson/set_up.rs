@@ -1,6 +1,6 @@
 //! The whole set-up of a step, as plain data.
 
-use super::{Action, Goal, Lesson};
+use super::{Action, Comparison, Goal, Lesson};
 use crate::link::Link;
 use crate::ui::Shown;
 use crate::ui::command::Command;
@@ -26,13 +26,15 @@ pub struct SetUp {
     pub line: usize,
     /// The selected ray.
     pub pixel: Option<[u32; 2]>,
+    /// What has to hold for the selected ray, and the line that says so: the nearest one is taken.
+    pub find: Option<(usize, Vec<Comparison>)>,
     /// Where to be, and the line that says so.
     pub goal: Option<(usize, Goal)>,
     /// The panels, in rows; `None` for those that are there at the start.
     pub panels: Option<Vec<Vec<PaneKind>>>,
     /// Further panels.
     pub more: Vec<PaneKind>,
-    /// What the stream panel shows.
+    /// What the stream panel shows; if that is enlarged around no point, the selected pixel is in the middle.
     pub shown: Option<Shown>,
     /// Commands to perform.
     pub commands: Vec<Command>,
@@ -76,7 +78,8 @@ impl SetUp {
                     ..Self::default()
                 };
             }
-            Action::Pixel(pixel) => self.pixel = Some(*pixel),
+            Action::Pixel(pixel) => (self.pixel, self.find) = (Some(*pixel), None),
+            Action::Find(all) => self.find = Some((line, all.clone())),
             Action::Go(goal) => self.goal = Some((line, goal.clone())),
             Action::Only(panels) => {
                 (self.panels, self.more) = (Some(panels.clone()), Vec::new());
@@ -86,7 +89,7 @@ impl SetUp {
             Action::Show(kind) => self.more.push(*kind),
             Action::Stream(stream) => self.shown = Some(Shown { stream: *stream, zoom: None, pan: None }),
             Action::Zoom(points, at) => {
-                self.shown = self.shown.map(|shown| Shown { zoom: Some(*points), pan: Some(*at), ..shown });
+                self.shown = self.shown.map(|shown| Shown { zoom: Some(*points), pan: *at, ..shown });
             }
             Action::Do(command) => self.commands.push(*command),
             Action::Measure(name, link) => {

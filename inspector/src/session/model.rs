@@ -108,6 +108,13 @@ pub struct Model {
     pub cancelled: Vec<&'static str>,
 }
 
+/// Nobody waits for an answer any more: work in progress ends.
+impl Drop for Model {
+    fn drop(&mut self) {
+        self.cancel.store(u64::MAX, Ordering::Relaxed);
+    }
+}
+
 impl Model {
     /// Whether the program that is open has rays, or none is open.
     #[must_use]

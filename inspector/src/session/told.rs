@@ -206,7 +206,7 @@ mod tests {
         assert_eq!(model.told, Told::Reference, "another ray's history confirms nothing");
         model.compare(Ok(Box::new(device)));
         assert_eq!(model.told, Told::Compared { differing: Vec::new() });
-        assert!(model.life.is_some_and(|shown| Arc::ptr_eq(&shown, &life)) && model.reference_life.is_none());
+        assert!(model.life.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &life)) && model.reference_life.is_none());
     }
 
     #[test]
@@ -223,7 +223,7 @@ mod tests {
         assert_eq!((shown.rows[3].after.tmax[1], shown.rows.len()), (Some(0.125), last + 2));
         // The device followed the ray alone, and does not know when all rays are shaded.
         assert!(shown.rows[last].pass.is_some() && shown.rows[last].pass == reference.rows[last].pass);
-        assert!(model.reference_life.is_some_and(|kept| Arc::ptr_eq(&kept, &reference)));
+        assert!(model.reference_life.as_ref().is_some_and(|kept| Arc::ptr_eq(kept, &reference)));
     }
 
     #[test]

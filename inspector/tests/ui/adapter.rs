@@ -1,5 +1,6 @@
 //! One adapter for all tests of this binary, and a function to wait for it.
 
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
 use raystep_kernels::{AdapterChoice, Gpu};
@@ -29,5 +30,5 @@ pub(crate) fn own_gpu() -> Arc<Gpu> {
 
 /// Waits for a future; the library's futures become ready only while the device is polled.
 pub(crate) fn block_on<T>(gpu: &Gpu, future: impl Future<Output = T>) -> T {
-    block_on_shared(gpu, future)
+    block_on_shared(gpu, &AtomicBool::new(false), future).expect("nobody ends it before it is done")
 }

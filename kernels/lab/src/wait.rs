@@ -57,18 +57,19 @@ impl Wake for Unpark {
 }
 
 /// The same for a device that another thread draws with, and for futures that also wait for messages. The device is
-/// only polled, never waited for: waiting would block the drawing thread.
-pub fn block_on_shared<T>(gpu: &Gpu, future: impl Future<Output = T>) -> T {
+/// only polled, never waited for: waiting would block the drawing thread. `None` if `is_over` was set before the future
+/// was complete: it is dropped where it waited next, within some 20 ms after that.
+pub fn block_on_shared<T>(gpu: &Gpu, is_over: &AtomicBool, future: impl Future<Output = T>) -> Option<T> {
     let _host = gpu.leave_polling_to_host();
     let unpark = Arc::new(Unpark { thread: thread::current(), is_woken: AtomicBool::new(false) });
     let waker = Waker::from(unpark.clone());
     let mut future = pin!(future);
     let mut context = Context::from_waker(&waker);
-    loop {
+    while !is_over.load(Ordering::Acquire) {
         if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
-            return value;
+            return Some(value);
         }
-        while !unpark.is_woken.swap(false, Ordering::Acquire) {
+        while !unpark.is_woken.swap(false, Ordering::Acquire) && !is_over.load(Ordering::Acquire) {
             match gpu.device.poll(wgpu::PollType::Poll) {
                 Ok(status) if status.is_queue_empty() => thread::park_timeout(WHILE_IDLE),
                 // A lost device wakes the task with its error, at the latest when polled again.
@@ -80,4 +81,5 @@ pub fn block_on_shared<T>(gpu: &Gpu, future: impl Future<Output = T>) -> T {
             }
         }
     }
+    None
 }

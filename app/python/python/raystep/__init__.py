@@ -15,6 +15,7 @@ many scenes and options, on this machine or on a cluster; `view` shows the inspe
 
 from __future__ import annotations
 
+import atexit
 import os
 import sys
 
@@ -28,6 +29,7 @@ from ._display import Image, StreamArray
 from ._progress import Progress
 from ._raystep import DeviceError, OptionError, SceneError, __version__
 from ._raystep import after_fork as _after_fork
+from ._raystep import end as _end
 from ._renderer import Pass, Plan, Renderer, Streams
 from ._scene import MISS, Hits, Scene, scene_names
 from ._sweep import SweepError, sweep
@@ -41,6 +43,8 @@ if hasattr(os, "register_at_fork"):
         forget()
 
     os.register_at_fork(after_in_child=_forked)
+
+atexit.register(_end)
 
 __all__ = [
     "MISS",

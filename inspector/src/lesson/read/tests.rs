@@ -1,5 +1,5 @@
 use super::*;
-use crate::lesson::{Condition, Goal};
+use crate::lesson::{Condition, Goal, Operand};
 use crate::ui::command::Command;
 use crate::ui::pane::PaneKind;
 
@@ -21,7 +21,8 @@ fn a_lesson_has_a_title_steps_texts_and_commands() {
     assert_eq!((one.line, one.title.as_str(), one.text.len(), one.expects.len()), (6, "One", 3, 3));
     assert_eq!(one.text.iter().map(|p| p.is_item).collect::<Vec<_>>(), [false, true, true]);
     assert_eq!(one.actions[1], (14, Action::Go(Goal::Row(2, "outside of".into()))));
-    assert!(matches!(&one.expects[2], (21, Expect::Values(_, Condition::Equal, Operand::Number(17.0)))));
+    let (line, Expect::Values(comparison)) = &one.expects[2] else { panic!("{:?}", one.expects) };
+    assert_eq!((*line, comparison.condition, &comparison.second), (21, Condition::Equal, &Operand::Number(17.0)));
     assert_eq!((two.text.len(), two.actions.len()), (1, 2));
 
     // The second step is the first one with another place and another ray.
@@ -99,7 +100,10 @@ fn mistakes_name_file_line_and_what_is_right() {
         ("stream speed", "expected one of"),
         ("zoom 40 at 3,4", "name the stream first"),
         ("stream color\nzoom 0 at 3,4", "0.01 to 256"),
-        ("stream color\nzoom 4", "such as 'zoom 40 at"),
+        ("stream color\nzoom at 3,4", "such as 'zoom 40 at"),
+        ("find tie.gap", "two values with"),
+        ("find tie.gap > 0, passes > 3", "passes is not a value of tie"),
+        ("find tie.gap > 0, tie.size > 3", "\"tie.size\" is not a value"),
         ("do Dance", "not a command"),
         ("do Quit", "not a command that a lesson can perform"),
         ("do Lesson: a crack at a voxel face", "not a command that a lesson can perform"),

@@ -4,13 +4,19 @@ use std::any::Any;
 
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::numbers::real::Vec3;
+use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::triangle::{Shear, hit_triangle};
-use raystep_lab::reference::candidates_of;
+use raystep_lab::judge::{Traced, rays_a_batch};
+use raystep_lab::reference::{Possible, candidates_of};
 
+use crate::lesson::{Comparison, Fact, Name, Value, Wrong};
 use crate::session::request::{Job, JobContext, JobFuture, Request};
 
 /// The name of the engine's job.
 pub(super) const FINDING: &str = "finding what the ray may hit";
+
+/// The name of the search for a ray.
+pub(super) const SEEKING: &str = "looking for a ray";
 
 /// A triangle that a ray may hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,31 +40,113 @@ impl Candidates {
     /// The request for a ray; the answer is `Candidates`.
     pub(super) fn request(life: &Trace) -> Option<Request> {
         let ray = &life.rows.first()?.after;
-        Some(Request::Job(FINDING, job(ray.origin, ray.direction)))
+        Some(Request::Job(FINDING, of_ray([ray.origin, ray.direction])))
+    }
+
+    /// Those of a ray, by the triangles that it may hit in f32, wherever they are.
+    fn of(data: &SceneData, [origin, direction]: [[f32; 3]; 2], possible: &[Possible]) -> Self {
+        // Nothing behind a triangle that is surely hit can be the nearest.
+        let definite = possible.iter().filter(|p| p.is_definite).map(|p| p.t + p.t_bound);
+        let by = definite.fold(f64::INFINITY, f64::min);
+        let (o, d) = (Vec3::<f32>::from_f32(origin), Vec3::from_f32(direction));
+        let shear = Shear::of(d);
+        let near = possible.iter().filter(|p| p.t - p.t_bound <= by).map(|p| {
+            let corners = data.corners(p.triangle);
+            let found = hit_triangle::<f32>(data.features.triangle_rules(), o, d, &shear, corners);
+            Candidate {
+                triangle: p.triangle,
+                t: found.is_hit.then_some(found.t),
+                exact_t: [p.t, p.t_bound],
+                weight: [p.u.min(p.v).min(1.0 - p.u - p.v), p.weight_bound],
+            }
+        });
+        Self(near.collect())
+    }
+
+    /// Whether all of this holds for them.
+    fn satisfy(&self, wanted: &[Comparison]) -> bool {
+        let value_of = |name: &Name| match name {
+            Name::Fact(fact) => self.fact(*fact).map_err(|why| Wrong::Unavailable { name: name.to_string(), why }),
+            Name::Measured(of, _) => Err(Wrong::NotMeasured(of.clone())),
+        };
+        wanted.iter().all(|comparison| comparison.check(value_of).is_ok())
+    }
+
+    /// A value of them.
+    pub(super) fn fact(&self, fact: Fact) -> Result<Value, String> {
+        let all = &self.0;
+        let at = |index: usize| -> Result<&Candidate, String> {
+            all.get(index).ok_or_else(|| format!("the ray may hit {} triangles only", all.len()))
+        };
+        let single = |index| at(index)?.t.map(Value::single).ok_or_else(|| "the test in f32 misses it".into());
+        Ok(match fact {
+            Fact::TieCount => Value::count(all.len() as u64),
+            Fact::TieHits => Value::count(all.iter().filter(|candidate| candidate.t.is_some()).count() as u64),
+            Fact::TieFirst => Value::count(at(0)?.triangle.into()),
+            Fact::TieFirstT => return single(0),
+            Fact::TieFirstExact => Value::double(at(0)?.exact_t[0]),
+            Fact::TieFirstWeight => Value::small(at(0)?.weight[0]),
+            Fact::TieSecond => Value::count(at(1)?.triangle.into()),
+            Fact::TieSecondT => return single(1),
+            Fact::TieSecondExact => Value::double(at(1)?.exact_t[0]),
+            Fact::TieSecondWeight => Value::small(at(1)?.weight[0]),
+            Fact::TieGap => Value::small((at(0)?.exact_t[0] - at(1)?.exact_t[0]).abs()),
+            Fact::TieBound => Value::small(at(0)?.exact_t[1] + at(1)?.exact_t[1]),
+            _ => Value::small(at(0)?.weight[1].max(at(1)?.weight[1])),
+        })
     }
 }
 
-fn job(origin: [f32; 3], direction: [f32; 3]) -> Job {
+fn of_ray(ray: [[f32; 3]; 2]) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let data = context.session.renderer().shared_data();
-            let all = candidates_of(&data.vertices, &[[origin, direction]]).await.pop().unwrap_or_default().possible;
-            // Nothing behind a triangle that is surely hit can be the nearest.
-            let definite = all.iter().filter(|p| p.is_definite).map(|p| p.t + p.t_bound);
-            let by = definite.fold(f64::INFINITY, f64::min);
-            let (o, d) = (Vec3::<f32>::from_f32(origin), Vec3::from_f32(direction));
-            let shear = Shear::of(d);
-            let near = all.iter().filter(|p| p.t - p.t_bound <= by).map(|p| {
-                let corners = data.corners(p.triangle);
-                let found = hit_triangle::<f32>(data.features.triangle_rules(), o, d, &shear, corners);
-                Candidate {
-                    triangle: p.triangle,
-                    t: found.is_hit.then_some(found.t),
-                    exact_t: [p.t, p.t_bound],
-                    weight: [p.u.min(p.v).min(1.0 - p.u - p.v), p.weight_bound],
-                }
-            });
-            Ok(Box::new(Candidates(near.collect())) as Box<dyn Any + Send>)
+            let all = candidates_of(&data.vertices, &[ray]).await.pop().unwrap_or_default();
+            Ok(Box::new(Candidates::of(&data, ray, &all.possible)) as Box<dyn Any + Send>)
         })
     })
+}
+
+/// The request for the ray nearest to a pixel, or to the middle of the image, for which all of this holds; the answer is
+/// its pixel, an `Option<[u32; 2]>`. The rays are those of the run at hand: directions differ between devices in their
+/// last bits, and a tie depends on them.
+pub(super) fn find(near: Option<[u32; 2]>, wanted: Vec<Comparison>) -> Request {
+    Request::Job(SEEKING, seek(near, wanted))
+}
+
+fn seek(near: Option<[u32; 2]>, wanted: Vec<Comparison>) -> Job {
+    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move { Ok(Box::new(nearest(context, near, &wanted).await?) as Box<dyn Any + Send>) })
+    })
+}
+
+async fn nearest(
+    context: JobContext<'_>,
+    near: Option<[u32; 2]>,
+    wanted: &[Comparison],
+) -> Result<Option<[u32; 2]>, String> {
+    let renderer = context.session.renderer();
+    let traced = Traced::read(renderer).await.map_err(|error| error.to_string())?;
+    let (data, size) = (renderer.shared_data(), renderer.plan().size());
+    let middle = near.unwrap_or([size.width / 2, size.height / 2]);
+    let index = |[x, y]: [u32; 2]| y as usize * size.width as usize + x as usize;
+    let mut pixels: Vec<[u32; 2]> = (0..size.height).flat_map(|y| (0..size.width).map(move |x| [x, y])).collect();
+    pixels.retain(|pixel| index(*pixel) < traced.rays());
+    pixels.sort_by_key(|pixel| {
+        [0, 1].map(|axis| u64::from(pixel[axis].abs_diff(middle[axis])).pow(2)).iter().sum::<u64>()
+    });
+    let mut done = 0;
+    for batch in pixels.chunks(rays_a_batch(data.vertices.len() / 9)) {
+        let rays: Vec<_> = batch.iter().map(|pixel| traced.ray(index(*pixel))).collect();
+        let all = candidates_of(&data.vertices, &rays).await;
+        let of_each = rays.iter().zip(&all).map(|(ray, all)| Candidates::of(&data, *ray, &all.possible));
+        if let Some((_, pixel)) = of_each.zip(batch).find(|(candidates, _)| candidates.satisfy(wanted)) {
+            return Ok(Some(*pixel));
+        }
+        done += batch.len() as u64;
+        if !(context.progress)(done, pixels.len() as u64) {
+            return Err("the search was cancelled".into());
+        }
+    }
+    Ok(None)
 }

@@ -6,7 +6,7 @@ use egui::{Rect, Vec2};
 use super::Lesson;
 use super::facts::Facts;
 use crate::lesson::command::panel_name;
-use crate::lesson::{Condition, Content, Expect, LessonError, Operand, Value, Wrong};
+use crate::lesson::{Content, Expect, LessonError, Wrong};
 use crate::ui::Inspector;
 
 /// A step that was set up and checked.
@@ -64,47 +64,8 @@ impl Inspector {
             Expect::Panel(kind) => Err(Wrong::Expected(format!("the panel {} is not in view", panel_name(*kind)))),
             Expect::Text(text) if seen.shows(text) => Ok(()),
             Expect::Text(text) => Err(Wrong::Expected(format!("{text:?} cannot be read outside of the lesson"))),
-            Expect::Values(first, condition, operand) => {
-                let value = |expression: &crate::lesson::Expression| expression.evaluate(|name| facts.value(name));
-                let shown = value(first)?;
-                let other = match operand {
-                    Operand::Number(number) => Value::double(*number),
-                    Operand::Text(text) => Value::text(text),
-                    Operand::Value(second) => value(second)?,
-                };
-                if holds(&shown, *condition, &other) {
-                    return Ok(());
-                }
-                Err(Wrong::Expected(format!("{first} is {shown}, expected {} {other}", word(*condition))))
-            }
+            Expect::Values(comparison) => comparison.check(|name| facts.value(name)),
         }
-    }
-}
-
-fn word(condition: Condition) -> &'static str {
-    match condition {
-        Condition::Equal => "",
-        Condition::Unequal => "anything but",
-        Condition::Less => "less than",
-        Condition::Greater => "more than",
-        Condition::Contains => "a text with",
-    }
-}
-
-/// Whether two values compare so: numbers as numbers, everything else as text.
-fn holds(first: &Value, condition: Condition, second: &Value) -> bool {
-    if condition == Condition::Contains {
-        return first.to_string().contains(&second.to_string());
-    }
-    let (Some(a), Some(b)) = (first.number(), second.number()) else {
-        let is_same = first.to_string() == second.to_string();
-        return matches!((condition, is_same), (Condition::Equal, true) | (Condition::Unequal, false));
-    };
-    match condition {
-        Condition::Equal => a == b,
-        Condition::Unequal => a != b,
-        Condition::Less => a < b,
-        _ => a > b,
     }
 }
 

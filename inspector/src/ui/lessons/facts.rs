@@ -5,7 +5,7 @@ use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::triangle::{Shear, hit_triangle};
 
-use super::candidates::{Candidate, Candidates};
+use super::candidates::Candidates;
 use super::measured::{Measured, launched, misses};
 use crate::lesson::{Clock, Fact, Field, Name, Value, Wrong};
 use crate::session::Model;
@@ -38,7 +38,7 @@ impl Facts<'_> {
             Name::Fact(fact) => self.fact(*fact),
             Name::Measured(of, field) => self.field(of, *field),
         };
-        found.map_err(|why| Wrong::Unavailable { name: name.to_string(), why: why.to_owned() })
+        found.map_err(|why| Wrong::Unavailable { name: name.to_string(), why })
     }
 
     fn fact(&self, fact: Fact) -> Result<Value, String> {
@@ -46,7 +46,7 @@ impl Facts<'_> {
         match text.split_once('.').map_or("", |(of, _)| of) {
             "ray" => self.of_ray(fact),
             "row" => self.of_row(fact),
-            "tie" => self.of_tie(fact),
+            "tie" => self.candidates.ok_or("the candidates were not found")?.fact(fact),
             _ => self.of_run(fact),
         }
     }
@@ -195,29 +195,6 @@ impl Facts<'_> {
         });
         let by = |beyond: &Beyond| (f64::from(beyond.values[0]) - f64::from(beyond.values[1])).abs();
         outside.max_by(|a, b| by(a).total_cmp(&by(b))).ok_or_else(|| NOT.into())
-    }
-
-    fn of_tie(&self, fact: Fact) -> Result<Value, String> {
-        let all = &self.candidates.ok_or("the candidates were not found")?.0;
-        let at = |index: usize| -> Result<&Candidate, String> {
-            all.get(index).ok_or_else(|| format!("the ray may hit {} triangles only", all.len()))
-        };
-        let single = |index| at(index)?.t.map(Value::single).ok_or_else(|| "the test in f32 misses it".into());
-        Ok(match fact {
-            Fact::TieCount => Value::count(all.len() as u64),
-            Fact::TieHits => Value::count(all.iter().filter(|candidate| candidate.t.is_some()).count() as u64),
-            Fact::TieFirst => Value::count(at(0)?.triangle.into()),
-            Fact::TieFirstT => return single(0),
-            Fact::TieFirstExact => Value::double(at(0)?.exact_t[0]),
-            Fact::TieFirstWeight => Value::small(at(0)?.weight[0]),
-            Fact::TieSecond => Value::count(at(1)?.triangle.into()),
-            Fact::TieSecondT => return single(1),
-            Fact::TieSecondExact => Value::double(at(1)?.exact_t[0]),
-            Fact::TieSecondWeight => Value::small(at(1)?.weight[0]),
-            Fact::TieGap => Value::small((at(0)?.exact_t[0] - at(1)?.exact_t[0]).abs()),
-            Fact::TieBound => Value::small(at(0)?.exact_t[1] + at(1)?.exact_t[1]),
-            _ => Value::small(at(0)?.weight[1].max(at(1)?.weight[1])),
-        })
     }
 
     fn field(&self, of: &str, field: Field) -> Result<Value, String> {

@@ -2,13 +2,14 @@
 
 use super::Lesson;
 use super::arrange::arrange;
-use super::candidates::{Candidates, FINDING};
+use super::candidates::{self, Candidates, FINDING, SEEKING};
 use super::measured::{MEASURING, Measured};
+use crate::lesson::command::middle_of;
 use crate::lesson::{Goal, Wrong};
 use crate::session::request::Request;
 use crate::session::{Model, Target};
 use crate::settings::Settings;
-use crate::ui::{Arrival, Inspector};
+use crate::ui::{Arrival, Inspector, Shown};
 
 /// What is set up next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +22,10 @@ pub(super) enum Phase {
     Complete,
     /// The run was asked to go to its end.
     Completing,
+    /// A ray with certain values was asked for.
+    Seeking,
+    /// A ray was selected.
+    Selected,
     /// The place.
     Go,
     /// The run was asked to go there.
@@ -94,9 +99,31 @@ impl Inspector {
                 }
                 Phase::Completing
             }
-            Phase::Completing if self.model.is_complete => {
+            Phase::Completing if self.model.is_complete => match &lesson.set_up.find {
+                Some((_, wanted)) => {
+                    self.model.ask(candidates::find(lesson.set_up.pixel, wanted.clone()));
+                    Phase::Seeking
+                }
+                None => Phase::Selected,
+            },
+            Phase::Seeking => {
+                let line = lesson.set_up.find.as_ref().map_or(line, |(line, _)| *line);
+                match self.model.take_answer::<Option<[u32; 2]>>(SEEKING).map(|found| *found) {
+                    Some(Some(pixel)) => {
+                        lesson.set_up.pixel = Some(pixel);
+                        self.shared.select = Some(pixel);
+                        Phase::Selected
+                    }
+                    Some(None) => return failed(line, "no ray of this run on this device is like that"),
+                    None => return failed(line, self.last_error().unwrap_or("the search for a ray was stopped")),
+                }
+            }
+            Phase::Selected => {
                 if let Some([x, y]) = lesson.set_up.pixel.filter(|pixel| self.shared.pixel != Some(*pixel)) {
                     return failed(line, &format!("the image has no pixel {x},{y}"));
+                }
+                if let Some(shown) = lesson.set_up.shown.filter(|shown| shown.zoom.is_some() && shown.pan.is_none()) {
+                    self.shared.show = Some(Shown { pan: lesson.set_up.pixel.map(middle_of), ..shown });
                 }
                 Phase::Go
             }

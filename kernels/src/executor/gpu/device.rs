@@ -247,6 +247,14 @@ impl Gpu {
         HostPolls::new(&self.poller, &self.device)
     }
 
+    /// Tells the thread that polls (feature `poll-thread`) to end, and waits up to this long for it: whether it has ended.
+    /// From then on only hosts poll. For a process that is about to end: a driver may crash if a thread calls it while
+    /// its exit handlers run.
+    #[must_use]
+    pub fn end_polling(&self, patience: std::time::Duration) -> bool {
+        self.poller.end(patience)
+    }
+
     /// Drops the pipelines compiled so far, so that the next run compiles its own: to time a first start. Drivers may
     /// still keep theirs.
     pub fn forget_compiled(&self) {

@@ -63,7 +63,7 @@ impl Poller {
 
     /// Starts or wakes the thread if it has to poll.
     fn wake(&self, mut state: MutexGuard<'_, State>, device: &wgpu::Device) {
-        if !state.needs_thread() {
+        if !state.needs_thread() || state.is_over {
             return;
         }
         if state.thread.is_none() {
@@ -95,20 +95,40 @@ fn poll(shared: &Shared, device: &wgpu::Device) {
     }
 }
 
-impl Drop for Poller {
-    fn drop(&mut self) {
+impl Poller {
+    /// Tells the thread to end, and waits up to this long for it: whether it has ended. No other begins.
+    pub(crate) fn end(&self, patience: Duration) -> bool {
+        const STEP: Duration = Duration::from_millis(1);
         let thread = {
             let mut state = self.0.state();
             state.is_over = true;
             state.thread.take()
         };
         self.0.changed.notify_one();
-        // The thread holds the device: if it were the last to drop it, it might unload the driver while the process
-        // ends, which the driver's exit handlers do not survive. It checks every few milliseconds.
-        if let Some(thread) = thread.filter(|thread| thread.thread().id() != std::thread::current().id()) {
-            // If the thread panicked, do not panic again.
-            let _ = thread.join();
+        let Some(thread) = thread.filter(|thread| thread.thread().id() != std::thread::current().id()) else {
+            return true;
+        };
+        let mut waited = Duration::ZERO;
+        while !thread.is_finished() {
+            if waited >= patience {
+                self.0.state().thread = Some(thread);
+                return false;
+            }
+            std::thread::sleep(STEP);
+            waited += STEP;
         }
+        // If the thread panicked, do not panic again.
+        let _ = thread.join();
+        true
+    }
+}
+
+impl Drop for Poller {
+    fn drop(&mut self) {
+        /// A driver may not return from a lost device. The thread holds the device: if it were the last to drop it, it
+        /// might unload the driver while the process ends, which the driver's exit handlers do not survive.
+        const PATIENCE: Duration = Duration::from_secs(2);
+        self.end(PATIENCE);
     }
 }
 
