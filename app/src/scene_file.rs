@@ -151,7 +151,8 @@ pub(crate) fn camera(args: &CameraArgs, scene: &Scene) -> Result<(Camera, Option
             return Err(Error::usage(format!("--up {x},{y},{z}: expected a direction with a length above 0")));
         };
         let projection = Projection::Perspective { vertical_fov: fov.to_radians() };
-        let camera = Camera::look_at(DVec3::from(eye.0), DVec3::from(target.0), up, projection)
+        let [eye, target] = [eye, target].map(|point| DVec3::from(point.0) - scene.offset);
+        let camera = Camera::look_at(eye, target, up, projection)
             .ok_or_else(|| Error::usage("--look-at is the same point as --eye: choose another"))?;
         let taken = usable_up(up, camera.forward);
         let note = || {

@@ -77,7 +77,7 @@ impl Session {
         view: &ViewArgs,
         run: &RunArgs,
         progress: &Progress,
-        adjust: impl FnOnce(&mut Options),
+        adjust: impl FnOnce(&Scene, &mut Options),
     ) -> Result<Self, Error> {
         check(view, run)?;
         let mut watch = Stopwatch::start();
@@ -98,7 +98,7 @@ impl Session {
         let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
         let mut options = run.options(rays);
         options.samples = view.samples.into();
-        adjust(&mut options);
+        adjust(&scene, &mut options);
         progress.stage("planning and building");
         let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;
         watch.lap("plan_and_grid");

@@ -211,7 +211,7 @@ fn what_cannot_be_cast_is_told_by_number_and_leaves_nothing() {
     let mut still = good.clone();
     still[6 * 4 + 3..6 * 5].fill(0.0);
     let wide = npy("(10, 6)", &good);
-    let double = String::from_utf8_lossy(b"'<f8'").into_owned();
+    let half = String::from_utf8_lossy(b"'<f2'").into_owned();
     let retyped = |descr: &str| {
         let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (10, 6), }}\n");
         let length = (header.len() as u16).to_le_bytes();
@@ -219,7 +219,7 @@ fn what_cannot_be_cast_is_told_by_number_and_leaves_nothing() {
     };
     for (name, bytes, wanted) in [
         ("shape.npy", npy("(12, 5)", &good), "shape.npy: its shape is (12, 5): expected (N, 6) or (N, 8)"),
-        ("type.npy", retyped(&double), "type '<f8': expected '<f4'"),
+        ("type.npy", retyped(&half), "type '<f2': expected '<f4'"),
         ("nan.npy", with(6 * 7 + 1, f32::NAN), "ray 7 (counted from 0, of 10): a component is not finite"),
         ("infinite.npy", with(6 * 2 + 4, f32::INFINITY), "ray 2 (counted from 0, of 10): a component is not finite"),
         ("still.npy", npy("(10, 6)", &still), "ray 4 (counted from 0, of 10): its direction is 0"),

@@ -17,7 +17,8 @@ fn npy(file: &[u8]) -> (String, Vec<usize>, Vec<u32>) {
         let rest = &header[header.find(start).expect(start) + start.len()..];
         rest[..rest.find(end).expect(end)].to_owned()
     };
-    let shape = between("'shape': (", ")").split(", ").map(|n| n.parse().expect("a number")).collect();
+    let shape =
+        between("'shape': (", ")").trim_end_matches(',').split(", ").map(|n| n.parse().expect("a number")).collect();
     let words = file[10 + length..].chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     (between("'descr': '", "'"), shape, words.collect())
 }
@@ -185,4 +186,70 @@ fn dump_leaves_a_folder_with_files_alone_unless_forced() {
     let names: Vec<_> = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
     let names: Vec<_> = names.iter().map(String::as_str).collect();
     assert_eq!(sorted(&names), ["index.json", "mine.txt", "pass-000003.hit.npy"], "the first dump's files are deleted");
+}
+
+/// The scene data of the paper's Figure 5: grid, lists, vertices, materials.
+#[test]
+fn dump_writes_scene_data_and_where_the_grid_is() {
+    let place = Place::new();
+    let common = ["dump", &cornell_box(), "--stream", "hit", "--size", "8x8", "--grid", "4,3,2", "--device", "cpu"];
+    place.ok(&[&common[..], &["--buffers", "grid_cells,grid_items,vertices,materials", "-o", "out"]].concat());
+    let index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
+    let grid = &index["grid"];
+    assert_eq!((&grid["cells"], &index["accelerator"]), (&serde_json::json!([4, 3, 2]), &"grid".into()));
+    let number = |value: &Value, axis: usize| value[axis].as_f64().expect("a number");
+    let (kind, shape, vertices) = npy(&place.read("out/scene.vertices.npy"));
+    assert_eq!((kind.as_str(), shape), ("<f4", vec![26, 3, 3]));
+    for (at, &bits) in vertices.iter().enumerate() {
+        let (axis, value) = (at % 3, f64::from(f32::from_bits(bits)));
+        let (low, width) = (number(&grid["corner"], axis), number(&grid["cell_width"], axis));
+        let high = low + number(&grid["cells"], axis) * width;
+        assert!((low..=high).contains(&value), "corner {at} at {value} outside of {low} to {high}");
+    }
+    let [cells, items] = ["cells", "items"].map(|name| npy(&place.read(&format!("out/scene.grid_{name}.npy"))));
+    assert_eq!((cells.0.as_str(), &cells.1[..]), ("<u4", &[4 * 3 * 2 + 1][..]));
+    assert_eq!((items.1[0], cells.2.last().copied()), (items.2.len(), Some(items.2.len() as u32)));
+    assert!(items.2.iter().all(|&triangle| triangle < 26));
+    let materials = place.read("out/scene.materials.npy");
+    let header = String::from_utf8_lossy(&materials[10..256]).into_owned();
+    assert!(header.contains("('base_color', '<f4', (3,))") && header.contains("'shape': (3,)"), "{header}");
+    let listed: Vec<_> = index["buffers"].as_array().expect("buffers").iter().map(|b| b["name"].as_str()).collect();
+    assert_eq!(listed, ["grid_cells", "grid_items", "vertices", "materials"].map(Some));
+
+    // Replaced with the rest of the dump.
+    place.ok(&[&common[..], &["--force", "-o", "out"]].concat());
+    assert!(!place.path("out/scene.vertices.npy").exists());
+    place.fails(
+        2,
+        "--buffers normals: this run omits it: no vertex normals",
+        &[&common[..], &["--buffers", "normals", "-o", "no"]].concat(),
+    );
+    place.fails(2, "this run has no such buffer", &[&common[..], &["--buffers", "grid", "-o", "no"]].concat());
+}
+
+#[test]
+fn colours_are_also_channels_that_viewers_show() {
+    let place = Place::new();
+    let outcome = place.ok(&[
+        "dump",
+        &cornell_box(),
+        "--stream",
+        "color",
+        "--size",
+        "8x8",
+        "--format",
+        "exr",
+        "--device",
+        "cpu",
+        "-o",
+        "out",
+    ]);
+    let index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
+    let passes = index["passes"].as_array().expect("passes");
+    let file = passes.last().expect("a pass")["files"][0].as_str().expect("a file");
+    let found = channels(place.read(&format!("out/{file}")));
+    for (plain, named) in [("R", "color.r"), ("G", "color.g"), ("B", "color.b")] {
+        let of = |name: &str| found.get(name).map(|samples| format!("{samples:?}"));
+        assert!(of(plain).is_some() && of(plain) == of(named), "{outcome:?}");
+    }
 }

@@ -4,6 +4,7 @@ mod bad_input;
 mod bench;
 mod build;
 mod cast;
+mod cast_formats;
 mod common;
 mod confined;
 mod dump;

@@ -36,9 +36,10 @@ use std::fmt;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
-use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Samples, ScheduleKind, Skip, Stream, Traversal};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Samples, ScheduleKind, Skip, Stream, Traversal};
 use raystep_lab::Hash;
 
+use crate::ray_text::GivenRay;
 pub use error::LinkError;
 pub use hits::{HIT_WORDS, hit_words};
 
@@ -212,8 +213,8 @@ impl LinkDevice {
 pub enum LinkRay {
     /// The one through the centre of a pixel.
     Pixel([u32; 2]),
-    /// A ray in scene units.
-    Given(Ray),
+    /// A ray that was typed in.
+    Given(GivenRay),
 }
 
 /// The displayed stream.
@@ -319,9 +320,7 @@ impl Link {
         match self.ray {
             None => {}
             Some(LinkRay::Pixel(pixel)) => add("pixel", Some(list(&pixel))),
-            Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz], .. })) => {
-                add("ray", Some(list(&[ox, oy, oz, dx, dy, dz])));
-            }
+            Some(LinkRay::Given(GivenRay(numbers))) => add("ray", Some(list(&numbers))),
         }
         add("pass", self.pass.map(|n| n.to_string()));
         add("stream", self.stream.map(|s| s.to_string()));

@@ -6,12 +6,13 @@ use glam::DVec3;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
 use raystep_kernels::{
-    Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip, Traversal,
+    Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, RaySource, Samples, ScheduleKind, Skip, Traversal,
 };
 use raystep_scenes::{Camera, Projection, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::link::{Link, LinkCamera, LinkDevice, LinkRay};
+use crate::ray_text::GivenRay;
 
 /// Where passes run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,7 +63,7 @@ pub enum View {
     Scene(usize),
     /// A custom camera.
     Free {
-        /// World position.
+        /// Where it is, in the coordinates of the scene's file.
         eye: [f64; 3],
         /// The point it looks at.
         look_at: [f64; 3],
@@ -103,8 +104,8 @@ pub struct Settings {
     pub size: [u32; 2],
     /// The view of the scene.
     pub view: View,
-    /// A single ray instead of an image: origin and direction in scene units.
-    pub ray: Option<[f32; 6]>,
+    /// A single ray instead of an image.
+    pub ray: Option<GivenRay>,
     /// Counts cells, tests and repeated tests per ray.
     pub counters: bool,
     /// Omits nothing from the plan.
@@ -152,20 +153,22 @@ impl View {
                     None => Projection::Orthographic { half_height: half_height.max(f64::MIN_POSITIVE) },
                 };
                 let [eye, target, up] = [eye, look_at, up].map(DVec3::from_array);
+                let [eye, target] = [eye, target].map(|point| point - scene.offset);
                 Camera::look_at(eye, target, up, projection).unwrap_or_else(framing)
             }
         }
     }
 
-    /// A camera as a custom view.
+    /// A camera of a scene as a custom view.
     #[must_use]
-    pub fn of(camera: &Camera) -> Self {
+    pub fn of(camera: &Camera, scene: &Scene) -> Self {
         let (fov_deg, half_height) = match camera.projection {
             Projection::Perspective { vertical_fov } => (Some(vertical_fov.to_degrees()), 1.0),
             Projection::Orthographic { half_height } => (None, half_height),
         };
-        let look_at = (camera.eye + camera.forward).to_array();
-        Self::Free { eye: camera.eye.to_array(), look_at, up: camera.up.to_array(), fov_deg, half_height }
+        let eye = scene.offset + camera.eye;
+        let look_at = (eye + camera.forward).to_array();
+        Self::Free { eye: eye.to_array(), look_at, up: camera.up.to_array(), fov_deg, half_height }
     }
 }
 
@@ -179,9 +182,7 @@ impl From<&Link> for Settings {
             }
         };
         let ray = match link.ray {
-            Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz], .. })) => {
-                Some([ox, oy, oz, dx, dy, dz])
-            }
+            Some(LinkRay::Given(ray)) => Some(ray),
             _ => None,
         };
         Self {
@@ -224,7 +225,7 @@ impl Settings {
             }
             View::Free { .. } => LinkCamera::Default,
         };
-        let given = self.ray.map(|[ox, oy, oz, dx, dy, dz]| LinkRay::Given(Ray::new([ox, oy, oz], [dx, dy, dz])));
+        let given = self.ray.map(LinkRay::Given);
         Link {
             camera,
             size: self.size,
@@ -310,7 +311,7 @@ impl Settings {
     #[must_use]
     pub fn options(&self, scene: &Scene) -> Options {
         let rays = match self.ray {
-            Some([ox, oy, oz, dx, dy, dz]) => RaySource::Given(vec![Ray::new([ox, oy, oz], [dx, dy, dz])]),
+            Some(ray) => RaySource::Given(vec![ray.in_scene(scene)]),
             None => {
                 let [width, height] = self.size;
                 RaySource::Camera { camera: self.view.camera(scene), width, height }

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
-use naga::{AddressSpace, ImageClass, Module, ShaderStage, StorageAccess, TypeInner};
+use naga::{AddressSpace, ImageClass, Module, ScalarKind, ShaderStage, StorageAccess, TypeInner};
 
 use crate::compose::{ComposeError, compose};
 use crate::options::features::Features;
@@ -78,6 +78,30 @@ pub struct StructLayout {
     pub members: Vec<(String, u32)>,
 }
 
+/// A scalar of a struct, or several side by side.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// The member's name; empty where elements are no structs.
+    pub name: String,
+    /// Bytes before it.
+    pub offset: u32,
+    /// What it is.
+    pub kind: ScalarKind,
+    /// How many of them there are.
+    pub count: u32,
+}
+
+/// What an array of scene data consists of, from naga.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ArrayLayout {
+    /// The buffer's name.
+    pub name: String,
+    /// Bytes of an element, padding included.
+    pub stride: u32,
+    /// Its members; one if it is no struct.
+    pub fields: Vec<Field>,
+}
+
 /// A kernel with its options decided.
 #[derive(Clone, Debug)]
 pub struct Variant {
@@ -89,6 +113,8 @@ pub struct Variant {
     pub bindings: Vec<Binding>,
     /// Structs of its uniforms and buffers.
     pub structs: Vec<StructLayout>,
+    /// Elements of its read-only storage buffers.
+    pub arrays: Vec<ArrayLayout>,
 }
 
 /// The buffers of [`Resource::Live`] that every program has; the others are the program's lists. All but `live_rays`
@@ -190,7 +216,7 @@ impl Variant {
             .ok_or_else(|| invalid(format!("no compute entry point named {}", kernel.info().name)))?;
         let usage = info.get_entry_point(entry);
 
-        let mut bindings = Vec::new();
+        let (mut bindings, mut arrays) = (Vec::new(), Vec::new());
         for (handle, global) in module.global_variables.iter() {
             let (Some(at), Some(global_name)) = (&global.binding, &global.name) else { continue };
             let used = usage[handle];
@@ -200,6 +226,9 @@ impl Variant {
             let global_name = kernel.bound(global_name);
             let resource = resource_of(kernel, &module, global, global_name)
                 .ok_or_else(|| ShaderError::UnknownBinding { kernel: name, name: global_name.to_owned() })?;
+            if resource == Resource::Storage {
+                arrays.extend(array_of(&module, global, global_name));
+            }
             bindings.push(Binding {
                 group: at.group,
                 index: at.binding,
@@ -210,7 +239,7 @@ impl Variant {
             });
         }
         bindings.sort_by_key(|b| (b.group, b.index));
-        Ok(Self { kernel, structs: structs_of(&module), source, bindings })
+        Ok(Self { kernel, structs: structs_of(&module), arrays, source, bindings })
     }
 
     /// Streams that the variant reads or writes.
@@ -283,6 +312,31 @@ fn structs_of(module: &Module) -> Vec<StructLayout> {
             _ => None,
         })
         .collect()
+}
+
+/// The elements of an array of scalars, vectors, or structs of these; `None` for anything else.
+fn array_of(module: &Module, global: &naga::GlobalVariable, name: &str) -> Option<ArrayLayout> {
+    let TypeInner::Array { base, stride, .. } = module.types[global.ty].inner else { return None };
+    let scalars = |name: &str, offset: u32, inner: &TypeInner| {
+        let (kind, count) = match *inner {
+            TypeInner::Scalar(scalar) => (scalar.kind, 1),
+            TypeInner::Vector { size, scalar } => (scalar.kind, size as u32),
+            TypeInner::Array { base, size: naga::ArraySize::Constant(count), .. } => {
+                let TypeInner::Scalar(scalar) = module.types[base].inner else { return None };
+                (scalar.kind, count.get())
+            }
+            _ => return None,
+        };
+        Some(Field { name: name.to_owned(), offset, kind, count })
+    };
+    let fields = match &module.types[base].inner {
+        TypeInner::Struct { members, .. } => members
+            .iter()
+            .map(|m| scalars(m.name.as_deref().unwrap_or_default(), m.offset, &module.types[m.ty].inner))
+            .collect::<Option<Vec<_>>>()?,
+        inner => vec![scalars("", 0, inner)?],
+    };
+    Some(ArrayLayout { name: name.to_owned(), stride, fields })
 }
 
 #[cfg(test)]

@@ -217,6 +217,31 @@ impl Scene {
         Self { triangles, triangle_materials, materials: vec![Material::default()], ..Self::default() }
     }
 
+    /// The same from f64, minus an offset where they lie far from the origin: see [`offset_for`]. `None` if a coordinate
+    /// is not finite, or not in f32.
+    #[must_use]
+    pub fn from_triangles_f64(triangles: &[[[f64; 3]; 3]]) -> Option<Self> {
+        let corners = || triangles.iter().flatten().map(|&corner| DVec3::from(corner));
+        let bounds = corners().fold(None, |bounds: Option<[DVec3; 2]>, p| {
+            Some(bounds.map_or([p, p], |[min, max]| [min.min(p), max.max(p)]))
+        });
+        let offset = bounds.map_or(DVec3::ZERO, |[min, max]| offset_for(min, max));
+        let local = |corner: [f64; 3]| (DVec3::from(corner) - offset).as_vec3().to_array();
+        let triangles: Vec<_> = triangles.iter().map(|corners| corners.map(local)).collect();
+        let are_finite = triangles.as_flattened().as_flattened().iter().all(|v| v.is_finite());
+        are_finite.then(|| Self { offset, ..Self::from_triangles(triangles) })
+    }
+
+    /// The area of all triangles, in scene units squared.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        let twice = self.triangles.iter().map(|corners| {
+            let [a, b, c] = corners.map(|corner| Vec3::from(corner).as_dvec3());
+            (b - a).cross(c - a).length()
+        });
+        twice.sum::<f64>() / 2.0
+    }
+
     /// The box of all vertices in the file's coordinates, smallest and largest; `None` without triangles.
     #[must_use]
     pub fn bounds_in_file(&self) -> Option<[DVec3; 2]> {

@@ -45,7 +45,7 @@ impl Scene {
     #[staticmethod]
     fn of_triangles(
         py: Python<'_>,
-        corners: PyReadonlyArray3<'_, f32>,
+        corners: PyReadonlyArray3<'_, f64>,
         device: &str,
         adapter: Option<&str>,
     ) -> PyResult<Self> {
@@ -53,12 +53,11 @@ impl Scene {
             return Err(OptionError::new_err("triangles: expected an array of shape (N, 3, 3)"));
         };
         let values = corners.as_slice().map_err(|_| OptionError::new_err("triangles: expected a contiguous array"))?;
-        if values.iter().any(|v| !v.is_finite()) {
-            return Err(SceneError::new_err("triangles: a coordinate is not finite"));
-        }
         let (corners, _) = values.as_chunks::<3>();
         let (triangles, _) = corners.as_chunks::<3>();
-        Self::new(py, scenes::Scene::from_triangles(triangles.to_vec()), Vec::new(), device, adapter)
+        let scene = scenes::Scene::from_triangles_f64(triangles)
+            .ok_or_else(|| SceneError::new_err("triangles: a coordinate is not finite in 32 bits"))?;
+        Self::new(py, scene, Vec::new(), device, adapter)
     }
 
     /// Its name.
@@ -98,11 +97,16 @@ impl Scene {
         self.scene.notes.iter().map(|note| note.0.to_string()).collect()
     }
 
-    /// The corners of its box; `None` without triangles.
+    /// The corners of its box, in the coordinates of its file; `None` without triangles.
     #[getter]
-    fn bounds(&self) -> Option<([f32; 3], [f32; 3])> {
-        let bounds = self.scene.bounds();
-        (!bounds.is_empty()).then(|| (bounds.min.to_array(), bounds.max.to_array()))
+    fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {
+        self.scene.bounds_in_file().map(|[min, max]| (min.to_array(), max.to_array()))
+    }
+
+    /// What is subtracted from coordinates before they are rounded to f32.
+    #[getter]
+    fn offset(&self) -> [f64; 3] {
+        self.scene.offset.to_array()
     }
 
     /// The hits of rays, five words each: see `HIT` in `__init__.py`.

@@ -58,7 +58,7 @@ pub(crate) struct BuildArgs {
 pub(crate) fn run(args: &BuildArgs) -> Result<(), Error> {
     let target = args.passes_csv.as_deref().map(Target::new).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
-    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
         options.program = ProgramName::GridBuild;
         options.timings = args.passes_csv.is_some();
         options.keep_passes = options.timings;

@@ -1,5 +1,6 @@
 //! `raystep cast`
 
+mod hits;
 mod pipeline;
 
 use std::fs::{self, File};
@@ -10,7 +11,7 @@ use std::time::Instant;
 use clap::Args;
 use indicatif::HumanCount;
 use raystep_kernels::{Accelerator, Caster, Numerics, Options, RaySource, ScheduleKind};
-use raystep_lab::rays::file::{RaysFormat, RaysReader};
+use raystep_lab::rays::file::{BadRays, RaysFormat, RaysReader};
 use raystep_lab::ways::MISSES_OUTSIDE;
 
 use crate::args::{DeviceArgs, QuietArgs, SceneArgs, TuningArgs, named, whole};
@@ -20,17 +21,22 @@ use crate::error::Error;
 use crate::output::{self, Target, refuse_inputs};
 use crate::scene_file::{self, SceneFile, canonical};
 use crate::terminal::{Progress, print, say};
+use hits::{HitsFormat, HitsWriter};
 use pipeline::{Counts, Pipeline};
 
 /// Cast rays of another program: read them from a file or a pipe, and write what each ray hits
 ///
-/// Rays are an npy array of float32, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max; t_max may be
-/// infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). t is in multiples of the
-/// direction vector, which need not be normalised. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0. The
-/// result is an npy array with one element per ray: t (infinite without a hit), u, v (weights of the triangle's
-/// vertices 1 and 2), triangle and material (4294967295 without a hit). In Python, numpy.save('rays.npy',
-/// numpy.hstack([origins, directions]).astype('<f4')) writes rays, and hits = numpy.load('hits.npy') reads hits:
-/// hits['t'], hits['triangle'].
+/// Rays are an npy array of float32 or float64, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max; t_max
+/// may be infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). Origins are in the
+/// coordinates of the scene's file; for a scene far from its origin (see 'raystep info'), use float64. t is in multiples
+/// of the direction vector, which need not be normalised. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0.
+///
+/// The result has one element per ray: t (infinite without a hit), u, v (weights of the triangle's vertices 1 and 2),
+/// triangle and material (4294967295 without a hit), as float32 and uint32. --output-format selects an npy array of
+/// records of 20 bytes (structured); an npy array of float64 with those five columns and -1 for no triangle, for programs
+/// that read no records, such as MATLAB's and Julia's readers (plain); or one npy array for each, in a zip file (npz). In
+/// Python, numpy.save('rays.npy', numpy.hstack([origins, directions])) writes rays, and hits = numpy.load('hits.npy')
+/// reads hits: hits['t'], hits['triangle'].
 ///
 /// Rays are read, traced and written in batches at the same time, so any number of them takes the same memory.
 #[derive(Args, Debug)]
@@ -39,6 +45,7 @@ Examples:
   raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
   raystep cast scenes/teapot.glb --rays-file shadow.npy --any-hit -o shadow-hits.npy
   raystep cast scenes/teapot.glb --rays-file primary.f32 --device cpu -o hits.npy
+  raystep cast scenes/teapot.glb --rays-file rays.npy --output-format plain -o hits.npy
   python make_rays.py | raystep cast scenes/terrain.glb --rays-file - -o - | python use_hits.py")]
 pub(crate) struct CastArgs {
     #[command(flatten)]
@@ -46,9 +53,16 @@ pub(crate) struct CastArgs {
     /// Rays; - for standard input
     #[arg(long, value_name = "F")]
     rays_file: PathBuf,
-    /// Hits, .npy; - for standard output
+    /// Hits, .npy or .npz; - for standard output
     #[arg(short, long, value_name = "F")]
     output: PathBuf,
+    /// Format of the hits [default: structured, or npz if the output's name ends in it]
+    #[arg(long, value_parser = named(HitsFormat::ALL, HitsFormat::name))]
+    output_format: Option<HitsFormat>,
+    /// What to do with a ray that cannot be traced because a number is not finite or its direction is 0: stop, or count
+    /// it as a miss
+    #[arg(long, default_value = "error", value_parser = named(BadRays::ALL, BadRays::name))]
+    bad_rays: BadRays,
     /// Format of the rays [default: from the file extension; npy for standard input]
     #[arg(long, value_parser = named(RaysFormat::ALL, RaysFormat::name))]
     format: Option<RaysFormat>,
@@ -89,7 +103,8 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     if args.any_hit && args.tuning.numerics == Numerics::Paper {
         return Err(Error::usage("--any-hit: the paper's rules find closest hits only; use --numerics robust"));
     }
-    let target = target(&args.output)?;
+    let output_format = output_format(args);
+    let target = target(&args.output, output_format)?;
     let format = format(args)?;
     let progress = Progress::new(args.quiet.quiet);
     progress.stage("reading the scene");
@@ -110,6 +125,7 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
         any_hit: args.any_hit,
         ..args.tuning.options(rays)
     };
+    let offset = scene.offset;
     let mut caster = chosen.wait(Caster::new(scene, &options, &chosen.device))?;
     if let Some(batch) = args.batch {
         caster.set_batch(batch.into());
@@ -118,18 +134,26 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     progress.stage("waiting for rays");
     let name = shown(&args.rays_file);
     let from = |error| Error::failed(format!("{name}: {error}"));
-    let reader = RaysReader::new(input, format, count).map_err(from)?;
-    let stream = output::Stream::new(target)?;
-    if reader.total().is_none() && !stream.can_rewind() {
+    let reader = RaysReader::new(input, format, count).map_err(from)?.with_bad_rays(args.bad_rays);
+    let writer = HitsWriter::new(output::Stream::new(target)?, output_format, reader.total())?;
+    if reader.total().is_none() && writer.needs_total() {
         return Err(Error::usage(
             "the output starts with the number of rays, which f32 from a pipe does not give: add --count N, use npy, or \
              write to a file",
         ));
     }
     let begin = Instant::now();
-    let pipeline = Pipeline { caster, chosen: &chosen, name: &name, progress: &progress };
-    let Some(counts) = pipeline.run(reader, stream)? else { return Ok(()) };
+    let pipeline =
+        Pipeline { caster, chosen: &chosen, bad_rays: args.bad_rays, offset, name: &name, progress: &progress };
+    let Some(counts) = pipeline.run(reader, writer)? else { return Ok(()) };
     progress.finish();
+    if counts.bad > 0 {
+        let [some, all] = [counts.bad, counts.rays].map(HumanCount);
+        progress.say(format_args!(
+            "note: {some} of {all} rays cannot be traced (a number is not finite, the direction is 0, or the origin is too \
+             far away): they count as misses"
+        ));
+    }
     if counts.outside > 0 {
         let [some, all] = [counts.outside, counts.rays].map(HumanCount);
         progress.say(format_args!("note: {MISSES_OUTSIDE}, as {some} of these {all} do; use --numerics robust"));
@@ -161,14 +185,20 @@ fn summary(counts: &Counts, seconds: f64, device: &str) -> String {
     line + "\n"
 }
 
+/// The format of hits, from the option or the output's name.
+fn output_format(args: &CastArgs) -> HitsFormat {
+    let by_name = if extension(&args.output) == "npz" { HitsFormat::Npz } else { HitsFormat::Structured };
+    args.output_format.unwrap_or(by_name)
+}
+
 /// The output; `None` for standard output.
-fn target(path: &Path) -> Result<Option<Target>, Error> {
+fn target(path: &Path, format: HitsFormat) -> Result<Option<Target>, Error> {
     if is_standard(path) {
         return Ok(None);
     }
     let is_special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
     if !is_special {
-        output::ending("--output", path, &["npy"])?;
+        output::ending("--output", path, if format == HitsFormat::Npz { &["npz"] } else { &["npy"] })?;
     }
     Target::new(path).map(Some)
 }

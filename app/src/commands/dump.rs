@@ -1,5 +1,7 @@
 //! `raystep dump`
 
+mod buffers;
+mod index;
 mod left_out;
 mod wanted;
 
@@ -9,13 +11,11 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
-use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary};
-use raystep_kernels::export::{csv, exr, npy};
+use raystep_kernels::export::{exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
 use raystep_kernels::programs;
-use raystep_kernels::{Kernel, Pass, Renderer, Stream, StreamData};
+use raystep_kernels::{Renderer, Stream, StreamData};
 use raystep_lab::text::counted;
-use serde::Serialize;
 
 use crate::args::{ProgramArgs, QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
@@ -23,18 +23,21 @@ use crate::output::TargetFolder;
 use crate::scene_file::read_file;
 use crate::session::{Running, Session};
 use crate::terminal::Progress;
+use index::{INDEX, index};
 use left_out::{LeftOut, NOT_NEEDED, needs_shading};
 use wanted::streams;
 
 /// Write streams after one pass or after every pass
 ///
 /// DIR/pass-000123.hit.npy has the stream 'hit' after pass 123 as an array (layer, row, column) of float32 or uint32,
-/// depending on the stream; index.json describes every pass, and the length of a stream's unit in scene units.
+/// depending on the stream. With --buffers, DIR/scene.vertices.npy has the triangles as kernels read them, and so on.
+/// index.json describes every pass, the structure, and how to convert the streams' units to the scene file's coordinates.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
   raystep dump scenes/cornell-box.gltf --pass 7 --stream state,tmax -o pass7
+  raystep dump scenes/cornell-box.gltf --stream hit --buffers grid_cells,grid_items,vertices,materials -o figure-5
   raystep dump scenes/teapot.glb --pass all --stream all --size 64x64 --format both -o all")]
 pub(crate) struct DumpArgs {
     #[command(flatten)]
@@ -47,6 +50,10 @@ pub(crate) struct DumpArgs {
     /// Streams, separated by commas; 'raystep plan' lists them
     #[arg(long, value_name = "NAME|all", default_value = "all", value_delimiter = ',', value_parser = parse_stream)]
     stream: Vec<Wanted>,
+    /// Also write scene data: buffers of the grid or BVH, vertices, normals, materials, … , separated by commas; 'raystep
+    /// plan' lists them
+    #[arg(long, value_name = "NAME|all", value_delimiter = ',', value_parser = parse_stream)]
+    buffers: Vec<Wanted>,
     /// Output folder: new, or empty
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -121,48 +128,6 @@ enum Format {
     Both,
 }
 
-/// The file that describes the others.
-const INDEX: &str = "index.json";
-
-/// `index.json`
-#[derive(Serialize)]
-struct Index {
-    schema_version: u32,
-    raystep_version: &'static str,
-    scene: String,
-    device: &'static str,
-    adapter: Option<AdapterInfo>,
-    options: RunOptions,
-    rays: u64,
-    /// Multiply lengths and t of the streams by this for scene units.
-    scene_units_per_stream_unit: f64,
-    streams: Vec<StreamSummary>,
-    /// Every pass up to the last one written.
-    passes: Vec<IndexPass>,
-}
-
-#[derive(Serialize)]
-struct IndexPass {
-    /// Its number, which does not depend on what is dumped.
-    index: usize,
-    kernel: &'static str,
-    /// Why it did not run, otherwise `null`. Its results are then unknown.
-    left_out: Option<&'static str>,
-    iteration: Option<u32>,
-    rays_in: Option<u32>,
-    rays_out: Option<u32>,
-    rays_by_state: Option<std::collections::BTreeMap<&'static str, u32>>,
-    files: Vec<String>,
-}
-
-impl IndexPass {
-    fn left_out(index: usize, kernel: Kernel) -> Self {
-        let (iteration, rays_in, rays_out, rays_by_state) = (None, None, None, None);
-        let (kernel, left_out) = (kernel.name(), Some(NOT_NEEDED));
-        Self { index, kernel, left_out, iteration, rays_in, rays_out, rays_by_state, files: Vec::new() }
-    }
-}
-
 pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
     if args.pass != Which::Last && !args.run.schedule.is_stepped() {
         return Err(Error::usage(
@@ -181,12 +146,14 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let progress = Progress::new(args.quiet.quiet);
     let named = named_streams(args)?;
     let is_wanted = |stream| named.is_empty() || named.contains(&stream);
-    let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+    let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
         options.program = args.program.program;
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         let program = programs::named(options.program);
         options.counters = args.counters || program.results.is_some_and(|results| named.contains(&results.counters));
+        // Much of the scene data is for shading.
         options.shade = options.samples.count > 1
+            || !args.buffers.is_empty()
             || program.results.is_some_and(|results| {
                 program.streams().any(|s| is_wanted(s) && needs_shading(s, &results, options.schedule))
             });
@@ -198,6 +165,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     }
     folder.refuse_inputs(&session.inputs, is_ours)?;
     let streams = streams(&named, &session.plan, &session.options)?;
+    buffers::chosen(&args.buffers, &session.plan)?;
     let left_out = LeftOut::of(&session.plan);
     let mut running = session.start(&progress)?;
 
@@ -232,7 +200,8 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         fs4::available_space(folder.place()).map_or(Ok(()), |free| must_fit(bytes, free, &args.output))?;
     }
 
-    let mut index = index(&running, &streams, left_out, passes.last().copied());
+    let buffers = buffers::write(&args.buffers, &running, folder)?;
+    let mut index = index(&running, &streams, buffers, left_out, passes.last().copied());
     for pass in index.passes.iter().filter(|pass| pass.left_out.is_some()) {
         progress.say(format_args!("pass {} ({}) is omitted: {NOT_NEEDED}", pass.index, pass.kernel));
     }
@@ -275,7 +244,9 @@ fn must_fit(bytes: u64, free: u64, output: &Path) -> Result<(), Error> {
 
 /// Whether a dump may write a file of this name.
 fn is_ours(name: &str) -> bool {
-    name == INDEX || (name.starts_with("pass-") && (name.ends_with(".npy") || name.ends_with(".exr")))
+    name == INDEX
+        || buffers::is_ours(name)
+        || (name.starts_with("pass-") && (name.ends_with(".npy") || name.ends_with(".exr")))
 }
 
 /// The dump's files that an existing index lists: plain names only.
@@ -285,6 +256,8 @@ fn listed(folder: &Path) -> Vec<String> {
     let index = index.and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
     let passes = index.as_ref().and_then(|index| index["passes"].as_array());
     let files = passes.into_iter().flatten().filter_map(|pass| pass["files"].as_array()).flatten();
+    let buffers = index.as_ref().and_then(|index| index["buffers"].as_array());
+    let files = files.chain(buffers.into_iter().flatten().map(|buffer| &buffer["file"]));
     let is_plain = |name: &str| is_ours(name) && !name.contains(['/', '\\']);
     files.filter_map(|name| name.as_str()).filter(|name| is_plain(name)).map(str::to_owned).collect()
 }
@@ -318,41 +291,6 @@ fn bytes(streams: &[Stream], renderer: &Renderer, format: Format) -> u64 {
         }
     };
     streams.iter().map(of).sum()
-}
-
-/// Passes up to `last` are listed.
-fn index(running: &Running, streams: &[Stream], left_out: LeftOut, last: Option<usize>) -> Index {
-    let (renderer, plan) = (&running.renderer, running.renderer.plan());
-    let texels = |stream: Stream| renderer.size(stream.info().elements).map_or(0, |size| size.texels());
-    let pass = |pass: &Pass| IndexPass {
-        index: left_out.before() + pass.index,
-        kernel: pass.kernel.name(),
-        left_out: None,
-        iteration: Some(pass.iteration),
-        rays_in: Some(pass.rays_in),
-        rays_out: Some(csv::rays_out(pass)),
-        rays_by_state: Some(json::states(plan.program, &pass.counts)),
-        files: Vec::new(),
-    };
-    let before = left_out.first.map(|kernel| IndexPass::left_out(0, kernel));
-    let mut passes: Vec<_> = before.into_iter().chain(renderer.passes().iter().map(pass)).collect();
-    if let (Some(kernel), Some(last)) = (left_out.last, last)
-        && passes.len() <= last
-    {
-        passes.push(IndexPass::left_out(passes.len(), kernel));
-    }
-    Index {
-        schema_version: json::SCHEMA_VERSION,
-        raystep_version: env!("CARGO_PKG_VERSION"),
-        scene: running.scene.name.clone(),
-        device: running.chosen.kind(),
-        adapter: running.chosen.gpu().map(AdapterInfo::from),
-        options: running.run_options(),
-        rays: plan.rays,
-        scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
-        streams: streams.iter().map(|&s| json::stream(s, texels(s))).collect(),
-        passes,
-    }
 }
 
 fn write_stream(folder: &TargetFolder, pass: usize, data: &StreamData, format: Format) -> Result<Vec<String>, Error> {

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use glam::Vec3;
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_kernels::plan::Bytes;
 use raystep_kernels::{AdapterChoice, AdapterSummary, Loops};
@@ -166,8 +167,13 @@ impl AboutDevices {
 struct AboutScene {
     name: String,
     triangles: usize,
-    bounds_min: Option<[f32; 3]>,
-    bounds_max: Option<[f32; 3]>,
+    /// Of all triangles, in scene units squared.
+    area: f64,
+    /// In the coordinates of the file.
+    bounds_min: Option<[f64; 3]>,
+    bounds_max: Option<[f64; 3]>,
+    /// What is subtracted from the file's coordinates before they are rounded to f32.
+    offset: [f64; 3],
     has_normals: bool,
     has_texcoords: bool,
     has_vertex_colors: bool,
@@ -198,6 +204,13 @@ struct AboutCamera {
 impl AboutScene {
     fn of(scene: &Scene) -> Self {
         let bounds = Some(scene.bounds()).filter(|b| !b.is_empty());
+        let offset = scene.offset.to_array();
+        // Without an offset, the shortest decimals of f32.
+        let coordinate = |axis: usize, v: f32| match offset[axis] {
+            0.0 => v.to_string().parse().unwrap_or(v.into()),
+            offset => offset + f64::from(v),
+        };
+        let in_file = |point: Vec3| [0, 1, 2].map(|axis| coordinate(axis, point[axis]));
         let mut counts = vec![0; scene.materials.len()];
         for &material in &scene.triangle_materials {
             counts[material as usize] += 1;
@@ -219,13 +232,16 @@ impl AboutScene {
                 Projection::Perspective { vertical_fov } => ("perspective", Some(vertical_fov.to_degrees())),
                 Projection::Orthographic { .. } => ("orthographic", None),
             };
-            AboutCamera { name: camera.name.clone(), projection, eye: camera.eye.to_array(), vertical_fov_deg: fov }
+            let eye = (scene.offset + camera.eye).to_array();
+            AboutCamera { name: camera.name.clone(), projection, eye, vertical_fov_deg: fov }
         });
         Self {
             name: scene.name.clone(),
             triangles: scene.triangles.len(),
-            bounds_min: bounds.map(|b| b.min.to_array()),
-            bounds_max: bounds.map(|b| b.max.to_array()),
+            area: scene.area(),
+            bounds_min: bounds.map(|b| in_file(b.min)),
+            bounds_max: bounds.map(|b| in_file(b.max)),
+            offset,
             has_normals: scene.normals.is_some(),
             has_texcoords: scene.texcoords.is_some(),
             has_vertex_colors: scene.colors.is_some(),
@@ -246,6 +262,11 @@ impl AboutScene {
         if let (Some(min), Some(max)) = (self.bounds_min, self.bounds_max) {
             line("bounds", format!("{min:?} to {max:?}"));
         }
+        if self.offset != [0.0; 3] {
+            let why = "subtracted from all coordinates, which are too far from the origin for 32 bits";
+            line("offset", format!("{:?}, {why}", self.offset));
+        }
+        line("area", self.area.to_string());
         let attributes: Vec<_> = [
             (self.has_normals, "normals"),
             (self.has_texcoords, "texture coordinates"),

@@ -57,7 +57,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
         )));
     }
     let progress = Progress::new(args.quiet.quiet);
-    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
         options.program = program;
         options.counters = args.counters;
     })?;

@@ -108,7 +108,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
         ));
     }
     let progress = Progress::new(args.quiet.quiet);
-    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
         options.counters = args.counters;
         options.timings = args.passes_csv.is_some() || args.trace_json.is_some();
         options.keep_passes = options.timings;

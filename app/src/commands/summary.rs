@@ -24,6 +24,7 @@ pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, re
         triangles: plan.triangles,
         structure: running.structure(),
         scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
+        scene_offset: renderer.data().units.offset.to_array(),
         clock: running.options.timings.then(|| running.chosen.timer().name()),
         host_run_ns: renderer.host_ns().filter(|_| !running.chosen.timer().times_passes()),
         passes: renderer.pass_count(),

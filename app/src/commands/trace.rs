@@ -5,9 +5,10 @@ use std::str::FromStr;
 
 use clap::{ArgGroup, Args, ValueEnum};
 use raystep_inspector::link::{Link, LinkRay};
+use raystep_inspector::ray_text::GivenRay;
 use raystep_inspector::runs::scene_hash;
+use raystep_kernels::RaySource;
 use raystep_kernels::export::trace::{Rays, trace};
-use raystep_kernels::{Ray, RaySource};
 
 use crate::args::{QuietArgs, RunArgs, ViewArgs};
 use crate::error::Error;
@@ -38,9 +39,9 @@ pub(crate) struct TraceArgs {
     /// Pixel of the ray, counted from 0 at the top left
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pixel: Option<Pixel>,
-    /// A single ray: origin and direction, decimal or as the bits of an f32 in hex
+    /// A single ray in the scene file's coordinates: origin and direction, decimal or as the bits of an f32 in hex
     #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", allow_hyphen_values = true)]
-    ray: Option<TypedRay>,
+    ray: Option<GivenRay>,
     /// Also trace the rays of all other pixels, as 'render' does, to show the number of passes
     ///
     /// Without it, only this ray is traced; its rows are the same, bit for bit. With --schedule first and with several
@@ -87,24 +88,6 @@ impl FromStr for Pixel {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct TypedRay(Ray);
-
-impl FromStr for TypedRay {
-    type Err = &'static str;
-
-    fn from_str(value: &str) -> Result<Self, Self::Err> {
-        const WRONG: &str = "expected six numbers separated by commas, decimal or hex bits such as 0x3f800000";
-        let number = |text: &str| match text.trim().strip_prefix("0x") {
-            Some(bits) => u32::from_str_radix(bits, 16).map(f32::from_bits).map_err(|_| WRONG),
-            None => text.trim().parse::<f32>().map_err(|_| WRONG),
-        };
-        let numbers = value.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
-        let [ox, oy, oz, dx, dy, dz] = numbers[..] else { return Err(WRONG) };
-        Ok(Self(Ray::new([ox, oy, oz], [dx, dy, dz])))
-    }
-}
-
 /// Why `--all-rays` is implied.
 const NOT_ALONE: &str = "a ray's passes depend on the other rays here (--schedule first, or several samples per \
                          pixel), so all are traced";
@@ -112,7 +95,7 @@ const NOT_ALONE: &str = "a ray's passes depend on the other rays here (--schedul
 pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     let asked = match (args.pixel, args.ray) {
         (Some(Pixel { x, y }), _) => Some(LinkRay::Pixel([x, y])),
-        (None, Some(TypedRay(ray))) => Some(LinkRay::Given(ray)),
+        (None, Some(ray)) => Some(LinkRay::Given(ray)),
         (None, None) => None,
     };
     let mut wanted = args.scene.wanted(args.view, args.run)?;
@@ -147,10 +130,10 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     }
     let mut link = args.print_link.then(|| link_of(&wanted)).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
-    let session = Session::new(&wanted.scene, &wanted.view, &wanted.run, &progress, |options| {
+    let session = Session::new(&wanted.scene, &wanted.view, &wanted.run, &progress, |scene, options| {
         options.keep_passes = false;
         if let Some(LinkRay::Given(ray)) = ray {
-            options.rays = RaySource::Given(vec![ray]);
+            options.rays = RaySource::Given(vec![ray.in_scene(scene)]);
         }
     })?;
     if link.is_some() || wanted.scene_hash.is_some() {

@@ -6,12 +6,13 @@ use percent_encoding::percent_decode_str;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
 use raystep_kernels::programs;
-use raystep_kernels::{GridSize, Ray, Samples, Stream};
+use raystep_kernels::{GridSize, Samples, Stream};
 
 use super::error::start;
 use super::{
     KEYS, Link, LinkCamera, LinkDevice, LinkError, LinkRay, LinkStream, MOST_CELLS, MOST_PIXELS, MOST_STEPS, VERSION,
 };
+use crate::ray_text::RayTextError;
 
 /// The pairs of a link, each key once.
 struct Pairs(Vec<(&'static str, String)>);
@@ -157,26 +158,13 @@ fn camera(pairs: &Pairs) -> Result<LinkCamera, LinkError> {
 }
 
 fn ray(pairs: &Pairs) -> Result<Option<LinkRay>, LinkError> {
-    const RAY: &str = "expected six finite numbers, decimal or the bits of an f32 such as 0x3f800000";
     const PIXEL: &str = "expected two integers, such as 256,256";
     let pixel = pairs.take("pixel", |v| numbers(v, |part| part.parse::<u32>().ok()).ok_or(PIXEL.into()))?;
-    let given = pairs.take("ray", |v| {
-        let [ox, oy, oz, dx, dy, dz] = numbers(v, component).ok_or(RAY)?;
-        Ok(Ray::new([ox, oy, oz], [dx, dy, dz]))
-    })?;
+    let given = pairs.take("ray", |v| v.parse().map_err(|error: RayTextError| error.to_string()))?;
     match (pixel, given) {
         (Some(_), Some(_)) => Err(LinkError::Both("pixel", "ray")),
         (pixel, given) => Ok(pixel.map(LinkRay::Pixel).or(given.map(LinkRay::Given))),
     }
-}
-
-/// A finite f32, decimal or as bits.
-fn component(text: &str) -> Option<f32> {
-    let value = match text.strip_prefix("0x") {
-        Some(bits) => f32::from_bits(u32::from_str_radix(bits, 16).ok()?),
-        None => text.parse().ok()?,
-    };
-    value.is_finite().then_some(value)
 }
 
 fn size(value: &str) -> Result<[u32; 2], String> {

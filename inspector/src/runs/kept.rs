@@ -227,6 +227,7 @@ mod tests {
     use raystep_scenes::generate::cornell_box;
 
     use super::*;
+    use crate::ray_text::GivenRay;
     use crate::runs::outcome::tests::picture;
 
     fn recipe() -> Recipe {
@@ -291,7 +292,7 @@ mod tests {
         assert_eq!(of(|s| (s.accelerator, s.device) = (raystep_kernels::Accelerator::Bvh, DeviceKind::CpuF64)), None);
         assert_eq!(of(|s| s.size = [8, 9]), Some("they have different sizes"));
         assert_eq!(of(|s| s.view = crate::settings::View::Scene(1)), Some("they have different views"));
-        assert_eq!(of(|s| s.ray = Some([0.0; 6])), Some("they have different views"));
+        assert_eq!(of(|s| s.ray = Some(GivenRay([0.0; 6]))), Some("they have different views"));
         assert_eq!(of(|s| s.samples.count = 2), Some("they have different samples"));
     }
 }

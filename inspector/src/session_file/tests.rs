@@ -4,6 +4,7 @@ use raystep_kernels::{Accelerator, Numerics, Samples, ScheduleKind};
 
 use super::*;
 use crate::link::{Link, LinkRay};
+use crate::ray_text::GivenRay;
 use crate::runs::Recipe;
 use crate::session::Edit;
 use crate::settings::{DeviceKind, Settings, View};
@@ -47,7 +48,7 @@ fn recipes() -> Vec<Recipe> {
             schedule: ScheduleKind::First,
             ..Settings::default()
         }),
-        of(Settings { ray: Some([0.1, 0.2, 3.0, 0.0, -0.0, -1.0]), size: [512, 512], ..Settings::default() }),
+        of(Settings { ray: Some(GivenRay([0.1, 0.2, 3.0, 0.0, -0.0, -1.0])), size: [512, 512], ..Settings::default() }),
         Recipe {
             edits: vec![Edit { place: 3, stream: hit, layer: 2, x: 1, y: 2, bits: u32::MAX }],
             twins: Some(5),

@@ -249,7 +249,7 @@ impl Inspector {
     /// Returns whether the text must be corrected first.
     pub(super) fn trace_ray(&mut self, text: &str) -> bool {
         let Some(opened) = &self.model.opened else { return false };
-        match crate::ray_text::parse(text) {
+        match text.parse() {
             Ok(ray) => {
                 let settings = crate::settings::Settings { ray: Some(ray), ..opened.settings.clone() };
                 self.model.ask(Request::Plan(Box::new(settings)));

@@ -35,23 +35,24 @@ pub struct Scale {
     /// The units.
     pub units: Units,
     length: f64,
+    offset: [f64; 3],
     t: f64,
 }
 
 impl Scale {
-    /// For lengths and t that are this many times as large in the scene's units.
+    /// For lengths and t that are this many times as large in the scene's units, and points that have this offset.
     #[must_use]
-    pub fn new(units: Units, length: f64, t: f64) -> Self {
+    pub fn new(units: Units, length: f64, offset: [f64; 3], t: f64) -> Self {
         match units {
-            Units::Traced => Self { units, length: 1.0, t: 1.0 },
-            Units::Scene => Self { units, length, t },
+            Units::Traced => Self { units, length: 1.0, offset: [0.0; 3], t: 1.0 },
+            Units::Scene => Self { units, length, offset, t },
         }
     }
 
     /// For a ray.
     #[must_use]
     pub fn of(units: Units, life: &Trace) -> Self {
-        Self::new(units, life.scene_units_per_stream_unit, life.t_scale)
+        Self::new(units, life.scene_units_per_stream_unit, life.scene_offset, life.t_scale)
     }
 
     /// A t of a stream.
@@ -64,6 +65,19 @@ impl Scale {
     #[must_use]
     pub fn length(&self, length: f32) -> f64 {
         f64::from(length) * self.length
+    }
+
+    /// A coordinate of a point of a stream.
+    #[must_use]
+    pub fn coordinate(&self, axis: usize, value: f32) -> f64 {
+        self.length(value) + self.offset[axis]
+    }
+
+    /// A point of a stream, with the digits that its numbers in the stream have.
+    #[must_use]
+    pub fn point(&self, point: [f32; 3]) -> [String; 3] {
+        let digits = decimals(point.into_iter().map(|c| self.length(c).abs()).fold(0.0, f64::max));
+        [0, 1, 2].map(|axis| format!("{:.digits$}", self.coordinate(axis, point[axis])))
     }
 
     /// A t with all digits.
@@ -172,9 +186,12 @@ mod tests {
 
     #[test]
     fn traced_units_keep_the_bits_and_scene_units_are_scaled() {
-        let traced = Scale::new(Units::Traced, 4.0, 8.0);
+        let offset = [1e7, 0.0, -4096.0];
+        let traced = Scale::new(Units::Traced, 4.0, offset, 8.0);
         assert_eq!((traced.t(0.1), traced.length(0.5), traced.exact_t(0.1)), (f64::from(0.1_f32), 0.5, "0.1".into()));
-        let scene = Scale::new(Units::Scene, 4.0, 8.0);
+        assert_eq!(traced.point([0.5, 0.1, -0.125]), ["0.500000", "0.100000", "-0.125000"]);
+        let scene = Scale::new(Units::Scene, 4.0, offset, 8.0);
         assert_eq!((scene.t(0.5), scene.length(0.5), scene.exact_t(0.5)), (4.0, 2.0, "4".into()));
+        assert_eq!(scene.point([0.5, 0.25, -0.125]), ["10000002.00000", "1.00000", "-4096.50000"]);
     }
 }

@@ -1,11 +1,12 @@
 //! Links survive a round trip, and no text makes parsing panic.
 
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
+use raystep_inspector::ray_text::GivenRay;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping};
 use raystep_kernels::programs;
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Traversal};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Sampler, Samples, ScheduleKind, Skip, Traversal};
 use raystep_lab::Hash;
 
 struct Random(fastrand::Rng);
@@ -91,7 +92,7 @@ impl Random {
             ray: match self.below(3) {
                 0 => None,
                 1 => Some(LinkRay::Pixel(size.map(|side| self.below(side as usize) as u32))),
-                _ => Some(LinkRay::Given(Ray::new([0; 3].map(|_| self.f32()), [0; 3].map(|_| self.f32())))),
+                _ => Some(LinkRay::Given(GivenRay([0; 6].map(|_| self.f32().into())))),
             },
             pass: self.maybe(|r| r.below(usize::MAX)),
             stream: self.maybe(|r| {

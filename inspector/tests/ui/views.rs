@@ -61,7 +61,7 @@ fn another_camera_changes_the_picture_and_nothing_is_built_again() {
         let scene = cornell_box();
         let mut camera = View::Scene(0).camera(&scene);
         camera.eye += camera.right * 0.05;
-        let view = View::of(&camera);
+        let view = View::of(&camera, &scene);
 
         // As if it had been opened with this camera.
         let mut fresh = Stage::with_scene(CORNELL, Settings { view, ..settings(device) }, Arrival::picture());

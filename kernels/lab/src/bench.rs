@@ -126,7 +126,7 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
     for subject in subjects {
         if let Some(file) = &wanted.file {
             let name = format!("{} rays {}", subject.scene.name, file.hash);
-            let rays = RaySource::Given(in_tiles(&file.rays));
+            let rays = RaySource::Given(in_tiles(&file.in_scene(&subject.scene)));
             let (size, kind) = (Size { width: 0, height: 0 }, format!("file {}", file.hash));
             bench.group(Group { name, subject, size, kind, ends_early: false }, rays, &ways)?;
             continue;

@@ -123,7 +123,8 @@ pub fn write_colors(out: &mut (impl Write + Seek), image: &Image) -> Result<(), 
 }
 
 /// Writes a stream: the channel `hit.u` is layer `u` of stream `hit`. A float layer, including floats stored as bits in
-/// an integer texel, becomes a FLOAT channel, the others UINT; either way the bits are kept.
+/// an integer texel, becomes a FLOAT channel, the others UINT; either way the bits are kept. Layers r, g and b are also
+/// the channels R, G and B, which viewers show as a picture.
 ///
 /// # Errors
 /// If `out` fails.
@@ -138,7 +139,12 @@ pub fn write_stream(out: &mut (impl Write + Seek), data: &StreamData) -> Result<
     };
     let channel =
         |(layer, name): (usize, &&str)| AnyChannel::new(format!("{}.{name}", info.name).as_str(), samples(layer));
-    let channels = info.layers.iter().enumerate().map(channel).collect();
+    let mut channels: Vec<_> = info.layers.iter().enumerate().map(channel).collect();
+    if let [r, g, b, ..] = info.layers
+        && [*r, *g, *b] == ["r", "g", "b"]
+    {
+        channels.extend(["R", "G", "B"].into_iter().enumerate().map(|(c, name)| AnyChannel::new(name, samples(c))));
+    }
     write_channels(out, data.width, data.height, channels)
 }
 

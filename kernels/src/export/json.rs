@@ -48,6 +48,8 @@ pub struct Summary {
     pub structure: Structure,
     /// Multiply lengths and t in streams by this for scene units.
     pub scene_units_per_stream_unit: f64,
+    /// Then add this to points, for the coordinates of the scene's file.
+    pub scene_offset: [f64; 3],
     /// As in `passes.csv`; `null` if passes were not timed.
     pub clock: Option<&'static str>,
     /// As in `passes.csv`.

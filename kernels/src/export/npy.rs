@@ -6,8 +6,12 @@
 
 use std::io::{self, Write};
 
+use naga::ScalarKind;
+
 use crate::renderer::cast::CastHit;
 use crate::renderer::image::Image;
+use crate::scene_data::buffer::BufferInfo;
+use crate::shader::{ArrayLayout, Field};
 use crate::tables::stream::{StreamData, Texel};
 
 /// Bytes before the data: magic, version, length and header, padded so that the data is aligned.
@@ -39,6 +43,50 @@ pub fn write_stream(out: &mut impl Write, data: &StreamData) -> io::Result<()> {
         out.write_all(&bytes)?;
     }
     Ok(())
+}
+
+/// Writes a buffer of scene data: scalars and vectors as an array of them, structs as an array of records.
+///
+/// # Errors
+/// If `out` fails.
+pub fn write_buffer(out: &mut impl Write, buffer: &BufferInfo, layout: &ArrayLayout, bytes: &[u8]) -> io::Result<()> {
+    let kind = |field: &Field| match field.kind {
+        ScalarKind::Float | ScalarKind::AbstractFloat => "<f4",
+        ScalarKind::Sint | ScalarKind::AbstractInt => "<i4",
+        ScalarKind::Uint | ScalarKind::Bool => "<u4",
+    };
+    let elements = bytes.len() as u64 / u64::from(layout.stride.max(1));
+    let axis = |count: u32| if count == 1 { Vec::new() } else { vec![count] };
+    let (descr, per_element) = match &layout.fields[..] {
+        [field] if field.name.is_empty() => (format!("'{}'", kind(field)), axis(field.count)),
+        fields => (format!("[{}]", records(fields, layout.stride, kind)), Vec::new()),
+    };
+    let per_row = buffer.rows.iter().map(|&n| u64::from(n)).product::<u64>();
+    let axes = buffer.rows.iter().copied().chain(per_element).map(|n| n.to_string());
+    let shape: Vec<String> = std::iter::once((elements / per_row).to_string()).chain(axes).collect();
+    let shape = if shape.len() == 1 { shape[0].clone() + "," } else { shape.join(", ") };
+    let length = descr.len() + shape.len() + 80;
+    out.write_all(&header(&descr, &shape, length.next_multiple_of(64)))?;
+    out.write_all(bytes)
+}
+
+/// The members of a record, and what lies between them.
+fn records(fields: &[Field], stride: u32, kind: impl Fn(&Field) -> &'static str) -> String {
+    let mut parts = Vec::new();
+    let mut at = 0;
+    let mut pad = |parts: &mut Vec<String>, to: u32, next: u32| {
+        if to > at {
+            parts.push(format!("('', '|V{}')", to - at));
+        }
+        at = next;
+    };
+    for field in fields {
+        pad(&mut parts, field.offset, field.offset + 4 * field.count);
+        let axis = if field.count == 1 { String::new() } else { format!(", ({},)", field.count) };
+        parts.push(format!("('{}', '{}'{axis})", field.name, kind(field)));
+    }
+    pad(&mut parts, stride, stride);
+    parts.join(", ")
 }
 
 /// Appends an image as an array of shape (row, column, 4), `<f4`: r, g, b in linear light, and coverage.
@@ -73,22 +121,54 @@ fn header(descr: &str, shape: &str, bytes: usize) -> Vec<u8> {
     header
 }
 
-/// Bytes before the hits of a structured array, whatever their number.
-pub const HITS_HEADER_BYTES: usize = 256;
+/// What is known of a hit, in the order of [`CastHit`], with NumPy's types.
+pub const HIT_FIELDS: [(&str, &str); 5] =
+    [("t", "<f4"), ("u", "<f4"), ("v", "<f4"), ("triangle", "<u4"), ("material", "<u4")];
 
-/// Appends the header of a structured array of so many hits: t, u and v as `<f4`, triangle and material as `<u4`. It
-/// always has the same length, so the number can be replaced later.
-pub fn write_hits_header(out: &mut Vec<u8>, hits: u64) {
-    let kinds = ["('t', '<f4')", "('u', '<f4')", "('v', '<f4')", "('triangle', '<u4')", "('material', '<u4')"];
-    out.extend(header(&format!("[{}]", kinds.join(", ")), &format!("{hits},"), HITS_HEADER_BYTES));
+/// Arrays of hits. Their headers have [`HITS_HEADER_BYTES`], so that the number in it can be replaced later.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HitsArray {
+    /// An array of records, with [`HIT_FIELDS`].
+    Structured,
+    /// An array of shape (N, 5) of `<f8`, in the same order, for readers without records; triangle and material are −1
+    /// without a hit.
+    Plain,
+    /// An array of one of the fields.
+    Field(usize),
 }
 
-/// Appends hits as the elements of that array, 20 bytes each.
-pub fn write_hits(out: &mut Vec<u8>, hits: &[CastHit]) {
-    out.reserve(size_of_val(hits));
-    for hit in hits {
-        for bits in [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.triangle, hit.material] {
-            out.extend_from_slice(&bits.to_le_bytes());
+/// Bytes before the hits, whatever their number.
+pub const HITS_HEADER_BYTES: usize = 256;
+
+impl HitsArray {
+    /// The header of so many hits.
+    #[must_use]
+    pub fn header(self, hits: u64) -> Vec<u8> {
+        let (descr, shape) = match self {
+            Self::Structured => {
+                let kinds = HIT_FIELDS.map(|(name, kind)| format!("('{name}', '{kind}')"));
+                (format!("[{}]", kinds.join(", ")), format!("{hits},"))
+            }
+            Self::Plain => ("'<f8'".into(), format!("{hits}, {}", HIT_FIELDS.len())),
+            Self::Field(field) => (format!("'{}'", HIT_FIELDS[field].1), format!("{hits},")),
+        };
+        header(&descr, &shape, HITS_HEADER_BYTES)
+    }
+
+    /// Appends hits.
+    pub fn write(self, out: &mut Vec<u8>, hits: &[CastHit]) {
+        for hit in hits {
+            let words = [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.triangle, hit.material];
+            match self {
+                Self::Structured => out.extend(words.iter().flat_map(|word| word.to_le_bytes())),
+                Self::Field(field) => out.extend(words[field].to_le_bytes()),
+                Self::Plain => {
+                    let id = |id: u32| if hit.is_hit() { f64::from(id) } else { -1.0 };
+                    let [t, u, v] = [hit.t, hit.u, hit.v].map(f64::from);
+                    let numbers = [t, u, v, id(hit.triangle), id(hit.material)];
+                    out.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+                }
+            }
         }
     }
 }
@@ -128,5 +208,31 @@ mod tests {
         assert_eq!(bits(&again), bits(&image));
         assert!(read_image(&file, 2, 3).is_none() && read_image(&file[..file.len() - 1], 3, 2).is_none());
         assert!(read_image(&[file.as_slice(), &[0; 16]].concat(), 3, 2).is_none());
+    }
+
+    #[test]
+    fn hits_are_records_numbers_or_fields() {
+        let hit = CastHit { t: 1.5, u: 0.25, v: 0.5, triangle: (1 << 24) + 1, material: 2 };
+        let written = |array: HitsArray| {
+            let mut bytes = array.header(2);
+            assert_eq!(bytes.len(), HITS_HEADER_BYTES);
+            let header = String::from_utf8_lossy(&bytes[10..]).trim_end().to_owned();
+            bytes.clear();
+            array.write(&mut bytes, &[hit, CastHit::MISS]);
+            (header, bytes)
+        };
+        let (header, records) = written(HitsArray::Structured);
+        assert!(header.contains("('v', '<f4'), ('triangle', '<u4')") && header.contains("'shape': (2,)"), "{header}");
+        assert_eq!((records.len(), &records[12..16]), (40, &hit.triangle.to_le_bytes()[..]));
+        let (header, numbers) = written(HitsArray::Plain);
+        assert!(header.contains("'descr': '<f8'") && header.contains("'shape': (2, 5)"), "{header}");
+        let (numbers, _) = numbers.as_chunks::<8>();
+        let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        // More than f32 could tell from its neighbours.
+        assert_eq!(numbers[..5], [1.5, 0.25, 0.5, 16_777_217.0, 2.0]);
+        assert_eq!(numbers[5..], [f64::INFINITY, 0.0, 0.0, -1.0, -1.0]);
+        let (header, triangles) = written(HitsArray::Field(3));
+        assert!(header.contains("'descr': '<u4'") && header.contains("'shape': (2,)"), "{header}");
+        assert_eq!(triangles, [hit.triangle, u32::MAX].map(u32::to_le_bytes).concat());
     }
 }

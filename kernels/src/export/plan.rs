@@ -33,6 +33,8 @@ pub struct PlanSummary {
     pub structure: Structure,
     /// Scene units per unit of the streams.
     pub scene_units_per_stream_unit: f64,
+    /// Added to points in scene units, for the coordinates of the scene's file.
+    pub scene_offset: [f64; 3],
     /// The schedule's steps.
     pub schedule: Vec<StepSummary>,
     /// Kernels and what they bind.
@@ -233,6 +235,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         triangles: plan.triangles,
         structure: Structure::of(asked, plan, data),
         scene_units_per_stream_unit: data.units.scene_units_per_stream_unit(),
+        scene_offset: data.units.offset.to_array(),
         schedule: steps(&plan.schedule.steps, plan.program),
         kernels: plan.variants.iter().map(kernel).collect(),
         draws: plan.drawn.as_ref().map(|drawn| DrawsSummary::of(plan, drawn)),

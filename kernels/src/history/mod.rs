@@ -44,6 +44,8 @@ pub struct Trace {
     pub pixel: [u32; 2],
     /// Scene units per traced unit: multiply lengths by this.
     pub scene_units_per_stream_unit: f64,
+    /// Then add this to points, for the coordinates of the scene's file.
+    pub scene_offset: [f64; 3],
     /// Multiply t by this to get t along the ray as the caller gave it.
     pub t_scale: f64,
     /// Number of rays traced: this one alone, or all of the run.
@@ -197,9 +199,11 @@ impl Trace {
     /// The rows of a ray, from a run that is complete.
     #[must_use]
     pub fn new(renderer: &Renderer, [x, y]: [u32; 2], rows: Vec<TraceRow>) -> Self {
-        let scene_units_per_stream_unit = renderer.data().units.scene_units_per_stream_unit();
+        let units = renderer.data().units;
+        let scene_units_per_stream_unit = units.scene_units_per_stream_unit();
         let t_scale = renderer.t_scale(y as usize * renderer.plan().width as usize + x as usize);
         let (rays, passes) = (renderer.plan().rays, Some(renderer.pass_count()));
-        Self { pixel: [x, y], scene_units_per_stream_unit, t_scale, rays, passes, rows }
+        let scene_offset = units.offset.to_array();
+        Self { pixel: [x, y], scene_units_per_stream_unit, scene_offset, t_scale, rays, passes, rows }
     }
 }

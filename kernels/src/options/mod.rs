@@ -6,6 +6,7 @@ pub mod mapping;
 pub mod reasons;
 pub mod samples;
 
+use glam::DVec3;
 use raystep_scenes::Camera;
 
 pub use crate::numbers::named::ParseOptionError;
@@ -213,6 +214,14 @@ impl Ray {
     #[must_use]
     pub const fn new(origin: [f32; 3], direction: [f32; 3]) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The same in the coordinates of a scene's file, with f64's precision: a scene's offset (see [`raystep_scenes::Scene`]) is subtracted before the
+    /// numbers are rounded to f32.
+    #[must_use]
+    pub fn in_file(origin: [f64; 3], direction: [f64; 3], offset: DVec3) -> Self {
+        let origin = DVec3::from_array(origin) - offset;
+        Self::new(origin.as_vec3().to_array(), direction.map(|d| d as f32))
     }
 
     /// What is wrong with the ray in any scene: a component that is not finite, a direction of 0, an empty interval.

@@ -29,7 +29,7 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
     if matches!(options.accelerator, Accelerator::Bvh | Accelerator::None) {
         return Err(PlanError::NotBuilt(options.accelerator));
     }
-    let units = Units::of(&scene.bounds());
+    let units = Units::of(scene);
     check_scene(scene, units)?;
     // The growth of cells depends on where rays begin.
     check_rays(options, units)?;

@@ -266,7 +266,7 @@ impl Plan {
             }
             return grid_build::plan(scene, options, limits);
         }
-        let units = Units::of(&scene.bounds());
+        let units = Units::of(scene);
         let (width, height, rays) = image_size(options, limits)?;
         check_scene(scene, units)?;
         check_mapping(options, limits)?;

@@ -44,6 +44,10 @@ pub struct Structure {
 pub struct GridSummary {
     /// Cells along x, y and z.
     pub cells: [i32; 3],
+    /// Lower corner of the first cell, in traced units.
+    pub corner: [f32; 3],
+    /// Size of a cell, in traced units.
+    pub cell_width: [f32; 3],
     /// Cells with an empty list.
     pub empty_cells: u64,
     /// Entries of all lists.
@@ -64,6 +68,10 @@ pub struct GridSummary {
 pub struct IrregularSummary {
     /// Virtual cells along x, y and z: the finest that there can be.
     pub virtual_cells: [i32; 3],
+    /// Lower corner of the first cell, in traced units.
+    pub corner: [f32; 3],
+    /// Size of a virtual cell, in traced units.
+    pub virtual_cell_width: [f32; 3],
     /// Most halvings of a top-level cell.
     pub levels: u32,
     /// Number of cells.
@@ -139,6 +147,8 @@ impl GridSummary {
         let lengths = || data.grid_cells.windows(2).map(|w| w[1] - w[0]);
         Some(Self {
             cells: data.grid.cells,
+            corner: data.grid.corner,
+            cell_width: data.grid.width,
             empty_cells: lengths().filter(|&n| n == 0).count() as u64,
             references: data.grid_items.len() as u64,
             longest_list: lengths().max().unwrap_or(0),
@@ -159,6 +169,8 @@ impl IrregularSummary {
         let lengths = || data.irregular_lengths.iter().copied();
         Some(Self {
             virtual_cells: data.grid.cells,
+            corner: data.grid.corner,
+            virtual_cell_width: data.grid.width,
             levels: data.grid.levels,
             cells: data.irregular_cells.len() as u64,
             empty_cells: lengths().filter(|&n| n == 0).count() as u64,

@@ -125,7 +125,7 @@ impl Caster {
             rays: RaySource::Given(Vec::new()),
             ..options.clone()
         };
-        let units = Units::of(&scene.bounds());
+        let units = Units::of(&scene);
         let (plan, data, farthest_origin) =
             planned(&scene, &options, device, ORIGINS * reach_of(&scene, units)).await?;
         let batch = if device.is_gpu() { RAYS_A_BATCH_GPU } else { RAYS_A_BATCH_CPU };
@@ -167,6 +167,13 @@ impl Caster {
         self.unfinished
     }
 
+    /// Why a ray cannot be traced in this scene, if it cannot: a number is not finite, its direction is 0, or it starts
+    /// too far away.
+    #[must_use]
+    pub fn fault(&self, ray: &Ray) -> Option<&'static str> {
+        why_untraceable(ray, self.data.units)
+    }
+
     /// The results of these rays, in their order.
     ///
     /// # Errors
@@ -182,9 +189,8 @@ impl Caster {
     /// # Errors
     /// As for `cast`; `hits` may then have the results of some batches.
     pub async fn cast_into(&mut self, rays: &[Ray], hits: &mut Vec<CastHit>) -> Result<(), RenderError> {
-        let units = self.data.units;
         for (index, ray) in rays.iter().enumerate() {
-            if let Some(reason) = why_untraceable(ray, units) {
+            if let Some(reason) = self.fault(ray) {
                 return Err(PlanError::Ray { index, reason }.into());
             }
         }
@@ -286,7 +292,7 @@ async fn planned(
     device: &Device,
     farthest: f32,
 ) -> Result<(Plan, Arc<SceneData>, f32), RenderError> {
-    let units = Units::of(&scene.bounds());
+    let units = Units::of(scene);
     let most = f64::from(farthest).min(FARTHEST) * units.scene_units_per_stream_unit();
     let origin = most.min(f64::from(f32::MAX)) as f32;
     let farthest = units.to_traced(origin);

@@ -19,6 +19,8 @@ pub struct BufferInfo {
     pub why_absent: fn(&Run<'_>) -> Reason,
     /// The item that it belongs to, if only some scenes need it.
     pub item: Option<Item>,
+    /// Which of its elements belong together, as the last axes of an array: 3 coordinates of 3 corners of a triangle.
+    pub rows: &'static [u32],
     /// Whether it depends on the camera or the number of rays, so that a new view of the scene writes it again.
     pub is_of_view: bool,
 }
@@ -30,7 +32,7 @@ pub const fn uniform(
     bytes: fn(&SceneData) -> &[u8],
     why_absent: fn(&Run<'_>) -> Reason,
 ) -> BufferInfo {
-    BufferInfo { name, is_uniform: true, element, bytes, why_absent, item: None, is_of_view: false }
+    BufferInfo { name, is_uniform: true, element, bytes, why_absent, item: None, rows: &[], is_of_view: false }
 }
 
 /// The row of a storage buffer.
@@ -40,13 +42,19 @@ pub const fn storage(
     bytes: fn(&SceneData) -> &[u8],
     why_absent: fn(&Run<'_>) -> Reason,
 ) -> BufferInfo {
-    BufferInfo { name, is_uniform: false, element, bytes, why_absent, item: None, is_of_view: false }
+    BufferInfo { name, is_uniform: false, element, bytes, why_absent, item: None, rows: &[], is_of_view: false }
 }
 
 impl BufferInfo {
     /// The row of a buffer that depends on the camera or the number of rays.
     pub const fn of_view(mut self) -> Self {
         self.is_of_view = true;
+        self
+    }
+
+    /// The row of a buffer of which elements belong together.
+    pub const fn in_rows(mut self, rows: &'static [u32]) -> Self {
+        self.rows = rows;
         self
     }
 

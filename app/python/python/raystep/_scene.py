@@ -105,10 +105,19 @@ class Hits:
         return np.not_equal(self.triangle, MISS)
 
 
-def _floats(
-    name: str, values: ArrayLike, shape: str, wanted: tuple[int, ...], least: int = 0
-) -> NDArray[np.float32]:
+def _floats(name: str, values: ArrayLike, shape: str, wanted: tuple[int, ...], least: int = 0) -> NDArray[np.float32]:
     """Values as contiguous, aligned float32: themselves if they are, else a copy. `least`: dimensions that they get."""
+    return _single(_numbers(name, values, shape, wanted, least))
+
+
+def _single(array: NDArray[Any]) -> NDArray[np.float32]:
+    """The same in float32."""
+    with np.errstate(all="ignore"):
+        return np.require(array, np.float32, ["C", "A"])
+
+
+def _numbers(name: str, values: ArrayLike, shape: str, wanted: tuple[int, ...], least: int = 0) -> NDArray[Any]:
+    """Values as an array of this shape, of any type of numbers."""
     if np.ma.isMaskedArray(values):
         raise OptionError(f"{name}: expected an array without a mask")
     try:
@@ -121,8 +130,7 @@ def _floats(
         array = array.reshape(0, *wanted)
     if array.ndim != len(wanted) + 1 or array.shape[1:] != wanted:
         raise OptionError(f"{name}: expected numbers of shape {shape}, not {array.shape}")
-    with np.errstate(all="ignore"):
-        return np.require(array, np.float32, ["C", "A"])
+    return array
 
 
 def _ends(name: str, values: ArrayLike, rays: int) -> NDArray[np.float32]:
@@ -174,8 +182,8 @@ class Scene:
         if path is not None:
             self._scene = _raystep.Scene.read(os.fspath(path), device, adapter)
         else:
-            corners = _floats("triangles", triangles, "(N, 3, 3)", (3, 3))  # type: ignore[arg-type]
-            self._scene = _raystep.Scene.of_triangles(corners, device, adapter)
+            corners = _numbers("triangles", triangles, "(N, 3, 3)", (3, 3))  # type: ignore[arg-type]
+            self._scene = _raystep.Scene.of_triangles(np.require(corners, np.float64, ["C", "A"]), device, adapter)
 
     def __repr__(self) -> str:
         return f"<raystep.Scene {self.name!r}, {self.triangles} triangles, on {self.device}>"
@@ -218,13 +226,25 @@ class Scene:
 
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
-        """Lower and upper corner of the box of all triangles, scene units; None without triangles.
+        """Lower and upper corner of the box of all triangles, in the file's coordinates; None without triangles.
 
         >>> Scene(triangles=[[[0, 0, 0], [1, 0, 0], [0, 2, 0]]], device="cpu").bounds
         ((0.0, 0.0, 0.0), (1.0, 2.0, 0.0))
         """
         bounds = self._scene.bounds
         return None if bounds is None else (tuple(bounds[0]), tuple(bounds[1]))  # type: ignore[return-value]
+
+    @property
+    def offset(self) -> tuple[float, float, float]:
+        """What is subtracted from coordinates before they are rounded to float32: 0 unless all triangles are far from the
+        origin for their size. Streams and images of a run are relative to it; arguments and results are not.
+
+        >>> far = np.array([[[0, 0, 0], [1, 0, 0], [0, 2, 0]]]) + [1e7, 0, 0]
+        >>> scene = Scene(triangles=far, device="cpu")
+        >>> scene.offset[0] > 9e6, scene.bounds
+        (True, ((10000000.0, 0.0, 0.0), (10000001.0, 2.0, 0.0)))
+        """
+        return tuple(self._scene.offset)  # type: ignore[return-value]
 
     def cast(
         self,
@@ -237,8 +257,8 @@ class Scene:
     ) -> Hits:
         """The closest hit of each ray, or any hit.
 
-        `origins`, `directions`: shape (N, 3), scene units; contiguous float32 arrays are read without copying. Directions need not
-        be normalised, but must not be zero. `t_min`, `t_max`: one number or (N,), in multiples of the direction; a hit counts
+        `origins`, `directions`: shape (N, 3), in the file's coordinates; contiguous float32 arrays are read without copying.
+        For a scene with an `offset`, origins should be float64. Directions need not be normalised, but must not be zero. `t_min`, `t_max`: one number or (N,), in multiples of the direction; a hit counts
         if it lies between them.
         The structure is built at the first call and kept. Raises `OptionError` for arrays of wrong shapes or types, and
         for a ray that cannot be traced, such as one that is not finite; no ray is traced then. Other threads run
@@ -252,7 +272,10 @@ class Scene:
             ...
         raystep.OptionError: ray 0 cannot be traced: a component is not finite
         """
-        from_, along = _floats("origins", origins, "(N, 3)", (3,)), _floats("directions", directions, "(N, 3)", (3,))
+        starts, along = _numbers("origins", origins, "(N, 3)", (3,)), _floats("directions", directions, "(N, 3)", (3,))
+        if any(self.offset):
+            starts = np.subtract(starts, self.offset, dtype=np.float64)
+        from_ = _single(starts)
         if len(from_) != len(along):
             raise OptionError(f"origins and directions: expected equal lengths, not {len(from_)} and {len(along)}")
         near, far = _ends("t_min", t_min, len(from_)), _ends("t_max", t_max, len(from_))

@@ -5,14 +5,14 @@ use std::io::Read;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
-use raystep_kernels::export::npy::{HITS_HEADER_BYTES, write_hits, write_hits_header};
-use raystep_kernels::{CastHit, Caster, PlanError, Ray, RenderError};
+use glam::DVec3;
+use raystep_kernels::{CastHit, Caster, PlanError, RenderError};
 use raystep_lab::Machine;
-use raystep_lab::rays::file::{RaysError, RaysReader};
+use raystep_lab::rays::file::{BadRays, Batch, RaysError, RaysReader};
 use raystep_lab::ways::count_outside;
 
+use super::hits::HitsWriter;
 use crate::error::Error;
-use crate::output::Stream;
 use crate::terminal::Progress;
 
 /// Batches that wait between two threads.
@@ -24,6 +24,8 @@ pub(super) struct Counts {
     pub(super) rays: u64,
     pub(super) hits: u64,
     pub(super) unfinished: u64,
+    /// Those that cannot be traced.
+    pub(super) bad: u64,
     /// Those that start outside the grid, which the paper's numerics miss.
     pub(super) outside: u64,
 }
@@ -32,51 +34,46 @@ pub(super) struct Counts {
 pub(super) struct Pipeline<'a> {
     pub(super) caster: Caster,
     pub(super) chosen: &'a Machine,
+    pub(super) bad_rays: BadRays,
+    /// The scene's.
+    pub(super) offset: DVec3,
     /// The rays' file, for messages.
     pub(super) name: &'a str,
     pub(super) progress: &'a Progress,
 }
 
 /// A batch, or why there is none. An empty one is the end.
-type Batch = Result<Vec<Ray>, RaysError>;
+type Incoming = Result<Batch, RaysError>;
 
 impl Pipeline<'_> {
     /// Casts all rays. `None` if the reader of the hits has closed its pipe.
     pub(super) fn run<R: Read + Send + 'static>(
         mut self,
         reader: RaysReader<R>,
-        stream: Stream,
+        writer: HitsWriter,
     ) -> Result<Option<Counts>, Error> {
-        let total = reader.total();
+        let (total, offset) = (reader.total(), self.offset);
         let (sender, rays) = sync_channel(WAITING);
         let (used, spare) = sync_channel(WAITING + 2);
         let batch = usize::try_from(self.caster.batch()).unwrap_or(usize::MAX);
         // Not joined: if this thread fails, it may still wait for a pipe.
         thread::Builder::new()
             .name("rays".into())
-            .spawn(move || read(reader, batch, &sender, &spare))
+            .spawn(move || read(reader, batch, offset, &sender, &spare))
             .map_err(failed)?;
         let (sender, hits) = sync_channel(WAITING);
-        let writer = thread::Builder::new()
-            .name("hits".into())
-            .spawn(move || write(stream, &header(total.unwrap_or(0)), &hits))
-            .map_err(failed)?;
+        let writer = thread::Builder::new().name("hits".into()).spawn(move || write(writer, &hits)).map_err(failed)?;
         let cast = self.cast(&rays, &used, &sender, total);
         drop(sender);
-        let (mut stream, is_open) = match writer.join() {
+        let (writer, is_open) = match writer.join() {
             Ok(written) => written?,
             Err(_) => return Err(Error::failed("the thread that writes hits ended early: a defect of raystep")),
         };
         match cast {
             _ if !is_open => Ok(None),
-            Ok(counts) => {
-                if total.is_none() {
-                    stream.replace_begin(&header(counts.rays))?;
-                }
-                stream.finish().map(|()| Some(counts))
-            }
+            Ok(counts) => writer.finish().map(|()| Some(counts)),
             Err(error) => {
-                stream.abandon();
+                writer.abandon();
                 Err(error)
             }
         }
@@ -84,8 +81,8 @@ impl Pipeline<'_> {
 
     fn cast(
         &mut self,
-        rays: &Receiver<Batch>,
-        used: &SyncSender<Vec<Ray>>,
+        rays: &Receiver<Incoming>,
+        used: &SyncSender<Batch>,
         hits: &SyncSender<Vec<CastHit>>,
         total: Option<u64>,
     ) -> Result<Counts, Error> {
@@ -93,22 +90,31 @@ impl Pipeline<'_> {
         self.progress.cast(0, total);
         loop {
             // The reader sends its error or an empty batch before it ends.
-            let batch = match rays.recv() {
+            let mut batch = match rays.recv() {
                 Ok(Ok(batch)) => batch,
                 Ok(Err(error)) => return Err(Error::failed(format!("{}: {error}", self.name))),
                 Err(_) => return Err(Error::failed("the thread that reads rays ended early: a defect of raystep")),
             };
-            if batch.is_empty() {
+            if batch.rays.is_empty() {
                 counts.unfinished = self.caster.unfinished();
                 // If there was no ray, the header is still to be written.
                 let _ = hits.send(Vec::new());
                 return Ok(counts);
             }
-            let cast = self.chosen.wait(self.caster.cast(&batch));
-            let found = cast.map_err(|error| self.explained(error, counts.rays, total))?;
+            if self.bad_rays == BadRays::Miss {
+                for index in 0..batch.rays.len() {
+                    if self.caster.fault(&batch.rays[index]).is_some() {
+                        batch.replace(index);
+                    }
+                }
+            }
+            let cast = self.chosen.wait(self.caster.cast(&batch.rays));
+            let mut found = cast.map_err(|error| self.explained(error, counts.rays, total))?;
+            batch.bad.iter().for_each(|&index| found[index] = CastHit::MISS);
+            counts.bad += batch.bad.len() as u64;
             counts.rays += found.len() as u64;
             counts.hits += found.iter().filter(|hit| hit.is_hit()).count() as u64;
-            counts.outside += count_outside(&batch, self.caster.data()) as u64;
+            counts.outside += count_outside(&batch.rays, self.caster.data()) as u64;
             self.progress.cast(counts.rays, total);
             // The other threads may have ended: the writer's result says why.
             let _ = used.try_send(batch);
@@ -134,18 +140,19 @@ fn failed(error: std::io::Error) -> Error {
     Error::failed(format!("cannot start a thread: {error}"))
 }
 
-fn header(rays: u64) -> Vec<u8> {
-    let mut header = Vec::with_capacity(HITS_HEADER_BYTES);
-    write_hits_header(&mut header, rays);
-    header
-}
-
 /// Reads batches until the end, an error, or until nobody wants more.
-fn read<R: Read>(mut reader: RaysReader<R>, batch: usize, rays: &SyncSender<Batch>, spare: &Receiver<Vec<Ray>>) {
+fn read<R: Read>(
+    mut reader: RaysReader<R>,
+    most: usize,
+    offset: DVec3,
+    rays: &SyncSender<Incoming>,
+    spare: &Receiver<Batch>,
+) {
     loop {
         let mut some = spare.try_recv().unwrap_or_default();
-        some.clear();
-        let sent = match reader.read(batch, &mut some) {
+        some.rays.clear();
+        some.bad.clear();
+        let sent = match reader.read(most, offset, &mut some) {
             Ok(0) => break,
             Ok(_) => rays.send(Ok(some)),
             Err(error) => return drop(rays.send(Err(error))),
@@ -154,23 +161,22 @@ fn read<R: Read>(mut reader: RaysReader<R>, batch: usize, rays: &SyncSender<Batc
             return;
         }
     }
-    drop(rays.send(reader.finish().map(|()| Vec::new())));
+    drop(rays.send(reader.finish().map(|()| Batch::default())));
 }
 
-/// Writes the header with the first batch, so that nothing is written if the first ray is wrong, and batches until there
-/// are no more. Also returns whether the output is still open.
-fn write(mut stream: Stream, header: &[u8], hits: &Receiver<Vec<CastHit>>) -> Result<(Stream, bool), Error> {
-    let mut bytes = header.to_vec();
+/// Writes batches until there are no more: nothing before the first, so that nothing is written if the first ray is wrong.
+/// Also returns whether the output is still open.
+fn write(mut writer: HitsWriter, hits: &Receiver<Vec<CastHit>>) -> Result<(HitsWriter, bool), Error> {
+    let mut bytes = Vec::new();
     for hits in hits {
-        write_hits(&mut bytes, &hits);
-        match stream.write(&bytes) {
-            Ok(true) => bytes.clear(),
-            Ok(false) => return Ok((stream, false)),
+        match writer.write(&hits, &mut bytes) {
+            Ok(true) => {}
+            Ok(false) => return Ok((writer, false)),
             Err(error) => {
-                stream.abandon();
+                writer.abandon();
                 return Err(error);
             }
         }
     }
-    Ok((stream, true))
+    Ok((writer, true))
 }

@@ -48,7 +48,7 @@ pub(super) fn run(args: &RenderArgs, shard: Shard) -> Result<(), Error> {
     let blocks: Vec<(u32, Samples)> =
         range.filter_map(|block| Some((block as u32, whole.part(block as u32)?))).collect();
     let first = blocks.first().map_or(whole, |(_, samples)| *samples);
-    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| options.samples = first)?;
+    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| options.samples = first)?;
     let hash = hashed(Hash::default(), &session.inputs, args.scene.read.max_memory)?;
     let mut running = session.start(&progress)?;
     let plan = running.renderer.plan();

@@ -200,7 +200,7 @@ fn camera(inspector: &mut Inspector, _: usize) -> Vec<Event> {
     if let Some(opened) = &inspector.model().opened {
         let mut camera = opened.settings.view.camera(&opened.scene);
         camera.eye += camera.right * 0.01;
-        let view = crate::settings::View::of(&camera);
+        let view = crate::settings::View::of(&camera, &opened.scene);
         let settings = crate::settings::Settings { view, ..opened.settings.clone() };
         inspector.plan(settings);
     }

@@ -6,6 +6,7 @@ use egui::{ComboBox, DragValue, Ui};
 use raystep_kernels::options::mapping::{Cull, Mapping, MappingName, Targets, Until, Update};
 use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip, Traversal};
 
+use crate::ray_text::GivenRay;
 use crate::session::request::Request;
 use crate::settings::{DeviceKind, Settings, View};
 use crate::ui::command::Command;
@@ -50,7 +51,7 @@ impl Panel for Options {
             );
             ui.checkbox(&mut draft.keep_all, "keep what is not needed")
                 .on_hover_text("also run kernels and keep streams that the result does not need, as --keep-all does");
-            if let Some([ox, oy, oz, dx, dy, dz]) = draft.ray {
+            if let Some(GivenRay([ox, oy, oz, dx, dy, dz])) = draft.ray {
                 ui.label(format!("one ray: {ox} {oy} {oz} towards {dx} {dy} {dz}"));
                 if ui.button("Back to the image").clicked() {
                     draft.ray = None;

@@ -14,7 +14,7 @@ use super::picked::of_row;
 use super::table::{Table, View, version};
 use crate::session::{Model, Told};
 use crate::ui::pane::{Context, NO_RAYS, Panel};
-use crate::ui::units::{self, Scale};
+use crate::ui::units::{self, Scale, Units};
 
 /// The ray history.
 #[derive(Default)]
@@ -144,16 +144,13 @@ fn summary(ui: &mut Ui, life: &Trace, cx: &Context<'_>) {
     let Some(first) = life.rows.first() else { return };
     let (origin, direction) = (first.after.origin, first.after.direction);
     ui.horizontal_wrapped(|ui| {
-        let three = |v: [f64; 3]| {
-            let digits = units::decimals(v.into_iter().map(f64::abs).fold(0.0, f64::max));
-            v.map(|c| format!("{c:.digits$}")).join(" ")
-        };
         let bits = |v: [f32; 3]| v.map(|c| format!("0x{:08x}", c.to_bits())).join(", ");
         let [x, y, z] = origin;
-        ui.label(format!("origin {}", three(origin.map(|c| scale.length(c)))))
+        ui.label(format!("origin {}", scale.point(origin).join(" ")))
             .on_hover_text(format!("in {unit}; in traced units {x} {y} {z}\n{}", bits(origin)));
         let [x, y, z] = direction;
-        ui.label(format!("direction {}", three(direction.map(f64::from))))
+        let plain = Scale::new(Units::Traced, 1.0, [0.0; 3], 1.0);
+        ui.label(format!("direction {}", plain.point(direction).join(" ")))
             .on_hover_text(format!("{x} {y} {z}\n{}", bits(direction)));
     });
 }

@@ -198,7 +198,7 @@ impl Walk3d {
             return;
         }
         if has_moved || ui.input(|input| input.pointer.any_down()) {
-            let view = View::of(&camera.to_camera("3D view"));
+            let view = View::of(&camera.to_camera("3D view"), &opened.scene);
             cx.model.ask_glimpse(crate::settings::Settings { view, ray: None, ..opened.settings.clone() });
             ui.ctx().request_repaint();
         } else if !cx.model.is_busy() {
@@ -209,7 +209,7 @@ impl Walk3d {
     /// Traces the scene from this view, up to the current pass.
     fn trace(&mut self, camera: &Orbit, opened: &Opened, cx: &mut Context<'_>) {
         self.traced = Some(*camera);
-        let view = View::of(&camera.to_camera("3D view"));
+        let view = View::of(&camera.to_camera("3D view"), &opened.scene);
         if opened.settings.view == view && opened.settings.ray.is_none() {
             return;
         }

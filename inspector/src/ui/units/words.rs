@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn every_t_is_converted_and_nothing_else() {
-        let scale = Scale::new(Units::Scene, 4.0, 4.0);
+        let scale = Scale::new(Units::Scene, 4.0, [0.0; 3], 4.0);
         for (traced, scene) in [
             (
                 "tmax.z 0.5 is smallest: step +z to cell (3, 2, 5), which lists 12 triangles",
@@ -55,7 +55,7 @@ mod tests {
             ("1 - u - v = -0.5, outside", "1 - u - v = -0.5, outside"),
         ] {
             assert_eq!(in_units(traced, &scale), scene);
-            assert_eq!(in_units(traced, &Scale::new(Units::Traced, 4.0, 4.0)), traced);
+            assert_eq!(in_units(traced, &Scale::new(Units::Traced, 4.0, [0.0; 3], 4.0)), traced);
         }
     }
 
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn every_fraction_in_a_history_is_known() {
         let scene = generate::cornell_box();
-        let scale = Scale::new(Units::Scene, 4.0, 4.0);
+        let scale = Scale::new(Units::Scene, 4.0, [0.0; 3], 4.0);
         let mut fractions = 0;
         for (accelerator, numerics) in [
             (Accelerator::Grid, Numerics::Robust),

@@ -179,7 +179,7 @@ pub(super) fn row(command: Command) -> Row {
         C::TypeRay => (nothing, |s, _| {
             s.answer("0.5,0.5,3,0,0,-1");
             let opened = s.harness.state().model().opened.as_ref().expect("a run");
-            assert_eq!(opened.settings.ray, Some([0.5, 0.5, 3.0, 0.0, 0.0, -1.0]));
+            assert_eq!(opened.settings.ray, "0.5,0.5,3,0,0,-1".parse().ok());
             assert_eq!(opened.plan.rays, 1);
         }),
         C::NudgeLeft => (nothing, |s, _| pixel_moved(s, [-1, 0])),

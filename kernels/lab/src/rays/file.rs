@@ -2,7 +2,7 @@
 //!
 //! | format | content |
 //! |---|---|
-//! | npy | a NumPy array of float32, little-endian, in C order: N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max); t in multiples of the direction, t_max may be infinite |
+//! | npy | a NumPy array of float32 or float64, little-endian, in C order: N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max); t in multiples of the direction, t_max may be infinite |
 //! | f32 | nothing but float32, little-endian, eight per ray: origin, unused, direction, unused |
 //!
 //! Strata, which say of each ray to which group it belongs, are an npy array of N integers from 0 to 2³² − 1, of any
@@ -12,8 +12,10 @@ mod npy;
 
 use std::io::{self, Read};
 
+use glam::DVec3;
 use raystep_kernels::named;
 use raystep_kernels::options::Ray;
+use raystep_scenes::Scene;
 
 use crate::Hash;
 use npy::Header;
@@ -32,6 +34,56 @@ pub enum RaysFormat {
 }
 
 named!(RaysFormat, "npy, f32", Npy "npy", F32 "f32");
+
+/// What becomes of a ray that cannot be traced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BadRays {
+    /// An error.
+    #[default]
+    Error,
+    /// It hits nothing, and is counted.
+    Miss,
+}
+
+named!(BadRays, "error, miss", Error "error", Miss "miss");
+
+/// A ray as a file has it, in the coordinates of a scene's file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FileRay {
+    /// Where it starts.
+    pub origin: [f64; 3],
+    /// Direction; any length but 0.
+    pub direction: [f32; 3],
+    /// The t between which hits count.
+    pub interval: [f32; 2],
+}
+
+impl FileRay {
+    /// The ray in a scene with this offset, see [`raystep_scenes::Scene::offset`].
+    #[must_use]
+    pub fn in_scene(&self, offset: DVec3) -> Ray {
+        let [t_min, t_max] = self.interval;
+        let origin = (DVec3::from_array(self.origin) - offset).as_vec3().to_array();
+        Ray::new(origin, self.direction).between(t_min, t_max)
+    }
+}
+
+/// Rays of a file in a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Batch {
+    /// The rays.
+    pub rays: Vec<Ray>,
+    /// The indices of those that cannot be traced, ascending: others stand there in their place.
+    pub bad: Vec<usize>,
+}
+
+impl Batch {
+    /// Replaces a ray that cannot be traced.
+    pub fn replace(&mut self, index: usize) {
+        self.rays[index] = Ray::new([0.0; 3], [0.0, 0.0, 1.0]);
+        self.bad.push(index);
+    }
+}
 
 /// Why rays cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -125,8 +177,11 @@ pub struct RaysReader<R> {
     input: R,
     /// Numbers per ray.
     columns: usize,
+    /// Bytes per number: 4 or 8.
+    width: usize,
     /// Whether the fourth and eighth of eight numbers are t_min and t_max.
     has_intervals: bool,
+    bad_rays: BadRays,
     total: Option<u64>,
     done: u64,
     bytes: Vec<u8>,
@@ -138,18 +193,27 @@ impl<R: Read> RaysReader<R> {
     /// # Errors
     /// If the stream fails, or has no rays in this format.
     pub fn new(mut input: R, format: RaysFormat, rays: Option<u64>) -> Result<Self, RaysError> {
-        let (columns, has_intervals, total) = match format {
-            RaysFormat::F32 => (8, false, rays),
+        let (columns, width, has_intervals, total) = match format {
+            RaysFormat::F32 => (8, 4, false, rays),
             RaysFormat::Npy => {
                 let header = Header::read(&mut input)?;
-                header.expect_type(&["<f4"], "'<f4' (float32, little-endian)")?;
+                let types = ["<f4", "<f8"];
+                let found = header.expect_type(&types, "'<f4' or '<f8' (float32 or float64, little-endian)")?;
+                let width = if found == types[1] { 8 } else { 4 };
                 match header.shape[..] {
-                    [rays, columns @ (6 | 8)] => (columns as usize, columns == 8, Some(rays)),
+                    [rays, columns @ (6 | 8)] => (columns as usize, width, columns == 8, Some(rays)),
                     _ => return Err(header.wrong_shape("(N, 6) or (N, 8)")),
                 }
             }
         };
-        Ok(Self { input, columns, has_intervals, total, done: 0, bytes: Vec::new() })
+        let bad_rays = BadRays::default();
+        Ok(Self { input, columns, width, has_intervals, bad_rays, total, done: 0, bytes: Vec::new() })
+    }
+
+    /// What becomes of rays that cannot be traced in any scene.
+    #[must_use]
+    pub fn with_bad_rays(self, bad_rays: BadRays) -> Self {
+        Self { bad_rays, ..self }
     }
 
     /// Number of rays, if it is known before the end.
@@ -164,25 +228,41 @@ impl<R: Read> RaysReader<R> {
         self.done
     }
 
-    /// Appends up to `most` rays; returns how many, 0 at the end. Takes memory for `most` rays, or for all that are
-    /// left if those are fewer.
+    /// Appends up to `most` rays in a scene with this offset; returns how many, 0 at the end. Takes memory for `most`
+    /// rays, or for all that are left if those are fewer.
     ///
     /// # Errors
     /// If the stream fails or ends within a ray, or a ray cannot be traced in any scene.
-    pub fn read(&mut self, most: usize, rays: &mut Vec<Ray>) -> Result<usize, RaysError> {
+    pub fn read(&mut self, most: usize, offset: DVec3, batch: &mut Batch) -> Result<usize, RaysError> {
+        let bad_rays = self.bad_rays;
+        self.read_each(most, |ray| {
+            let ray = ray.in_scene(offset);
+            batch.rays.push(ray);
+            match ray.fault() {
+                Some(fault) if bad_rays == BadRays::Error => return Some(fault),
+                Some(_) => batch.replace(batch.rays.len() - 1),
+                None => {}
+            }
+            None
+        })
+    }
+
+    /// Hands on up to `most` rays, and ends with an error where `take` tells one.
+    fn read_each(
+        &mut self,
+        most: usize,
+        mut take: impl FnMut(FileRay) -> Option<&'static str>,
+    ) -> Result<usize, RaysError> {
         let left = self.total.map_or(u64::MAX, |total| total - self.done);
         let wanted = most.min(usize::try_from(left).unwrap_or(usize::MAX));
-        let stride = 4 * self.columns;
+        let stride = self.width * self.columns;
         self.bytes.resize(wanted * stride, 0);
         let read = fill(&mut self.input, &mut self.bytes)?;
         let (count, rest) = (read / stride, read % stride);
-        rays.reserve(count);
         for ray in self.bytes[..count * stride].chunks_exact(stride) {
-            let ray = self.ray(ray);
-            if let Some(reason) = ray.fault() {
+            if let Some(reason) = take(self.ray(ray)) {
                 return Err(RaysError::Ray { index: self.done, rays: self.total, reason });
             }
-            rays.push(ray);
             self.done += 1;
         }
         if rest > 0 || (count < wanted && self.total.is_some()) {
@@ -192,15 +272,15 @@ impl<R: Read> RaysReader<R> {
     }
 
     /// The ray in these bytes.
-    fn ray(&self, bytes: &[u8]) -> Ray {
-        let number =
-            |i: usize| f32::from_le_bytes([bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2], bytes[4 * i + 3]]);
+    fn ray(&self, bytes: &[u8]) -> FileRay {
+        let number = |i: usize| match self.width {
+            8 => bytes[8 * i..].first_chunk().map_or(0.0, |bytes| f64::from_le_bytes(*bytes)),
+            _ => bytes[4 * i..].first_chunk().map_or(0.0, |bytes| f32::from_le_bytes(*bytes).into()),
+        };
         let three = |i: usize| [number(i), number(i + 1), number(i + 2)];
-        match (self.columns, self.has_intervals) {
-            (6, _) => Ray::new(three(0), three(3)),
-            (_, true) => Ray::new(three(0), three(4)).between(number(3), number(7)),
-            (_, false) => Ray::new(three(0), three(4)),
-        }
+        let direction = three(if self.columns == 6 { 3 } else { 4 }).map(|d| d as f32);
+        let interval = if self.has_intervals { [number(3), number(7)] } else { [0.0, f64::INFINITY] };
+        FileRay { origin: three(0), direction, interval: interval.map(|t| t as f32) }
     }
 
     /// Checks that nothing follows the last ray.
@@ -233,11 +313,19 @@ fn fill(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RaysFile {
     /// The rays.
-    pub rays: Vec<Ray>,
+    pub rays: Vec<FileRay>,
     /// The stratum of each ray, if there is a file of them.
     pub strata: Option<Vec<u32>>,
     /// Hash of the rays' numbers: origin, t_min, direction, t_max. The same rays have the same hash in every format.
     pub hash: Hash,
+}
+
+impl RaysFile {
+    /// The rays in a scene.
+    #[must_use]
+    pub fn in_scene(&self, scene: &Scene) -> Vec<Ray> {
+        self.rays.iter().map(|ray| ray.in_scene(scene.offset)).collect()
+    }
 }
 
 /// Reads all rays of a file, and their strata, if there are at most `most`.
@@ -257,15 +345,21 @@ pub fn read_all(
         if total.max(all.len() as u64) > most {
             return Err(RaysError::TooMany { rays: reader.total(), most });
         }
-        let first = all.len();
-        if reader.read(AT_ONCE, &mut all)? == 0 {
-            break;
-        }
-        for ray in &all[first..] {
-            let ([ox, oy, oz], [dx, dy, dz]) = (ray.origin, ray.direction);
-            for number in [ox, oy, oz, ray.t_min, dx, dy, dz, ray.t_max] {
-                hash.add(&number.to_le_bytes());
+        let read = reader.read_each(AT_ONCE, |ray| {
+            let ([ox, oy, oz], [dx, dy, dz], [t_min, t_max]) = (ray.origin, ray.direction, ray.interval);
+            for number in [ox, oy, oz, t_min.into(), dx.into(), dy.into(), dz.into(), t_max.into()] {
+                // What f32 represents has the same hash in both widths.
+                let short = number as f32;
+                match f64::from(short).to_bits() == number.to_bits() {
+                    true => hash.add(&short.to_le_bytes()),
+                    false => hash.add(&number.to_le_bytes()),
+                }
             }
+            all.push(ray);
+            ray.in_scene(DVec3::ZERO).fault()
+        })?;
+        if read == 0 {
+            break;
         }
     }
     reader.finish()?;

@@ -165,7 +165,7 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     }
     let first = table.rows.len();
     let rays = match work.rays {
-        Some(file) => file.rays.clone(),
+        Some(file) => file.in_scene(&work.subject.scene),
         None => view(&work.subject.camera, work.size.width, work.size.height, work.seed()),
     };
     let strata = Strata::new(work);

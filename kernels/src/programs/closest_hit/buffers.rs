@@ -41,7 +41,8 @@ pub static BUFFERS: &[BufferInfo] = &[
                 (Because::Options, "packed_triangles has them")
             }
         },
-    ),
+    )
+    .in_rows(&[3, 3]),
     storage(
         "grid_cells",
         "u32 per cell and one more: start of its list in grid_items",
@@ -114,6 +115,7 @@ pub static BUFFERS: &[BufferInfo] = &[
         |data| cast_slice(&data.normals),
         |run| run.of_shading("no vertex normals: shading is flat"),
     )
+    .in_rows(&[3, 3])
     .of(Item::Normals),
     storage(
         "texcoords",
@@ -121,6 +123,7 @@ pub static BUFFERS: &[BufferInfo] = &[
         |data| cast_slice(&data.texcoords),
         |run| run.of_shading("no base colour texture"),
     )
+    .in_rows(&[3, 2])
     .of(Item::Textures),
     storage(
         "vertex_colors",
@@ -128,6 +131,7 @@ pub static BUFFERS: &[BufferInfo] = &[
         |data| cast_slice(&data.vertex_colors),
         |run| run.of_shading("no vertex colours"),
     )
+    .in_rows(&[3, 3])
     .of(Item::VertexColors),
     storage(
         "triangle_materials",
@@ -162,6 +166,7 @@ pub static BUFFERS: &[BufferInfo] = &[
         |data| cast_slice(&data.texels),
         |run| run.of_shading("no base colour texture"),
     )
+    .in_rows(&[2])
     .of(Item::Textures),
 ];
 

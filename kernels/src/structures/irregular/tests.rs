@@ -7,7 +7,7 @@ use raystep_scenes::{Scene, generate};
 const RULES: WalkRules = WalkRules { robust: true, clip: true, drifting: false, dda: false };
 
 fn vertices_of(scene: &Scene) -> Vec<f32> {
-    let units = crate::numbers::units::Units::of(&scene.bounds());
+    let units = crate::numbers::units::Units::of(scene);
     crate::scene_data::traced_vertices(scene, units)
 }
 

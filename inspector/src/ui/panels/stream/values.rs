@@ -33,7 +33,7 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     pub(super) fn new(program: &'a Program, data: &'a SceneData, stream: Stream, t_scale: Option<f64>) -> Self {
         let length = data.units.scene_units_per_stream_unit();
-        let scene = Scale::new(Units::Scene, length, t_scale.unwrap_or(length));
+        let scene = Scale::new(Units::Scene, length, data.units.offset.to_array(), t_scale.unwrap_or(length));
         Self { program, data, stream, scene }
     }
 
@@ -60,7 +60,7 @@ impl<'a> Reader<'a> {
         let is_plain = value.is_finite() && !(is_t && value >= INF);
         let scene = match (is_plain, is_t, self.stream == RAY_ORIGIN) {
             (true, true, _) => Some(self.scene.t(value)),
-            (true, _, true) => Some(self.scene.length(value)),
+            (true, _, true) => Some(self.scene.coordinate(layer, value)),
             _ => None,
         };
         (text, scene.map(|scene| format!("{scene} {}", Units::Scene.name())))

@@ -249,10 +249,9 @@ impl SliceView {
 fn about(ui: &mut Ui, data: &SceneData, cell: [i32; 3], length: u32) {
     let [x, y, z] = cell;
     ui.strong(format!("cell {x},{y},{z}: {} in its list", counted(length, "triangle")));
-    let (bounds, unit) =
-        (crate::walk::Aabb::of_cells(&data.grid, cell, [1; 3]), data.units.scene_units_per_stream_unit());
+    let bounds = crate::walk::Aabb::of_cells(&data.grid, cell, [1; 3]);
     for (name, corner) in [("from", bounds.min), ("to", bounds.max)] {
-        let [x, y, z] = (corner * unit).to_array();
+        let [x, y, z] = data.units.in_file(corner.to_array());
         ui.monospace(format!("{name:<4} {x:>11.5} {y:>11.5} {z:>11.5}"));
     }
     ui.weak("scene units; click to see its list");

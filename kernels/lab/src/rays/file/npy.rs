@@ -55,10 +55,10 @@ impl Header {
         Ok(header)
     }
 
-    /// Checks the type of its elements.
-    pub(super) fn expect_type(&self, types: &[&str], expected: &'static str) -> Result<(), RaysError> {
+    /// The type of its elements, one of these.
+    pub(super) fn expect_type(&self, types: &[&str], expected: &'static str) -> Result<&str, RaysError> {
         if types.contains(&self.descr.as_str()) {
-            return Ok(());
+            return Ok(&self.descr);
         }
         let found = format!("'{}'", self.descr);
         Err(RaysError::Type { found, expected })

@@ -28,13 +28,22 @@ fn all(file: &[u8], format: RaysFormat) -> Result<RaysFile, String> {
     read_all(Slow(file), format, None, 1000).map_err(|error| error.to_string())
 }
 
+fn doubles(numbers: &[f64]) -> Vec<u8> {
+    numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
+}
+
+/// The rays in a scene without an offset.
+fn rays(file: &RaysFile) -> Vec<Ray> {
+    file.in_scene(&Scene::default())
+}
+
 const SIX: [f32; 12] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -1.0, 0.0, 0.5, 0.0, -0.0, 7.0];
 
 #[test]
 fn the_same_rays_come_from_every_format() {
     let six = all(&npy("'<f4'", "False", "(2, 6)", &floats(&SIX)), RaysFormat::Npy).expect("rays");
     let expected = [Ray::new([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]), Ray::new([-1.0, 0.0, 0.5], [0.0, -0.0, 7.0])];
-    assert_eq!(six.rays, expected);
+    assert_eq!(rays(&six), expected);
     let eight = |min: [f32; 2], max: [f32; 2]| {
         let of = |ray: usize| {
             let six = &SIX[6 * ray..];
@@ -47,9 +56,42 @@ fn the_same_rays_come_from_every_format() {
     // What the unused numbers are does not matter.
     assert_eq!(all(&eight([f32::NAN; 2], [-1.0, 3.0]), RaysFormat::F32).expect("rays"), six);
     let cut = all(&npy("'<f4'", "False", "(2, 8)", &eight([0.5, 0.0], [2.0, 3.0])), RaysFormat::Npy).expect("rays");
-    assert_eq!(cut.rays, [expected[0].between(0.5, 2.0), expected[1].between(0.0, 3.0)]);
+    assert_eq!(rays(&cut), [expected[0].between(0.5, 2.0), expected[1].between(0.0, 3.0)]);
     assert_ne!(cut.hash, six.hash);
     assert_eq!(all(&npy("'<f4'", "False", "(0, 6)", &[]), RaysFormat::Npy).expect("none").rays, []);
+}
+
+#[test]
+fn float64_tells_places_apart_that_float32_does_not() {
+    let far: Vec<f64> =
+        SIX[..6].iter().enumerate().map(|(i, &v)| f64::from(v) + if i == 0 { 1e7 + 0.125 } else { 0.0 }).collect();
+    let file = all(&npy("'<f8'", "False", "(1, 6)", &doubles(&far)), RaysFormat::Npy).expect("rays");
+    let scene = Scene { offset: DVec3::new(1e7, 0.0, 0.0), ..Scene::default() };
+    assert_eq!(file.in_scene(&scene), [Ray::new([1.125, 2.0, 3.0], [4.0, 5.0, 6.0])]);
+    // The same numbers have the same hash in both widths.
+    let [single, double] = [("'<f4'", floats(&SIX)), ("'<f8'", doubles(&SIX.map(f64::from)))]
+        .map(|(descr, data)| all(&npy(descr, "False", "(2, 6)", &data), RaysFormat::Npy).expect("rays"));
+    assert_eq!((single.hash, rays(&single)), (double.hash, rays(&double)));
+    let eight = [1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, f64::INFINITY];
+    let file = all(&npy("'<f8'", "False", "(1, 8)", &doubles(&eight)), RaysFormat::Npy).expect("rays");
+    assert_eq!(rays(&file), [Ray::new([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]).between(0.5, f32::INFINITY)]);
+}
+
+#[test]
+fn bad_rays_end_the_reading_or_are_replaced_and_told() {
+    let mut numbers = SIX;
+    numbers[4] = f32::NAN;
+    numbers[9..].fill(0.0);
+    let file = npy("'<f4'", "False", "(3, 6)", &floats(&[&SIX[..6], &numbers[..]].concat()));
+    let reader = || RaysReader::new(&file[..], RaysFormat::Npy, None).expect("a reader");
+    let mut batch = Batch::default();
+    let error = reader().read(9, DVec3::ZERO, &mut batch).expect_err("a bad ray").to_string();
+    assert!(error.starts_with("ray 1 (counted from 0, of 3)"), "{error}");
+    let mut batch = Batch::default();
+    let mut lenient = reader().with_bad_rays(BadRays::Miss);
+    assert_eq!(lenient.read(9, DVec3::ZERO, &mut batch).expect("rays"), 3);
+    assert_eq!((batch.rays.len(), &batch.bad[..]), (3, &[1, 2][..]));
+    assert!(batch.rays.iter().all(|ray| ray.fault().is_none()), "what stands in their place can be traced");
 }
 
 #[test]
@@ -60,14 +102,14 @@ fn batches_are_no_larger_than_asked_for() {
         let mut reader = RaysReader::new(&bytes[..], RaysFormat::F32, total).expect("a reader");
         assert_eq!(reader.total(), total);
         let mut counts = Vec::new();
-        let mut rays = Vec::new();
+        let mut batch = Batch::default();
         loop {
-            counts.push(reader.read(3, &mut rays).expect("rays"));
+            counts.push(reader.read(3, DVec3::ZERO, &mut batch).expect("rays"));
             if counts.last() == Some(&0) {
                 break;
             }
         }
-        assert_eq!((counts, rays.len(), reader.done()), (vec![3, 3, 1, 0], 7, 7));
+        assert_eq!((counts, batch.rays.len(), reader.done()), (vec![3, 3, 1, 0], 7, 7));
         reader.finish().expect("nothing follows");
     }
 }
@@ -90,7 +132,7 @@ fn what_is_wrong_with_a_file_is_said() {
         (b"\x93NUMPY\x01\x00\x20\x00{'descr'".to_vec(), "header is cut off"),
         (b"\x93NUMPY\x01\x00\x20".to_vec(), "header is cut off"),
         (with_length(u32::MAX), "at most 65536"),
-        (npy("'<f8'", "False", "(2, 6)", &good), "type '<f8': expected '<f4'"),
+        (npy("'<f2'", "False", "(2, 6)", &good), "type '<f2': expected '<f4' or '<f8'"),
         (npy("'>f4'", "False", "(2, 6)", &good), "type '>f4'"),
         (npy("[('t', '<f4'), ('u', '<f4')]", "False", "(2,)", &good), "type '[('t', '<f4'), ('u', '<f4')]'"),
         (npy("'<f4'", "True", "(2, 6)", &good), "Fortran order"),

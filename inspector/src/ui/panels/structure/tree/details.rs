@@ -7,6 +7,7 @@ use raystep_lab::text::counted;
 
 use crate::ui::pane::Context;
 use crate::ui::shared::Picked;
+use crate::ui::units::{Scale, Units};
 
 /// Most triangles shown of a leaf.
 const MOST_CHIPS: usize = 64;
@@ -37,9 +38,12 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, nodes: &Nodes, data: &Scen
         ["x", "y", "z"].into_iter().for_each(|axis| drop(ui.strong(axis)));
         ui.end_row();
         let size = [0, 1, 2].map(|axis| f64::from(node.max[axis]) - f64::from(node.min[axis]));
-        for (name, values) in [("from", node.min.map(f64::from)), ("to", node.max.map(f64::from)), ("size", size)] {
+        let scale = Scale::new(Units::Scene, unit, data.units.offset.to_array(), unit);
+        let rows =
+            [("from", scale.point(node.min)), ("to", scale.point(node.max)), ("size", size.map(|s| number(s * unit)))];
+        for (name, values) in rows {
             ui.label(name);
-            values.into_iter().for_each(|value| drop(ui.monospace(format!("{:>11}", number(value * unit)))));
+            values.into_iter().for_each(|value| drop(ui.monospace(format!("{value:>11}"))));
             ui.end_row();
         }
     });
