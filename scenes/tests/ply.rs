@@ -66,7 +66,10 @@ fn blanks_lines_and_comments_anywhere_are_passed_over() {
         text.replace("format", "comment first\nobj_info num_cols 3\nformat"),
         text.replace("end_header", "comment element face 9\nobj_info x\nend_header"),
         text.replace("property float y", "comment\n\nobj_info\nproperty float32 y"),
-        text.replace("0 0 0\n", "0\n0\n\n0 "),
+        text.replace("0 0 0\n", "0\n0\n\n0\n"),
+        text.replace("3 0 1 2\n", "3\n0 1\n2\n"),
+        // More than the header promises.
+        text.replace("0 0 0\n", "0 0 0 7 x\n").replace("3 0 1 2\n", "3 0 1 2 6 0.5 1\n"),
         text.replace("vertex_indices", "vertex_index"),
         format!("{text}\n\n  \n"),
         text.trim_end().to_owned(),

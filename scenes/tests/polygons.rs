@@ -232,7 +232,7 @@ fn every_scale_and_place_has_its_shape() {
 
 #[test]
 fn polygons_off_their_plane_are_drawn_and_noted() {
-    const NOTE: &str = "1 polygon has corners off its plane by over 1% of its size";
+    const NOTE: &str = "1 polygon has corners off the best plane by over 1% of the size";
     let bent = |z: f64| {
         let l = [[0., 0., 0.], [2., 0., z], [2., 1., 0.], [1., 1., 0.], [1., 2., 0.], [0., 2., 0.]];
         obj(&file(&l.map(DVec3::from)))

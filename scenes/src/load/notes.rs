@@ -70,7 +70,7 @@ impl Wrong {
                 ("vertex colour", "vertex colours", "parts out of range: drawn as the nearest colour")
             }
             Self::PolygonsImproper => ("polygon", "polygons", "edges that cross, or no area: drawn approximately"),
-            Self::PolygonsNotPlanar => ("polygon", "polygons", "corners off its plane by over 1% of its size"),
+            Self::PolygonsNotPlanar => ("polygon", "polygons", "corners off the best plane by over 1% of the size"),
         };
         if count == 1 { format!("1 {one} has {rest}") } else { format!("{count} {many} have {rest}") }
     }

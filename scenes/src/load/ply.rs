@@ -125,6 +125,7 @@ fn vertices(element: &Element<'_>, values: &mut Values<'_>, mesh: &mut Mesh<'_>)
                 _ => values.skip_property(property, element, index)?,
             }
         }
+        values.end_entry();
         let [x, y, z, nx, ny, nz, u, v, r, g, b] = vertex;
         mesh.position([x, y, z])?;
         if has_normals {
@@ -173,6 +174,7 @@ fn lists(
                 _ => values.skip_property(property, element, index)?,
             }
         }
+        values.end_entry();
     }
     Ok(())
 }

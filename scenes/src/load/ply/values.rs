@@ -1,7 +1,7 @@
 //! The values of a PLY file, one after the other.
 
 use super::super::LoadError;
-use super::super::text::{number, shown, split_word};
+use super::super::text::{number, shown, split_line, split_word};
 use super::header::{Element, Encoding, Header, Kind, Property, Type, lines};
 
 /// What follows the header.
@@ -57,6 +57,14 @@ impl<'a> Values<'a> {
         })
     }
 
+    /// Ends an entry of an element. In a text, what else is on its line belongs to nothing: some programs write more than
+    /// their headers say.
+    pub(super) fn end_entry(&mut self) {
+        if self.encoding == Encoding::Ascii {
+            self.rest = split_line(self.rest).1;
+        }
+    }
+
     fn word(&mut self) -> Option<&'a [u8]> {
         let (word, rest) = split_word(self.rest);
         self.rest = rest;
@@ -94,21 +102,15 @@ impl<'a> Values<'a> {
 
     /// Skips all entries of an element.
     pub(super) fn skip(&mut self, element: &Element<'_>) -> Result<(), LoadError> {
-        let is_scalar = |property: &Property<'_>| matches!(property.kind, Kind::Scalar(_));
-        if element.properties.iter().all(is_scalar) {
-            // An entry without properties takes no bytes, and there may be any number of them.
-            let values = element.count.saturating_mul(element.properties.len() as u64);
-            let bytes = element.count.saturating_mul(element.least_bytes(self.encoding));
-            let skipped = match self.encoding {
-                Encoding::Ascii => self.skip_values(values, 0),
-                _ => self.skip_values(1, bytes),
-            };
-            return skipped.ok_or_else(|| element.ends(element.count.saturating_sub(1)));
+        if element.properties.is_empty() {
+            // Its entries take no bytes, so there may be any number of them.
+            return Ok(());
         }
         for index in 0..element.count {
             for property in &element.properties {
                 self.skip_property(property, element, index)?;
             }
+            self.end_entry();
         }
         Ok(())
     }
