@@ -39,12 +39,14 @@ pub(super) struct Polygons {
     pub(super) improper: usize,
     /// Polygons with corners off their plane.
     pub(super) not_planar: usize,
+    /// The triangles of the last polygon.
+    triangles: Vec<[u32; 3]>,
 }
 
 /// What a polygon looks like from its first corner.
-struct Outline {
-    /// The corners, relative to the first.
-    corners: Vec<DVec3>,
+struct Outline<'a> {
+    corners: &'a [DVec3],
+    first: DVec3,
     /// The largest distance of a corner from the first.
     size: f64,
     /// What rounding may have done to a corner.
@@ -53,54 +55,64 @@ struct Outline {
 
 impl Polygons {
     /// The triangles of a polygon of at least three finite corners, as indices of its corners, with its winding.
-    pub(super) fn triangles(&mut self, corners: &[DVec3], budget: &Budget) -> Vec<[u32; 3]> {
-        let outline = Outline::new(corners);
-        let fan = || (2..corners.len() as u32).map(|i| [0, i - 1, i]).collect();
+    pub(super) fn triangles(&mut self, corners: &[DVec3], budget: &Budget) -> &[[u32; 3]] {
+        self.triangles.clear();
+        match self.cut(&Outline::new(corners), budget) {
+            Some(cut) => self.triangles = cut.triangles,
+            None => self.triangles.extend((2..corners.len() as u32).map(|i| [0, i - 1, i])),
+        }
+        &self.triangles
+    }
+
+    /// `None` if the fan is right, or nothing better is known.
+    fn cut(&mut self, outline: &Outline<'_>, budget: &Budget) -> Option<Cut> {
         let Some(normal) = outline.normal() else {
             self.improper += 1;
-            return fan();
+            return None;
         };
         let height = outline.height(normal);
         self.not_planar += usize::from(height > PLANAR * outline.size + outline.rounding);
         if outline.is_fan(normal) {
-            return fan();
+            return None;
         }
         // What is given back here again and again is bounded by the corners, which are not.
-        let bytes = BYTES_PER_CORNER.saturating_mul(corners.len() as u64);
+        let bytes = BYTES_PER_CORNER.saturating_mul(outline.corners.len() as u64);
         let cut = budget.hold(bytes, "a face", || Ok(Cut::new(&outline.projected(normal, height))));
-        match cut.unwrap_or_default() {
-            Some(cut) => {
-                self.improper += usize::from(cut.crosses);
-                cut.triangles
-            }
-            None => {
-                self.improper += 1;
-                fan()
-            }
-        }
+        let cut = cut.unwrap_or_default();
+        self.improper += usize::from(cut.as_ref().is_none_or(|cut| cut.crosses));
+        cut
     }
 }
 
-impl Outline {
-    fn new(corners: &[DVec3]) -> Self {
+impl<'a> Outline<'a> {
+    fn new(corners: &'a [DVec3]) -> Self {
         let first = corners.first().copied().unwrap_or_default();
         let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
-        let corners: Vec<DVec3> = corners.iter().map(|&corner| corner - first).collect();
-        let size = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
-        Self { corners, size, rounding: ROUNDING * largest }
+        let size = corners.iter().map(|corner| corner.distance(first)).fold(0.0, f64::max);
+        Self { corners, first, size, rounding: ROUNDING * largest }
     }
 
-    /// Twice the triangles of the fan around the first corner, as vectors along their normals.
-    fn fan(&self) -> impl Iterator<Item = DVec3> {
-        self.corners.windows(2).map(|pair| pair[0].cross(pair[1]))
+    /// The corners relative to the first.
+    fn sides(&self) -> impl Iterator<Item = DVec3> {
+        self.corners.iter().map(|&corner| corner - self.first)
     }
 
-    /// The unit vector along the sum of the fan (Newell's normal); `None` if its triangles have no area. Where they
+    /// The fan around the first corner: pairs of sides.
+    fn fan(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        self.sides().zip(self.sides().skip(1))
+    }
+
+    /// The unit vector along the sum of the fan's triangles (Newell's normal); `None` if they have no area. Where they
     /// nearly cancel each other, the plane of the largest is better known than that of the sum.
     fn normal(&self) -> Option<DVec3> {
-        let sum: DVec3 = self.fan().sum();
-        let total: f64 = self.fan().map(DVec3::length).sum();
-        let largest = self.fan().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
+        let (mut sum, mut total, mut largest) = (DVec3::ZERO, 0.0, DVec3::ZERO);
+        for area in self.fan().map(|(a, b)| a.cross(b)) {
+            sum += area;
+            total += area.length();
+            if area.length_squared() > largest.length_squared() {
+                largest = area;
+            }
+        }
         if largest.length() <= self.rounding * self.size {
             return None;
         }
@@ -110,17 +122,14 @@ impl Outline {
 
     /// How far the corners are apart along the normal.
     fn height(&self, normal: DVec3) -> f64 {
-        let heights = self.corners.iter().map(|corner| corner.dot(normal));
+        let heights = self.sides().map(|side| side.dot(normal));
         let (min, max) = heights.fold((0.0_f64, 0.0_f64), |(min, max), height| (min.min(height), max.max(height)));
         max - min
     }
 
     /// Whether no triangle of the fan around the first corner is turned over, except by rounding.
     fn is_fan(&self, normal: DVec3) -> bool {
-        self.corners.windows(2).all(|pair| {
-            let longest = pair[0].length().max(pair[1].length());
-            pair[0].cross(pair[1]).dot(normal) >= -self.rounding * longest
-        })
+        self.fan().all(|(a, b)| a.cross(b).dot(normal) >= -self.rounding * a.length().max(b.length()))
     }
 
     /// The corners in the polygon's plane, where it winds to the left, with coordinates of at most 2. Exactly planar
@@ -140,8 +149,7 @@ impl Outline {
         let scale = self.size.log2().floor().exp2();
         // The triangulation takes no smaller numbers; these are zeros next to the polygon's size.
         let flushed = |v: f64| if v.abs() < 1e-40 { 0.0 } else { v };
-        let of = |corner: &DVec3| DVec2::new(flushed(corner.dot(u) / scale), flushed(corner.dot(v) / scale));
-        self.corners.iter().map(of).collect()
+        self.sides().map(|side| DVec2::new(flushed(side.dot(u) / scale), flushed(side.dot(v) / scale))).collect()
     }
 }
 
