@@ -107,7 +107,9 @@ impl Host for Desktop {
     fn choose_scene(&mut self) {
         // Dialogs require the main thread on macOS, and are asynchronous everywhere.
         let asking = Asking::begin();
-        let dialog = rfd::AsyncFileDialog::new().add_filter("Scenes", &ENDINGS).pick_file();
+        // Linux distinguishes the letters' case.
+        let endings: Vec<_> = ENDINGS.iter().flat_map(|ending| [(*ending).to_owned(), ending.to_uppercase()]).collect();
+        let dialog = rfd::AsyncFileDialog::new().add_filter("Scenes", &endings).pick_file();
         self.aside(move || {
             Some(match files::wait(dialog) {
                 Some(file) => HostEvent::Chosen(file.path().to_string_lossy().into_owned()),

@@ -1,8 +1,9 @@
 //! Cuts polygons of more than three corners into triangles.
 //!
 //! A polygon whose fan around its first corner lies within it keeps that fan: every convex polygon does. Whether it
-//! does is decided up to the rounding of the corners to f32. Any other polygon is projected to its plane and becomes
-//! the faces of a constrained Delaunay triangulation around which its edges wind. Holes that are joined to the outline
+//! does is decided up to the rounding of the corners to f32. If the polygon has few corners, the fan around another one
+//! may do. Any other polygon is projected to its plane and becomes the faces of a constrained Delaunay triangulation
+//! around which its edges wind. Holes that are joined to the outline
 //! by a doubled edge, corners on an edge and corners that touch are found exactly, since all predicates are exact, and
 //! no corner is lost, so that neighbours still meet in it.
 //!
@@ -25,7 +26,9 @@ const PLANAR: f64 = 0.01;
 const EXACTLY_PLANAR: f64 = 1e-6;
 /// Heights below this part of the largest coordinate are rounding: four times half a unit in the last place of f32.
 const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
-/// Bytes that a triangulation takes for each corner, measured with 100,000 corners.
+/// Up to so many corners, the fan around each is tried.
+const FEW_FANS: usize = 16;
+/// Bytes that a triangulation takes for each corner: 380 were measured with 100,000 corners.
 const BYTES_PER_CORNER: u64 = 512;
 /// Up to so many corners, each triangle of a polygon that crosses itself is compared with all edges.
 const FEW: usize = 512;
@@ -43,10 +46,18 @@ pub(super) struct Polygons {
     triangles: Vec<[u32; 3]>,
 }
 
-/// What a polygon looks like from its first corner.
+/// How a polygon becomes triangles.
+enum Shape {
+    /// By the fan around this corner.
+    Fan(usize),
+    Cut(Cut),
+    /// By no way that is known: it has no area, or too many edges that cross.
+    Unknown,
+}
+
+/// The corners of a polygon.
 struct Outline<'a> {
     corners: &'a [DVec3],
-    first: DVec3,
     /// The largest distance of a corner from the first.
     size: f64,
     /// What rounding may have done to a corner.
@@ -57,30 +68,37 @@ impl Polygons {
     /// The triangles of a polygon of at least three finite corners, as indices of its corners, with its winding.
     pub(super) fn triangles(&mut self, corners: &[DVec3], budget: &Budget) -> &[[u32; 3]] {
         self.triangles.clear();
-        match self.cut(&Outline::new(corners), budget) {
-            Some(cut) => self.triangles = cut.triangles,
-            None => self.triangles.extend((2..corners.len() as u32).map(|i| [0, i - 1, i])),
-        }
+        let fan = match self.cut(&Outline::new(corners), budget) {
+            Shape::Fan(first) => first as u32,
+            Shape::Cut(cut) => {
+                self.triangles = cut.triangles;
+                return &self.triangles;
+            }
+            Shape::Unknown => {
+                self.improper += 1;
+                0
+            }
+        };
+        let count = corners.len() as u64;
+        let corner = |i: u64| ((u64::from(fan) + i) % count) as u32;
+        self.triangles.extend((2..count).map(|i| [corner(0), corner(i - 1), corner(i)]));
         &self.triangles
     }
 
-    /// `None` if the fan is right, or nothing better is known.
-    fn cut(&mut self, outline: &Outline<'_>, budget: &Budget) -> Option<Cut> {
-        let Some(normal) = outline.normal() else {
-            self.improper += 1;
-            return None;
-        };
+    fn cut(&mut self, outline: &Outline<'_>, budget: &Budget) -> Shape {
+        let Some(normal) = outline.normal() else { return Shape::Unknown };
         let height = outline.height(normal);
         self.not_planar += usize::from(height > PLANAR * outline.size + outline.rounding);
-        if outline.is_fan(normal) {
-            return None;
+        let firsts = if outline.corners.len() > FEW_FANS { 1 } else { outline.corners.len() };
+        if let Some(first) = (0..firsts).find(|&first| outline.is_fan(first, normal)) {
+            return Shape::Fan(first);
         }
         // What is given back here again and again is bounded by the corners, which are not.
         let bytes = BYTES_PER_CORNER.saturating_mul(outline.corners.len() as u64);
         let cut = budget.hold(bytes, "a face", || Ok(Cut::new(&outline.projected(normal, height))));
-        let cut = cut.unwrap_or_default();
-        self.improper += usize::from(cut.as_ref().is_none_or(|cut| cut.crosses));
-        cut
+        let Some(cut) = cut.unwrap_or_default() else { return Shape::Unknown };
+        self.improper += usize::from(cut.crosses);
+        Shape::Cut(cut)
     }
 }
 
@@ -89,24 +107,26 @@ impl<'a> Outline<'a> {
         let first = corners.first().copied().unwrap_or_default();
         let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
         let size = corners.iter().map(|corner| corner.distance(first)).fold(0.0, f64::max);
-        Self { corners, first, size, rounding: ROUNDING * largest }
+        Self { corners, size, rounding: ROUNDING * largest }
     }
 
-    /// The corners relative to the first.
-    fn sides(&self) -> impl Iterator<Item = DVec3> {
-        self.corners.iter().map(|&corner| corner - self.first)
+    /// All corners relative to this one, which comes first.
+    fn sides(&self, first: usize) -> impl Iterator<Item = DVec3> {
+        let (before, after) = self.corners.split_at_checked(first).unwrap_or_default();
+        let origin = after.first().copied().unwrap_or_default();
+        after.iter().chain(before).map(move |&corner| corner - origin)
     }
 
-    /// The fan around the first corner: pairs of sides.
-    fn fan(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
-        self.sides().zip(self.sides().skip(1))
+    /// The fan around this corner: pairs of sides.
+    fn fan(&self, first: usize) -> impl Iterator<Item = (DVec3, DVec3)> {
+        self.sides(first).zip(self.sides(first).skip(1))
     }
 
     /// The unit vector along the sum of the fan's triangles (Newell's normal); `None` if they have no area. Where they
     /// nearly cancel each other, the plane of the largest is better known than that of the sum.
     fn normal(&self) -> Option<DVec3> {
         let (mut sum, mut total, mut largest) = (DVec3::ZERO, 0.0, DVec3::ZERO);
-        for area in self.fan().map(|(a, b)| a.cross(b)) {
+        for area in self.fan(0).map(|(a, b)| a.cross(b)) {
             sum += area;
             total += area.length();
             if area.length_squared() > largest.length_squared() {
@@ -122,14 +142,14 @@ impl<'a> Outline<'a> {
 
     /// How far the corners are apart along the normal.
     fn height(&self, normal: DVec3) -> f64 {
-        let heights = self.sides().map(|side| side.dot(normal));
+        let heights = self.sides(0).map(|side| side.dot(normal));
         let (min, max) = heights.fold((0.0_f64, 0.0_f64), |(min, max), height| (min.min(height), max.max(height)));
         max - min
     }
 
-    /// Whether no triangle of the fan around the first corner is turned over, except by rounding.
-    fn is_fan(&self, normal: DVec3) -> bool {
-        self.fan().all(|(a, b)| a.cross(b).dot(normal) >= -self.rounding * a.length().max(b.length()))
+    /// Whether no triangle of the fan around this corner is turned over, except by rounding.
+    fn is_fan(&self, first: usize, normal: DVec3) -> bool {
+        self.fan(first).all(|(a, b)| a.cross(b).dot(normal) >= -self.rounding * a.length().max(b.length()))
     }
 
     /// The corners in the polygon's plane, where it winds to the left, with coordinates of at most 2. Exactly planar
@@ -149,7 +169,7 @@ impl<'a> Outline<'a> {
         let scale = self.size.log2().floor().exp2();
         // The triangulation takes no smaller numbers; these are zeros next to the polygon's size.
         let flushed = |v: f64| if v.abs() < 1e-40 { 0.0 } else { v };
-        self.sides().map(|side| DVec2::new(flushed(side.dot(u) / scale), flushed(side.dot(v) / scale))).collect()
+        self.sides(0).map(|side| DVec2::new(flushed(side.dot(u) / scale), flushed(side.dot(v) / scale))).collect()
     }
 }
 
