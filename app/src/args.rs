@@ -21,7 +21,7 @@ pub(crate) use tuning::TuningArgs;
 /// The scene file.
 #[derive(Args, Debug)]
 pub(crate) struct SceneArgs {
-    /// The scene: glTF 2.0, .gltf or .glb; or the name of an installed scene, such as cornell-box
+    /// The scene: a file that ends in .gltf, .glb, .obj, .ply or .stl; or the name of an installed scene, such as cornell-box
     pub(crate) scene: PathBuf,
     /// Index of the scene in a file with several, counted from 0 [default: the file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
+use raystep_scenes::ENDINGS;
 
 use crate::commands::{
     bench, build, cast, completions, dump, extension, info, inspect, merge, plan, render, report, scene, stability,
@@ -89,10 +90,11 @@ pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Req
     }
 }
 
-/// Whether an argument looks like a scene's file, including those that have to be converted first, or is the name of a
-/// scene and of no command.
+/// Whether an argument looks like the file of a scene or session, or is the name of a scene and of no command.
 fn is_scene(argument: &OsString) -> bool {
     let path = Path::new(argument);
-    matches!(extension(path).as_str(), "gltf" | "glb" | "obj" | "ply" | "raystep-session")
+    let ending = extension(path);
+    ENDINGS.contains(&ending.as_str())
+        || ending == "raystep-session"
         || is_known(path) && Cli::command().find_subcommand(argument).is_none()
 }

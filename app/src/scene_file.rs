@@ -16,7 +16,6 @@ use raystep_lab::text::visible;
 use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
 
 use crate::args::{CameraArgs, ReadArgs, SceneArgs, Vector, WRONG_FOV};
-use crate::commands::extension;
 use crate::error::Error;
 use crate::output::reason;
 
@@ -45,12 +44,10 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
         FileError::TooLarge { .. } => failed(&format!("{e}; {raises}")),
         _ => failed(&e),
     })?;
-    expect_scene(path)?;
     // The scene's name appears in tables, pages and titles, so control characters are escaped.
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let stem = visible(&stem);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
     let files = Beside::new(path, read.allow_outside).map_err(|e| failed(&e))?;
-    let scene = load(&stem, &bytes, &files, &options).map_err(|e| match e {
+    let scene = load(&visible(&name), &bytes, &files, &options).map_err(|e| match e {
         LoadError::NoSuchScene { .. } => Error::usage(format!("--scene-index: {e}")),
         LoadError::Outside { .. } => failed(&format!("{e}; --allow-outside lets a scene read such files")),
         LoadError::TooLarge { .. } => failed(&format!("{e}; {raises}")),
@@ -76,16 +73,7 @@ pub(crate) fn beside(file: &Path, name: &str, read: ReadArgs) -> Result<PathBuf,
 /// Checks whether a file may be a scene, without reading it.
 pub(crate) fn expect_scene(path: &Path) -> Result<(), Error> {
     let path = &file_of(path)?;
-    let at = path.display();
-    regular_file(path).map_err(|e| Error::failed(format!("{at}: {e}")))?;
-    if matches!(extension(path).as_str(), "obj" | "ply") {
-        let glb = path.with_extension("glb");
-        return Err(Error::usage(format!(
-            "{at}: expected a glTF scene; convert it with 'raystep scene convert {at} -o {}'",
-            glb.display()
-        )));
-    }
-    Ok(())
+    regular_file(path).map(drop).map_err(|e| Error::failed(format!("{}: {e}", path.display())))
 }
 
 /// Resolves links, so that two names of a file compare equal.

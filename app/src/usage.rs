@@ -6,6 +6,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use raystep_scenes::ENDINGS;
 
 /// Most values that a message lists; beyond that, it lists the nearest names.
 const MOST_LISTED: usize = 12;
@@ -128,10 +129,11 @@ fn no_such_command(word: &str, is_scene: bool, nearest: Option<String>) -> Strin
     }
     let path = Path::new(word);
     if path.is_dir() {
-        return format!("{word}: it is a folder; expected a command or a glTF file (see --help)");
+        return format!("{word}: it is a folder; expected a command or a scene's file (see --help)");
     }
     if path.exists() || path.components().count() > 1 || path.extension().is_some() {
-        return format!("{word}: expected a command, or a file whose name ends in .gltf or .glb (see --help)");
+        let endings = or(&ENDINGS.map(|ending| format!(".{ending}")));
+        return format!("{word}: expected a command, or a file whose name ends in {endings} (see --help)");
     }
     format!(
         "{word}: no such command{}",

@@ -70,7 +70,6 @@ fn wrong_usage_is_code_2() {
         ("missing command", &["scene"]),
         ("--triangles 0: expected an integer from 1", &["scene", "soup", "--triangles", "0", "-o", "s.glb"]),
         ("ends in .glb", &["scene", "soup", "-o", "s.gltf"]),
-        ("ends in .obj or .ply", &["scene", "convert", &file, "-o", "s.glb"]),
     ];
     for (wanted, arguments) in cases {
         place.fails(2, wanted, arguments);

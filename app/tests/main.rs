@@ -10,6 +10,7 @@ mod confined;
 mod dump;
 mod escapes;
 mod files;
+mod formats;
 mod inspect;
 mod left_out;
 mod lesson;

@@ -118,28 +118,20 @@ fn names_that_do_not_exist_are_told_the_nearest_or_all_where_they_are_few() {
 #[test]
 fn a_first_word_that_is_a_file_is_said_to_be_one() {
     let place = Place::new();
-    fs::write(place.path("one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
     fs::write(place.path("notes.txt"), "").expect("a file");
     fs::create_dir(place.path("folder")).expect("a folder");
-    let wanted = "expected a command, or a file whose name ends in .gltf or .glb (see --help)";
+    let wanted = "expected a command, or a file whose name ends in .gltf, .glb, .obj, .ply or .stl (see --help)";
     expect(
         &place,
         &[
             (1, "nosuch.gltf: No such file or directory", &["nosuch.gltf"]),
             (1, "nosuch.glb: No such file or directory", &["inspect", "nosuch.glb"]),
             (1, "nosuch.obj: No such file or directory", &["nosuch.obj"]),
-            (
-                2,
-                "one.obj: expected a glTF scene; convert it with 'raystep scene convert one.obj -o one.glb'",
-                &["one.obj"],
-            ),
             (2, &format!("notes.txt: {wanted}"), &["notes.txt"]),
             (2, &format!("a/nosuch: {wanted}"), &["a/nosuch"]),
-            (2, "folder: it is a folder; expected a command or a glTF file (see --help)", &["folder"]),
+            (2, "folder: it is a folder; expected a command or a scene's file (see --help)", &["folder"]),
         ],
     );
-    place.ok(&["scene", "convert", "one.obj", "-o", "one.glb"]);
-    place.ok(&["plan", "one.glb"]);
 }
 
 #[test]

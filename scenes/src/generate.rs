@@ -24,6 +24,7 @@ pub use cornell::cornell_box;
 pub use flake::sphere_flake;
 pub use hair::hair;
 pub use icosphere::icosphere;
+pub(crate) use random::mix;
 pub use soup::soup;
 pub use terrain::terrain;
 pub use tiny::tiny_in_room;

@@ -1,5 +1,8 @@
 //! Loads a file into a [`Scene`].
 //!
+//! `format` finds out which format a file has. `obj`, `ply` and `stl` read vertices and polygons into a `mesh`, which
+//! makes the scene of them; `polygon` cuts polygons into triangles.
+//!
 //! The modules of glTF are in the order in which a file is read, and `gltf_scene` calls them:
 //!
 //! * `container` splits a GLB and parses the JSON; `repair` rewrites what the parser wrongly rejects.
@@ -19,6 +22,7 @@ mod budget;
 mod buffers;
 mod check;
 mod container;
+mod format;
 mod geometry;
 mod gltf_scene;
 mod graph;
@@ -26,14 +30,22 @@ mod images;
 mod json_path;
 mod lights_cameras;
 mod materials;
+mod mesh;
 mod notes;
+mod obj;
 mod place;
+mod ply;
+mod polygon;
 mod pose;
 mod repair;
+mod stl;
+mod text;
 
 use crate::Scene;
 use budget::Budget;
 use check::at;
+pub use format::ENDINGS;
+use format::Format;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
@@ -115,9 +127,23 @@ impl Default for LoadOptions {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
-    /// The bytes are neither a GLB nor glTF JSON, or a GLB's chunk lengths are inconsistent.
+    /// The file's structure is wrong: e.g. the lengths of a GLB's chunks, or PLY's header; or there is nothing to draw.
     #[error("{0}")]
     Container(String),
+    /// The file is of a kind that is known, but not read.
+    #[error("the file is {0}; raystep reads glTF 2.0, GLB, OBJ, PLY and STL")]
+    OtherFormat(&'static str),
+    /// The file is of no known kind. Only the name of an OBJ file shows what it is.
+    #[error("the file is neither glTF, GLB, PLY nor STL, and its name does not end in .obj")]
+    UnknownFormat,
+    /// A line of text does not have the form that its first word requires.
+    #[error("line {line}: {problem}")]
+    Line {
+        /// Counting from 1.
+        line: usize,
+        /// What is wrong there, and what was expected.
+        problem: String,
+    },
     /// The JSON is malformed, or a property has the wrong type.
     #[error("the glTF JSON is invalid: {0}")]
     Json(String),
@@ -132,10 +158,10 @@ pub enum LoadError {
         /// The number of scenes.
         count: usize,
     },
-    /// Something in the JSON, or in data that it refers to, is wrong.
+    /// Something in the JSON, or in data that it refers to, or an element of another format, is wrong.
     #[error("{path}: {problem}")]
     Invalid {
-        /// The place, e.g. `meshes[0].primitives[1].attributes.POSITION`.
+        /// The place, e.g. `meshes[0].primitives[1].attributes.POSITION` or `face 3`.
         path: String,
         /// What is wrong there, and what was expected.
         problem: String,
@@ -198,11 +224,12 @@ pub enum LoadError {
     },
 }
 
-/// The external files that a glTF file names, each once, as [`load`] asks its [`Resolver`] for them: for a host that
-/// cannot read a file at once. Names that [`load`] rejects are left out.
+/// The external files that a file names, each once, as [`load`] asks its [`Resolver`] for them: for a host that cannot
+/// read a file at once. Only glTF names such files. Names that [`load`] rejects are left out, as are those of files that
+/// it rejects because of their format.
 ///
 /// # Errors
-/// If the file is neither a GLB nor glTF JSON, or has more than `max_bytes`.
+/// If a glTF file is invalid, or has more than `max_bytes`.
 pub fn external_files(bytes: &[u8], max_bytes: u64) -> Result<Vec<String>, LoadError> {
     /// Takes down what it is asked for.
     struct Names(RefCell<BTreeSet<String>>);
@@ -216,6 +243,9 @@ pub fn external_files(bytes: &[u8], max_bytes: u64) -> Result<Vec<String>, LoadE
 
     let budget = Budget::new(max_bytes);
     budget.take(bytes.len() as u64, "the file")?;
+    if Format::certain(bytes) != Some(Format::Gltf) {
+        return Ok(Vec::new());
+    }
     let (root, _) = container::parse(bytes, &budget)?;
     let names = Names(RefCell::default());
     let uris = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
@@ -228,17 +258,29 @@ pub fn external_files(bytes: &[u8], max_bytes: u64) -> Result<Vec<String>, LoadE
     Ok(names.0.into_inner().into_iter().collect())
 }
 
-/// Reads a glTF 2.0 file, JSON or GLB, into a [`Scene`].
+/// Reads a file into a [`Scene`]: glTF 2.0 (JSON or GLB), Wavefront OBJ, Stanford PLY or STL.
 ///
-/// `name` becomes [`Scene::name`], without a trailing `.gltf` or `.glb`. [`Scene::notes`] lists what was ignored or
-/// assumed.
+/// The format is that of the contents where they are certain, otherwise that of the ending of `name`, in letters of any
+/// case. Without this ending, `name` becomes [`Scene::name`]. [`Scene::notes`] lists what was ignored or assumed.
 ///
 /// # Errors
-/// If the file is invalid, requires an unsupported extension, or is too large.
+/// If the file is invalid, requires an unsupported extension, is too large, or is of another format. Parts of an OBJ,
+/// PLY or STL file that cannot be drawn are left out with a note, unless nothing else is left.
 pub fn load(name: &str, bytes: &[u8], resolver: &dyn Resolver, options: &LoadOptions) -> Result<Scene, LoadError> {
     let budget = Budget::new(options.max_bytes);
     budget.take(bytes.len() as u64, "the file")?;
-    let scene = gltf_scene::read(bytes, resolver, options, &budget)?;
-    let name = name.strip_suffix(".gltf").or_else(|| name.strip_suffix(".glb")).unwrap_or(name);
-    Ok(Scene { name: name.to_owned(), ..scene })
+    let format = Format::of(name, bytes)?;
+    if let Some(asked) = options.scene.filter(|&scene| scene > 0 && format != Format::Gltf) {
+        return Err(LoadError::NoSuchScene { asked, count: 1 });
+    }
+    let scene = match format {
+        Format::Gltf => {
+            let read = gltf_scene::read(bytes, resolver, options, &budget);
+            read.map_err(|error| if format::is_gltf_1(bytes) { LoadError::OtherFormat("glTF 1.0") } else { error })?
+        }
+        Format::Obj => obj::read(bytes, &budget)?,
+        Format::Ply => ply::read(bytes, &budget)?,
+        Format::Stl => stl::read(bytes, &budget)?,
+    };
+    Ok(Scene { name: format::stem(name).to_owned(), ..scene })
 }

@@ -1,7 +1,7 @@
-//! Scenes: loading, errors, generation and conversion.
+//! Scenes: loading, errors, and generation.
 
-mod convert;
 mod files;
+mod formats;
 mod generate;
 mod glb;
 mod load_bad;
@@ -9,3 +9,8 @@ mod load_common;
 mod load_corrupt;
 mod load_data;
 mod load_features;
+mod mesh_common;
+mod obj;
+mod ply;
+mod polygons;
+mod stl;

@@ -67,7 +67,7 @@ Examples:
   raystep bench scenes/teapot.glb --repeats 50 --baseline before --at-most 1.5 -o after
   raystep bench scenes/teapot.glb --against old/raystep --at-most 1.05 -o gate")]
 pub(crate) struct BenchArgs {
-    /// The scenes: glTF 2.0, .gltf or .glb; or names of installed scenes, such as cornell-box
+    /// The scenes: files that end in .gltf, .glb, .obj, .ply or .stl; or names of installed scenes, such as cornell-box
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Acceleration structures, see 'raystep render --help'

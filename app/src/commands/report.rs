@@ -50,7 +50,7 @@ Examples:
   raystep report scenes/cornell-box.gltf -o report --bundle report.zip
   raystep report --verify report.zip")]
 pub(crate) struct ReportArgs {
-    /// The scenes: glTF 2.0, .gltf or .glb; or names of installed scenes, such as cornell-box
+    /// The scenes: files that end in .gltf, .glb, .obj, .ply or .stl; or names of installed scenes, such as cornell-box
     #[arg(required_unless_present = "verify", value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Output folder: new, or empty

@@ -4,37 +4,34 @@ use std::path::{Path, PathBuf};
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, Subcommand, value_parser};
 use raystep_scenes::generate::{GENERATORS, GenerateError, Generator};
-use raystep_scenes::{Scene, convert, write_glb};
+use raystep_scenes::{Scene, write_glb};
 
-use crate::args::{QuietArgs, whole};
+use crate::args::{QuietArgs, SceneArgs, whole};
 use crate::error::Error;
 use crate::output::{Target, ending, refuse_inputs, write};
-use crate::scene_file::{canonical, read_file};
+use crate::scene_file;
 use crate::terminal::{Progress, print};
 
-/// Largest file that `convert` reads.
-const MOST_BYTES: u64 = 16 << 30;
-
 /// The action.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) enum SceneCommand {
     /// Lists generators.
     List,
-    /// Converts OBJ or PLY to GLB.
+    /// Converts a scene's file to GLB.
     Convert(ConvertArgs),
     /// Generates a scene.
     Generate { generator: &'static Generator, parameters: Vec<(&'static str, u64)>, output: PathBuf, quiet: bool },
 }
 
-/// Convert a Wavefront OBJ or Stanford PLY file to GLB
-#[derive(Args, Clone, Debug)]
+/// Convert a scene (glTF, OBJ, PLY or STL) to GLB
+#[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   printf 'v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n' > triangle.obj
   raystep scene convert triangle.obj -o triangle.glb")]
 pub(crate) struct ConvertArgs {
-    /// Input file: .obj or .ply
-    input: PathBuf,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Output GLB
     #[arg(short, long, value_name = "F.glb")]
     output: PathBuf,
@@ -119,13 +116,13 @@ pub(crate) fn run(command: &SceneCommand) -> Result<(), Error> {
         SceneCommand::Convert(args) => {
             let target = glb_target(&args.output)?;
             let progress = Progress::new(args.quiet.quiet);
-            refuse_inputs(&[Some(&target)], &canonical(std::slice::from_ref(&args.input)))?;
             progress.stage("reading");
-            let scene = read_other(&args.input)?;
-            for note in &scene.notes {
+            let file = scene_file::read(&args.scene)?;
+            refuse_inputs(&[Some(&target)], &file.inputs)?;
+            for note in &file.scene.notes {
                 progress.say(format_args!("note: {}", note.0));
             }
-            save(&scene, target, &args.output, &progress)
+            save(&file.scene, target, &args.output, &progress)
         }
         SceneCommand::Generate { generator, parameters, output, quiet } => {
             let target = glb_target(output)?;
@@ -154,16 +151,6 @@ fn list() -> String {
 fn glb_target(path: &Path) -> Result<Target, Error> {
     ending("-o", path, &["glb"])?;
     Target::new(path)
-}
-
-fn read_other(path: &Path) -> Result<Scene, Error> {
-    let convert = match super::extension(path).as_str() {
-        "obj" => convert::obj,
-        "ply" => convert::ply,
-        _ => return Err(Error::usage(format!("{}: expected a name that ends in .obj or .ply", path.display()))),
-    };
-    let bytes = read_file(path, MOST_BYTES).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
-    convert(&path.to_string_lossy(), &bytes).map_err(Error::failed)
 }
 
 fn save(scene: &Scene, target: Target, path: &Path, progress: &Progress) -> Result<(), Error> {

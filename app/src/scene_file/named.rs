@@ -4,12 +4,11 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 use std::sync::OnceLock;
 
+use raystep_scenes::ENDINGS;
+
 use crate::commands::extension;
 use crate::error::Error;
 use crate::usage::did_you_mean;
-
-/// Endings of scenes' files, in the order in which they are tried.
-const ENDINGS: [&str; 2] = ["gltf", "glb"];
 
 /// The folder that the host has named.
 static FOLDER: OnceLock<PathBuf> = OnceLock::new();

@@ -11,6 +11,7 @@ use raystep_inspector::session::request::{Loader, at_once};
 use raystep_inspector::session_file::EXTENSION;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
+use raystep_scenes::ENDINGS;
 
 use super::{files, last_error};
 use crate::args::{ReadArgs, SceneArgs};
@@ -105,7 +106,9 @@ impl Host for Desktop {
     fn choose_scene(&mut self) {
         // Dialogs require the main thread on macOS, and are asynchronous everywhere.
         let asking = Asking::begin();
-        let dialog = rfd::AsyncFileDialog::new().add_filter("glTF 2.0", &["gltf", "glb"]).pick_file();
+        // Linux distinguishes the letters' case.
+        let endings: Vec<_> = ENDINGS.iter().flat_map(|ending| [(*ending).to_owned(), ending.to_uppercase()]).collect();
+        let dialog = rfd::AsyncFileDialog::new().add_filter("Scenes", &endings).pick_file();
         self.aside(move || {
             Some(match files::wait(dialog) {
                 Some(file) => HostEvent::Chosen(file.path().to_string_lossy().into_owned()),

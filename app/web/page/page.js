@@ -149,7 +149,7 @@ const handlers = {
     keep: ({ saved }) => isEmbedded || store(saved),
     download,
     choose: ({ endings }) => files.choose(endings),
-    askFor: ({ name }) => {
+    askFor: ({ name, endings }) => {
         if (name === "") {
             isAsking = false;
             panel.hide();
@@ -157,7 +157,7 @@ const handlers = {
         }
         isAsking = true;
         panel.show(`The link is of ${name}, a file that is not on this server. Choose it, or drop it here, with the files that it needs.`, [
-            ["Choose…", () => files.choose(".gltf,.glb,.bin,.png,.jpg,.jpeg")],
+            ["Choose…", () => files.choose(endings)],
             ["Cancel", () => post("cancelled")],
         ]);
     },

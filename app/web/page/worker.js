@@ -133,7 +133,7 @@ self.raystep = {
     keep: (saved) => post("keep", { saved }),
     download: (name, bytes) => post("download", { name, bytes }, [bytes.buffer]),
     choose: (endings) => post("choose", { endings }),
-    ask_for: (name) => post("askFor", { name }),
+    ask_for: (name, endings) => post("askFor", { name, endings }),
     tell: (text) => post("tell", { text }),
     fetch: fetchBytes,
 };

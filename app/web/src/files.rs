@@ -10,7 +10,7 @@ use js_sys::Uint8Array;
 use raystep_inspector::session::request::Loader;
 use raystep_inspector::session_file::{EXTENSION, MOST_BYTES};
 use raystep_inspector::ui::host::HostEvent;
-use raystep_scenes::{FileError, LoadOptions, Resolver, Scene, external_files, load};
+use raystep_scenes::{ENDINGS, FileError, LoadOptions, Resolver, Scene, external_files, load};
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
 use web_sys::File;
@@ -69,6 +69,12 @@ pub(crate) fn file_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
+/// The endings of scenes and of the files that they name, as the page's file chooser takes them.
+pub(crate) fn accepted() -> String {
+    let endings = ENDINGS.iter().chain(&["bin", "png", "jpg", "jpeg"]);
+    endings.map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(",")
+}
+
 fn has_ending(path: &str, endings: &[&str]) -> bool {
     path.rsplit_once('.').is_some_and(|(_, found)| endings.iter().any(|ending| found.eq_ignore_ascii_case(ending)))
 }
@@ -96,18 +102,19 @@ impl Files {
         let paths: Vec<String> = files.iter().map(|(path, _)| plain(path)).collect();
         self.local.borrow_mut().extend(paths.iter().cloned().zip(files.into_iter().map(|(_, file)| file)));
         let wish = self.wish.take();
-        let endings: &[&str] = if wish.is_some() { &["gltf", "glb"] } else { &["gltf", "glb", EXTENSION] };
-        let Some(opened) = paths.iter().find(|path| has_ending(path, endings)) else {
+        let is_opened = |path: &&String| has_ending(path, &ENDINGS) || wish.is_none() && has_ending(path, &[EXTENSION]);
+        let Some(opened) = paths.iter().find(is_opened) else {
             let names = paths.first().map_or_else(String::new, |path| format!("{path}: "));
             self.tell(HostEvent::Failed(format!(
-                "{names}expected a glTF scene (.gltf or .glb, with its files) or a session (.{EXTENSION})"
+                "{names}expected a scene ({}, with its files) or a session (.{EXTENSION})",
+                ENDINGS.map(|ending| format!(".{ending}")).join(", ")
             )));
             *self.wish.borrow_mut() = wish;
             return;
         };
         match wish {
             Some(wish) => {
-                shell::ask_for("");
+                shell::ask_for("", "");
                 let _ = wish.send(opened.clone());
             }
             None => self.tell(HostEvent::Chosen(opened.clone())),
@@ -118,7 +125,7 @@ impl Files {
     pub(crate) fn cancel(&self) {
         match self.wish.take() {
             // The one who waits is told by this being dropped.
-            Some(_) => shell::ask_for(""),
+            Some(_) => shell::ask_for("", ""),
             None => self.tell(HostEvent::Cancelled("cancelled: no file opened")),
         }
     }
@@ -184,7 +191,7 @@ impl Files {
         }
         let (send, chosen) = oneshot::channel();
         *self.wish.borrow_mut() = Some(send);
-        shell::ask_for(file_name(path));
+        shell::ask_for(file_name(path), &accepted());
         let Ok(chosen) = chosen.await else {
             return Err(format!("{path}: it is on another computer, and no file was chosen"));
         };

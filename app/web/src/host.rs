@@ -8,7 +8,7 @@ use raystep_inspector::session::request::Loader;
 use raystep_inspector::session_file::{BUILT_IN, EXTENSION};
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 
-use crate::files::Files;
+use crate::files::{Files, accepted};
 use crate::{shell, tasks};
 
 /// A page as host.
@@ -48,7 +48,7 @@ impl Host for Web {
 
     fn choose_scene(&mut self) {
         // A scene's textures and buffers may be files of their own.
-        shell::choose(".gltf,.glb,.bin,.png,.jpg,.jpeg");
+        shell::choose(&accepted());
     }
 
     fn choose_session(&mut self) {

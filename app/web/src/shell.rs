@@ -41,8 +41,8 @@ extern "C" {
     /// Has the user choose files; `Window::files` gets them, or `Window::cancelled` is called.
     pub(crate) fn choose(endings: &str);
 
-    /// Asks for a file by its name; an empty name takes the question back.
-    pub(crate) fn ask_for(name: &str);
+    /// Asks for a file by its name, among files with these endings; an empty name takes the question back.
+    pub(crate) fn ask_for(name: &str, endings: &str);
 
     /// Tells assistive technology.
     pub(crate) fn tell(text: &str);

@@ -67,7 +67,7 @@ impl Inspector {
         egui::Panel::bottom("status").frame(frame(ui)).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
                 let Some(opened) = &self.model.opened else {
-                    ui.weak("no scene: drop a glTF file here, or open one");
+                    ui.weak("no scene: drop a scene file here, or open one");
                     return;
                 };
                 let end = if self.model.is_complete { self.model.passes.len().to_string() } else { "…".into() };

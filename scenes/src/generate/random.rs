@@ -4,7 +4,7 @@
 pub(super) struct Random(u64);
 
 /// The finaliser of SplitMix64, a bijection in which every input bit affects every output bit.
-pub(super) fn mix(mut z: u64) -> u64 {
+pub(crate) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

@@ -48,6 +48,19 @@ impl Budget {
         self.take(count.saturating_mul(size_of::<T>() as u64), path)?;
         reserve(count, path)
     }
+
+    /// Appends an element to a vector of [`vec`](Self::vec), or a new one. If it is full, takes space for as many
+    /// elements again.
+    pub(super) fn push<T>(&self, vec: &mut Vec<T>, element: T, path: &str) -> Result<(), LoadError> {
+        if vec.len() == vec.capacity() {
+            let more = vec.len().max(4);
+            let bytes = (more as u64).saturating_mul(size_of::<T>() as u64);
+            self.take(bytes, path)?;
+            vec.try_reserve_exact(more).map_err(|_| LoadError::OutOfMemory { path: path.to_owned(), bytes })?;
+        }
+        vec.push(element);
+        Ok(())
+    }
 }
 
 /// Reserves exactly `count` elements, or returns an error if there is not enough memory.

@@ -23,6 +23,24 @@ pub(crate) enum Wrong {
     MatrixBesideParts,
     /// Nodes with a rotation that is not of length 1, by node.
     RotationNotUnit,
+    /// Vertices whose position is not finite in f32.
+    Positions,
+    /// Faces of fewer than three corners.
+    FacesShort,
+    /// Faces with a corner that is no vertex.
+    FacesMissing,
+    /// Faces with such a position.
+    FacesNotFinite,
+    /// Corners with the index of a normal that does not exist.
+    NormalsMissing,
+    /// Corners with the index of texture coordinates that do not exist.
+    TexcoordsMissing,
+    /// Vertices whose encoded colour is not between black and white.
+    ColorsClamped,
+    /// Polygons with edges that cross, or without an area.
+    PolygonsImproper,
+    /// Polygons with corners off their plane.
+    PolygonsNotPlanar,
 }
 
 impl Wrong {
@@ -42,6 +60,17 @@ impl Wrong {
                 ("node", "nodes", "a matrix beside a translation, rotation or scale: drawn by the matrix")
             }
             Self::RotationNotUnit => ("node", "nodes", "a rotation of another length than 1: drawn as if it were 1"),
+            Self::Positions => ("vertex", "vertices", "a position that is not finite in 32 bits: not drawn"),
+            Self::FacesShort => ("face", "faces", "fewer than 3 corners: left out"),
+            Self::FacesMissing => ("face", "faces", "a corner that is no vertex of the file: left out"),
+            Self::FacesNotFinite => ("face", "faces", "a corner that is not finite in 32 bits: left out"),
+            Self::NormalsMissing => ("corner", "corners", "a normal that does not exist: drawn flat there"),
+            Self::TexcoordsMissing => ("corner", "corners", "texture coordinates that do not exist: drawn as 0"),
+            Self::ColorsClamped => {
+                ("vertex colour", "vertex colours", "parts out of range: drawn as the nearest colour")
+            }
+            Self::PolygonsImproper => ("polygon", "polygons", "edges that cross, or no area: drawn approximately"),
+            Self::PolygonsNotPlanar => ("polygon", "polygons", "corners off the best plane by over 1% of the size"),
         };
         if count == 1 { format!("1 {one} has {rest}") } else { format!("{count} {many} have {rest}") }
     }

@@ -152,7 +152,7 @@ def scene_names() -> list[str]:
 
 
 class Scene:
-    """A scene on a device: a glTF file (.gltf or .glb), the name of an included scene, see `scene_names`, or
+    """A scene on a device: a file (.gltf, .glb, .obj, .ply or .stl), the name of an included scene, see `scene_names`, or
     triangles of shape (N, 3, 3), corners in scene units. An existing file takes precedence over an included scene of the same name.
 
     `device`: "auto" is the best GPU, otherwise the CPU; or "gpu", "cpu". `adapter`: the name of a GPU, or part of it.

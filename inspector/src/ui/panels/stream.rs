@@ -205,7 +205,7 @@ impl StreamView {
         ui.vertical_centered(|ui| {
             ui.add_space(ui.available_height() * 0.25);
             ui.heading("raystep");
-            ui.label("Drop a glTF file here, or");
+            ui.label("Drop a scene file here, or");
             if ui.button(Command::OpenScene.name()).clicked() {
                 cx.todo.push(Command::OpenScene);
             }

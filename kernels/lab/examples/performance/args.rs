@@ -9,7 +9,7 @@ pub(crate) const USAGE: &str = "performance measure --adapter gpu|software|cpu -
 performance page DIR...
 
 SECTION is one of paper, resolution, steps, bytes, tdelta, meshes, triangles. Points are X,Y,Z; FOV is vertical,
-in degrees. FILE is glTF, GLB, OBJ or PLY; without a view, its first camera, or one that frames it.";
+in degrees. FILE is glTF, GLB, OBJ, PLY or STL; without a view, its first camera, or one that frames it.";
 
 /// Kind of device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use glam::DVec3;
 use raystep_kernels::{Accelerator, Options, RayHit, RaySource, Renderer, ScheduleKind};
 use raystep_lab::RayKind;
 use raystep_lab::rays::{PrimaryHits, random};
-use raystep_scenes::{Camera, FileError, LoadOptions, Projection, Resolver, Scene, convert, generate};
+use raystep_scenes::{Camera, FileError, LoadOptions, Projection, Resolver, Scene, generate};
 
 use crate::args::MeshArg;
 use crate::machine::Machine;
@@ -49,15 +49,9 @@ impl Viewed {
     pub(crate) fn read(mesh: &MeshArg) -> Result<Self, String> {
         let at = mesh.file.display().to_string();
         let bytes = std::fs::read(&mesh.file).map_err(|e| format!("{at}: {e}"))?;
-        let wrong = |e: &dyn std::fmt::Display| format!("{at}: {e}");
-        let scene = match mesh.file.extension().and_then(|e| e.to_str()) {
-            Some("obj") => convert::obj(&at, &bytes).map_err(|e| wrong(&e))?,
-            Some("ply") => convert::ply(&at, &bytes).map_err(|e| wrong(&e))?,
-            _ => {
-                let beside = Beside(mesh.file.parent().unwrap_or(Path::new(".")).into());
-                raystep_scenes::load(&at, &bytes, &beside, &LoadOptions::default()).map_err(|e| wrong(&e))?
-            }
-        };
+        let beside = Beside(mesh.file.parent().unwrap_or(Path::new(".")).into());
+        let scene = raystep_scenes::load(&at, &bytes, &beside, &LoadOptions::default());
+        let scene = scene.map_err(|e| format!("{at}: {e}"))?;
         let mut viewed = Self::new(&mesh.name, scene);
         if let Some((eye, look_at, vertical_fov)) = mesh.view {
             let projection = Projection::Perspective { vertical_fov };
