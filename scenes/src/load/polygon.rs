@@ -88,17 +88,27 @@ impl Polygons {
     fn cut(&mut self, outline: &Outline<'_>, budget: &Budget) -> Shape {
         let Some(normal) = outline.normal() else { return Shape::Unknown };
         let height = outline.height(normal);
-        self.not_planar += usize::from(height > PLANAR * outline.size + outline.rounding);
+        let is_planar = height <= PLANAR * outline.size + outline.rounding;
+        self.not_planar += usize::from(!is_planar);
         let firsts = if outline.corners.len() > FEW_FANS { 1 } else { outline.corners.len() };
         if let Some(first) = (0..firsts).find(|&first| outline.is_fan(first, normal)) {
             return Shape::Fan(first);
         }
+        // Every quadrilateral that does not cross itself is a fan.
+        if outline.corners.len() == 4 {
+            return Shape::Unknown;
+        }
         // What is given back here again and again is bounded by the corners, which are not.
         let bytes = BYTES_PER_CORNER.saturating_mul(outline.corners.len() as u64);
         let cut = budget.hold(bytes, "a face", || Ok(Cut::new(&outline.projected(normal, height))));
-        let Some(cut) = cut.unwrap_or_default() else { return Shape::Unknown };
-        self.improper += usize::from(cut.crosses);
-        Shape::Cut(cut)
+        match cut.unwrap_or_default() {
+            // Edges that cross only when they are projected are all part of the fan, so that neighbours still meet.
+            Some(cut) if is_planar || !cut.crosses => {
+                self.improper += usize::from(cut.crosses);
+                Shape::Cut(cut)
+            }
+            _ => Shape::Unknown,
+        }
     }
 }
 
