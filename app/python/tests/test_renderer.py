@@ -126,7 +126,7 @@ class Run(unittest.TestCase):
         text = command("trace", "cornell-box", "--pixel", "17,12", "--format", "csv", "--size", "32x24", "--device", "cpu")
         wanted = list(csv.DictReader(io.StringIO(text)))
         self.assertEqual([row["why"] for row in found], [row["why"] for row in wanted])
-        self.assertEqual([str(row["triangle"]) for row in found if row["triangle"] is not None][-1], wanted[-1]["triangle"])
+        self.assertEqual([str(row["triangle_after"]) for row in found if row["triangle_after"] is not None][-1], wanted[-1]["triangle_after"])
         self.same(everything(run), before)
         self.assertEqual(run.pass_count, 3)
 

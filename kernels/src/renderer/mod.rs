@@ -2,6 +2,7 @@
 
 pub mod cast;
 mod checkpoint;
+mod counting;
 mod device;
 mod edit;
 mod error;
@@ -31,6 +32,7 @@ use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::state::{StateCounts, Tag};
 pub use checkpoint::Checkpoint;
+pub use counting::{Counted, CounterSums, Counting};
 use device::Executor;
 pub use device::{Device, let_others_run};
 pub use error::RenderError;
@@ -45,11 +47,14 @@ pub use results::RayHit;
 pub struct Pass {
     /// Its index in the run, from 0.
     pub index: usize,
-    /// Iteration of the walk's loop that it belongs to, from 1; 0 before the loop.
+    /// The sample of every pixel that it belongs to, from 0.
+    pub sample: u32,
+    /// Number of iterations of the walk's loop that have begun in this sample: from 1 in the loop, 0 before it, and always
+    /// 0 in a schedule whose walk is one kernel, which needs no loop.
     pub iteration: u32,
     /// Its kernel.
     pub kernel: Kernel,
-    /// Number of rays that it worked on.
+    /// Number of rays that it worked on; of a program without rays, of elements.
     pub rays_in: u32,
     /// Rays in each state after it.
     pub counts: StateCounts,
@@ -60,6 +65,9 @@ pub struct Pass {
     /// chunk of 512 that has a ray in one of the kernel's states. Threads that a GPU launches to count rays, or in
     /// passes that were submitted ahead but not needed, do not count.
     pub threads_launched: u64,
+    /// How long the host took to record its commands, without the translation by the driver; `None` for the twins, which
+    /// need none, and without a host clock.
+    pub encode_ns: Option<u64>,
     /// When it began, on the device's own clock.
     pub begin_ns: Option<u64>,
     /// How long it took on the device; `None` also if it was too short to tell, see [`below_ns`](Self::below_ns).
@@ -69,6 +77,24 @@ pub struct Pass {
 }
 
 impl Pass {
+    /// A pass of a kernel of which nothing else is known.
+    #[must_use]
+    pub fn of(kernel: Kernel) -> Self {
+        Self {
+            index: 0,
+            sample: 0,
+            iteration: 0,
+            kernel,
+            rays_in: 0,
+            counts: StateCounts::default(),
+            threads_launched: 0,
+            encode_ns: None,
+            begin_ns: None,
+            duration_ns: None,
+            rounding: None,
+        }
+    }
+
     /// What its duration is less than, in nanoseconds, if the device's clock is too coarse to tell how long it took.
     #[must_use]
     pub fn below_ns(&self) -> Option<u64> {

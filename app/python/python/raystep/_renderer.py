@@ -310,8 +310,8 @@ class Renderer:
 
     def history(self, x: int, y: int) -> TableLike:
         """What each pass does to the ray of pixel (x, y), counted from 0 at the top left: a row for every pass that works
-        on it, with the reason. Columns are those of `raystep trace --format csv`; the cell is that before the pass, all
-        else after it; lengths are in traced units. The run itself stays where it is. Raises `OptionError` if there is no
+        on it, with the reason. Columns are those of `raystep trace --format csv`: names say whether a value is from
+        before or after the pass; lengths are in traced units. The run itself stays where it is. Raises `OptionError` if there is no
         such pixel.
 
         >>> rows = Renderer("cornell-box", size=(8, 6), device="cpu").history(4, 3)

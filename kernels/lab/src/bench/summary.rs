@@ -282,7 +282,6 @@ pub fn useful_steps_per_thread(passes: &[Pass]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use raystep_kernels::programs::closest_hit::kernels;
-    use raystep_kernels::tables::state::StateCounts;
 
     use super::*;
 
@@ -377,17 +376,7 @@ mod tests {
 
     #[test]
     fn useful_steps_are_rays_by_threads() {
-        let pass = |rays_in, threads_launched| Pass {
-            index: 0,
-            iteration: 0,
-            kernel: kernels::INTERSECT,
-            rays_in,
-            counts: StateCounts::default(),
-            threads_launched,
-            begin_ns: None,
-            duration_ns: None,
-            rounding: None,
-        };
+        let pass = |rays_in, threads_launched| Pass { rays_in, threads_launched, ..Pass::of(kernels::INTERSECT) };
         assert_eq!(useful_steps_per_thread(&[pass(64, 64), pass(26, 56)]), Some(0.75));
         assert_eq!(useful_steps_per_thread(&[pass(0, 0)]), None);
     }
