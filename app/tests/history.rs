@@ -15,7 +15,8 @@ const PIXEL: [usize; 2] = [7, 11];
 pub(crate) fn csv_rows(file: &[u8]) -> Vec<BTreeMap<String, String>> {
     let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(file);
     let names = reader.headers().expect("a header").clone();
-    let row = |record: csv::StringRecord| names.iter().map(str::to_owned).zip(record.iter().map(str::to_owned)).collect();
+    let row =
+        |record: csv::StringRecord| names.iter().map(str::to_owned).zip(record.iter().map(str::to_owned)).collect();
     reader.records().map(|record| row(record.expect("as many fields as names"))).collect()
 }
 
@@ -29,7 +30,8 @@ fn texel(place: &Place, pass: usize, stream: &str) -> Vec<u32> {
 #[test]
 fn every_value_of_a_row_is_the_streams_after_its_pass() {
     let place = Place::new();
-    let (scene, size, pixel) = (cornell_box(), format!("{}x{}", SIZE[0], SIZE[1]), format!("{},{}", PIXEL[0], PIXEL[1]));
+    let (scene, size, pixel) =
+        (cornell_box(), format!("{}x{}", SIZE[0], SIZE[1]), format!("{},{}", PIXEL[0], PIXEL[1]));
     let common = [&*scene, "--size", &size, "--grid", "5,6,7", "--schedule", "second", "--device", "cpu", "--quiet"];
     let trace = |format| {
         place.ok(&[&["trace"], &common[..], &["--pixel", &pixel, "--all-rays", "--format", format]].concat()).stdout
@@ -40,7 +42,8 @@ fn every_value_of_a_row_is_the_streams_after_its_pass() {
     let mut steps = 0;
     for ((row, json), line) in rows.iter().zip(json["rows"].as_array().expect("rows")).zip(table.lines().skip(1)) {
         let pass: usize = row["pass"].parse().expect("a number");
-        let (state, tmax, hit) = (texel(&place, pass, "state"), texel(&place, pass, "tmax"), texel(&place, pass, "hit"));
+        let (state, tmax, hit) =
+            (texel(&place, pass, "state"), texel(&place, pass, "tmax"), texel(&place, pass, "hit"));
         let is_walking = ["TRAV", "ISECT_NO_HIT", "ISECT_HIT"].contains(&&*row["state_after"]);
         let cell = [state[2] % 5, state[2] / 5 % 6, state[2] / 30];
         let [x, y, z] = ["cell_after_x", "cell_after_y", "cell_after_z"].map(|name| row[name].parse::<u32>().ok());
@@ -65,13 +68,17 @@ fn every_value_of_a_row_is_the_streams_after_its_pass() {
         let number = |value: &Value| value.as_u64().map(|n| n as u32);
         assert_eq!([0, 1, 2].map(|axis| number(&json["cell_after"][axis])), [x, y, z]);
         assert_eq!((&after["state"], number(&after["item"])), (&row["state_after"].as_str().into(), Some(state[3])));
-        assert_eq!((&json["state_before"], number(&json["tested"])), (
-            &row["state_before"].as_str().into(),
-            row["tested_triangle"].parse().ok()
-        ));
+        assert_eq!(
+            (&json["state_before"], number(&json["tested"])),
+            (&row["state_before"].as_str().into(), row["tested_triangle"].parse().ok())
+        );
     }
     assert!(steps > 3, "{steps} steps");
-    assert_eq!((rows[1]["kernel"].as_str(), rows[1]["cell_after_x"].is_empty()), ("setup", false), "setup finds a cell");
+    assert_eq!(
+        (rows[1]["kernel"].as_str(), rows[1]["cell_after_x"].is_empty()),
+        ("setup", false),
+        "setup finds a cell"
+    );
     // What a pass leaves is what the next one finds.
     for pair in rows.windows(2) {
         assert_eq!(pair[0]["state_after"], pair[1]["state_before"]);

@@ -116,7 +116,7 @@ fn an_adapter_without_valid_times_has_none_in_any_panel_or_file() {
     let mut csv = csv::Reader::from_reader(desk.saved[0].bytes.as_slice());
     let heads = csv.headers().expect("heads").clone();
     let column = |name: &str| heads.iter().position(|head| head == name).expect("a column");
-    let (duration, begin, valid) = (column("gpu_duration_ns"), column("gpu_begin_ns"), column("valid"));
+    let (duration, begin, valid) = (column("duration_ns"), column("begin_ns"), column("valid"));
     let rows: Vec<csv::StringRecord> = csv.records().map(|row| row.expect("a row")).collect();
     assert!(rows.len() > 30);
     assert!(rows.iter().all(|row| (&row[duration], &row[begin], &row[valid]) == ("", "", "false")), "{:?}", rows[3]);

@@ -1,11 +1,13 @@
 //! `passes.csv`: one row per pass, or per part of a pass that is drawn, RFC 4180, raw numbers with their unit in the
-//! column's name. Unknown values are empty, never 0. Sums over all rows are those of the run, of all its samples.
+//! column's name. Unknown values are empty, never 0. Sums over all rows are those of the run, of all its samples; only the
+//! durations of parts that are drawn add up to less, since there is time between them.
 //!
 //! | column | holds |
 //! |---|---|
 //! | `schema_version` | [`SCHEMA_VERSION`]; increased when the meaning of a column changes |
 //! | `run_id`, `configuration` | identify one invocation of the command, and what was run in it |
-//! | `scene` … `height_px` | what was run, and on which device |
+//! | `scene` … `adapter` | what was run, and on which device |
+//! | `width_px`, `height_px` | size of the image that the rays are from; of input rays, of the image in which they are arranged; in a program without rays, of the texture of its main elements |
 //! | `repeat`, `is_warmup` | repetition of the run, from 0, and whether it was only a warm-up |
 //! | `pass_index` | index in the run, from 0 |
 //! | `sample` | sample of every pixel, from 0: see [`Pass::sample`] |
@@ -148,7 +150,7 @@ pub struct RunContext {
     pub configuration: String,
     /// The scene's name.
     pub scene: String,
-    /// `--accelerator`
+    /// The acceleration structure that the run has, also if it was chosen automatically.
     pub accelerator: &'static str,
     /// `--schedule`
     pub schedule: &'static str,
@@ -160,10 +162,11 @@ pub struct RunContext {
     pub traversal: &'static str,
     /// The adapter's name, or `cpu`.
     pub adapter: String,
-    /// Texels per row.
-    pub width_px: u32,
-    /// Rows.
-    pub height_px: u32,
+    /// Pixels per row of the image that the rays are from, or of the one in which input rays are arranged; in a program
+    /// without rays, texels per row of its main elements. `None` if it is not known.
+    pub width_px: Option<u32>,
+    /// Its rows.
+    pub height_px: Option<u32>,
     /// Repetition, from 0.
     #[serde(skip)]
     pub repeat: u32,
@@ -316,8 +319,8 @@ impl<W: Write> PassesCsv<W> {
             run.schedule.into(),
             run.numerics.into(),
             run.adapter.clone(),
-            run.width_px.to_string(),
-            run.height_px.to_string(),
+            known(run.width_px),
+            known(run.height_px),
             run.repeat.to_string(),
             run.is_warmup.to_string(),
             pass.index.to_string(),

@@ -113,6 +113,27 @@ impl Renderer {
         Ok(CounterSums::of(&self.values(stream).await?, self.plan()))
     }
 
+    /// Runs from the start until this many passes have run, one at a time, or to the end if that comes first. Returns what
+    /// each of them adds to the counters: nothing if the plan has none.
+    ///
+    /// # Errors
+    /// As for [`run`](Self::run).
+    pub async fn count_passes(
+        &mut self,
+        place: usize,
+        mut progress: impl FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Vec<CounterSums>, RenderError> {
+        let (mut counted, mut counting) = (Vec::new(), Counting::default());
+        while self.pass_count() < place {
+            let Some(pass) = self.step().await? else { break };
+            counted.extend(counting.added(self, &pass).await?);
+            if progress(&self.progress()).is_break() && self.next_kernel().is_some() {
+                return Err(RenderError::Cancelled { passes: self.pass_count() });
+            }
+        }
+        Ok(counted)
+    }
+
     /// Runs from the start to the end as [`run`](Self::run) does, and sums the counters of all samples; with `each_pass`
     /// also those of every pass, which then runs alone. `None` if the plan has no counters.
     ///
@@ -127,21 +148,14 @@ impl Renderer {
             return self.run(progress).await.map(|()| None);
         }
         let mut counted = Counted { sums: CounterSums::none(), passes: Vec::new() };
-        let mut counting = Counting::default();
+        if each_pass {
+            counted.passes = self.count_passes(usize::MAX, progress).await?;
+            counted.passes.iter().for_each(|&pass| counted.sums += pass);
+            return Ok(Some(counted));
+        }
         while self.next_kernel().is_some() {
-            let added = if each_pass {
-                let Some(pass) = self.step().await? else { break };
-                let added = counting.added(self, &pass).await?;
-                counted.passes.extend(added);
-                if progress(&self.progress()).is_break() && self.next_kernel().is_some() {
-                    return Err(RenderError::Cancelled { passes: self.pass_count() });
-                }
-                added
-            } else {
-                self.run_to_sample(self.samples() + 1, &mut progress).await?;
-                self.counter_sums().await?
-            };
-            counted.sums += added.unwrap_or_default();
+            self.run_to_sample(self.samples() + 1, &mut progress).await?;
+            counted.sums += self.counter_sums().await?.unwrap_or_default();
         }
         Ok(Some(counted))
     }

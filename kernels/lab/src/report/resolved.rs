@@ -284,7 +284,6 @@ fn read_back(
 #[cfg(test)]
 mod tests {
     use raystep_kernels::programs::closest_hit::kernels;
-    use raystep_kernels::tables::state;
 
     use super::*;
 

@@ -75,7 +75,7 @@ const fn truth(name: &'static str, what: &'static str) -> Column {
 /// All columns.
 pub const COLUMNS: &[Column] = &[
     // Keys.
-    count("schema_version", "version of the columns' meanings, the same in all files"),
+    count("schema_version", "version of the columns' meanings; passes.csv has its own, all other files have the same"),
     text("run_id", "identifies one invocation of the command, in all its files"),
     text("configuration", "identifies what was run, within run_id"),
     text("section", "section of the report"),
@@ -86,23 +86,26 @@ pub const COLUMNS: &[Column] = &[
     // What was run.
     text("method", "name of another program's method; empty for raystep's"),
     count("triangles", "triangles of the scene"),
-    text("accelerator", "acceleration structure: grid, bvh or none"),
+    text(
+        "accelerator",
+        "acceleration structure: grid, irregular, bvh or none; in summary.csv also auto, if raystep was asked to choose",
+    ),
     text("schedule", "how walks are divided into passes: first, second, compact or fused"),
     text("numerics", "robust or paper"),
     text("grid", "requested cells of the grid along x, y and z, or auto"),
     text("skip", "whether empty cells are skipped over: auto, on or off"),
     count("steps_per_pass", "most steps per ray and pass; empty for schedules without this option"),
     truth("keep_all", "whether nothing is omitted from the plan"),
-    count("width_px", "rays per row of the image"),
-    count("height_px", "rows of the image"),
-    text("rays_kind", "primary, bounce, shadow or random"),
+    count("width_px", "pixels per row of the image that the rays are from; empty for rays from a file"),
+    count("height_px", "its rows"),
+    text("rays_kind", "primary, bounce, shadow or random; or file and the hash of the rays, with its method as prefix"),
     text("rule", "numerical rule replaced by the paper's; empty if none"),
     text("stratum", "group of rays that were chosen in the same way"),
     count("rays", "rays traced in a run"),
     count("seed", "seed of rays, samples and orders"),
     truth("is_automatic", "whether the grid's resolution is the automatic one"),
     // Times.
-    text("clock", "gpu_timestamp, cpu_clock, or host if the device has no valid clock"),
+    text("clock", "clock of the times: gpu_timestamp, cpu_clock, or host if the device has no valid clock"),
     count("runs", "counted runs with a valid time"),
     count("invalid_runs", "counted runs whose time was missing, 0 or negative"),
     count("round", "round of interleaved runs, from 0; runs of the same round are compared"),
@@ -228,31 +231,67 @@ pub const COLUMNS: &[Column] = &[
     number("stiffness", "cells or nodes plus tests expected at a random point of a random triangle"),
     number("predicted_line", "the same along a random line through the scene"),
     // Passes.
-    count("repeat", "repetition, from 0"),
+    count(
+        "repeat",
+        "repetition of the run whose passes these are, from 0; a benchmark times the passes of one run per configuration, \
+         which is not among those of runs.csv",
+    ),
     truth("is_warmup", "whether the repetition was only a warm-up"),
     count("pass_index", "index of a pass in its run, from 0"),
-    count("iteration", "iteration of the schedule's loop, from 1; 0 before the loop"),
+    count("sample", "sample of every pixel that the pass belongs to, from 0"),
+    count(
+        "iteration",
+        "iterations of the schedule's loop of traverse and intersect that have begun in this sample: 0 before the loop, \
+         and always 0 in schedules without one: compact, fused, and all without an acceleration structure",
+    ),
     text("kernel", "the kernel that ran"),
     text("mapping", "how kernels are mapped to the GPU: compute, or fragment and its choices"),
     text("traversal", "how rays walk through a uniform grid: amanatides-woo or 3d-dda"),
-    count("draw", "part of a pass that is drawn, from 0: copies, depths, draws of the kernel"),
+    count(
+        "draw",
+        "part of a pass that is drawn, from 0: copies, depths, draws of the kernel; what belongs to the whole pass (rays, \
+         counters, time to record) is in the row of its last part",
+    ),
     text("targets", "streams that the part writes"),
     count("fragments_run", "fragments for which a draw ran its program; known if they were asked for"),
     count("bytes_copied", "bytes that the part copies"),
-    count("gpu_begin_ns", "since the run's first timed pass began, by the clock"),
-    count("gpu_duration_ns", "duration of a pass, by the clock"),
-    count("cpu_encode_ns", "host time to record the pass"),
-    count("rays_in", "rays in one of the kernel's states before the pass: those it worked on"),
-    count("rays_out", "those of them that the pass moved to a state of another kernel"),
-    count("threads_launched", "threads launched by a pass, with or without a ray to work on"),
+    count(
+        "begin_ns",
+        "begin of the pass, or of its part that is drawn, by the clock, since the run's first timed pass began; empty from \
+         the pass on at which that clock was set back",
+    ),
+    count("duration_ns", "duration of the pass, or of its part that is drawn, by the clock"),
+    count(
+        "encode_ns",
+        "time that the host took to record the commands of the pass, by its own clock; empty on the CPU, which records none",
+    ),
+    count(
+        "rays_in",
+        "rays in one of the kernel's states before the pass: those it worked on; where a grid is built, elements such as \
+         triangles or cells",
+    ),
+    count(
+        "rays_out",
+        "those of them that the pass moved to a state of another kernel; empty for kernels whose elements have no states",
+    ),
+    count("threads_launched", "threads launched by the pass, or by its part, with or without a ray to work on"),
     count(
         "cells_visited",
         "cells or nodes visited: by a pass, known if counters were requested; or by the farthest ray of a walk",
     ),
     count("triangles_tested", "triangles tested by a pass; known if counters were requested"),
+    count(
+        "repeated_tests",
+        "those of a pass's tests whose triangle the ray had already met in an earlier cell; known if counters were \
+         requested, with one step per pass, without a BVH",
+    ),
     number("clock_resolution_ns", "smallest step of the clock"),
     truth("valid", "whether the timer gave a duration; empty if nothing was timed"),
-    count("host_run_ns", "time of the whole run by the host's clock; known if clock is host"),
+    count(
+        "host_run_ns",
+        "time of all passes of the run by the host's clock, including waits for the device, without what was done between \
+         submissions",
+    ),
     count("duration_runs", "how often the pass was run to time it; known if the clock is coarse"),
     count("duration_error_ns", "largest standard error of the duration by rounding; known if the clock is coarse"),
     count("duration_below_ns", "what the duration is certainly less than; known if the clock is coarse"),

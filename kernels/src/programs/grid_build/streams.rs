@@ -45,28 +45,29 @@ use super::elements::{
     NEXT_LEAVES, NEXT_LISTED, NODE_BLOCKS, NODES, REFERENCE_BLOCKS, REFERENCES, REFINED, SPAN_BLOCKS, SPANS, TALLIES,
     TALLY_BLOCKS, TRIANGLE_BLOCKS, TRIANGLES, WHOLE,
 };
+use super::schedule::{DIVIDED, UNIFORM};
 use crate::options::Accelerator;
 use crate::options::reasons::{Because, Reason, Run};
 use crate::tables::stream::Meaning::{Count, Id};
 use crate::tables::stream::{Stream, streams};
 
 fn always(_: &Run<'_>) -> Reason {
-    (Because::Options, "the cells have too few digits to sort by")
+    (Because::Scene, "needed only if the cells have more digits to sort by")
 }
 
 fn one_level(_: &Run<'_>) -> Reason {
-    (Because::Options, "the cells of a uniform grid are not divided")
+    DIVIDED
 }
 
 fn not_uniform(_: &Run<'_>) -> Reason {
-    (Because::Options, "the lists of an irregular grid, or of one with two levels, are checked instead")
+    UNIFORM
 }
 
 fn not_merged(run: &Run<'_>) -> Reason {
     if run.accelerator == Accelerator::Irregular {
-        return (Because::Options, "the cells of a grid of two levels are neither merged nor expanded");
+        return (Because::Options, "needed only with --accelerator irregular");
     }
-    one_level(run)
+    DIVIDED
 }
 
 /// The halves of a cell, x fastest.
