@@ -80,3 +80,22 @@ fn what_options_leave_out_is_added_by_those_that_the_reason_names() {
     }
     assert!(tried > 80, "{tried} reasons");
 }
+
+#[test]
+fn what_a_build_leaves_out_is_added_by_the_grid_that_the_reason_names() {
+    let place = Place::new();
+    let of =
+        |accelerator: &str| left_out(&place, &words(&[("--program", "grid-build"), ("--accelerator", accelerator)]));
+    let (uniform, irregular) = (of("grid"), of("irregular"));
+    assert!(uniform.len() > 60 && uniform.contains_key("kernel scan_halves"), "{uniform:?}");
+    for (what, reason) in &uniform {
+        assert!(named(reason)["--accelerator"] == "irregular" || reason.contains("crowded cells"), "{what}: {reason}");
+        // The other kernel of a pair is for another number of digits, which the scene decides.
+        let is_there = !irregular.contains_key(what);
+        assert!(is_there || reason.contains("grid, if crowded cells"), "{what}: {reason}");
+    }
+    for (what, reason) in &irregular {
+        assert_eq!(named(reason)["--accelerator"], "grid", "{what}: {reason}");
+        assert!(!uniform.contains_key(what) || reason.contains("if crowded cells are divided"), "{what}: {reason}");
+    }
+}

@@ -100,7 +100,7 @@ pub(super) fn absent(plan: &Plan, options: &Options) -> Vec<LeftOut> {
     let run = Run { options, features: &plan.features, accelerator: plan.accelerator };
     let program = plan.program;
     for kernel in program.kernels().filter(|&kernel| plan.variant(kernel).is_none()) {
-        add(format!("kernel {}", kernel.name()), (kernel.info().why_absent)(kernel, &run), None);
+        add(format!("kernel {}", kernel.name()), (kernel.info().why_absent)(&run), None);
     }
     for stream in program.streams().filter(|&stream| !plan.has_stream(stream)) {
         add(format!("stream {}", stream.name()), (stream.info().why_absent)(&run), None);

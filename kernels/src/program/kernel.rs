@@ -113,8 +113,8 @@ pub struct KernelInfo {
     pub proof: Proof,
     /// Its colour in all diagrams, sRGB: readable on light and dark backgrounds.
     pub colour: [u8; 3],
-    /// Why a run does without an instance of it.
-    pub why_absent: fn(Kernel, &Run<'_>) -> Reason,
+    /// Why a run does without it.
+    pub why_absent: fn(&Run<'_>) -> Reason,
     /// One sentence about it.
     pub summary: &'static str,
     /// What breaks it on purpose, for the test of its comparison with its CPU reference: at least one.

@@ -44,7 +44,7 @@ kernels! {
         resumes: |_| false,
         list: None,
         colour: [23, 150, 160],
-        why_absent: |_, run| if run.features.eye_rays { EYE_RAYS } else { GIVEN },
+        why_absent: |run| if run.features.eye_rays { EYE_RAYS } else { GIVEN },
         summary: "generates a ray for every pixel",
         own: Own {
             explain: explain::of_generate,
@@ -68,7 +68,7 @@ kernels! {
         resumes: |_| false,
         list: None,
         colour: [150, 120, 190],
-        why_absent: |_, run| run.needed_only(On::Any, Passes::Stepped),
+        why_absent: |run| run.needed_only(On::Any, Passes::Stepped),
         summary: "finds where the ray's walk begins, or that it misses the grid",
         own: Own {
             explain: explain::of_setup,
@@ -88,7 +88,7 @@ kernels! {
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
-        why_absent: |_, run| run.needed_only(On::Grid, Passes::OneStep),
+        why_absent: |run| run.needed_only(On::Grid, Passes::OneStep),
         summary: "moves the ray to its next cell",
         own: Own {
             explain: explain::of_traverse_grid,
@@ -108,7 +108,7 @@ kernels! {
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
-        why_absent: |_, run| run.needed_only(On::Irregular, Passes::OneStep),
+        why_absent: |run| run.needed_only(On::Irregular, Passes::OneStep),
         summary: "moves the ray to its next cell of the irregular grid",
         own: Own {
             explain: explain::of_traverse_irregular,
@@ -134,7 +134,7 @@ kernels! {
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
-        why_absent: |_, run| run.needed_only(On::Bvh, Passes::OneStep),
+        why_absent: |run| run.needed_only(On::Bvh, Passes::OneStep),
         summary: "moves the ray to its next node of the BVH",
         own: Own {
             explain: explain::of_traverse_bvh,
@@ -163,7 +163,7 @@ kernels! {
         resumes: |features| features.resumes_scan,
         list: Some(INTERSECT_LIST),
         colour: [232, 140, 60],
-        why_absent: |_, run| run.needed_only(On::Any, Passes::OneStep),
+        why_absent: |run| run.needed_only(On::Any, Passes::OneStep),
         summary: "tests the ray against one triangle of its cell or leaf",
         own: Own {
             explain: explain::of_intersect,
@@ -193,7 +193,7 @@ kernels! {
         resumes: |features| features.resumes,
         list: Some(INTERSECT_LIST),
         colour: [190, 150, 30],
-        why_absent: |_, _| WALKED,
+        why_absent: |_| WALKED,
         summary: "moves the ray by several cells or nodes",
         own: Own {
             explain: explain::of_walk,
@@ -235,7 +235,7 @@ kernels! {
         // A walk that resumes takes indices from its streams, which the caller may have edited.
         proof: Proof::new(|data, features| !features.resumes && data.indices_hold(features)),
         colour: [200, 80, 140],
-        why_absent: |_, run| run.needed_only(On::Any, Passes::Fused),
+        why_absent: |run| run.needed_only(On::Any, Passes::Fused),
         summary: "takes the ray from its start to its nearest hit",
         own: Own {
             explain: explain::of_fused,
@@ -259,7 +259,7 @@ kernels! {
         resumes: |features| features.resumes_light,
         list: None,
         colour: [90, 165, 90],
-        why_absent: |_, _| NO_SHADE,
+        why_absent: |_| NO_SHADE,
         summary: "colours the ray from its hit, or the background",
         own: Own {
             explain: explain::of_shade,
@@ -282,7 +282,7 @@ kernels! {
         resumes: |_| false,
         list: None,
         colour: [120, 130, 140],
-        why_absent: |_, _| ONE_SAMPLE,
+        why_absent: |_| ONE_SAMPLE,
         summary: "adds the sample to its pixel's mean, and requests the next one",
         own: Own {
             explain: explain::of_accumulate,
@@ -302,7 +302,7 @@ kernels! {
         resumes: |_| false,
         list: None,
         colour: [120, 120, 120],
-        why_absent: |_, _| (Because::Options, "needed only after a kernel that does not count the rays that it sends on, such as fused"),
+        why_absent: |_| (Because::Options, "needed only after a kernel that does not count the rays that it sends on, such as fused"),
         summary: "counts the rays in each state, after a kernel that does not",
         own: Own {
             explain: explain::of_count,

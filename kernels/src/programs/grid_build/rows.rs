@@ -1,6 +1,6 @@
 //! What the rows of kernels have in common.
 
-use super::schedule::why_absent;
+use super::reasons;
 use crate::options::{Accelerator, Options};
 use crate::program::breaks::Break;
 use crate::program::kernel::{KernelInfo, PassTwin, Proof, Twin};
@@ -30,7 +30,7 @@ pub(super) const fn row(
         list: None,
         proof: Proof::NONE,
         colour,
-        why_absent,
+        why_absent: reasons::every,
         summary,
         breaks,
     }

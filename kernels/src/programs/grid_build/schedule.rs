@@ -1,9 +1,7 @@
 //! The order of the build's kernels.
 
 use super::instances::*;
-use super::radix::{DIGIT_BITS, digits_of};
-use crate::options::Accelerator;
-use crate::options::reasons::{Because, Reason, Run};
+use super::radix::digits_of;
 use crate::program::Kernel;
 use crate::program::schedule::{Schedule, Step};
 
@@ -81,43 +79,6 @@ const CHECKED_ITEMS: [Kernel; 2] = [CHECK_EVEN, CHECK_ODD];
 /// The sets on which repetitions depend, by their index in the program's table.
 const WHILE_SOME_ARE_LEFT: usize = 0;
 const WHILE_ROUNDS_ARE_AHEAD: usize = 1;
-
-impl Kind {
-    /// What a planned build builds.
-    fn of(run: &Run<'_>) -> Self {
-        match (run.accelerator, run.options.accelerator) {
-            (Accelerator::Irregular, Accelerator::Irregular) => Self::Irregular,
-            // A plan calls a grid of two levels irregular, as the kernels that trace through it do.
-            (Accelerator::Irregular, _) => Self::TwoLevels,
-            _ => Self::Uniform,
-        }
-    }
-
-    /// Whether a kernel runs for some number of cells.
-    fn runs(self, kernel: Kernel) -> bool {
-        let numbers = (0..=SORTED.len() as u32).map(|digits| 1 << (digits * DIGIT_BITS));
-        numbers.into_iter().any(|cells| of(self, cells).kernels().contains(&kernel))
-    }
-}
-
-/// What a build of cells that are divided needs.
-pub(super) const DIVIDED: Reason =
-    (Because::Options, "needed only with --accelerator irregular, or a grid whose crowded cells are divided");
-/// What a build of a uniform grid needs.
-pub(super) const UNIFORM: Reason = (Because::Options, "needed only with --accelerator grid, if no cells are divided");
-
-/// Why a build does without a kernel.
-pub(super) fn why_absent(kernel: Kernel, run: &Run<'_>) -> Reason {
-    match Kind::of(run) {
-        kind if kind.runs(kernel) => {
-            (Because::Scene, "needed only if the cells have another number of digits to sort by")
-        }
-        Kind::Uniform => DIVIDED,
-        _ if Kind::Uniform.runs(kernel) => UNIFORM,
-        Kind::TwoLevels => (Because::Options, "needed only with --accelerator irregular"),
-        Kind::Irregular => (Because::Options, "needed only with --accelerator grid, if crowded cells are divided"),
-    }
-}
 
 /// The schedule for a grid whose top level, or only one, has so many cells.
 #[must_use]
