@@ -86,7 +86,7 @@ pub struct AdapterInfo {
     pub kind: String,
     /// The driver's name and version.
     pub driver: String,
-    /// Iterations after which it ends a loop, as found by a test; `null` if it ended none.
+    /// Iterations after which it ends a loop, as found by a test; `null` if it ended none, or was not tested.
     pub loops_end_after: Option<u32>,
 }
 

@@ -68,9 +68,9 @@ pub struct Pass {
     /// How long the host took to record its commands, without the translation by the driver; `None` for the twins, which
     /// need none, and without a host clock.
     pub encode_ns: Option<u64>,
-    /// When it began, on the device's own clock.
+    /// When it began, by the clock that timed the run: the device's own or, for the twins, the host's.
     pub begin_ns: Option<u64>,
-    /// How long it took on the device; `None` also if it was too short to tell, see [`below_ns`](Self::below_ns).
+    /// How long it took, by the same clock; `None` also if it was too short to tell, see [`below_ns`](Self::below_ns).
     pub duration_ns: Option<u64>,
     /// How well that is known, if the device's clock is coarse.
     pub rounding: Option<Rounding>,

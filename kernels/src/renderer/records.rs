@@ -14,7 +14,8 @@ pub struct KernelSummary {
     pub passes: usize,
     /// Rays worked on, summed over its passes; `null` unless they were counted in every pass.
     pub rays_in: Option<u64>,
-    /// Device time; `null` unless every pass was timed.
+    /// Time that its passes took, by the clock that timed the run: the device's or, for the twins, the host's; `null`
+    /// unless every pass was timed.
     pub duration_ns: Option<u64>,
 }
 
