@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use raystep_kernels::export::Recorded;
 use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::json::RunOptions;
 use raystep_kernels::export::structure::Structure;
 use raystep_kernels::options::mapping;
 use raystep_kernels::plan::Plan;
+use raystep_kernels::renderer::CounterSums;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Keep, Options, RaySource, Renderer, ScheduleKind};
 use raystep_lab::Machine;
@@ -173,6 +175,12 @@ impl Running {
     pub(crate) fn run_context(&self) -> RunContext {
         let context = self.chosen.run_context(self.run_id.clone(), &self.scene, &self.options, self.renderer.plan());
         RunContext { host_run_ns: self.renderer.host_ns(), ..context }
+    }
+
+    /// The passes so far as `passes.csv`; `counted` is what each of them has added to the counters, if known.
+    pub(crate) fn passes_csv(&self, run: &RunContext, counted: &[CounterSums]) -> Result<Vec<u8>, Error> {
+        let csv = Recorded::of(run, &self.renderer, counted).csv();
+        csv.map_err(|e| Error::failed(format!("cannot write the passes: {e}")))
     }
 }
 

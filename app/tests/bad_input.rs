@@ -56,7 +56,10 @@ fn wrong_usage_is_code_2() {
         ("direction is 0", &["trace", &file, "--ray", "1,2,3,0,0,0", "--device", "cpu"]),
         ("not finite", &["trace", &file, "--ray", "0x7f800000,2,3,0,0,1", "--device", "cpu"]),
         ("ray_origin", &["dump", &file, "-o", "d", "--stream", "nose"]),
-        ("omits it: --accelerator none", &["dump", &file, "-o", "d", "--stream", "tmax", "--accelerator", "none"]),
+        (
+            "omits it: needed only with --accelerator grid or irregular",
+            &["dump", &file, "-o", "d", "--stream", "tmax", "--accelerator", "none"],
+        ),
         (
             "the run has 73 passes, 0 to 72",
             &["dump", &file, "-o", "d", "--pass", "73", "--size", "64x64", "--device", "cpu"],

@@ -7,7 +7,7 @@ use crate::common::Place;
 use crate::files::{channels, cornell_box, floats};
 
 /// Shape and values of a .npy file, read according to its specification.
-fn npy(file: &[u8]) -> (String, Vec<usize>, Vec<u32>) {
+pub(crate) fn npy(file: &[u8]) -> (String, Vec<usize>, Vec<u32>) {
     assert_eq!(&file[..8], b"\x93NUMPY\x01\x00");
     let length = usize::from(u16::from_le_bytes([file[8], file[9]]));
     assert_eq!((10 + length) % 64, 0, "the data is not aligned");

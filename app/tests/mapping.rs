@@ -45,10 +45,10 @@ fn a_picture_is_the_same_and_every_draw_has_a_row() {
     let intersect = [["intersect", "0", "hit state", state_and_hit], ["intersect", "1", "hit", "0"]];
     assert_eq!(of("2"), [&intersect[..], &[["intersect", "2", "state", "0"]]].concat());
     for row in &all {
-        assert_eq!((&*row["mapping"], &*row["schema_version"]), ("fragment", "3"));
+        assert_eq!((&*row["mapping"], &*row["schema_version"]), ("fragment", "4"));
         let threads = if row["bytes_copied"] == "0" { "320" } else { "0" };
         assert_eq!((&*row["threads_launched"], &*row["fragments_run"]), (threads, ""), "{row:?}");
-        assert!(row["gpu_duration_ns"].parse::<u64>().is_ok(), "{row:?}");
+        assert!(row["duration_ns"].parse::<u64>().is_ok(), "{row:?}");
     }
     place.ok(&[&drawn[..], &["--trace-json", "b.json"], &SMALL[..]].concat());
     let json: serde_json::Value = serde_json::from_slice(&place.read("b.json")).expect("JSON");

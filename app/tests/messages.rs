@@ -195,19 +195,21 @@ fn options_that_need_others_or_do_not_fit_say_which() {
             render(&["--size", "32768x32768"]),
         ),
         (
-            "--stream previous: this run omits it: --accelerator grid; --accelerator bvh adds it".into(),
+            "--stream previous: this run omits it: needed only with --accelerator bvh".into(),
             dump(&["--stream", "previous"]),
         ),
         (
-            "--stream tmax: this run omits it: --accelerator none; --accelerator grid adds it".into(),
+            "--stream tmax: this run omits it: needed only with --accelerator grid or irregular".into(),
             dump(&["--stream", "tmax", "--accelerator", "none"]),
         ),
         (
-            "--stream accumulated: this run omits it: one sample per pixel; --spp 2 adds it".into(),
+            "--stream accumulated: this run omits it: needed only with --spp 2 or more".into(),
             dump(&["--stream", "accumulated"]),
         ),
         (
-            "--stream tmax: this run omits it: --schedule fused; --schedule compact adds it".into(),
+            "--stream tmax: this run omits it: needed only with one step per pass: --schedule first or second, or compact with \
+             --steps-per-pass 1"
+                .into(),
             dump(&["--stream", "tmax", "--schedule", "fused"]),
         ),
     ];

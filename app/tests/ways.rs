@@ -264,7 +264,7 @@ fn samples_that_cannot_be_are_refused_in_a_line() {
     let dump = ["dump", &file, "-o", "d", "--stream", "hit", "--pass", "last", "--size", "8x8", "--device", "cpu"];
     place.ok(&[&dump[..], &["--spp", "2"]].concat());
     assert!(place.ok(&["plan", &file, "--spp", "2", "--device", "cpu"]).stdout.contains("accumulate"));
-    assert!(place.ok(&["plan", &file, "--device", "cpu"]).stdout.contains("one sample per pixel"));
+    assert!(place.ok(&["plan", &file, "--device", "cpu"]).stdout.contains("needed only with --spp 2 or more"));
 }
 
 #[test]

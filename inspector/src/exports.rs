@@ -4,13 +4,9 @@
 
 use std::io::Cursor;
 
-use raystep_kernels::DrawTime;
-use raystep_kernels::export::csv::{DrawnPart, PassesCsv, RunContext};
 use raystep_kernels::export::trace::Trace;
-use raystep_kernels::export::trace_events::trace_events;
-use raystep_kernels::export::{exr, npy};
-use raystep_kernels::plan::Plan;
-use raystep_kernels::{Kernel, Pass, StreamData};
+use raystep_kernels::export::{Recorded, exr, npy};
+use raystep_kernels::{Kernel, StreamData};
 use raystep_lab::text::counted;
 use serde::Serialize;
 
@@ -69,40 +65,24 @@ impl Export {
     }
 }
 
-/// Passes as rows of `passes.csv`, as in `bench`. `draws` are the parts of each, if passes are drawn.
+/// Passes as rows of `passes.csv`, as the command line writes them.
 ///
 /// # Errors
 /// [`ExportError::Csv`].
-pub fn passes_csv(
-    run: &RunContext,
-    plan: &Plan,
-    passes: &[Pass],
-    draws: &[Vec<DrawTime>],
-) -> Result<Export, ExportError> {
-    let mut bytes = Vec::new();
-    let failed = |e: std::io::Error| ExportError::Csv(e.to_string());
-    let mut csv = PassesCsv::new(&mut bytes).map_err(failed)?;
-    for (i, pass) in passes.iter().enumerate() {
-        let parts = draws.get(i).map(|draws| DrawnPart::of(plan, pass, draws));
-        csv.write(run, pass, parts.as_deref().unwrap_or_default(), None).map_err(failed)?;
-    }
-    csv.finish().map_err(failed)?;
-    Ok(Export::new(&format!("{}.passes", run.scene), "csv", bytes, counted(passes.len(), "row")))
+pub fn passes_csv(recorded: &Recorded<'_>) -> Result<Export, ExportError> {
+    let bytes = recorded.csv().map_err(|e| ExportError::Csv(e.to_string()))?;
+    let name = format!("{}.passes", recorded.run.scene);
+    Ok(Export::new(&name, "csv", bytes, counted(recorded.passes.len(), "row")))
 }
 
-/// Passes as Chrome trace events, for Perfetto. `draws` are the parts of each, if passes are drawn.
+/// Passes as Chrome trace events, for Perfetto.
 ///
 /// # Errors
 /// [`ExportError::Json`].
-pub fn passes_trace(
-    run: &RunContext,
-    plan: &Plan,
-    passes: &[Pass],
-    draws: &[Vec<DrawTime>],
-) -> Result<Export, ExportError> {
-    let parts = passes.iter().zip(draws).map(|(pass, draws)| DrawnPart::of(plan, pass, draws));
-    let bytes = serde_json::to_vec(&trace_events(run, passes, &parts.collect::<Vec<_>>()))?;
-    Ok(Export::new(&format!("{}.trace", run.scene), "json", bytes, counted(passes.len(), "pass")))
+pub fn passes_trace(recorded: &Recorded<'_>) -> Result<Export, ExportError> {
+    let bytes = serde_json::to_vec(&recorded.trace_events())?;
+    let name = format!("{}.trace", recorded.run.scene);
+    Ok(Export::new(&name, "json", bytes, counted(recorded.passes.len(), "pass")))
 }
 
 fn texels(data: &StreamData) -> String {

@@ -299,10 +299,5 @@ fn path_of(row: &TraceRow) -> Path {
     PROGRAM.kernel(row.kernel).and_then(own).map_or(Path::Stays, |own| own.path)
 }
 
-/// Whether the ray is active in a cell or at a node.
-pub(crate) fn is_walking(ray: &RayState) -> bool {
-    matches!(ray.tag, states::TRAV | states::ISECT_HIT | states::ISECT_NO_HIT)
-}
-
 #[cfg(test)]
 pub(crate) mod tests;

@@ -59,7 +59,7 @@ impl Row<'_> {
         let mut words = Scan::new(&row.why);
         let is_walk = ["traverse_grid", "traverse_bvh", "intersect", "walk"].contains(&row.kernel);
         let cell = (self.data.features.grid && is_walk).then(|| grid::cell_of(self.data, self.before.cell_index));
-        same("the row's cell", row.cell, cell)?;
+        same("the row's cell", row.cell_before, cell)?;
         if row.kernel != "intersect" {
             same("the triangle tested", self.tested, None)?;
         }

@@ -198,3 +198,71 @@ fn the_papers_rules_and_an_empty_scene_can_be_cast_through() {
     let hits = cast(&mut paper, &device, &rays).expect("hits");
     assert!(bits(&hits) == bits(&alone(&room, &rays, &options, &device)));
 }
+
+/// The t of a hit at a distance along a direction: not smaller, positive and finite.
+fn t_of(distance: f64, length: f64) -> f32 {
+    let t = distance / length;
+    let nearest = t as f32;
+    (if f64::from(nearest) < t { nearest.next_up() } else { nearest }).min(f32::MAX)
+}
+
+#[test]
+fn a_direction_of_any_length_has_its_t() {
+    let wall = vec![[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]];
+    let scene = Arc::new(Scene::from_triangles(wall));
+    // Distances and lengths are powers of two, some times 1.5: each t is exact wherever f32 has it.
+    let lengths = (-149..=127).map(|k| 2f64.powi(k)).chain((-148..=127).map(|k| 1.5 * 2f64.powi(k)));
+    let lengths: Vec<f32> = lengths.map(|length| length as f32).collect();
+    let distances = [1.0f32, 3.0, 2f32.powi(-20), 3.0 * 2f32.powi(-40)];
+    let rays: Vec<(Ray, f32)> = distances
+        .into_iter()
+        .flat_map(|z| lengths.iter().map(move |&length| (z, length)))
+        .map(|(z, length)| (Ray::new([0.0, 0.0, z], [0.0, 0.0, -length]), t_of(z.into(), length.into())))
+        .collect();
+    for (name, device) in devices() {
+        for any_hit in [false, true] {
+            let mut caster = caster(&scene, &Options { any_hit, ..Caster::options() }, &device);
+            let mut of = |rays: Vec<Ray>| cast(&mut caster, &device, &rays).expect("hits");
+            let hits = of(rays.iter().map(|(ray, _)| *ray).collect());
+            for ((ray, t), hit) in rays.iter().zip(&hits) {
+                assert_eq!((hit.t.to_bits(), hit.triangle), (t.to_bits(), 0), "{name}: {ray:?}: {} for {t}", hit.t);
+            }
+            // A ray that starts at its hit does not find it again; one that ends there does not find it.
+            let starting = of(rays.iter().map(|(ray, t)| ray.between(*t, f32::INFINITY)).collect());
+            let ending = of(rays.iter().map(|(ray, t)| ray.between(0.0, *t)).collect());
+            for ((ray, t), (after, before)) in rays.iter().zip(starting.iter().zip(&ending)) {
+                assert!(!after.is_hit() && !before.is_hit(), "{name}: {ray:?} has a hit besides {t}");
+            }
+            let around = rays.iter().filter(|(_, t)| *t > 1e-44 && *t < 3e38);
+            let around: Vec<Ray> = around.map(|(ray, t)| ray.between(t.next_down(), t.next_up())).collect();
+            assert!(of(around).iter().all(CastHit::is_hit), "{name}: lost between its neighbours");
+        }
+    }
+}
+
+#[test]
+fn components_of_very_different_size_are_traced() {
+    let wall = vec![[[-4.0, -4.0, 0.0], [4.0, -4.0, 0.0], [0.0, 4.0, 0.0]]];
+    for scale in [1e-30f32, 1.0, 1e30] {
+        let wall = wall.iter().map(|t: &[[f32; 3]; 3]| t.map(|corner| corner.map(|v| v * scale))).collect();
+        let scene = Arc::new(Scene::from_triangles(wall));
+        let rays: Vec<Ray> = (-126..=126)
+            .step_by(6)
+            .flat_map(|k| {
+                let d = 2f32.powi(k);
+                let origin = [0.0, 0.0, scale];
+                [[1e-45, 0.0, -d], [d * 1e-30, d * 1e-10, -d], [d * 0.5, 1e-45, -d]].map(|dir| Ray::new(origin, dir))
+            })
+            .collect();
+        for (name, device) in devices() {
+            let mut caster = caster(&scene, &Caster::options(), &device);
+            let hits = cast(&mut caster, &device, &rays).expect("hits");
+            for (ray, hit) in rays.iter().zip(hits) {
+                let expected = t_of(scale.into(), f64::from(-ray.direction[2]));
+                // A hit's t is within some units in the last place; what f32 cannot hold is at an end of its range.
+                let is_near = hit.t == expected || (f64::from(hit.t) / f64::from(expected) - 1.0).abs() < 1e-5;
+                assert!(hit.is_hit() && hit.t > 0.0 && hit.t.is_finite() && is_near, "{name}: {ray:?}: {hit:?}");
+            }
+        }
+    }
+}

@@ -7,6 +7,7 @@ mod architecture;
 mod cast;
 mod coarse_clock;
 mod compact;
+mod counting;
 mod degenerate;
 mod device;
 mod divergence;

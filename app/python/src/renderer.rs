@@ -7,11 +7,13 @@ use numpy::PyArray1;
 use pollster::block_on;
 use pyo3::prelude::*;
 use raystep_app::api::{self, Failure};
-use raystep_kernels::export::csv::{DrawnPart, PassesCsv};
+use raystep_kernels::export::Recorded;
+use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::plan::plan;
 use raystep_kernels::export::structure::Structure;
 use raystep_kernels::history::{Rays, trace};
 use raystep_kernels::plan::PlanText;
+use raystep_kernels::renderer::CounterSums;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::stream::Texel;
 use raystep_kernels::{self as kernels, Options, Plan, Stream};
@@ -24,8 +26,9 @@ use crate::error::{DeviceError, OptionError, SceneError, of_request};
 use crate::scene::Scene;
 use crate::travel::Run;
 
-/// Index, iteration, kernel, rays in, rays in each state, threads, begin, duration, bound of the duration.
-type PassParts = (usize, u32, &'static str, u32, Vec<(&'static str, u32)>, u64, Option<u64>, Option<u64>, Option<u64>);
+/// Index, sample, iteration, kernel, rays in, rays in each state, threads, begin, duration, bound of the duration.
+type PassParts =
+    (usize, u32, u32, &'static str, u32, Vec<(&'static str, u32)>, u64, Option<u64>, Option<u64>, Option<u64>);
 
 /// Name, components, their meanings, whether texels are floats, unit.
 type StreamParts = (&'static str, Vec<&'static str>, Vec<String>, bool, &'static str);
@@ -187,21 +190,13 @@ impl Renderer {
     /// `passes.csv` of the passes so far.
     fn timings(&self, py: Python<'_>) -> PyResult<String> {
         let csv = self.run.take(py, |run| {
+            let counted = self.counted(run)?;
             let renderer = &run.renderer;
-            let mut context =
+            let context =
                 self.machine.run_context(self.run_id.clone(), &self.scene, &self.options, renderer.plan());
-            context.host_run_ns = renderer.host_ns();
-            let write = || -> std::io::Result<Vec<u8>> {
-                let mut file = Vec::new();
-                let mut csv = PassesCsv::new(&mut file)?;
-                for (i, pass) in renderer.passes().iter().enumerate() {
-                    let parts = renderer.draws().get(i).map(|draws| DrawnPart::of(renderer.plan(), pass, draws));
-                    csv.write(&context, pass, parts.as_deref().unwrap_or_default(), None)?;
-                }
-                csv.finish()?;
-                Ok(file)
-            };
-            write().map_err(|e| DeviceError::new_err(format!("cannot write as CSV: {e}")))
+            let context = RunContext { host_run_ns: renderer.host_ns(), ..context };
+            let csv = Recorded::of(&context, renderer, &counted).csv();
+            csv.map_err(|e| DeviceError::new_err(format!("cannot write as CSV: {e}")))
         })?;
         Ok(String::from_utf8_lossy(&csv).into_owned())
     }
@@ -210,9 +205,23 @@ impl Renderer {
 impl Renderer {
     fn parts(&self, pass: &kernels::Pass) -> PassParts {
         let states = self.plan.program.states.iter().map(|state| (state.name, pass.counts[state.tag as usize]));
-        let kernels::Pass { index, iteration, kernel, rays_in, threads_launched, begin_ns, duration_ns, .. } = *pass;
-        let (kernel, states) = (kernel.name(), states.collect());
-        (index, iteration, kernel, rays_in, states, threads_launched, begin_ns, duration_ns, pass.below_ns())
+        let kernels::Pass { index, sample, iteration, rays_in, threads_launched, begin_ns, duration_ns, .. } = *pass;
+        let (kernel, states) = (pass.kernel.name(), states.collect());
+        (index, sample, iteration, kernel, rays_in, states, threads_launched, begin_ns, duration_ns, pass.below_ns())
+    }
+
+    /// What each pass so far has added to the counters, by another run; nothing if rays are not counted.
+    fn counted(&self, run: &mut Run) -> PyResult<Vec<CounterSums>> {
+        if self.plan.counters().is_none() {
+            return Ok(Vec::new());
+        }
+        let (place, mut watcher) = (run.renderer.pass_count(), Watcher::new(None));
+        let result = block_on(async {
+            let side = run.side(&self.options, &self.machine.device).await?;
+            side.restart();
+            side.count_passes(place, |_| watcher.ask()).await
+        });
+        watcher.finish(result)
     }
 
     /// Another run with the same plan, at its start.

@@ -126,7 +126,7 @@ class Run(unittest.TestCase):
         text = command("trace", "cornell-box", "--pixel", "17,12", "--format", "csv", "--size", "32x24", "--device", "cpu")
         wanted = list(csv.DictReader(io.StringIO(text)))
         self.assertEqual([row["why"] for row in found], [row["why"] for row in wanted])
-        self.assertEqual([str(row["triangle"]) for row in found if row["triangle"] is not None][-1], wanted[-1]["triangle"])
+        self.assertEqual([str(row["triangle_after"]) for row in found if row["triangle_after"] is not None][-1], wanted[-1]["triangle_after"])
         self.same(everything(run), before)
         self.assertEqual(run.pass_count, 3)
 
@@ -138,9 +138,21 @@ class Run(unittest.TestCase):
         self.assertEqual(len(timed), run.pass_count)
         for row in timed:
             self.assertEqual((row["clock"], row["scene"], row["valid"]), ("cpu_clock", "cornell-box", True))
-            self.assertGreater(row["gpu_duration_ns"], 0)
+            self.assertGreater(row["duration_ns"], 0)
         untimed = rows(Renderer("cornell-box", **SMALL).run().timings())
-        self.assertEqual({row["gpu_duration_ns"] for row in untimed}, {None})
+        self.assertEqual({row["duration_ns"] for row in untimed}, {None})
+
+    def test_timings_have_what_each_pass_counted(self) -> None:
+        run = Renderer("cornell-box", counters=True, spp=3, **SMALL).run()
+        counted = rows(run.timings())
+        self.assertEqual({row["sample"] for row in counted}, {0, 1, 2})
+        last = [row for row in counted if row["sample"] == 2]
+        stream = np.asarray(run.stream("counters"))
+        self.assertEqual(sum(row["cells_visited"] for row in last), int(stream[..., 0].sum()))
+        self.assertEqual(sum(row["triangles_tested"] for row in last), int(stream[..., 1].sum()))
+        before = rows(run.step_to(5).timings())
+        self.assertEqual([row["triangles_tested"] for row in before], [row["triangles_tested"] for row in counted[:5]])
+        self.assertEqual({row["cells_visited"] for row in rows(Renderer("cornell-box", **SMALL).run().timings())}, {None})
 
     def test_progress_is_told_and_an_exception_in_it_ends_the_call(self) -> None:
         told: list[raystep.Progress] = []

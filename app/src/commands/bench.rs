@@ -39,12 +39,13 @@ use crate::terminal::{Progress, print, say};
 /// are interleaved: run 1 of each configuration, then run 2 of each, and so on, in random order, so that drift affects
 /// all equally. Building and compiling are timed separately. DIR/summary.csv has one row per configuration: median time
 /// of a run with its interval, rays per second, counters, and the ratio to the fastest of the group; DIR/runs.csv has
-/// every timed run; DIR/passes.csv has the passes of one additional run of each; DIR/run.json describes machine and
+/// every timed run; DIR/passes.csv has the passes of one more run of each, made before these, in which every pass is timed; DIR/run.json describes machine and
 /// options, DIR/datapackage.json the columns. Shading is excluded.
 ///
-/// Rays: primary, from the camera; bounce, one from each primary hit, cosine-weighted about the normal; shadow, from
-/// each primary hit to a light, or, if the scene has none, to the top centre of its box; random, from anywhere in the
-/// scene's box in any direction. They are the same in every run.
+/// Rays: primary, from the camera; bounce, one from each primary hit, cosine-weighted about the normal; shadow, from each
+/// primary hit to a light that its visible side faces, or, if the scene has none, to the top centre of its box; random,
+/// from anywhere in the scene's box in any direction. They are the same in every run. Bounce and shadow rays start off
+/// the surface by the bound of f32's error there.
 ///
 /// With --at-most R, bench is a regression gate: it checks that this build takes at most R times as long as another,
 /// with the same hits, tests, cells and passes. --against BINARY runs both builds alternately, in several processes

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use raystep_kernels::Accelerator;
-use raystep_kernels::export::csv::PassesCsv;
+use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs::grid_build::elements::{REFERENCES, REFINED, SPANS};
 use raystep_kernels::renderer::{Lists, build_on_host};
@@ -98,7 +98,8 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Error> {
     let built = Built::of(&running)?;
     let is_same = host.map(|host| host == built);
     if let Some(target) = target {
-        write(vec![(target, passes_csv(&running)?)])?;
+        let last = RunContext { repeat: args.repeats - 1, ..running.run_context() };
+        write(vec![(target, running.passes_csv(&last, &[])?)])?;
     }
     progress.finish();
     let text = report(&running, &built, median(&device_ns).unwrap_or_default(), median(&host_ns), is_same);
@@ -172,18 +173,6 @@ impl Built {
 
 fn failed(error: grid::GridError) -> Error {
     Error::failed(error.to_string())
-}
-
-fn passes_csv(running: &Running) -> Result<Vec<u8>, Error> {
-    let cannot = |e: std::io::Error| Error::failed(format!("cannot write the passes: {e}"));
-    let context = running.run_context();
-    let mut file = Vec::new();
-    let mut csv = PassesCsv::new(&mut file).map_err(cannot)?;
-    for pass in running.renderer.passes() {
-        csv.write(&context, pass, &[], None).map_err(cannot)?;
-    }
-    csv.finish().map_err(cannot)?;
-    Ok(file)
 }
 
 fn report(running: &Running, built: &Built, device_ns: f64, host_ns: Option<f64>, is_same: Option<bool>) -> String {

@@ -164,7 +164,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         (session.plan, session.data) = Plan::new(&session.scene, &session.options, &session.chosen.limits())?;
     }
     folder.refuse_inputs(&session.inputs, is_ours)?;
-    let streams = streams(&named, &session.plan, &session.options)?;
+    let streams = streams(&named, &session.plan)?;
     buffers::chosen(&args.buffers, &session.plan)?;
     let left_out = LeftOut::of(&session.plan);
     let mut running = session.start(&progress)?;

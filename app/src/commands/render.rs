@@ -7,12 +7,9 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use raystep_kernels::export::csv::{DrawnPart, PassWork, PassesCsv};
-use raystep_kernels::export::json::CounterSums;
-use raystep_kernels::export::trace_events::trace_events;
-use raystep_kernels::export::{exr, json};
+use raystep_kernels::export::{Recorded, exr};
 use raystep_kernels::options::mapping::Until;
-use raystep_kernels::tables::kernel::Role;
+use raystep_kernels::renderer::Counted;
 use raystep_kernels::{Image, Numerics, RayHit};
 use raystep_lab::judge::{Report, Traced, check_rays};
 use raystep_lab::png;
@@ -31,8 +28,8 @@ const MISTAKES_SHOWN: usize = 8;
 
 /// Render a scene to an image
 ///
-/// PNG is sRGB. EXR is linear, with additional channels for what each ray hit: Z, Hit.T.V, Hit.Bary.U and .V,
-/// Hit.TriId.V, Normal.X, .Y and .Z.
+/// PNG is sRGB. EXR is linear, with additional channels for what each ray hit, with --spp each ray of the last sample: Z,
+/// Hit.T.V, Hit.Bary.U and .V, Hit.TriId.V, Normal.X, .Y and .Z.
 ///
 /// With --shard I/N, the samples of each pixel are divided among N machines or jobs, in blocks of 16. The output is then
 /// a folder with the mean of each of this part's blocks, and their image so far, so-far.png. If it is started again, the
@@ -72,7 +69,8 @@ pub(crate) struct RenderArgs {
     /// Count cells visited and triangles tested
     #[arg(long)]
     counters: bool,
-    /// Compare every hit with f64 brute force; with --numerics robust, a difference is a failure
+    /// Compare every hit, with --spp those of the last sample, with f64 brute force; with --numerics robust, a difference
+    /// is a failure
     #[arg(long)]
     check: bool,
     #[command(flatten)]
@@ -119,30 +117,28 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
         progress.say(format_args!("note: {note}"));
     }
     let mut running = session.start(&progress)?;
-    let work = trace(&mut running, args.counters && args.passes_csv.is_some(), &progress)?;
+    let counted = trace(&mut running, args.passes_csv.is_some(), &progress)?;
     running.watch.lap("trace");
 
     progress.stage("reading back");
     let image = running.chosen.wait(running.renderer.image())?;
     let hits = running.chosen.wait(running.renderer.hits())?;
-    let counters = counters(&running)?;
     running.watch.lap("read_back");
     let report = args.check.then(|| check(&mut running, &progress)).transpose()?;
 
     progress.stage("writing");
     let mut files = vec![(target, encode(format, &image, &hits, &running, &args.output)?)];
     if let Some(target) = passes_target {
-        files.push((target, passes_csv(&running, work.as_deref())?));
+        let each = counted.as_ref().map_or(&[][..], |counted| &counted.passes);
+        files.push((target, running.passes_csv(&running.run_context(), each)?));
     }
     if let Some(target) = trace_target {
-        let renderer = &running.renderer;
-        let parts = renderer.passes().iter().zip(renderer.draws());
-        let parts: Vec<_> = parts.map(|(pass, draws)| DrawnPart::of(renderer.plan(), pass, draws)).collect();
-        let events = trace_events(&running.run_context(), renderer.passes(), &parts);
+        let events = Recorded::of(&running.run_context(), &running.renderer, &[]).trace_events();
         files.push((target, super::json_text(&events)?.into_bytes()));
     }
     running.watch.lap("encode");
-    let summary = summary::of(&running, json::hit_count(&hits), counters, report.as_ref());
+    let hits = image.hits(running.renderer.samples());
+    let summary = summary::of(&running, hits, counted.map(|counted| counted.sums), report.as_ref());
     if let Some(target) = summary_target {
         files.push((target, super::json_text(&summary)?.into_bytes()));
     }
@@ -166,38 +162,15 @@ fn refuse_doubles(targets: &[Option<&Target>]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Runs to the end. With `per_pass`, reports what each pass added to the counters.
-fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<Option<Vec<PassWork>>, Error> {
+/// Runs to the end, and sums the counters; with `each_pass` also those of every pass.
+fn trace(running: &mut Running, each_pass: bool, progress: &Progress) -> Result<Option<Counted>, Error> {
     let Running { chosen, renderer, .. } = running;
     progress.rays(&renderer.progress());
-    if !per_pass {
-        let show = |now: &raystep_kernels::Progress| {
-            progress.rays(now);
-            ControlFlow::Continue(())
-        };
-        chosen.wait(renderer.run(show))?;
-        return Ok(None);
-    }
-    let counters = renderer.plan().counters();
-    let (mut all, mut before) = (Vec::new(), CounterSums::default());
-    while let Some(pass) = chosen.wait(renderer.step())? {
-        if matches!(pass.kernel.role(), Role::Enter | Role::Whole) {
-            // Counters restart with every sample.
-            before = CounterSums::default();
-        }
-        let after = match counters {
-            Some(stream) => CounterSums::of(&chosen.wait(renderer.values(stream))?, renderer.plan()),
-            None => None,
-        }
-        .unwrap_or_default();
-        all.push(PassWork {
-            cells_visited: after.cells_visited.saturating_sub(before.cells_visited),
-            triangles_tested: after.triangles_tested.saturating_sub(before.triangles_tested),
-        });
-        before = after;
-        progress.rays(&renderer.progress());
-    }
-    Ok(Some(all))
+    let show = |now: &raystep_kernels::Progress| {
+        progress.rays(now);
+        ControlFlow::Continue(())
+    };
+    Ok(chosen.wait(renderer.run_counting(each_pass, show))?)
 }
 
 /// Compares with f64 brute force.
@@ -216,7 +189,8 @@ fn check(running: &mut Running, progress: &Progress) -> Result<Report, Error> {
 /// Prints the result of the comparison; errors fail the run, unless the paper's numerics are expected to make them.
 fn judge(report: &Report, running: &Running) -> Result<(), Error> {
     let width = running.renderer.plan().width as usize;
-    let mut text = format!("{report}\n");
+    let of = if running.options.samples.count > 1 { "last sample: " } else { "" };
+    let mut text = format!("{of}{report}\n");
     for m in report.mistakes.iter().take(MISTAKES_SHOWN) {
         let (x, y) = (m.ray % width, m.ray / width);
         let found = m.found.map_or("nothing".into(), |(triangle, t)| format!("triangle {triangle} at t {t}"));
@@ -228,12 +202,6 @@ fn judge(report: &Report, running: &Running) -> Result<(), Error> {
         return Err(Error::failed(format!("{} of {} rays have the wrong hit", report.errors(), report.counts.rays())));
     }
     Ok(())
-}
-
-fn counters(running: &Running) -> Result<Option<CounterSums>, Error> {
-    let Some(counters) = running.renderer.plan().counters() else { return Ok(None) };
-    let values = running.chosen.wait(running.renderer.values(counters))?;
-    Ok(CounterSums::of(&values, running.renderer.plan()))
 }
 
 fn encode(
@@ -270,19 +238,4 @@ pub(super) fn encode_colors(image: &Image, path: &Path, is_exr: bool) -> Result<
     let mut file = Cursor::new(Vec::new());
     exr::write_colors(&mut file, image).map_err(|e| cannot_encode(path, &e))?;
     Ok(file.into_inner())
-}
-
-fn passes_csv(running: &Running, work: Option<&[PassWork]>) -> Result<Vec<u8>, Error> {
-    let cannot = |e: std::io::Error| Error::failed(format!("cannot write the passes: {e}"));
-    let context = running.run_context();
-    let mut file = Vec::new();
-    let mut csv = PassesCsv::new(&mut file).map_err(cannot)?;
-    for (i, pass) in running.renderer.passes().iter().enumerate() {
-        let draws = running.renderer.draws().get(i);
-        let parts = draws.map(|draws| DrawnPart::of(running.renderer.plan(), pass, draws));
-        let work = work.and_then(|all| all.get(i)).copied();
-        csv.write(&context, pass, parts.as_deref().unwrap_or_default(), work).map_err(cannot)?;
-    }
-    csv.finish().map_err(cannot)?;
-    Ok(file)
 }

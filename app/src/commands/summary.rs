@@ -26,10 +26,10 @@ pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, re
         scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
         scene_offset: renderer.data().units.offset.to_array(),
         clock: running.options.timings.then(|| running.chosen.timer().name()),
-        host_run_ns: renderer.host_ns().filter(|_| !running.chosen.timer().times_passes()),
+        host_run_ns: renderer.host_ns(),
         passes: renderer.pass_count(),
         kernels: renderer.totals().kernels.clone(),
-        rays: plan.rays,
+        rays: plan.rays * u64::from(running.options.samples.count.max(1)),
         hits,
         unfinished: renderer.unfinished(),
         counters,
@@ -76,25 +76,20 @@ pub(crate) fn text(summary: &Summary, running: &Running) -> String {
         }
     }
     line("passes", format!("{}: {}", summary.passes, kernels.join(", ")));
-    let hits = format!("{}, {} hit something", summary.rays, summary.hits);
-    match summary.options.spp {
-        1 => line("rays", hits),
-        spp => {
-            let (sampler, seed) = (summary.options.sampler.unwrap_or_default(), summary.options.seed.unwrap_or(0));
-            line("samples", format!("{spp} per pixel, {sampler}, seed {seed}"));
-            line("rays", format!("{hits}, in the last sample"));
-        }
+    if summary.options.spp > 1 {
+        let (sampler, seed) = (summary.options.sampler.unwrap_or_default(), summary.options.seed.unwrap_or(0));
+        line("samples", format!("{} per pixel, {sampler}, seed {seed}", summary.options.spp));
     }
+    line("rays", format!("{}, {} hit something", summary.rays, summary.hits));
     if summary.unfinished > 0 {
         line("", format!("{} unresolved at the limit on passes", summary.unfinished));
     }
     if let Some(c) = &summary.counters {
         let places = if summary.structure.bvh.is_some() { "nodes" } else { "cells" };
-        let of = if summary.options.spp > 1 { ", in the last sample" } else { "" };
         let again = c.repeated_tests.map(|n| format!(", {n} of them repeated")).unwrap_or_default();
         line(
             "counters",
-            format!("{} {places} visited, {} triangles tested{again}{of}", c.cells_visited, c.triangles_tested),
+            format!("{} {places} visited, {} triangles tested{again}", c.cells_visited, c.triangles_tested),
         );
     }
     let seconds: Vec<_> = running.watch.stages.iter().map(|(name, s)| format!("{} {s:.3}", in_words(name))).collect();

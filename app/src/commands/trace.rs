@@ -19,8 +19,8 @@ use crate::terminal::{Progress, print, say};
 /// Print the history of one ray, with the reason for every step
 ///
 /// Prints one row for every pass that processed the ray, from the executor's streams: kernel, state, cell, tmax, item,
-/// triangle tested, hit, and the reason. A row shows the cell as it was before the pass, and tmax, item, t and hit as
-/// they were after it. t is a multiple of the ray's direction; a camera's rays have length 1 along the view axis, so
+/// triangle tested, hit, and the reason. All values are those after the pass, except the state, which is shown before
+/// and after if it changes; columns of CSV and fields of JSON say which in their names. t is a multiple of the ray's direction; a camera's rays have length 1 along the view axis, so
 /// there t is depth. Lengths are in traced units, as in the streams; the footer has the conversion factors.
 ///
 /// Only this ray is traced, unless --all-rays is used. Without it, the total number of passes is not known, and the final

@@ -24,10 +24,13 @@ pub(super) fn passes_agree(place: &Place, summary: &[Row]) {
         assert!(is_near(number(row, "useful_steps_per_thread"), sum("rays_in") / sum("threads_launched")), "{row:?}");
         for (i, pass) in passes.iter().enumerate() {
             assert_eq!((pass["pass_index"].as_str(), pass["valid"].as_str()), (i.to_string().as_str(), "true"));
-            assert_eq!((pass["repeat"].as_str(), pass["is_warmup"].as_str()), ("6", "false"));
-            assert_eq!((&pass["accelerator"], &pass["schedule"]), (&row["accelerator"], &row["schedule"]));
+            assert_eq!((pass["repeat"].as_str(), pass["is_warmup"].as_str()), ("0", "false"));
+            // Passes name the structure that they had, a configuration the one that was asked for.
+            let is_same = row["accelerator"] == "auto" || pass["accelerator"] == row["accelerator"];
+            assert!(is_same && pass["accelerator"] != "auto", "{pass:?}");
+            assert_eq!(pass["schedule"], row["schedule"]);
         }
-        assert_eq!(passes[0]["gpu_begin_ns"], "0", "each run starts at 0");
+        assert_eq!(passes[0]["begin_ns"], "0", "each run starts at 0");
     }
 }
 

@@ -3,11 +3,12 @@
 use std::any::Any;
 use std::ops::ControlFlow;
 
-use raystep_kernels::DrawTime;
+use raystep_kernels::export::Recorded;
 use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::trace::{Trace, TraceRow};
-use raystep_kernels::plan::Plan;
-use raystep_kernels::{Pass, Progress, Stream};
+use raystep_kernels::renderer::{CounterSums, Counting};
+use raystep_kernels::{Progress, RenderError, Stream};
+use raystep_lab::machine::{clock_step_ns, session_id};
 
 use super::Inspector;
 use super::canvas::Canvas;
@@ -15,7 +16,7 @@ use super::command::Command;
 use super::host::FileToSave;
 use crate::exports::{self, Export, ExportError};
 use crate::session::request::{Job, JobContext, JobFuture, Request};
-use crate::session::{Target, go_on};
+use crate::session::{OnProgress, Session, Target, go_on};
 use crate::settings::DeviceKind;
 
 /// The name of jobs that answer with an [`Export`].
@@ -31,8 +32,8 @@ impl Inspector {
     /// Performs an export command.
     pub(super) fn take(&mut self, command: Command) {
         let export = match command {
-            Command::ExportPasses => self.take_passes(exports::passes_csv),
-            Command::ExportTrace => self.take_passes(exports::passes_trace),
+            Command::ExportPasses => return self.take_passes(Write::Csv),
+            Command::ExportTrace => return self.take_passes(Write::Trace),
             Command::ExportRay => self.take_ray(),
             Command::ExportExr | Command::ExportNpy => {
                 let Some(stream) = self.shared.stream else { return };
@@ -49,20 +50,12 @@ impl Inspector {
         }
     }
 
-    /// All passes, or those up to here if that was chosen. If not all are known, they are run first.
-    fn take_passes(&mut self, write: WritePasses) -> Option<Result<Export, ExportError>> {
+    /// All passes, or those up to here if that was chosen.
+    fn take_passes(&mut self, write: Write) {
         let is_up_to_here = std::mem::take(&mut self.shared.is_up_to_here);
-        let run = self.context()?;
-        let (model, plan) = (&self.model, &self.model.opened.as_ref()?.plan);
-        let known = &model.passes;
-        let up_to = if is_up_to_here { model.place.min(known.len()) } else { known.len() };
-        // The parts of passes that are drawn are with the session.
-        if plan.drawn.is_none() && (is_up_to_here || model.is_complete) {
-            return Some(write(&run, plan, &known[..up_to], &[]));
-        }
-        let target = if is_up_to_here { Target::Pass(up_to) } else { Target::End };
+        let Some(run) = self.context() else { return };
+        let target = if is_up_to_here { Target::Pass(self.model.place) } else { Target::End };
         self.model.ask(Request::Job(EXPORTING, run_and_write(run, write, target)));
-        None
     }
 
     /// All rows of the selected ray, or those up to here if that was chosen. Says how many are predicted.
@@ -90,14 +83,14 @@ impl Inspector {
         let timer = match settings.device {
             DeviceKind::Gpu => Some(match self.devices.gpu.clock_step_ns() {
                 Some(resolution_ns) => Timer::GpuTimestamp { resolution_ns },
-                None => Timer::Host { resolution_ns: None },
+                None => Timer::Host { resolution_ns: clock_step_ns() },
             }),
             DeviceKind::Auto | DeviceKind::Cpu | DeviceKind::CpuF64 => {
-                self.devices.clock.map(|_| Timer::CpuClock { resolution_ns: None })
+                self.devices.clock.map(|_| Timer::CpuClock { resolution_ns: clock_step_ns() })
             }
         };
         Some(RunContext {
-            run_id: format!("inspector-{}", self.model.generation),
+            run_id: format!("{}-{}", session_id(), self.model.generation),
             configuration: "0".into(),
             scene: opened.scene.name.clone(),
             accelerator: plan.accelerator.name(),
@@ -106,12 +99,12 @@ impl Inspector {
             mapping: settings.mapping.to_string(),
             traversal: settings.traversal.name(),
             adapter: if settings.device == DeviceKind::Gpu { opened.device.clone() } else { "cpu".into() },
-            width_px: plan.width,
-            height_px: plan.height,
+            width_px: Some(plan.width),
+            height_px: Some(plan.height),
             repeat: 0,
             is_warmup: false,
             timer,
-            host_run_ns: self.model.host_ns,
+            host_run_ns: None,
         })
     }
 
@@ -126,10 +119,15 @@ impl Inspector {
     }
 }
 
-type WritePasses = fn(&RunContext, &Plan, &[Pass], &[Vec<DrawTime>]) -> Result<Export, ExportError>;
+/// A file of passes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Write {
+    Csv,
+    Trace,
+}
 
 /// Runs to a place, writes all passes before it, and returns.
-fn run_and_write(run: RunContext, write: WritePasses, target: Target) -> Job {
+fn run_and_write(run: RunContext, write: Write, target: Target) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let JobContext { session, progress, .. } = context;
@@ -137,22 +135,46 @@ fn run_and_write(run: RunContext, write: WritePasses, target: Target) -> Job {
             let mut tell = |at: &Progress| {
                 if progress(at.rays_decided, at.rays) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             };
-            let ran = session.step(target, &mut tell).await;
-            let passes = session.passes()[..session.place().min(session.passes().len())].to_vec();
-            let draws = session.renderer().draws().to_vec();
+            let is_counted = write == Write::Csv && session.renderer().plan().counters().is_some();
+            let counted = match is_counted {
+                true => count(session, target, &mut tell).await,
+                false => session.step(target, &mut tell).await.map(|_| Vec::new()),
+            };
+            let export = counted.map_err(|e| e.to_string()).and_then(|counted| {
+                let run = RunContext { host_run_ns: session.renderer().host_ns(), ..run };
+                let recorded = Recorded::of(&run, session.renderer(), &counted);
+                let write = if write == Write::Csv { exports::passes_csv } else { exports::passes_trace };
+                write(&recorded).map_err(|e| e.to_string())
+            });
             // Returns even if it was stopped: an export must not move the user's view.
             session.step(Target::Pass(here), &mut go_on).await.map_err(|e| e.to_string())?;
-            ran.map_err(|e| e.to_string())?;
-            let export = write(&run, session.renderer().plan(), &passes, &draws).map_err(|e| e.to_string())?;
-            Ok(Box::new(export) as Box<dyn Any + Send>)
+            Ok(Box::new(export?) as Box<dyn Any + Send>)
         })
     })
 }
 
-type Write = fn(&raystep_kernels::StreamData, Option<usize>) -> Result<Export, ExportError>;
+/// Runs from the start to a place, a pass at a time: what each of them adds to the counters.
+async fn count(
+    session: &mut Session,
+    target: Target,
+    progress: &mut OnProgress<'_>,
+) -> Result<Vec<CounterSums>, RenderError> {
+    let place = if let Target::Pass(place) = target { place } else { usize::MAX };
+    let (mut counted, mut counting) = (Vec::new(), Counting::default());
+    session.step(Target::Start, progress).await?;
+    while session.place() < place {
+        let before = session.place();
+        session.step(Target::Next, progress).await?;
+        let Some(pass) = session.passes().last().filter(|_| session.place() > before) else { break };
+        counted.extend(counting.added(session.renderer(), pass).await?);
+    }
+    Ok(counted)
+}
+
+type WriteStream = fn(&raystep_kernels::StreamData, Option<usize>) -> Result<Export, ExportError>;
 
 /// Reads the current stream, and writes it as a file.
-fn read(stream: Stream, write: Write) -> Job {
+fn read(stream: Stream, write: WriteStream) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let data = context.session.stream(stream).await.map_err(|e| e.to_string())?;

@@ -9,7 +9,7 @@ use raystep_kernels::shared::constants::INF;
 use raystep_kernels::shared::grid_walk::{WalkRules, smallest_axis};
 use raystep_kernels::shared::irregular_walk::VoxelWalk;
 
-use super::{Aabb, WalkGeometry, coordinates, finite, is_walking, list, path_of};
+use super::{Aabb, WalkGeometry, coordinates, finite, list, path_of};
 
 /// How a ray entered a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,7 +105,7 @@ impl WalkGeometry {
         if steps && left {
             self.leave_cell();
         }
-        if moved && (steps || is_walking(after)) {
+        if moved && (steps || after.is_walking()) {
             let visit = self.visit(data, i, after);
             self.cells.push(visit);
         }

@@ -4,7 +4,7 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::Path;
 use raystep_kernels::scene_data::SceneData;
 
-use super::{coordinates, has_cells, is_walking, path_of};
+use super::{coordinates, has_cells, path_of};
 
 /// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub fn events(trace: &Trace, data: &SceneData) -> Vec<Event> {
             return None;
         }
         let (after, index) = (&row.after, row.after.cell_index);
-        Some(match (is_walking(after), has_grid) {
+        Some(match (after.is_walking(), has_grid) {
             (false, _) => EventKind::Left,
             (true, true) => EventKind::Cell(coordinates(data, index)),
             (true, false) => EventKind::Node(index),

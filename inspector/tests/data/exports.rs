@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use raystep_inspector::exports::{self, Export};
 use raystep_inspector::link::Link;
+use raystep_kernels::export::Recorded;
 use raystep_kernels::export::csv::{COLUMNS, RunContext, Timer};
 use raystep_kernels::export::trace::{Rays, trace};
 use raystep_kernels::programs::closest_hit::streams;
@@ -28,8 +29,8 @@ fn run() -> (RunContext, Renderer) {
         mapping: "compute".into(),
         traversal: "amanatides-woo",
         adapter: "cpu".into(),
-        width_px: 9,
-        height_px: 7,
+        width_px: Some(9),
+        height_px: Some(7),
         repeat: 0,
         is_warmup: false,
         timer: Some(Timer::CpuClock { resolution_ns: None }),
@@ -48,16 +49,17 @@ fn exports_are_the_command_lines_formats() {
     let (run, mut renderer) = run();
     let life = pollster::block_on(trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(()))).expect("a ray");
     let passes = renderer.passes();
+    let recorded = Recorded::of(&run, &renderer, &[]);
 
-    let csv = exports::passes_csv(&run, renderer.plan(), passes, &[]).expect("CSV");
+    let csv = exports::passes_csv(&recorded).expect("CSV");
     assert_eq!(named(&csv), "a-b--c--深.passes.csv");
     let mut reader = csv::Reader::from_reader(csv.bytes.as_slice());
     assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
     let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
     assert_eq!(rows.len(), passes.len());
-    assert_eq!((&rows[0][21], &rows[0][3]), ("", "a/b \"c\"\n深"));
+    assert_eq!((&rows[0][22], &rows[0][3]), ("", "a/b \"c\"\n深"));
 
-    let events = exports::passes_trace(&run, renderer.plan(), passes, &[]).expect("JSON");
+    let events = exports::passes_trace(&recorded).expect("JSON");
     assert_eq!(named(&events), "a-b--c--深.trace.json");
     let events: serde_json::Value = serde_json::from_slice(&events.bytes).expect("JSON");
     let slices = events["traceEvents"].as_array().expect("events").iter().filter(|e| e["cat"] == "pass");

@@ -56,6 +56,49 @@ fn passes_end_here_only_where_that_is_chosen() {
     assert!(stage.place() > PLACE + 20);
 }
 
+/// A column of the last saved table.
+fn column(stage: &Stage, name: &str) -> Vec<String> {
+    let desk = stage.desk.lock().expect("not poisoned");
+    let mut csv = csv::Reader::from_reader(desk.saved.last().expect("a file").bytes.as_slice());
+    let at = csv.headers().expect("heads").iter().position(|head| head == name).expect("a column");
+    csv.records().map(|row| row.expect("a row")[at].to_owned()).collect()
+}
+
+#[test]
+fn passes_have_what_each_of_them_counted_and_the_clocks() {
+    let mut stage = stage();
+    stage.perform(Command::ExportPasses);
+    assert_eq!(stage.place(), PLACE, "an export does not move the view");
+    let numbers = |stage: &Stage, name: &str| -> Vec<u64> {
+        column(stage, name).iter().map(|field| field.parse().unwrap_or_else(|_| panic!("{name}: {field:?}"))).collect()
+    };
+    let names = ["cells_visited", "triangles_tested", "rays_in", "duration_ns", "host_run_ns", "sample"];
+    let all = names.map(|name| numbers(&stage, name));
+    let [cells, tests, rays, duration, host, sample] = &all;
+    let kernels = column(&stage, "kernel");
+    for (i, kernel) in kernels.iter().enumerate() {
+        let counted = [cells[i], tests[i]];
+        match kernel.as_str() {
+            "intersect" => assert!(counted[0] == 0 && counted[1] <= rays[i], "pass {i}: {counted:?}"),
+            "traverse_grid" => assert!(counted[0] <= rays[i] && counted[1] == 0, "pass {i}: {counted:?}"),
+            "generate" | "shade" => assert_eq!(counted, [0, 0], "pass {i}"),
+            _ => {}
+        }
+    }
+    assert!(tests.iter().sum::<u64>() > 1024 && sample.iter().all(|&sample| sample == 0));
+    assert!(host.iter().all(|&ns| ns == duration.iter().sum::<u64>()), "on the CPU, one clock times all");
+    // As far as here, the same.
+    stage.perform(Command::Export);
+    stage.frames(2);
+    stage.click(Role::RadioButton, "up to here: 12 passes");
+    stage.frame();
+    stage.click(Role::Button, Command::ExportPasses.name());
+    stage.settle();
+    for (name, all) in names.iter().zip(&all).take(3) {
+        assert_eq!(numbers(&stage, name), all[..PLACE], "{name}");
+    }
+}
+
 #[test]
 fn the_rays_rows_are_counted_and_predicted_ones_are_said() {
     let mut stage = stage();
@@ -116,7 +159,7 @@ fn an_adapter_without_valid_times_has_none_in_any_panel_or_file() {
     let mut csv = csv::Reader::from_reader(desk.saved[0].bytes.as_slice());
     let heads = csv.headers().expect("heads").clone();
     let column = |name: &str| heads.iter().position(|head| head == name).expect("a column");
-    let (duration, begin, valid) = (column("gpu_duration_ns"), column("gpu_begin_ns"), column("valid"));
+    let (duration, begin, valid) = (column("duration_ns"), column("begin_ns"), column("valid"));
     let rows: Vec<csv::StringRecord> = csv.records().map(|row| row.expect("a row")).collect();
     assert!(rows.len() > 30);
     assert!(rows.iter().all(|row| (&row[duration], &row[begin], &row[valid]) == ("", "", "false")), "{:?}", rows[3]);

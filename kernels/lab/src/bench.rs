@@ -84,7 +84,7 @@ pub struct Measured {
 /// Details of a configuration that its row does not contain.
 #[derive(Debug)]
 pub struct Details {
-    /// The run whose passes these are.
+    /// The run whose passes these are: one of its own, before the timed ones, since timing passes takes time.
     pub context: RunContext,
     /// Its passes.
     pub passes: Vec<Pass>,
@@ -127,8 +127,8 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
         if let Some(file) = &wanted.file {
             let name = format!("{} rays {}", subject.scene.name, file.hash);
             let rays = RaySource::Given(in_tiles(&file.in_scene(&subject.scene)));
-            let (size, kind) = (Size { width: 0, height: 0 }, format!("file {}", file.hash));
-            bench.group(Group { name, subject, size, kind, ends_early: false }, rays, &ways)?;
+            let kind = format!("file {}", file.hash);
+            bench.group(Group { name, subject, size: None, kind, ends_early: false }, rays, &ways)?;
             continue;
         }
         for &size in &wanted.sizes {
@@ -139,7 +139,7 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
                 match viewed.rays(kind, machine) {
                     Ok(Some(rays)) => {
                         let (ends_early, kind) = (kind == RayKind::Shadow, kind.to_string());
-                        bench.group(Group { name, subject, size, kind, ends_early }, rays, &ways)?;
+                        bench.group(Group { name, subject, size: Some(size), kind, ends_early }, rays, &ways)?;
                     }
                     Ok(None) => bench.skip(format!("{name}: no pixel has such a ray")),
                     Err(error) => bench.failed(&name, error)?,

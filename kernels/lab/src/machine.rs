@@ -9,7 +9,7 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::shader::forget_variants;
 use raystep_kernels::{Device, Gpu, Limits, Options, Renderer};
 use raystep_scenes::Scene;
-use web_time::Instant;
+use web_time::{Instant, SystemTime, UNIX_EPOCH};
 
 use crate::block_on;
 
@@ -94,10 +94,10 @@ impl Machine {
     pub async fn counts(&self, scene: &Scene, options: &Options) -> Option<CounterSums> {
         let options = Options { counters: true, timings: false, keep_passes: false, ..options.clone() };
         let (plan, data) = Plan::new(scene, &options, &self.limits()).ok()?;
-        let counters = plan.counters()?;
+        plan.counters()?;
         let mut renderer = Renderer::from_plan(plan, data, &options, &self.device).await.ok()?;
-        renderer.run(|_| ControlFlow::Continue(())).await.ok()?;
-        CounterSums::of(&renderer.values(counters).await.ok()?, renderer.plan())
+        let counted = renderer.run_counting(false, |_| ControlFlow::Continue(())).await.ok()?;
+        counted.map(|counted| counted.sums)
     }
 
     /// The columns that all rows of a run in `passes.csv` share.
@@ -107,14 +107,14 @@ impl Machine {
             run_id,
             configuration: "0".into(),
             scene: scene.name.clone(),
-            accelerator: options.accelerator.name(),
+            accelerator: plan.accelerator.name(),
             schedule: options.schedule.name(),
             numerics: options.numerics.name(),
             mapping: options.mapping.to_string(),
             traversal: options.traversal.name(),
             adapter: self.name(),
-            width_px: plan.width,
-            height_px: plan.height,
+            width_px: Some(plan.width),
+            height_px: Some(plan.height),
             repeat: 0,
             is_warmup: false,
             timer: options.timings.then(|| self.timer()),
@@ -130,8 +130,16 @@ pub fn now_ns() -> u64 {
     START.get_or_init(Instant::now).elapsed().as_nanos() as u64
 }
 
+/// Identifies this process among all others: nanoseconds since 1970, in hex, when it was first asked for.
+#[must_use]
+pub fn session_id() -> &'static str {
+    static ID: OnceLock<String> = OnceLock::new();
+    ID.get_or_init(|| format!("{:x}", SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos()))
+}
+
 /// The smallest observed step of the clock.
-fn clock_step_ns() -> Option<f64> {
+#[must_use]
+pub fn clock_step_ns() -> Option<f64> {
     static STEP: OnceLock<Option<f64>> = OnceLock::new();
     *STEP.get_or_init(|| {
         let times: Vec<u64> = (0..1000).map(|_| now_ns()).collect();

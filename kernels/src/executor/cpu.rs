@@ -2,21 +2,25 @@
 //! texels per element.
 
 mod columns;
+mod rows;
 
 use std::sync::Arc;
 
 use crate::executor::PassResult;
 use crate::executor::sizes::{Sizes, TooMany};
 use crate::numbers::parallel::for_chunks;
-use crate::plan::{Bytes, Plan};
+use crate::plan::Plan;
 use crate::program::kernel::{ElementTwin, Precision};
 use crate::program::{Kernel, Twin};
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::kernel::Role;
-use crate::tables::state::{self, StateCounts};
+use crate::tables::state::StateCounts;
 use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 use crate::tables::texels::{Layout, MOST_STREAMS, Texels};
+pub use rows::OutOfMemory;
+use rows::{Rows, count_tags};
+pub(crate) use rows::{from_stream_bits, to_stream_bits};
 
 /// Runs twins over the elements of a plan.
 #[derive(Clone, Debug)]
@@ -33,15 +37,6 @@ pub struct CpuExecutor<R: Precision> {
     clock: Option<fn() -> u64>,
 }
 
-/// The streams of one set of elements.
-#[derive(Clone, Debug)]
-struct Rows<R: Precision> {
-    layout: Layout,
-    /// `None` for elements that have not been counted yet.
-    size: Option<Size>,
-    texels: Vec<R::Bits>,
-}
-
 /// Why twins cannot run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CpuError {
@@ -53,53 +48,8 @@ pub enum CpuError {
     TooMany(#[from] TooMany),
 }
 
-/// The streams do not fit in memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("not enough memory: the streams need {}; use a smaller image", Bytes(*bytes))]
-pub struct OutOfMemory {
-    /// Bytes they need.
-    pub bytes: u64,
-}
-
 /// Elements per task: enough work to be worth scheduling, few enough to balance the load.
 const ELEMENTS_PER_TASK: usize = 512;
-
-impl<R: Precision> Rows<R> {
-    /// Allocates memory for this many elements, all unwritten.
-    fn resize(&mut self, size: Option<Size>) -> Result<(), OutOfMemory> {
-        let count = size.map_or(0, |size| size.texels() as usize * self.layout.stride);
-        let bytes = (count * size_of::<R::Bits>()) as u64;
-        // If the allocation fails, the set is left without elements.
-        (self.size, self.texels) = (None, Vec::new());
-        self.texels.try_reserve_exact(count).map_err(|_| OutOfMemory { bytes })?;
-        self.texels.resize(count, R::Bits::default());
-        self.size = size;
-        Ok(())
-    }
-
-    /// Resets every stream to its unwritten value.
-    fn clear(&mut self, streams: &[Stream]) {
-        let mut row = vec![R::Bits::default(); self.layout.stride];
-        for &stream in streams {
-            let Some(first) = self.layout.first[stream.index()] else { continue };
-            for (layer, &bits) in stream.info().unwritten.iter().enumerate() {
-                row[first + layer] = from_stream_bits::<R>(stream, layer, bits);
-            }
-        }
-        let stride = self.layout.stride.max(1);
-        for_chunks(&mut self.texels, ELEMENTS_PER_TASK * stride, |_, texels| {
-            texels.chunks_exact_mut(stride).for_each(|texel| texel.copy_from_slice(&row));
-        });
-    }
-}
-
-pub(crate) fn from_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: u32) -> R::Bits {
-    if stream.is_float_layer(layer) { R::from_f32(f32::from_bits(bits)).to_bits() } else { R::bits_from_u32(bits) }
-}
-
-pub(crate) fn to_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: R::Bits) -> u32 {
-    if stream.is_float_layer(layer) { (R::from_bits(bits).to_f64() as f32).to_bits() } else { R::bits_to_u32(bits) }
-}
 
 impl<R: Precision> CpuExecutor<R> {
     /// Allocates the plan's streams. `clock`, in nanoseconds, times the passes if there is one.
@@ -220,45 +170,62 @@ impl<R: Precision> CpuExecutor<R> {
         let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
         let elements = self.size(kernel.instance().over).map_or(0, |size| size.count);
         let (counts, rounding) = (self.counts(), None);
-        let (counts, is_active, draws) = (Some(counts), None, Vec::new());
-        Ok(PassResult { kernel, counts, is_active, elements, threads_launched, begin_ns, duration_ns, rounding, draws })
+        let (counts, is_active, encode_ns, draws) = (Some(counts), None, None, Vec::new());
+        Ok(PassResult {
+            kernel,
+            counts,
+            is_active,
+            elements,
+            threads_launched,
+            encode_ns,
+            begin_ns,
+            duration_ns,
+            rounding,
+            draws,
+        })
     }
 
     /// Calls a twin for each element of every task with work for it; returns the number of calls.
     fn run_elements(&mut self, kernel: Kernel, twin: ElementTwin<R>, scene: &SceneData) -> u64 {
-        let tag = self.tag();
+        let (tag, takes_all) = (self.tag(kernel), kernel.info().takes.is_empty());
         let is_first = scene.features.eye_rays && kernel.role() == Role::Whole;
         let set = self.plan.program.elements.iter().position(|e| e.name == kernel.instance().over.name);
         let Some(rows) = set.map(|set| &mut self.rows[set]) else { return 0 };
         let (layout, stride) = (rows.layout, rows.layout.stride.max(1));
-        let width = rows.size.map_or(1, |size| size.width as usize);
-        let mut tasks: Vec<(usize, &mut [R::Bits], &mut StateCounts)> = rows
+        let (width, elements) = rows.size.map_or((1, 0), |size| (size.width as usize, size.count as usize));
+        // Elements without states have no counts.
+        let counts = if tag.is_some() { self.counts.as_mut_slice() } else { &mut [] };
+        let counts = counts.iter_mut().map(Some).chain(std::iter::repeat_with(|| None));
+        let mut tasks: Vec<(usize, &mut [R::Bits], Option<&mut StateCounts>)> = rows
             .texels
             .chunks_mut(ELEMENTS_PER_TASK * stride)
-            .zip(&mut self.counts)
+            .zip(counts)
             .enumerate()
-            .filter(|(_, (_, counts))| is_first || kernel.live(counts) > 0)
+            .filter(|(_, (_, counts))| takes_all || is_first || counts.as_ref().is_some_and(|c| kernel.live(c) > 0))
             .map(|(task, (texels, counts))| (task * ELEMENTS_PER_TASK, texels, counts))
             .collect();
-        let calls = tasks.iter().map(|(_, texels, _)| (texels.len() / stride) as u64).sum();
+        let in_task = |first: usize, texels: &[R::Bits]| (texels.len() / stride).min(elements.saturating_sub(first));
+        let calls = tasks.iter().map(|(first, texels, _)| in_task(*first, texels) as u64).sum();
         for_chunks(&mut tasks, 1, |_, tasks| {
             for (first, texels, counts) in tasks {
-                **counts = StateCounts::default();
-                for (i, row) in texels.chunks_exact_mut(stride).enumerate() {
-                    let element = *first + i;
+                let last = *first + in_task(*first, texels);
+                for (row, element) in texels.chunks_exact_mut(stride).zip(*first..last) {
                     let (x, y) = ((element % width) as u32, (element / width) as u32);
                     twin(&mut Texels::new(row, &layout, x, y), scene);
-                    if let Some(tag) = tag {
-                        counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
-                    }
+                }
+                if let (Some(counts), Some(tag)) = (counts, tag) {
+                    **counts = count_tags::<R>(texels, stride, tag);
                 }
             }
         });
         calls
     }
 
-    fn tag(&self) -> Option<usize> {
-        self.plan.program.state_stream().and_then(|stream| self.rows_of(stream)).map(|(_, first)| first + STATE_TAG)
+    /// Where the tag is in a row of the elements that a kernel works on; `None` if they have no states.
+    fn tag(&self, kernel: Kernel) -> Option<usize> {
+        let stream = self.plan.program.state_stream()?;
+        let is_own = stream.info().elements.name == kernel.instance().over.name;
+        self.rows_of(stream).filter(|_| is_own).map(|(_, first)| first + STATE_TAG)
     }
 
     /// Recounts the elements in each state, after streams were replaced.
@@ -268,14 +235,8 @@ impl<R: Precision> CpuExecutor<R> {
         };
         let tag = first + STATE_TAG;
         let stride = rows.layout.stride.max(1);
-        let count = |texels: &[R::Bits]| {
-            let mut counts = StateCounts::default();
-            for row in texels.chunks_exact(stride) {
-                counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
-            }
-            counts
-        };
-        self.counts = rows.texels.chunks(ELEMENTS_PER_TASK * stride).map(count).collect();
+        let tasks = rows.texels.chunks(ELEMENTS_PER_TASK * stride);
+        self.counts = tasks.map(|texels| count_tags::<R>(texels, stride, tag)).collect();
     }
 
     /// Number of elements in each state.
@@ -398,3 +359,6 @@ impl<R: Precision> CpuExecutor<R> {
         true
     }
 }
+
+#[cfg(test)]
+mod tests;

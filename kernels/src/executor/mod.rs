@@ -33,6 +33,14 @@ pub struct DrawTime {
     pub fragments: Option<u64>,
 }
 
+/// Does some work; also returns the nanoseconds that it took, if there is a clock.
+#[cfg(feature = "gpu")]
+pub(crate) fn timed<T>(clock: Option<fn() -> u64>, work: impl FnOnce() -> T) -> (T, Option<u64>) {
+    let begin = clock.map(|now| now());
+    let done = work();
+    (done, clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin)))
+}
+
 /// What one pass did.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PassResult {
@@ -46,6 +54,8 @@ pub struct PassResult {
     pub elements: u32,
     /// Threads launched, see [`crate::Pass::threads_launched`].
     pub threads_launched: u64,
+    /// How long the host took to record its commands; `None` if it records none, or there is no host clock.
+    pub encode_ns: Option<u64>,
     /// When it began, on the executor's clock; `None` if passes were not timed.
     pub begin_ns: Option<u64>,
     /// How long it took; `None` if passes were not timed, the timer's value is not valid, or it was too short to tell.

@@ -1,48 +1,54 @@
-//! `passes.csv`: one row per pass, or per part of a pass that is drawn, RFC 4180, raw numbers with their unit in the column's name. Unknown values are
-//! empty, never 0.
+//! `passes.csv`: one row per pass, or per part of a pass that is drawn, RFC 4180, raw numbers with their unit in the
+//! column's name. Unknown values are empty, never 0. Sums over all rows are those of the run, of all its samples; only the
+//! durations of parts that are drawn add up to less, since there is time between them.
 //!
 //! | column | holds |
 //! |---|---|
 //! | `schema_version` | [`SCHEMA_VERSION`]; increased when the meaning of a column changes |
 //! | `run_id`, `configuration` | identify one invocation of the command, and what was run in it |
-//! | `scene` … `height_px` | what was run, and on which device |
-//! | `repeat`, `is_warmup` | repetition, from 0, and whether it was only a warm-up |
+//! | `scene` … `adapter` | what was run, and on which device |
+//! | `width_px`, `height_px` | size of the image that the rays are from; of input rays, of the image in which they are arranged; in a program without rays, of the texture of its main elements |
+//! | `repeat`, `is_warmup` | repetition of the run, from 0, and whether it was only a warm-up |
 //! | `pass_index` | index in the run, from 0 |
-//! | `iteration` | iteration of the schedule's loop, from 1; 0 before the loop |
+//! | `sample` | sample of every pixel, from 0: see [`Pass::sample`] |
+//! | `iteration` | iterations of the schedule's loop that have begun in this sample: see [`Pass::iteration`] |
 //! | `kernel` | the kernel that ran |
-//! | `gpu_begin_ns`, `gpu_duration_ns` | since the run's first timed pass began, and of the pass, by `clock` |
-//! | `cpu_encode_ns` | host time to record the pass |
-//! | `rays_in` | rays in one of the kernel's states before the pass: those it worked on |
-//! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stay for the next pass |
+//! | `begin_ns` | when the pass began, since the run's first timed pass began, by `clock`; empty from the pass on at which that clock was set back |
+//! | `duration_ns` | how long the pass took, by `clock` |
+//! | `encode_ns` | how long the host took to record the pass's commands, by its own clock; empty on the CPU, which records none |
+//! | `rays_in` | rays in one of the kernel's states before the pass: those it worked on; in a program without rays, elements |
+//! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stay for the next pass. Empty for a kernel whose elements have no states |
 //! | `threads_launched` | by this pass, with or without a ray to work on; see [`Pass::threads_launched`] |
 //! | `cells_visited`, `triangles_tested` | by this pass (with a BVH, nodes); known if counters were requested |
-//! | `clock` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that disagrees with the host's: only the whole run has a time; empty if nothing was timed |
+//! | `repeated_tests` | those of the pass's tests whose triangle the ray had already met in an earlier cell; also empty with a BVH, and where a pass takes several steps |
+//! | `clock` | of `begin_ns` and `duration_ns`: `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that disagrees with the host's: only the whole run has a time; empty if nothing was timed |
 //! | `clock_resolution_ns` | smallest step of that clock |
 //! | `valid` | `true` if the timer gave a duration, `false` if it failed to, or the pass was too short to tell; empty if nothing was timed |
-//! | `host_run_ns` | time of the whole run on the host's clock, including the wait for the device; known if `clock` is `host` |
-//! | `duration_runs` | how often the pass was run to time it: `gpu_duration_ns` is the mean. Known, like the next two, if `clock` is coarse: it steps by 10 µs or more, as browsers' do |
+//! | `host_run_ns` | time of all passes of the run on the host's clock, including waits for the device, without what was done between submissions |
+//! | `duration_runs` | how often the pass was run to time it: `duration_ns` is the mean. Known, like the next two, if `clock` is coarse: it steps by 10 µs or more, as browsers' do |
 //! | `duration_error_ns` | largest standard error of the duration by rounding |
 //! | `duration_below_ns` | what the duration is certainly less than, also if the pass was too short to tell |
 //! | `mapping` | how kernels are mapped to the GPU: `compute`, or [`fragment`](crate::options::mapping::Mapping) and its choices |
-//! | `draw` | with fragment programs, the row's part of the pass, from 0: copies of streams, the draw of depths, the kernel's draws. Begin, duration and threads are the part's; the numbers of rays are the pass's, and what it did is in its last row |
+//! | `draw` | with fragment programs, the row's part of the pass, from 0: copies of streams, the draw of depths, the kernel's draws. Begin, duration and threads are the part's; what belongs to the whole pass (rays, counters, time to record) is in the row of its last part |
 //! | `targets` | the streams that the part writes, separated by spaces; `depth` for depths |
 //! | `fragments_run` | fragments for which the draw ran its program, by the device's pipeline statistics, if they were asked for |
 //! | `bytes_copied` | bytes that the part copies |
+//! | `traversal` | how rays walk through a uniform grid: `amanatides-woo` or `3d-dda` |
+
+mod drawn;
 
 use std::io::Write;
 
 use serde::{Serialize, Serializer};
 
-use crate::executor::{DrawTime, Drawing};
-use crate::plan::Plan;
-use crate::renderer::Pass;
-use crate::tables::stream::Stream;
+use crate::renderer::{CounterSums, Pass};
+pub use drawn::DrawnPart;
 
 /// Version of the columns.
-pub const SCHEMA_VERSION: u32 = 3;
+pub const SCHEMA_VERSION: u32 = 4;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 36] = [
+pub const COLUMNS: [&str; 38] = [
     "schema_version",
     "run_id",
     "configuration",
@@ -56,16 +62,18 @@ pub const COLUMNS: [&str; 36] = [
     "repeat",
     "is_warmup",
     "pass_index",
+    "sample",
     "iteration",
     "kernel",
-    "gpu_begin_ns",
-    "gpu_duration_ns",
-    "cpu_encode_ns",
+    "begin_ns",
+    "duration_ns",
+    "encode_ns",
     "rays_in",
     "rays_out",
     "threads_launched",
     "cells_visited",
     "triangles_tested",
+    "repeated_tests",
     "clock",
     "clock_resolution_ns",
     "valid",
@@ -142,7 +150,7 @@ pub struct RunContext {
     pub configuration: String,
     /// The scene's name.
     pub scene: String,
-    /// `--accelerator`
+    /// The acceleration structure that the run has, also if it was chosen automatically.
     pub accelerator: &'static str,
     /// `--schedule`
     pub schedule: &'static str,
@@ -154,10 +162,11 @@ pub struct RunContext {
     pub traversal: &'static str,
     /// The adapter's name, or `cpu`.
     pub adapter: String,
-    /// Texels per row.
-    pub width_px: u32,
-    /// Rows.
-    pub height_px: u32,
+    /// Pixels per row of the image that the rays are from, or of the one in which input rays are arranged; in a program
+    /// without rays, texels per row of its main elements. `None` if it is not known.
+    pub width_px: Option<u32>,
+    /// Its rows.
+    pub height_px: Option<u32>,
     /// Repetition, from 0.
     #[serde(skip)]
     pub repeat: u32,
@@ -167,25 +176,18 @@ pub struct RunContext {
     /// What timed the passes, if anything did.
     #[serde(rename = "clock")]
     pub timer: Option<Timer>,
-    /// [`Renderer::host_ns`](crate::Renderer::host_ns) of the whole run; written if passes have no times.
+    /// [`Renderer::host_ns`](crate::Renderer::host_ns) of the whole run.
     pub host_run_ns: Option<u64>,
 }
 
-/// What one pass added to the `counters` stream, summed over all rays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PassWork {
-    /// Cells visited.
-    pub cells_visited: u64,
-    /// Triangles tested.
-    pub triangles_tested: u64,
-}
-
-/// Number of rays that a pass moved out of its kernel's states: `rays_in` less those that are still there.
+/// Number of rays that a pass moved out of its kernel's states: `rays_in` less those that are still there. `None` for a
+/// kernel that works on all elements, whatever their state.
 ///
 /// Only the kernel that runs moves rays, so nothing else can have entered those states meanwhile.
 #[must_use]
-pub fn rays_out(pass: &Pass) -> u32 {
-    pass.rays_in.saturating_sub(pass.kernel.live(&pass.counts))
+pub fn rays_out(pass: &Pass) -> Option<u32> {
+    let has_states = !pass.kernel.info().takes.is_empty();
+    has_states.then(|| pass.rays_in.saturating_sub(pass.kernel.live(&pass.counts)))
 }
 
 /// An RFC 4180 writer; lines end with CRLF.
@@ -217,70 +219,41 @@ pub fn known(value: Option<impl ToString>) -> String {
     value.map(|v| v.to_string()).unwrap_or_default()
 }
 
-/// A part of a pass that is drawn, for a row.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DrawnPart {
-    /// How long it took.
-    pub time: DrawTime,
-    /// Names of the streams that it writes, separated by spaces.
-    pub targets: String,
-    /// Fragments that it covers.
-    pub fragments_drawn: u64,
-    /// Bytes that it copies.
-    pub bytes_copied: u64,
-}
-
-impl DrawnPart {
-    /// What it is, with the streams that it copies or writes.
-    #[must_use]
-    pub fn name(&self) -> String {
-        match self.time.what {
-            Drawing::Copies => format!("copy {}", self.targets),
-            Drawing::Depths => "draw depths".into(),
-            Drawing::Draw(_) => format!("draw {}", self.targets),
-        }
-    }
-
-    /// The parts of a pass of this plan.
-    #[must_use]
-    pub fn of(plan: &Plan, pass: &Pass, draws: &[DrawTime]) -> Vec<Self> {
-        let Some(drawn) = plan.drawn.as_ref() else { return Vec::new() };
-        let texels = plan.size().texels();
-        let names = |streams: &[Stream]| streams.iter().map(|stream| stream.name()).collect::<Vec<_>>().join(" ");
-        let kernel = drawn.of(pass.kernel);
-        let part = |time: &DrawTime| {
-            let (targets, fragments_drawn, bytes_copied) = match time.what {
-                Drawing::Copies => {
-                    let copied = kernel.map_or(&[][..], |kernel| &kernel.updates);
-                    (names(copied), 0, drawn.copied_bytes(pass.kernel, plan.size()))
-                }
-                Drawing::Depths => ("depth".to_owned(), texels, 0),
-                Drawing::Draw(draw) => {
-                    let targets = kernel.and_then(|kernel| kernel.draws.get(draw)).map(|draw| names(&draw.targets));
-                    (targets.unwrap_or_default(), texels, 0)
-                }
-            };
-            Self { time: *time, targets, fragments_drawn, bytes_copied }
-        };
-        draws.iter().map(part).collect()
-    }
-}
-
 /// A row to be written.
 #[derive(Clone, Copy)]
 struct Row<'a> {
     pass: &'a Pass,
     part: Option<(usize, &'a DrawnPart)>,
-    work: Option<PassWork>,
+    /// Whether it has what belongs to the whole pass.
+    is_last: bool,
+    work: Option<CounterSums>,
     begin_ns: Option<u64>,
     duration_ns: Option<u64>,
+}
+
+/// The begins of a run's passes on their clock.
+#[derive(Clone, Copy)]
+struct Begins {
+    first: u64,
+    latest: u64,
+    /// Whether the clock was set back: how much later than the first anything is since then is not known.
+    is_set_back: bool,
+}
+
+impl Begins {
+    /// Time since the first begin, if that is known.
+    fn since_first(&mut self, begin_ns: u64) -> Option<u64> {
+        self.is_set_back |= begin_ns < self.latest;
+        self.latest = begin_ns;
+        (!self.is_set_back).then(|| begin_ns - self.first)
+    }
 }
 
 /// Writes `passes.csv`.
 pub struct PassesCsv<W: Write> {
     writer: ::csv::Writer<W>,
-    /// Configuration, repetition and first timed pass's begin, for the rows being written.
-    began: Option<(([String; 2], u32), u64)>,
+    /// Run, configuration and repetition of the rows being written, and the begins of their passes.
+    began: Option<(([String; 2], u32), Begins)>,
 }
 
 impl<W: Write> PassesCsv<W> {
@@ -294,13 +267,13 @@ impl<W: Write> PassesCsv<W> {
         Ok(Self { writer, began: None })
     }
 
-    /// When the run began, on its clock: at `begin_ns` if this is its first timed pass.
-    fn run_began_ns(&mut self, run: &RunContext, begin_ns: u64) -> u64 {
+    /// Time since the run's first timed pass began, if that is known.
+    fn since_start_ns(&mut self, run: &RunContext, begin_ns: u64) -> Option<u64> {
         let key = ([run.run_id.clone(), run.configuration.clone()], run.repeat);
-        match &self.began {
-            Some((of, began)) if *of == key => *began,
-            _ => self.began.insert((key, begin_ns)).1,
+        if self.began.as_ref().is_none_or(|(of, _)| *of != key) {
+            self.began = Some((key, Begins { first: begin_ns, latest: begin_ns, is_set_back: false }));
         }
+        self.began.as_mut().and_then(|(_, begins)| begins.since_first(begin_ns))
     }
 
     /// Writes a pass; the passes of a run must come in order. `work` is known if counters were requested. `parts` are those
@@ -313,28 +286,29 @@ impl<W: Write> PassesCsv<W> {
         run: &RunContext,
         pass: &Pass,
         parts: &[DrawnPart],
-        work: Option<PassWork>,
+        work: Option<CounterSums>,
     ) -> std::io::Result<()> {
-        let row = Row { pass, part: None, work, begin_ns: pass.begin_ns, duration_ns: pass.duration_ns };
+        let (begin_ns, duration_ns) = (pass.begin_ns, pass.duration_ns);
+        let row = Row { pass, part: None, is_last: true, work, begin_ns, duration_ns };
         if parts.is_empty() {
             return self.write_row(run, &row);
         }
         for (index, part) in parts.iter().enumerate() {
             let is_last = index + 1 == parts.len();
             let (begin_ns, duration_ns) = (part.time.begin_ns, part.time.duration_ns);
-            let work = work.filter(|_| is_last);
-            self.write_row(run, &Row { part: Some((index, part)), work, begin_ns, duration_ns, ..row })?;
+            self.write_row(run, &Row { part: Some((index, part)), is_last, begin_ns, duration_ns, ..row })?;
         }
         Ok(())
     }
 
     fn write_row(&mut self, run: &RunContext, row: &Row<'_>) -> std::io::Result<()> {
-        let Row { pass, part, work, .. } = *row;
+        let Row { pass, part, is_last, .. } = *row;
+        let work = row.work.filter(|_| is_last);
         // Times from an invalid clock are not written, even if they were read.
         let is_timed = run.timer.is_some_and(Timer::times_passes);
         let (begin_ns, duration_ns) = (row.begin_ns.filter(|_| is_timed), row.duration_ns.filter(|_| is_timed));
         let rounding = pass.rounding.filter(|_| is_timed && part.is_none());
-        let since_start_ns = begin_ns.map(|begin| begin.saturating_sub(self.run_began_ns(run, begin)));
+        let since_start_ns = begin_ns.and_then(|begin_ns| self.since_start_ns(run, begin_ns));
         let threads = part.map_or(pass.threads_launched, |(_, part)| part.fragments_drawn);
         let row: [String; COLUMNS.len()] = [
             SCHEMA_VERSION.to_string(),
@@ -345,25 +319,27 @@ impl<W: Write> PassesCsv<W> {
             run.schedule.into(),
             run.numerics.into(),
             run.adapter.clone(),
-            run.width_px.to_string(),
-            run.height_px.to_string(),
+            known(run.width_px),
+            known(run.height_px),
             run.repeat.to_string(),
             run.is_warmup.to_string(),
             pass.index.to_string(),
+            pass.sample.to_string(),
             pass.iteration.to_string(),
             pass.kernel.name().into(),
             known(since_start_ns),
             known(duration_ns),
-            String::new(),
-            pass.rays_in.to_string(),
-            rays_out(pass).to_string(),
+            known(pass.encode_ns.filter(|_| is_last)),
+            known(is_last.then_some(pass.rays_in)),
+            known(rays_out(pass).filter(|_| is_last)),
             threads.to_string(),
             known(work.map(|w| w.cells_visited)),
             known(work.map(|w| w.triangles_tested)),
+            known(work.and_then(|w| w.repeated_tests)),
             known(run.timer.map(Timer::name)),
             known(run.timer.and_then(Timer::resolution_ns)),
             known(run.timer.map(|_| duration_ns.is_some())),
-            known(run.host_run_ns.filter(|_| run.timer.is_some_and(|timer| !timer.times_passes()))),
+            known(run.host_run_ns),
             known(rounding.map(|rounding| rounding.runs)),
             known(rounding.map(|rounding| rounding.error_ns)),
             known(rounding.map(|rounding| rounding.below_ns)),

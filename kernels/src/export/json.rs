@@ -9,16 +9,15 @@ use crate::executor::gpu::{AdapterSummary, Gpu};
 pub use crate::plan::GridSummary;
 #[cfg(feature = "gpu")]
 use crate::plan::Loops;
-use crate::plan::{Plan, Structure};
+use crate::plan::Structure;
 use crate::program::Program;
-pub use crate::renderer::KernelSummary;
 use crate::renderer::RayHit;
-use crate::tables::kernel::Role;
+pub use crate::renderer::{CounterSums, KernelSummary};
 use crate::tables::state::StateCounts;
 use crate::tables::stream::{Stream, Texel};
 
 /// Version of these JSON objects.
-pub const SCHEMA_VERSION: u32 = 2;
+pub const SCHEMA_VERSION: u32 = 3;
 
 /// Summary of a run, for `--summary-json`.
 #[derive(Clone, Debug, Serialize)]
@@ -52,21 +51,21 @@ pub struct Summary {
     pub scene_offset: [f64; 3],
     /// As in `passes.csv`; `null` if passes were not timed.
     pub clock: Option<&'static str>,
-    /// As in `passes.csv`.
+    /// As in `passes.csv`; `null` if unknown.
     pub host_run_ns: Option<u64>,
     /// Number of passes.
     pub passes: usize,
     /// Passes of each kernel, and the rays they worked on.
     pub kernels: BTreeMap<&'static str, KernelSummary>,
-    /// Number of rays.
+    /// Number of rays, of all samples of all pixels.
     pub rays: u64,
-    /// Number of rays that hit a triangle.
+    /// Number of these rays that hit a triangle.
     pub hits: u64,
-    /// Rays still active when the limit of passes was reached; 0 with robust numerics.
+    /// Number of these rays that were still active when the limit of passes was reached; 0 with robust numerics.
     pub unfinished: u64,
-    /// Sums of the `counters` stream; `null` if counters were not requested.
+    /// What all of these rays have counted, the sums of `passes.csv`; `null` if counters were not requested.
     pub counters: Option<CounterSums>,
-    /// Comparison with f64 brute force; `null` if not requested.
+    /// Comparison of the last sample's rays with f64 brute force; `null` if not requested.
     pub check: Option<CheckSummary>,
     /// Wall-clock seconds per stage.
     pub seconds: BTreeMap<&'static str, f64>,
@@ -87,7 +86,7 @@ pub struct AdapterInfo {
     pub kind: String,
     /// The driver's name and version.
     pub driver: String,
-    /// Iterations after which it ends a loop, as found by a test; `null` if it ended none.
+    /// Iterations after which it ends a loop, as found by a test; `null` if it ended none, or was not tested.
     pub loops_end_after: Option<u32>,
 }
 
@@ -154,7 +153,7 @@ pub struct RunOptions {
     pub counters: bool,
     /// `--keep-all`
     pub keep_all: bool,
-    /// `--spp`: samples per pixel. Rays, hits, counters and `check` are of one sample; with several, of the last.
+    /// `--spp`: samples per pixel, of one ray each.
     pub spp: u32,
     /// `--sampler`; `null` with one sample per pixel.
     pub sampler: Option<&'static str>,
@@ -166,36 +165,6 @@ pub struct RunOptions {
 #[must_use]
 pub fn hit_count(hits: &[Option<RayHit>]) -> u64 {
     hits.iter().flatten().count() as u64
-}
-
-/// Sums over all rays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct CounterSums {
-    /// Cells visited; with a BVH, nodes.
-    pub cells_visited: u64,
-    /// Triangles tested.
-    pub triangles_tested: u64,
-    /// Triangles tested again that were tested in an earlier cell or leaf; `null` if unknown: with several steps per
-    /// pass, and with a BVH.
-    pub repeated_tests: Option<u64>,
-}
-
-impl CounterSums {
-    /// Sums the values of the `counters` stream after a run of this plan; `None` for another stream.
-    #[must_use]
-    pub fn of(data: &crate::tables::stream::StreamData, plan: &Plan) -> Option<Self> {
-        let sum = |layer| data.layer(layer).iter().map(|&n| u64::from(n)).sum();
-        plan.program.results.is_some_and(|results| results.counters == data.stream).then(|| Self {
-            cells_visited: sum(0),
-            triangles_tested: sum(1),
-            repeated_tests: plan
-                .variants
-                .iter()
-                .find(|v| v.kernel.role() == Role::Test)
-                .filter(|_| !plan.features.bvh)
-                .map(|_| sum(2)),
-        })
-    }
 }
 
 /// Result of a comparison with f64 brute force, in rays.

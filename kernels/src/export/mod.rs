@@ -23,8 +23,12 @@ pub mod json;
 pub mod npy;
 #[cfg(feature = "serde")]
 pub mod plan;
+#[cfg(feature = "serde")]
+mod recorded;
 pub mod trace;
 #[cfg(feature = "serde")]
 pub mod trace_events;
 
 pub use crate::plan::structure;
+#[cfg(feature = "serde")]
+pub use recorded::Recorded;

@@ -13,7 +13,9 @@ impl Trace {
         let mut out = String::new();
         let is_dda = self.rows.iter().any(|row| row.after.control.is_some());
         let per_axis = if is_dda { "control" } else { "tmax" };
-        let header = ["pass", "kernel", "state", "cell", per_axis, "item", "t", "hit"];
+        // Only with a BVH is there a previous node.
+        let place = if self.rows.iter().any(|row| row.after.previous.is_some()) { "node" } else { "cell" };
+        let header = ["pass", "kernel", "state", place, per_axis, "item", "t", "hit"];
         let rows: Vec<[String; 8]> = self.rows.iter().map(cells).collect();
         let width = |c: usize| rows.iter().map(|r| r[c].len()).chain([header[c].len()]).max().unwrap_or(0);
         let widths: Vec<usize> = (0..8).map(width).collect();
@@ -38,12 +40,14 @@ impl Trace {
             ),
         };
         let (unit, t) = (self.scene_units_per_stream_unit, self.t_scale);
+        let _ = writeln!(out, "{place}, {per_axis}, item, t and hit are those after the pass");
         let _ =
             writeln!(out, "lengths are in traced units, of {unit} scene units each; {t} times t is the ray's own t");
         out
     }
 
-    /// RFC 4180, raw numbers; missing values are empty.
+    /// RFC 4180, raw numbers; missing values are empty. A column says in its name whether it is from before or after the
+    /// pass; `tested_triangle` is the one that the pass tested.
     ///
     /// # Errors
     /// If `out` cannot be written.
@@ -55,36 +59,47 @@ impl Trace {
             "kernel",
             "state_before",
             "state_after",
-            "cell_x",
-            "cell_y",
-            "cell_z",
-            "tmax_x",
-            "tmax_y",
-            "tmax_z",
-            "item",
+            "cell_after_x",
+            "cell_after_y",
+            "cell_after_z",
+            "index_after",
+            "tmax_after_x",
+            "tmax_after_y",
+            "tmax_after_z",
+            "control_after_x",
+            "control_after_y",
+            "control_after_z",
+            "item_after",
+            "t_after",
+            "u_after",
+            "v_after",
+            "triangle_after",
             "tested_triangle",
-            "t",
-            "u",
-            "v",
-            "triangle",
             "why",
-            "control_x",
-            "control_y",
-            "control_z",
         ])?;
         for row in &self.rows {
             let a = &row.after;
             let mut record = vec![known(row.pass), row.kernel.into(), row.state_before.into(), a.state.into()];
-            record.extend((0..3).map(|i| known(row.cell.map(|c| c[i]))));
+            record.extend((0..3).map(|i| known(row.cell_after.map(|c| c[i]))));
+            record.push(known(row.index_after));
             record.extend(a.tmax.map(known));
-            record.extend([a.item.to_string(), known(row.tested), known(a.t)]);
-            record.extend((0..2).map(|i| known(a.barycentric.map(|b| b[i]))));
-            record.extend([known(a.triangle), row.why.clone()]);
             record.extend((0..3).map(|i| known(a.control.map(|c| c[i]))));
+            record.extend([a.item.to_string(), known(a.t)]);
+            record.extend((0..2).map(|i| known(a.barycentric.map(|b| b[i]))));
+            record.extend([known(a.triangle), known(row.tested), row.why.clone()]);
             csv.write_record(record)?;
         }
         csv.flush()?;
         Ok(())
+    }
+}
+
+/// The cell or node that the ray is in after the pass.
+fn place(row: &TraceRow) -> String {
+    match (row.cell_after, row.index_after) {
+        (Some([x, y, z]), _) => format!("{x},{y},{z}"),
+        (None, Some(index)) => index.to_string(),
+        (None, None) => "-".into(),
     }
 }
 
@@ -96,7 +111,7 @@ fn cells(row: &TraceRow) -> [String; 8] {
         row.number(),
         row.kernel.into(),
         if row.state_before == a.state { a.state.into() } else { format!("{} > {}", row.state_before, a.state) },
-        row.cell.map_or_else(|| "-".into(), |[x, y, z]| format!("{x},{y},{z}")),
+        place(row),
         format!("{} {} {}", short(x), short(y), short(z)),
         a.item.to_string(),
         short(a.t),

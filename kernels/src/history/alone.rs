@@ -107,18 +107,9 @@ impl RunSoFar<'_> {
         let most = self.plan.pass_bound.saturating_add(kernels_outside).saturating_mul(samples);
         let most = usize::try_from(most).unwrap_or(usize::MAX);
         for index in first..first.saturating_add(most) {
+            let sample = cursor.samples;
             let Some(kernel) = cursor.next(schedule, &ray.counts()) else { break };
-            let pass = Pass {
-                index,
-                iteration: cursor.iteration,
-                kernel,
-                rays_in: 1,
-                counts: StateCounts::default(),
-                threads_launched: 0,
-                begin_ns: None,
-                duration_ns: None,
-                rounding: None,
-            };
+            let pass = Pass { index, sample, iteration: cursor.iteration, rays_in: 1, ..Pass::of(kernel) };
             if let Some(mut row) = ray.run(&pass) {
                 row.pass = row.pass.filter(|_| is_known && !after_all.contains(&kernel));
                 rows.push(row);

@@ -26,12 +26,16 @@ pub struct TraceRow {
     pub kernel: &'static str,
     /// The ray's state before it.
     pub state_before: &'static str,
-    /// Cell (x, y, z) that it is in, before the pass.
-    pub cell: Option<[i32; 3]>,
+    /// Cell (x, y, z) of a uniform grid that a pass of the walk works in: where the ray is before it.
+    pub cell_before: Option<[i32; 3]>,
     /// The triangle tested by the pass, if any.
     pub tested: Option<u32>,
     /// The ray after the pass.
     pub after: RayState,
+    /// Cell (x, y, z) of a uniform grid that the ray is in after the pass; `None` before and after its walk.
+    pub cell_after: Option<[i32; 3]>,
+    /// The same as a 1-D index; with an irregular grid its cell, with a BVH its node.
+    pub index_after: Option<u32>,
     /// The reason, in words.
     pub why: String,
 }
@@ -163,15 +167,19 @@ impl TraceRow {
     /// Describes what a pass did to a ray that it worked on.
     #[must_use]
     pub fn new(pass: &Pass, data: &SceneData, before: &RayState, after: &RayState) -> Self {
-        let walks = pass.kernel.is_walk();
+        let is_grid = data.features.grid;
+        let has_places = is_grid || data.features.irregular || data.features.bvh;
+        let index_after = (has_places && after.is_walking()).then_some(after.cell_index);
         let (tested, why) = explain(pass.kernel, data, before, after);
         Self {
             pass: Some(pass.index),
             kernel: pass.kernel.name(),
             state_before: before.state,
-            cell: (data.features.grid && walks).then(|| data.grid.cell_of_index(before.cell_index)),
+            cell_before: (is_grid && pass.kernel.is_walk()).then(|| data.grid.cell_of_index(before.cell_index)),
             tested,
             after: *after,
+            cell_after: index_after.filter(|_| is_grid).map(|index| data.grid.cell_of_index(index)),
+            index_after,
             why,
         }
     }

@@ -196,7 +196,8 @@ pub const MOST_LISTED: f64 = 16.0;
 pub const MOST_LISTED_IN_ONE_LEVEL: f64 = 32.0;
 
 /// A ray in scene units: `origin + t * direction`. A hit counts if `t_min < t < t_max`: neither end does, as in DXR and
-/// Vulkan, so a ray with the `t_min` of an earlier hit finds what is behind that hit.
+/// Vulkan, so a ray with the `t_min` of an earlier hit finds what is behind that hit. t is compared as a
+/// [`CastHit`](crate::CastHit) has it, so this also holds where f32 cannot hold the exact t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where it starts.

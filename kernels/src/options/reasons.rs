@@ -31,22 +31,69 @@ pub struct Run<'a> {
     pub accelerator: Accelerator,
 }
 
-/// The schedule moves rays in passes of steps.
-pub const STEPPED: Reason = (Because::Options, "only for --schedule fused");
-/// The schedule traces rays in one kernel, not in passes of steps.
-pub const FUSED: Reason = (Because::Options, "--schedule fused");
-/// One kernel both steps and tests.
-pub const MANY_STEPS: Reason = (Because::Options, "several steps per pass are taken in one kernel");
-/// A pass takes one step.
-pub const ONE_STEP: Reason = (Because::Options, "one step per pass");
+/// One kernel takes a ray several steps, but not in the fused kernel.
+pub const WALKED: Reason = (Because::Options, "needed only with --schedule compact and --steps-per-pass 2 or more");
+/// Nothing takes a ray several steps.
+pub const SEVERAL_STEPS: Reason = (
+    Because::Options,
+    "needed only with several steps per pass: --schedule fused, or compact with --steps-per-pass 2 or more",
+);
 /// Nothing is shaded.
 pub const NO_SHADE: Reason = (Because::View, "the result is hits, not an image");
 /// There is one sample per pixel, so nothing is averaged.
-pub const ONE_SAMPLE: Reason = (Because::Options, "one sample per pixel");
+pub const ONE_SAMPLE: Reason = (Because::Options, "needed only with --spp 2 or more");
 /// Rays are given by the caller.
 pub const GIVEN: Reason = (Because::View, "input rays");
 /// Rays are generated in the kernel that traces them.
-pub const EYE_RAYS: Reason = (Because::Options, "the fused kernel generates its rays");
+pub const EYE_RAYS: Reason = (
+    Because::Options,
+    "the fused kernel generates its rays: needed only for an image, or --schedule first, second or compact",
+);
+
+/// The acceleration structures that something belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum On {
+    /// Any, or none.
+    Any,
+    /// A uniform grid.
+    Grid,
+    /// An irregular grid, or a grid of two levels.
+    Irregular,
+    /// Either.
+    Cells,
+    /// A BVH.
+    Bvh,
+}
+
+/// The passes that something belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Passes {
+    /// All.
+    Any,
+    /// Of several kernels, in which rays take one step or more.
+    Stepped,
+    /// In which rays take one step.
+    OneStep,
+    /// Of one kernel, in which rays take all steps.
+    Fused,
+}
+
+/// The options that are missing, for an acceleration structure and with each of [`Passes`].
+macro_rules! needed_only_with {
+    ($accelerator:literal, $and:literal) => {
+        [
+            concat!("needed only with ", $accelerator),
+            concat!("needed only with ", $accelerator, $and, "--schedule first, second or compact"),
+            concat!(
+                "needed only with ",
+                $accelerator,
+                $and,
+                "one step per pass: --schedule first or second, or compact with --steps-per-pass 1"
+            ),
+            concat!("needed only with ", $accelerator, $and, "--schedule fused"),
+        ]
+    };
+}
 
 impl Run<'_> {
     /// Whether one kernel traces rays from start to hit.
@@ -55,23 +102,47 @@ impl Run<'_> {
         self.options.schedule == ScheduleKind::Fused
     }
 
-    /// The reason if another accelerator was requested or chosen.
+    /// What would need something that belongs to these acceleration structures and passes.
     #[must_use]
-    pub fn other_accelerator(&self) -> Reason {
+    pub fn needed_only(&self, on: On, passes: Passes) -> Reason {
+        let Features { irregular, many_steps, .. } = *self.features;
+        let has_accelerator = match on {
+            On::Any => true,
+            On::Grid => self.accelerator == Accelerator::Grid && !irregular,
+            On::Irregular => irregular,
+            On::Cells => matches!(self.accelerator, Accelerator::Grid | Accelerator::Irregular),
+            On::Bvh => self.accelerator == Accelerator::Bvh,
+        };
+        let has_passes = match passes {
+            Passes::Any => true,
+            Passes::Stepped => !self.is_fused(),
+            Passes::OneStep => !self.is_fused() && !many_steps,
+            Passes::Fused => self.is_fused(),
+        };
+        if !has_accelerator && let Some(reason) = self.chosen_by_scene() {
+            return (Because::Scene, reason);
+        }
+        let with = match on {
+            _ if has_accelerator => needed_only_with!("", ""),
+            On::Any => needed_only_with!("", ""),
+            On::Grid => needed_only_with!("--accelerator grid", " and "),
+            On::Irregular => needed_only_with!("--accelerator irregular", " and "),
+            On::Cells => needed_only_with!("--accelerator grid or irregular", " and "),
+            On::Bvh => needed_only_with!("--accelerator bvh", " and "),
+        };
+        let missing = if has_passes { Passes::Any } else { passes };
+        (Because::Options, with[missing as usize])
+    }
+
+    /// Why the scene decided the acceleration structure, if it did.
+    fn chosen_by_scene(&self) -> Option<&'static str> {
+        let is_auto = self.options.accelerator == Accelerator::Auto;
         match self.accelerator {
-            Accelerator::Bvh if self.options.accelerator == Accelerator::Auto => {
-                (Because::Scene, "--accelerator auto chose bvh")
-            }
-            Accelerator::None if self.options.accelerator == Accelerator::Auto => {
-                (Because::Scene, "--accelerator auto chose none")
-            }
-            Accelerator::Grid if self.features.irregular => {
-                (Because::Scene, "crowded cells of the grid are divided further")
-            }
-            Accelerator::Bvh => (Because::Options, "--accelerator bvh"),
-            Accelerator::Irregular => (Because::Options, "--accelerator irregular"),
-            Accelerator::None => (Because::Options, "--accelerator none"),
-            Accelerator::Grid | Accelerator::Auto => (Because::Options, "--accelerator grid"),
+            Accelerator::Grid if self.features.irregular => Some("crowded cells of the grid are divided further"),
+            Accelerator::Grid if is_auto => Some("--accelerator auto chose grid"),
+            Accelerator::Bvh if is_auto => Some("--accelerator auto chose bvh"),
+            Accelerator::None if is_auto => Some("--accelerator auto chose none"),
+            _ => None,
         }
     }
 
@@ -79,15 +150,5 @@ impl Run<'_> {
     #[must_use]
     pub fn of_shading(&self, reason: &'static str) -> Reason {
         if self.options.shade { (Because::Scene, reason) } else { NO_SHADE }
-    }
-}
-
-/// Why a kernel that steps through an acceleration structure is left out.
-#[must_use]
-pub fn of_a_step(run: &Run<'_>) -> Reason {
-    match run {
-        Run { features, .. } if features.many_steps => MANY_STEPS,
-        run if run.is_fused() => FUSED,
-        run => run.other_accelerator(),
     }
 }

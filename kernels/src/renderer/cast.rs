@@ -14,7 +14,7 @@ use crate::options::mapping::Mapping;
 use crate::options::samples::Samples;
 use crate::options::{Accelerator, Options, ProgramName, Ray, RaySource, ScheduleKind};
 use crate::plan::{FARTHEST, Plan, PlanError, tiled, why_untraceable};
-use crate::scene_data::SceneData;
+use crate::scene_data::{SceneData, as_f32};
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::stream::Region;
 
@@ -22,7 +22,11 @@ use crate::tables::stream::Region;
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CastHit {
-    /// t of the hit, in multiples of the ray's direction; infinite without a hit.
+    /// t of the hit, in multiples of the ray's direction: positive and finite; infinite without a hit.
+    ///
+    /// For a direction so short that t exceeds f32's range, it is `f32::MAX`, and no hit is beyond a t_min of `f32::MAX`.
+    /// For one so long that t is below f32's normal numbers, it is rounded up to the next number, and counts as that
+    /// between t_min and t_max.
     pub t: f32,
     /// Barycentric weight of the triangle's vertex 1.
     pub u: f32,
@@ -269,7 +273,7 @@ impl Caster {
         hits.extend((0..rays.len()).map(place).map(|ray| {
             let Some((triangle, t)) = results.hit(&state, &hit, ray) else { return CastHit::MISS };
             let [u, v] = results.weights.map(|layer| hit.get_f32(layer, ray));
-            let t = (f64::from(t) * run.t_scale(ray)) as f32;
+            let t = as_f32(f64::from(t) * run.t_scale(ray));
             let material = scene.triangle_materials.get(triangle as usize).copied().unwrap_or(u32::MAX);
             CastHit { t, u, v, triangle, material }
         }));

@@ -41,6 +41,16 @@ impl Image {
         Self { width: latest.width, height: latest.height, pixels }
     }
 
+    /// Number of rays that hit something, of so many samples of every pixel.
+    ///
+    /// A pixel's A is a mean of zeros and ones, so it is a multiple of 1/samples but for rounding. That is below half of
+    /// it for as many samples as there may be: sums of means that are large are exact again, since all of these are
+    /// multiples of 1/16.
+    #[must_use]
+    pub fn hits(&self, samples: u32) -> u64 {
+        self.pixels.iter().map(|pixel| (f64::from(pixel[3]) * f64::from(samples)).round() as u64).sum()
+    }
+
     /// R G B, 8 bits each, sRGB-encoded and clamped.
     #[must_use]
     pub fn to_srgb8(&self) -> Vec<u8> {
@@ -98,5 +108,38 @@ impl Merge {
             *mean = mean_of_blocks(*sum, *mean, self.samples);
         }
         Some(image)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::programs::closest_hit::accumulate::moved;
+    use crate::shared::samples::Sampler;
+
+    /// The share of hits as the kernel `accumulate` keeps it, of samples each of which hits or misses.
+    fn share(hits: impl Iterator<Item = bool>) -> (f32, u32, u64) {
+        let (mut mean, mut means, mut samples, mut sum) = (0.0f32, 0.0f32, 0, 0);
+        for hit in hits {
+            let of_block = samples % Samples::BLOCK + 1;
+            mean = moved(if of_block == 1 { 0.0 } else { mean }, f32::from(u8::from(hit)), of_block as f32);
+            means += if of_block == Samples::BLOCK { mean } else { 0.0 };
+            samples += 1;
+            sum += u64::from(hit);
+        }
+        (mean_of_blocks(means, mean, samples), samples, sum)
+    }
+
+    #[test]
+    fn hits_of_all_samples_are_counted_exactly() {
+        for samples in [1, 2, 3, 7, 15, 16, 17, 100, 4095, 4096, 65_521, Samples::MOST] {
+            for pixel in 0..40 {
+                let rate = [0.5, 0.02, 0.98, 1.0 / 3.0][pixel as usize % 4];
+                let value = |sample| Sampler::Random.place([pixel, 3], sample, 1)[0];
+                let (alpha, samples, sum) = share((0..samples).map(|sample| value(sample) < rate));
+                let image = Image { width: 1, height: 1, pixels: vec![[0.0, 0.0, 0.0, alpha]] };
+                assert_eq!(image.hits(samples), sum, "{samples} samples, pixel {pixel}");
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod cast;
 mod checkpoint;
+mod counting;
 mod device;
 mod edit;
 mod error;
@@ -18,10 +19,10 @@ use std::sync::Arc;
 
 use raystep_scenes::Scene;
 
+use crate::executor::DrawTime;
 use crate::executor::cpu::CpuExecutor;
 #[cfg(feature = "gpu")]
 use crate::executor::gpu::GpuExecutor;
-use crate::executor::{DrawTime, Rounding};
 use crate::options::mapping::Until;
 use crate::options::{Options, Ray, RaySource};
 use crate::plan::Plan;
@@ -31,50 +32,15 @@ use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::state::{StateCounts, Tag};
 pub use checkpoint::Checkpoint;
+pub use counting::{Counted, CounterSums, Counting};
 use device::Executor;
 pub use device::{Device, let_others_run};
 pub use error::RenderError;
 use given::GivenRays;
 pub use lists::{Lists, build_on_host};
 use records::Records;
-pub use records::{KernelSummary, PassTotals};
+pub use records::{KernelSummary, Pass, PassTotals};
 pub use results::RayHit;
-
-/// One pass that has run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pass {
-    /// Its index in the run, from 0.
-    pub index: usize,
-    /// Iteration of the walk's loop that it belongs to, from 1; 0 before the loop.
-    pub iteration: u32,
-    /// Its kernel.
-    pub kernel: Kernel,
-    /// Number of rays that it worked on.
-    pub rays_in: u32,
-    /// Rays in each state after it.
-    pub counts: StateCounts,
-    /// Number of threads that it launched, with or without a ray to work on.
-    ///
-    /// On a GPU, whole workgroups: for a kernel that takes a list of live rays, as many full rows of workgroups as hold
-    /// them; for any other, as many workgroups as cover the image. On the CPU, calls of the twin: for all rays of every
-    /// chunk of 512 that has a ray in one of the kernel's states. Threads that a GPU launches to count rays, or in
-    /// passes that were submitted ahead but not needed, do not count.
-    pub threads_launched: u64,
-    /// When it began, on the device's own clock.
-    pub begin_ns: Option<u64>,
-    /// How long it took on the device; `None` also if it was too short to tell, see [`below_ns`](Self::below_ns).
-    pub duration_ns: Option<u64>,
-    /// How well that is known, if the device's clock is coarse.
-    pub rounding: Option<Rounding>,
-}
-
-impl Pass {
-    /// What its duration is less than, in nanoseconds, if the device's clock is too coarse to tell how long it took.
-    #[must_use]
-    pub fn below_ns(&self) -> Option<u64> {
-        self.rounding.filter(|_| self.duration_ns.is_none()).map(|rounding| rounding.below_ns)
-    }
-}
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

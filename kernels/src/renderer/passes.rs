@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use super::{Pass, Progress, RenderError, Renderer};
 use crate::program::Kernel;
+use crate::tables::kernel::Role;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::STATE_TAG;
 
@@ -90,8 +91,8 @@ impl Renderer {
     }
 
     /// Runs until this many samples of every pixel are complete, or to the end if that comes first. Then
-    /// [`image`](Self::image) is the mean of exactly those, even if passes of the next sample have run too, and the run
-    /// can be continued: one run of 1,024 samples gives the images of 2, 4, 8, … on its way. `progress` is called
+    /// [`image`](Self::image) is the mean of exactly those, even if passes of the next sample have run too (with counters,
+    /// none has), and the run can be continued: one run of 1,024 samples gives the images of 2, 4, 8, … on its way. `progress` is called
     /// between batches of passes and may stop the run.
     ///
     /// # Errors
@@ -132,10 +133,16 @@ impl Renderer {
             self.give_up_walks().await?;
         }
         let foreseen = self.foreseen.get(self.pass_count()..).filter(|left| !left.is_empty());
-        let guess = match foreseen {
+        let mut guess = match foreseen {
             Some(left) => left[..left.len().min(most)].to_vec(),
             None => self.cursor.guess(&self.plan.schedule, self.scheduled(), most),
         };
+        // The counters restart with every sample: who sums them reads them between two samples.
+        if self.plan.counters().is_some()
+            && let Some(last) = guess.iter().position(|kernel| kernel.role() == Role::Sample)
+        {
+            guess.truncate(last + 1);
+        }
         if guess.is_empty() {
             return Ok(0);
         }
@@ -158,17 +165,20 @@ impl Renderer {
                 [] => result.elements,
                 _ => result.kernel.live(&self.counts),
             };
+            let sample = self.cursor.samples;
             self.cursor = ahead;
             is_counted &= result.counts.is_some();
             self.counts = result.counts.unwrap_or(self.counts);
             self.believe(result.kernel, result.is_active.unwrap_or(rays_in > 0));
             let pass = Pass {
                 index: self.pass_count(),
+                sample,
                 iteration: self.cursor.iteration,
                 kernel: result.kernel,
                 rays_in,
                 counts: self.counts,
                 threads_launched: result.threads_launched,
+                encode_ns: result.encode_ns,
                 begin_ns: result.begin_ns,
                 duration_ns: result.duration_ns,
                 rounding: result.rounding,

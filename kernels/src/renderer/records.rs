@@ -2,9 +2,70 @@
 
 use std::collections::BTreeMap;
 
-use super::Pass;
-use crate::executor::DrawTime;
+use crate::executor::{DrawTime, Rounding};
+use crate::program::Kernel;
 use crate::tables::kernel::Role;
+use crate::tables::state::StateCounts;
+
+/// One pass that has run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// Its index in the run, from 0.
+    pub index: usize,
+    /// The sample of every pixel that it belongs to, from 0.
+    pub sample: u32,
+    /// Number of iterations of the walk's loop that have begun in this sample: from 1 in the loop, 0 before it, and always
+    /// 0 in a schedule whose walk is one kernel, which needs no loop.
+    pub iteration: u32,
+    /// Its kernel.
+    pub kernel: Kernel,
+    /// Number of rays that it worked on; of a program without rays, of elements.
+    pub rays_in: u32,
+    /// Rays in each state after it.
+    pub counts: StateCounts,
+    /// Number of threads that it launched, with or without a ray to work on.
+    ///
+    /// On a GPU, whole workgroups: for a kernel that takes a list of live rays, as many full rows of workgroups as hold
+    /// them; for any other, as many workgroups as cover the image. On the CPU, calls of the twin: for all rays of every
+    /// chunk of 512 that has a ray in one of the kernel's states. Threads that a GPU launches to count rays, or in
+    /// passes that were submitted ahead but not needed, do not count.
+    pub threads_launched: u64,
+    /// How long the host took to record its commands, without the translation by the driver; `None` for the twins, which
+    /// need none, and without a host clock.
+    pub encode_ns: Option<u64>,
+    /// When it began, by the clock that timed the run: the device's own or, for the twins, the host's.
+    pub begin_ns: Option<u64>,
+    /// How long it took, by the same clock; `None` also if it was too short to tell, see [`below_ns`](Self::below_ns).
+    pub duration_ns: Option<u64>,
+    /// How well that is known, if the device's clock is coarse.
+    pub rounding: Option<Rounding>,
+}
+
+impl Pass {
+    /// A pass of a kernel of which nothing else is known.
+    #[must_use]
+    pub fn of(kernel: Kernel) -> Self {
+        Self {
+            index: 0,
+            sample: 0,
+            iteration: 0,
+            kernel,
+            rays_in: 0,
+            counts: StateCounts::default(),
+            threads_launched: 0,
+            encode_ns: None,
+            begin_ns: None,
+            duration_ns: None,
+            rounding: None,
+        }
+    }
+
+    /// What its duration is less than, in nanoseconds, if the device's clock is too coarse to tell how long it took.
+    #[must_use]
+    pub fn below_ns(&self) -> Option<u64> {
+        self.rounding.filter(|_| self.duration_ns.is_none()).map(|rounding| rounding.below_ns)
+    }
+}
 
 /// A kernel's share of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,7 +75,8 @@ pub struct KernelSummary {
     pub passes: usize,
     /// Rays worked on, summed over its passes; `null` unless they were counted in every pass.
     pub rays_in: Option<u64>,
-    /// Device time; `null` unless every pass was timed.
+    /// Time that its passes took, by the clock that timed the run: the device's or, for the twins, the host's; `null`
+    /// unless every pass was timed.
     pub duration_ns: Option<u64>,
 }
 

@@ -31,6 +31,7 @@ pub use error::SceneDataError;
 use error::reserve;
 pub use shading::BACKGROUND;
 use shading::{flat_normal, lights, material, textures};
+pub(crate) use traced::as_f32;
 use traced::packed_triangles;
 pub(crate) use traced::{bvh_growth, origins, traced_vertices};
 pub use traced::{traced_camera, traced_ray};

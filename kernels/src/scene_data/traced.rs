@@ -66,7 +66,11 @@ pub fn traced_camera(camera: &SceneCamera, units: Units, width: u32, height: u32
 }
 
 /// A ray in traced units: the origin scaled, and the direction scaled by its own power of two so that its largest
-/// component is in [1, 2), and the ends of its interval with it, at most [`INF`]. Also returns the exponent k of the scene's t: `t_scene = t_traced * 2^k`.
+/// component is in [1, 2), and the ends of its interval with it, at most [`INF`]. Also returns the exponent k of the scene's
+/// t: `t_scene = t_traced * 2^k`.
+///
+/// The interval counts for t as f32 [reports it](as_f32): nothing is reported beyond a t_min of `f32::MAX`, nor at a t_max
+/// below the normal numbers, to which smaller t may be rounded up.
 #[must_use]
 pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
     let origin = ray.origin.map(|v| units.to_traced(v));
@@ -75,8 +79,18 @@ pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
     let direction = ray.direction.map(|v| (f64::from(v) * exp2(exponent)) as f32);
     let unit = floor_log2(units.scene_units_per_stream_unit());
     let k = unit + exponent;
-    let [t_min, t_max] = [ray.t_min, ray.t_max].map(|t| (f64::from(t) * exp2(-k)).min(f64::from(INF)) as f32);
+    let traced = |t: f32| (f64::from(t) * exp2(-k)).min(f64::from(INF)) as f32;
+    let t_min = if ray.t_min < f32::MAX { traced(ray.t_min) } else { INF };
+    let t_max = if ray.t_max.is_subnormal() { traced(ray.t_max.next_down()).next_up() } else { traced(ray.t_max) };
     (Ray { origin, direction, t_min, t_max }, k)
+}
+
+/// The t of a hit as f32, positive and finite: the nearest that is not smaller, or the largest there is. Only a t below
+/// the normal numbers or beyond all of them differs from `t`, which is a traced t times a power of two. So the next hit
+/// of a ray has another t, and a ray that starts at the t of a hit does not find it again.
+pub(crate) fn as_f32(t: f64) -> f32 {
+    let nearest = t as f32;
+    if f64::from(nearest) < t { nearest.next_up().min(f32::MAX) } else { nearest.min(f32::MAX) }
 }
 
 /// The box of all ray origins, in traced units; `None` if there are none.

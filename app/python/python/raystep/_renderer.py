@@ -31,8 +31,10 @@ class Pass:
 
     index: int
     """Its index in the run, from 0."""
+    sample: int
+    """The sample of every pixel that it belongs to, from 0."""
     iteration: int
-    """Iteration of the walk's loop that it belongs to, from 1; 0 before the loop."""
+    """Iterations of the walk's loop that have begun in this sample; always 0 where the walk is one kernel."""
     kernel: str
     """Name of its kernel."""
     rays_in: int
@@ -42,7 +44,7 @@ class Pass:
     threads_launched: int
     """Threads, with or without a ray to work on."""
     begin_ns: int | None
-    """When it began, on the device's own clock; None without `timings=True`."""
+    """When it began, on the device's own clock, which starts at any time; None without `timings=True`."""
     duration_ns: int | None
     """How long it took on the device; None without `timings=True`, or if it is not known."""
     below_ns: int | None
@@ -310,8 +312,8 @@ class Renderer:
 
     def history(self, x: int, y: int) -> TableLike:
         """What each pass does to the ray of pixel (x, y), counted from 0 at the top left: a row for every pass that works
-        on it, with the reason. Columns are those of `raystep trace --format csv`; the cell is that before the pass, all
-        else after it; lengths are in traced units. The run itself stays where it is. Raises `OptionError` if there is no
+        on it, with the reason. Columns are those of `raystep trace --format csv`: names say whether a value is from
+        before or after the pass; lengths are in traced units. The run itself stays where it is. Raises `OptionError` if there is no
         such pixel.
 
         >>> rows = Renderer("cornell-box", size=(8, 6), device="cpu").history(4, 3)
@@ -334,7 +336,7 @@ class Renderer:
 
     def timings(self) -> TableLike:
         """A row for every pass so far, or for every part of one that is drawn; columns as in `raystep render
-        --passes-csv`, times in nanoseconds. They are None without `timings=True`.
+        --passes-csv`, times in nanoseconds. They are None without `timings=True`, and counters without `counters=True`.
 
         >>> run = Renderer("cornell-box", size=(8, 6), timings=True, device="cpu").run()
         >>> len(run.timings()) == run.pass_count
@@ -344,7 +346,7 @@ class Renderer:
 
 
 def _pass(parts: _raystep._Pass | None) -> Pass | None:
-    return None if parts is None else Pass(*parts[:4], dict(parts[4]), *parts[5:])
+    return None if parts is None else Pass(*parts[:5], dict(parts[5]), *parts[6:])
 
 
 END = (1 << 63) - 1

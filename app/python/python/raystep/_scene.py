@@ -41,6 +41,7 @@ class Hits:
     @property
     def t(self) -> NDArray[np.float32]:
         """t of the hit, in multiples of the ray's direction; infinite without a hit.
+        Otherwise positive and finite: the largest float32 where t is larger, rounded up where it is below 1.2e-38.
 
         >>> scene = Scene(triangles=[[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]], device="cpu")
         >>> hits = scene.cast([[0, 0, 3], [5, 5, 3]], [[0, 0, -2], [0, 0, -1]])

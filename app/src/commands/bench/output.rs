@@ -149,7 +149,11 @@ pub(super) fn write(
         Resource { file: RUNS, what: "a timed run", columns: &runs::COLUMNS },
     ];
     if has_passes {
-        files.push(Resource { file: PASSES, what: "a pass of one more run", columns: &PASSES_COLUMNS });
+        files.push(Resource {
+            file: PASSES,
+            what: "a pass of one run per configuration, beside the timed runs, in which every pass is timed",
+            columns: &PASSES_COLUMNS,
+        });
         folder.write(PASSES, |out| {
             let mut csv = PassesCsv::new(out)?;
             for run in &measured.details {

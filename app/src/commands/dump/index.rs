@@ -36,13 +36,15 @@ pub(super) struct Index {
     pub(super) passes: Vec<IndexPass>,
 }
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub(super) struct IndexPass {
     /// Its number, which does not depend on what is dumped.
     pub(super) index: usize,
     pub(super) kernel: &'static str,
     /// Why it did not run, otherwise `null`. Its results are then unknown.
     pub(super) left_out: Option<&'static str>,
+    /// As in `passes.csv`, like the next three.
+    sample: Option<u32>,
     iteration: Option<u32>,
     rays_in: Option<u32>,
     rays_out: Option<u32>,
@@ -52,9 +54,7 @@ pub(super) struct IndexPass {
 
 impl IndexPass {
     fn left_out(index: usize, kernel: Kernel) -> Self {
-        let (iteration, rays_in, rays_out, rays_by_state) = (None, None, None, None);
-        let (kernel, left_out) = (kernel.name(), Some(NOT_NEEDED));
-        Self { index, kernel, left_out, iteration, rays_in, rays_out, rays_by_state, files: Vec::new() }
+        Self { index, kernel: kernel.name(), left_out: Some(NOT_NEEDED), ..Self::default() }
     }
 }
 
@@ -72,9 +72,10 @@ pub(super) fn index(
         index: left_out.before() + pass.index,
         kernel: pass.kernel.name(),
         left_out: None,
+        sample: Some(pass.sample),
         iteration: Some(pass.iteration),
         rays_in: Some(pass.rays_in),
-        rays_out: Some(csv::rays_out(pass)),
+        rays_out: csv::rays_out(pass),
         rays_by_state: Some(json::states(plan.program, &pass.counts)),
         files: Vec::new(),
     };

@@ -40,13 +40,17 @@ const MOST_BYTES: u64 = 1 << 32;
 const OWN: [(&str, &str, &str); 9] = [
     ("job", "string", "name of the job and of its folder in jobs"),
     ("host", "string", "name of the machine that ran it"),
-    ("is_shared", "boolean", "whether something else ran on the machine meanwhile; empty if nothing was timed"),
+    (
+        "is_shared",
+        "boolean",
+        "whether something else ran on the machine meanwhile, or may have; empty if nothing was timed",
+    ),
     ("table", "string", "section of the report"),
     ("image", "string", "the image's file"),
     ("image_hash", "string", "hash of that file, with the method as prefix"),
-    ("trace_s", "number", "seconds of tracing"),
+    ("trace_s", "number", "seconds of tracing, by the host's clock"),
     ("job_s", "number", "seconds of the job's process, or of all for an image in parts"),
-    ("hits", "integer", "rays that hit a triangle"),
+    ("hits", "integer", "rays that hit a triangle, of all samples of an image"),
 ];
 
 /// Fields of a row by column; columns that are missing are unknown.

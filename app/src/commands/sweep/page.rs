@@ -132,9 +132,14 @@ fn details(what: What, rows: &[&Row]) -> String {
                     None if is_shared(row) => "shared".into(),
                     None => String::new(),
                 };
+                // Rays from a file have no image.
+                let size = match [field(row, "width_px"), field(row, "height_px")] {
+                    ["", _] => String::new(),
+                    [width, height] => escaped(&format!("{width}×{height}")),
+                };
                 let own = vec![
                     escaped(field(row, "rays_kind")),
-                    escaped(&format!("{}×{}", field(row, "width_px"), field(row, "height_px"))),
+                    size,
                     escaped(&format!(
                         "{} {} {}",
                         field(row, "accelerator"),

@@ -130,11 +130,11 @@ impl Facts<'_> {
             Fact::RowWhy => Value::text(&row.why),
             Fact::RowTriangle => Value::count(tested()?.into()),
             Fact::RowCell => {
-                let [x, y, z] = row.cell.ok_or("this pass works in no cell")?;
+                let [x, y, z] = row.cell_before.ok_or("this pass works in no cell")?;
                 Value::text(format!("{x},{y},{z}"))
             }
             Fact::RowListed => {
-                let [x, y, z] = row.cell.ok_or("this pass works in no cell")?;
+                let [x, y, z] = row.cell_before.ok_or("this pass works in no cell")?;
                 let cell = data.grid.cell_index([x, y, z]);
                 Value::count(crate::walk::listed(data, cell).count() as u64)
             }
@@ -175,7 +175,7 @@ impl Facts<'_> {
     fn beyond(&self) -> Result<Beyond, String> {
         const NOT: &str = "this pass finds no hit beyond its cell";
         let (life, data, (index, row)) = (self.life()?, &self.opened()?.data, self.row()?);
-        let (Some(triangle), Some(cell)) = (row.tested, row.cell) else { return Err(NOT.into()) };
+        let (Some(triangle), Some(cell)) = (row.tested, row.cell_before) else { return Err(NOT.into()) };
         let t = self.t_of(row, triangle).map_err(|_| NOT)?;
         if !data.features.in_cell {
             let (axis, exit) = exit_of(life, index).ok_or(NOT)?;
@@ -231,7 +231,8 @@ const NOT_DRAWN: &str = "its kernels are compute shaders";
 fn exit_of(life: &Trace, index: usize) -> Option<(usize, f32)> {
     let row = life.rows.get(index)?;
     // The first pass that knows a cell has found its tMax itself.
-    let before = index.checked_sub(1).and_then(|i| life.rows.get(i)).filter(|_| row.cell.is_some()).unwrap_or(row);
+    let before =
+        index.checked_sub(1).and_then(|i| life.rows.get(i)).filter(|_| row.cell_before.is_some()).unwrap_or(row);
     let known = before.after.tmax.iter().enumerate().filter_map(|(axis, t)| Some((axis, (*t)?)));
     known.min_by(|a, b| a.1.total_cmp(&b.1))
 }

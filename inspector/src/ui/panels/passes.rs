@@ -176,17 +176,7 @@ mod tests {
     use super::*;
 
     fn pass(index: usize, duration_ns: Option<u64>, rounding: Option<Rounding>) -> Pass {
-        Pass {
-            index,
-            iteration: 0,
-            kernel: INTERSECT,
-            rays_in: 1,
-            counts: Default::default(),
-            threads_launched: 0,
-            begin_ns: None,
-            duration_ns,
-            rounding,
-        }
+        Pass { index, rays_in: 1, duration_ns, rounding, ..Pass::of(INTERSECT) }
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub(super) fn cell([x, y, z]: [i32; 3]) -> Option<Picked> {
 /// Whether a row of a ray's history is about what was picked.
 pub(in crate::ui) fn touches(row: &TraceRow, picked: Picked) -> bool {
     match picked {
-        Picked::Cell([x, y, z]) => row.cell.is_some_and(|at| at.map(i64::from) == [x, y, z].map(i64::from)),
+        Picked::Cell([x, y, z]) => row.cell_before.is_some_and(|at| at.map(i64::from) == [x, y, z].map(i64::from)),
         // Only with a BVH is there a previous node, and are indices those of nodes.
         Picked::Node(node) => {
             row.after.previous.is_some_and(|previous| previous == node || row.after.cell_index == node)
@@ -33,7 +33,7 @@ pub(in crate::ui) fn touches(row: &TraceRow, picked: Picked) -> bool {
 /// What a row of a ray's history is about, if it is about one thing.
 pub(in crate::ui) fn of_row(row: &TraceRow) -> Option<Picked> {
     let node = row.after.previous.map(|_| Picked::Node(row.after.cell_index));
-    row.tested.map(Picked::Triangle).or(row.cell.and_then(cell)).or(node)
+    row.tested.map(Picked::Triangle).or(row.cell_before.and_then(cell)).or(node)
 }
 
 /// Its name.

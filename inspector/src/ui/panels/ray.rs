@@ -46,7 +46,6 @@ impl Panel for RayView {
         let history = History {
             life: &life,
             model,
-            data: opened.map(|opened| &*opened.data),
             states: opened.map_or(States(&[]), |opened| opened.plan.program.states),
             scale,
             decimals: self.decimals(&life, scale),

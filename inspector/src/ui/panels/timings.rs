@@ -261,8 +261,7 @@ mod tests {
     use super::*;
 
     pub(super) fn pass(index: usize, kernel: Kernel, rays_in: u32, duration_ns: Option<u64>) -> Pass {
-        let (iteration, counts, threads_launched, begin_ns) = (0, Default::default(), 0, None);
-        Pass { index, iteration, kernel, rays_in, counts, threads_launched, begin_ns, duration_ns, rounding: None }
+        Pass { index, rays_in, duration_ns, ..Pass::of(kernel) }
     }
 
     #[test]

@@ -10,6 +10,7 @@ use super::runs::{RunRow, pairs};
 use super::{Measured, SCHEMA_VERSION, SummaryRow, Wanted, Way};
 use crate::meter::{Meter, Time, Turns, in_turn};
 use crate::reporter::Reporter;
+use crate::subject::Size;
 use crate::{Error, Machine};
 
 /// Maximum size of the configurations that are measured together, chosen to fit on most devices. A larger configuration
@@ -166,8 +167,8 @@ impl<'a> Bench<'a> {
             let (invalid, repeats) = (row.invalid_runs, self.wanted.repeats);
             self.note(format!("{group}, {}: {invalid} of {repeats} times were invalid and do not count", name(&row)));
         }
-        fn rays_of(r: &SummaryRow) -> (&str, &str, u32, u32) {
-            (&r.scene_hash, &r.rays_kind, r.width_px, r.height_px)
+        fn rays_of(r: &SummaryRow) -> (&str, &str, Option<Size>) {
+            (&r.scene_hash, &r.rays_kind, r.size())
         }
         let same_rays = |other: &&SummaryRow| rays_of(other) == rays_of(&row);
         let other = self.measured.rows.iter().find(same_rays).filter(|r| r.hits_hash != row.hits_hash);

@@ -22,7 +22,8 @@ pub(super) struct Group<'a> {
     /// For display.
     pub(super) name: String,
     pub(super) subject: &'a Subject,
-    pub(super) size: Size,
+    /// Size of the image that the rays are from; `None` if they are from a file.
+    pub(super) size: Option<Size>,
     /// Kind of rays.
     pub(super) kind: String,
     /// Whether rays end at any hit with t < 1, like shadow rays.
@@ -102,7 +103,8 @@ impl<'a> Builder<'a> {
         }
         stage("compiling kernels and timing passes");
         let context = machine.run_context(run_id.clone(), &subject.scene, options, &plan);
-        let context = RunContext { configuration: configuration.clone(), repeat: self.wanted.repeats, ..context };
+        let (width_px, height_px) = group.size.map(|size| (size.width, size.height)).unzip();
+        let context = RunContext { configuration: configuration.clone(), width_px, height_px, ..context };
         let clock = context.timer.map_or("", |timer| timer.name()).to_owned();
         let (details, start_s) = match self.extent {
             Extent::Full => {
@@ -141,8 +143,8 @@ impl<'a> Builder<'a> {
             rays_kind: group.kind.clone(),
             seed: self.wanted.seed,
             adapter: machine.name(),
-            width_px: group.size.width,
-            height_px: group.size.height,
+            width_px,
+            height_px,
             rays: plan.rays,
             build_s,
             start_s,

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::runs::{self, RunRow};
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::median;
+use crate::subject::Size;
 pub use crate::tidy::SCHEMA_VERSION;
 
 /// `clock` of times measured by the host.
@@ -96,8 +97,8 @@ pub struct SummaryRow {
     pub rays_kind: String,
     pub seed: u32,
     pub adapter: String,
-    pub width_px: u32,
-    pub height_px: u32,
+    pub width_px: Option<u32>,
+    pub height_px: Option<u32>,
     pub rays: u64,
     pub build_s: f64,
     pub start_s: f64,
@@ -226,21 +227,28 @@ impl SummaryRow {
     /// Whether two rows have the same configuration, possibly on different devices.
     #[must_use]
     pub fn is_same_configuration(&self, other: &Self) -> bool {
-        type Key<'a> = ([&'a str; 9], Option<u32>, bool, u32, u32, u32);
+        type Key<'a> = ([&'a str; 9], Option<u32>, bool, Option<Size>, u32);
         fn key(r: &SummaryRow) -> Key<'_> {
             let tracing = [&r.accelerator, &r.schedule, &r.mapping, &r.traversal, &r.numerics, &r.grid, &r.skip];
             let [a, b, c, d, e, f, g] = tracing;
             let texts = [&r.scene, &r.rays_kind, a, b, c, d, e, f, g];
-            (texts.map(String::as_str), r.steps_per_pass, r.keep_all, r.width_px, r.height_px, r.seed)
+            (texts.map(String::as_str), r.steps_per_pass, r.keep_all, r.size(), r.seed)
         }
         key(self) == key(other)
+    }
+
+    /// Size of the image that its rays are from; `None` if they are from a file.
+    #[must_use]
+    pub fn size(&self) -> Option<Size> {
+        Some(Size { width: self.width_px?, height: self.height_px? })
     }
 
     /// Its configuration in words.
     #[must_use]
     pub fn name(&self) -> String {
-        let Self { scene, width_px, height_px, rays_kind, accelerator, schedule, numerics, grid, skip, .. } = self;
-        let mut name = format!("{scene} {width_px}x{height_px} {rays_kind}, {accelerator} {schedule} {numerics}");
+        let Self { scene, rays_kind, accelerator, schedule, numerics, grid, skip, .. } = self;
+        let size = self.size().map(|size| format!(" {size}")).unwrap_or_default();
+        let mut name = format!("{scene}{size} {rays_kind}, {accelerator} {schedule} {numerics}");
         if (grid.as_str(), skip.as_str()) != ("auto", "auto") {
             name += &format!(" grid={grid} skip={skip}");
         }
@@ -282,7 +290,6 @@ pub fn useful_steps_per_thread(passes: &[Pass]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use raystep_kernels::programs::closest_hit::kernels;
-    use raystep_kernels::tables::state::StateCounts;
 
     use super::*;
 
@@ -361,7 +368,7 @@ mod tests {
         let moved = SummaryRow { scene_hash: "x".into(), run_id: "b".into(), ..then.clone() };
         let other = [
             SummaryRow { rays_kind: "bounce".into(), ..then.clone() },
-            SummaryRow { width_px: 5, ..then.clone() },
+            SummaryRow { width_px: Some(5), height_px: Some(5), ..then.clone() },
             SummaryRow { grid: "20,20,20".into(), ..then.clone() },
             SummaryRow { steps_per_pass: Some(3), ..then.clone() },
             SummaryRow { keep_all: true, ..then.clone() },
@@ -377,17 +384,7 @@ mod tests {
 
     #[test]
     fn useful_steps_are_rays_by_threads() {
-        let pass = |rays_in, threads_launched| Pass {
-            index: 0,
-            iteration: 0,
-            kernel: kernels::INTERSECT,
-            rays_in,
-            counts: StateCounts::default(),
-            threads_launched,
-            begin_ns: None,
-            duration_ns: None,
-            rounding: None,
-        };
+        let pass = |rays_in, threads_launched| Pass { rays_in, threads_launched, ..Pass::of(kernels::INTERSECT) };
         assert_eq!(useful_steps_per_thread(&[pass(64, 64), pass(26, 56)]), Some(0.75));
         assert_eq!(useful_steps_per_thread(&[pass(0, 0)]), None);
     }

@@ -38,8 +38,9 @@ pub fn text(rows: &[SummaryRow]) -> String {
 
 /// What the rows of a group have in common.
 fn title(row: &SummaryRow) -> String {
-    let SummaryRow { scene, triangles, width_px, height_px, rays_kind, rays, .. } = row;
-    format!("{scene} ({triangles} triangles), {width_px}x{height_px}: {rays} {rays_kind} rays")
+    let SummaryRow { scene, triangles, rays_kind, rays, .. } = row;
+    let size = row.size().map(|size| format!(", {size}")).unwrap_or_default();
+    format!("{scene} ({triangles} triangles){size}: {rays} {rays_kind} rays")
 }
 
 /// The values of [`COLUMNS`].
@@ -78,8 +79,8 @@ mod tests {
             accelerator: "grid".into(),
             schedule: schedule.into(),
             rays_kind: rays_kind.into(),
-            width_px: 32,
-            height_px: 8,
+            width_px: Some(32),
+            height_px: Some(8),
             rays: 256,
             clock: "cpu_clock".into(),
             median_ns: ns,

@@ -84,3 +84,17 @@ impl Record {
         [(RUNS, "a timed run", of(self.runs))].into_iter().chain(rays).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::ABOUT_COLUMNS;
+    use super::*;
+    use crate::tidy::columns::column;
+
+    #[test]
+    fn columns_beside_those_of_sections_are_described() {
+        let all = [RUN_COLUMNS, RAY_COLUMNS, ABOUT_COLUMNS].concat();
+        let unknown: Vec<_> = all.into_iter().filter(|name| column(name).is_none()).collect();
+        assert!(unknown.is_empty(), "{unknown:?}");
+    }
+}

@@ -284,23 +284,12 @@ fn read_back(
 #[cfg(test)]
 mod tests {
     use raystep_kernels::programs::closest_hit::kernels;
-    use raystep_kernels::tables::state;
 
     use super::*;
 
     #[test]
     fn passes_end_since_the_first_began_and_times_that_are_not_known_are_not_0() {
-        let pass = |begin_ns, duration_ns| Pass {
-            index: 0,
-            iteration: 0,
-            kernel: kernels::SETUP,
-            rays_in: 0,
-            counts: state::StateCounts::default(),
-            threads_launched: 0,
-            begin_ns,
-            duration_ns,
-            rounding: None,
-        };
+        let pass = |begin_ns, duration_ns| Pass { begin_ns, duration_ns, ..Pass::of(kernels::SETUP) };
         // The third has no time; the fourth is from a clock that was set back.
         let times =
             [(Some(100), Some(10)), (Some(150), Some(10)), (None, None), (Some(20), Some(5)), (Some(170), Some(1))];

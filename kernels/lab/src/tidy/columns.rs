@@ -1,6 +1,10 @@
 //! The columns of all CSV files: one name for one thing, with type, unit and meaning. A file's schema follows from its
 //! columns' names.
 
+mod of_passes;
+
+use of_passes::OF_PASSES;
+
 /// What a column's fields are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -53,7 +57,7 @@ pub struct Column {
 /// The column with this name; `None` if no file has one.
 #[must_use]
 pub fn column(name: &str) -> Option<&'static Column> {
-    COLUMNS.iter().find(|column| column.name == name)
+    COLUMNS.iter().chain(OF_PASSES).find(|column| column.name == name)
 }
 
 const fn text(name: &'static str, what: &'static str) -> Column {
@@ -72,10 +76,10 @@ const fn truth(name: &'static str, what: &'static str) -> Column {
     Column { name, kind: Kind::Boolean, what }
 }
 
-/// All columns.
-pub const COLUMNS: &[Column] = &[
+/// All columns but those that only `passes.csv` has.
+const COLUMNS: &[Column] = &[
     // Keys.
-    count("schema_version", "version of the columns' meanings, the same in all files"),
+    count("schema_version", "version of the columns' meanings; passes.csv has its own, all other files have the same"),
     text("run_id", "identifies one invocation of the command, in all its files"),
     text("configuration", "identifies what was run, within run_id"),
     text("section", "section of the report"),
@@ -86,29 +90,36 @@ pub const COLUMNS: &[Column] = &[
     // What was run.
     text("method", "name of another program's method; empty for raystep's"),
     count("triangles", "triangles of the scene"),
-    text("accelerator", "acceleration structure: grid, bvh or none"),
+    text(
+        "accelerator",
+        "acceleration structure: grid, irregular, bvh or none; in summary.csv also auto, if raystep was asked to choose",
+    ),
     text("schedule", "how walks are divided into passes: first, second, compact or fused"),
     text("numerics", "robust or paper"),
     text("grid", "requested cells of the grid along x, y and z, or auto"),
     text("skip", "whether empty cells are skipped over: auto, on or off"),
     count("steps_per_pass", "most steps per ray and pass; empty for schedules without this option"),
     truth("keep_all", "whether nothing is omitted from the plan"),
-    count("width_px", "rays per row of the image"),
-    count("height_px", "rows of the image"),
-    text("rays_kind", "primary, bounce, shadow or random"),
+    count("width_px", "pixels per row of the image that the rays are from; empty for rays from a file"),
+    count("height_px", "its rows"),
+    text("rays_kind", "primary, bounce, shadow or random; or file and the hash of the rays, with its method as prefix"),
     text("rule", "numerical rule replaced by the paper's; empty if none"),
     text("stratum", "group of rays that were chosen in the same way"),
     count("rays", "rays traced in a run"),
     count("seed", "seed of rays, samples and orders"),
     truth("is_automatic", "whether the grid's resolution is the automatic one"),
     // Times.
-    text("clock", "gpu_timestamp, cpu_clock, or host if the device has no valid clock"),
+    text("clock", "clock of the times: gpu_timestamp, cpu_clock, or host if the device has no valid clock"),
     count("runs", "counted runs with a valid time"),
     count("invalid_runs", "counted runs whose time was missing, 0 or negative"),
     count("round", "round of interleaved runs, from 0; runs of the same round are compared"),
     count("place", "position in the round, from 0; the order is random"),
     count("sitting", "processes that ran it, from 0: where builds are compared, new ones are started several times"),
-    number("time_ns", "time of a run, in nanoseconds, by the clock"),
+    number(
+        "time_ns",
+        "time of a run, in nanoseconds, by the clock: on a GPU from the begin of the first pass to the end of the last in each \
+         submission, on the CPU the sum of its passes",
+    ),
     number("wall_ns", "the same by the host's clock, including waits for the device"),
     number(
         "fixed_work_ns",
@@ -135,7 +146,11 @@ pub const COLUMNS: &[Column] = &[
         "build_s",
         "seconds for planning, mostly for building the structure: in grid.csv the median of several, elsewhere of one",
     ),
-    number("start_s", "seconds for allocating, uploading and compiling: the median of starts after the first"),
+    number(
+        "start_s",
+        "seconds for allocating, uploading and compiling: in left_out.csv the median of starts after the first, elsewhere of \
+         one",
+    ),
     // What the scene does not need: columns that end with _with are those of a run that has it nevertheless.
     text("item", "what the plan omits because the scene does not need it; all for everything together"),
     text("because", "what makes it unnecessary: scene, options or view"),
@@ -164,6 +179,21 @@ pub const COLUMNS: &[Column] = &[
     number("wrong_per_million_low", "lower end of its exact 95% interval (Clopper and Pearson)"),
     number("wrong_per_million_high", "upper end; if none is wrong, the one-sided 95% bound"),
     count("at_bound", "rays that were not resolved when the run was stopped"),
+    // Judged rays, one a row: t is in multiples of the ray's direction, in scene units.
+    count("ray", "index of the ray among those traced, from 0"),
+    text(
+        "verdict",
+        "same as the exact hit, undecided, missed, false_hit or wrong_hit; unresolved if the run was stopped before",
+    ),
+    count("found_triangle", "triangle that the ray was found to hit; empty if it hits nothing"),
+    number("found_t", "t of that hit"),
+    count("exact_triangle", "nearest triangle that the exact ray hits; empty if there is none"),
+    number("exact_t", "t of that hit"),
+    number("t_error", "error of found_t, if the triangle is the exact one"),
+    number("t_bound", "bound on f32's error of t for that triangle"),
+    // Facts about a report.
+    text("name", "name of a fact"),
+    text("value", "its value"),
     number("undecided_per_million", "undecided rays per million judged"),
     number("most_wrong_per_million", "limit of wrong_per_million_high for a choice to be accurate"),
     truth("is_accurate", "whether wrong_per_million_high is within that limit"),
@@ -227,35 +257,6 @@ pub const COLUMNS: &[Column] = &[
     truth("is_lower_bound", "whether a run was stopped: its time is at least this"),
     number("stiffness", "cells or nodes plus tests expected at a random point of a random triangle"),
     number("predicted_line", "the same along a random line through the scene"),
-    // Passes.
-    count("repeat", "repetition, from 0"),
-    truth("is_warmup", "whether the repetition was only a warm-up"),
-    count("pass_index", "index of a pass in its run, from 0"),
-    count("iteration", "iteration of the schedule's loop, from 1; 0 before the loop"),
-    text("kernel", "the kernel that ran"),
-    text("mapping", "how kernels are mapped to the GPU: compute, or fragment and its choices"),
-    text("traversal", "how rays walk through a uniform grid: amanatides-woo or 3d-dda"),
-    count("draw", "part of a pass that is drawn, from 0: copies, depths, draws of the kernel"),
-    text("targets", "streams that the part writes"),
-    count("fragments_run", "fragments for which a draw ran its program; known if they were asked for"),
-    count("bytes_copied", "bytes that the part copies"),
-    count("gpu_begin_ns", "since the run's first timed pass began, by the clock"),
-    count("gpu_duration_ns", "duration of a pass, by the clock"),
-    count("cpu_encode_ns", "host time to record the pass"),
-    count("rays_in", "rays in one of the kernel's states before the pass: those it worked on"),
-    count("rays_out", "those of them that the pass moved to a state of another kernel"),
-    count("threads_launched", "threads launched by a pass, with or without a ray to work on"),
-    count(
-        "cells_visited",
-        "cells or nodes visited: by a pass, known if counters were requested; or by the farthest ray of a walk",
-    ),
-    count("triangles_tested", "triangles tested by a pass; known if counters were requested"),
-    number("clock_resolution_ns", "smallest step of the clock"),
-    truth("valid", "whether the timer gave a duration; empty if nothing was timed"),
-    count("host_run_ns", "time of the whole run by the host's clock; known if clock is host"),
-    count("duration_runs", "how often the pass was run to time it; known if the clock is coarse"),
-    count("duration_error_ns", "largest standard error of the duration by rounding; known if the clock is coarse"),
-    count("duration_below_ns", "what the duration is certainly less than; known if the clock is coarse"),
     // Passes, in order of time.
     number("pass_end_ns", "end of the pass, in nanoseconds since the start of the first one, by the clock"),
     count("resolved_rays", "rays with a final hit after the pass"),
@@ -347,8 +348,9 @@ mod tests {
 
     #[test]
     fn names_are_unique_and_fields_have_types() {
-        for (i, column) in COLUMNS.iter().enumerate() {
-            assert!(COLUMNS[..i].iter().all(|other| other.name != column.name), "{} twice", column.name);
+        let all = [COLUMNS, OF_PASSES].concat();
+        for (i, column) in all.iter().enumerate() {
+            assert!(all[..i].iter().all(|other| other.name != column.name), "{} twice", column.name);
             assert!(
                 !column.what.is_empty()
                     && column.name.bytes().all(|b| b.is_ascii_lowercase() || b == b'_' || b.is_ascii_digit())

@@ -120,17 +120,7 @@ mod tests {
     }
 
     fn pass(kernel: Kernel, rays_in: u32, threads_launched: u64) -> Pass {
-        Pass {
-            index: 0,
-            iteration: 0,
-            kernel,
-            rays_in,
-            counts: Default::default(),
-            threads_launched,
-            begin_ns: None,
-            duration_ns: None,
-            rounding: None,
-        }
+        Pass { rays_in, threads_launched, ..Pass::of(kernel) }
     }
 
     #[test]

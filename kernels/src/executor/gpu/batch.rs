@@ -6,8 +6,8 @@ use super::books::{Place, blocks_a_dispatch, counts_after, groups, read_sent};
 use super::rounding::Runs;
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
-use crate::executor::PassResult;
 use crate::executor::gpu::readback::Readback;
+use crate::executor::{PassResult, timed};
 use crate::program::{Instance, Kernel};
 use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
@@ -51,14 +51,18 @@ impl GpuExecutor {
         if is_repeated {
             self.encode_keep(&mut encoder, passes[0]);
         }
-        match *passes {
+        let (encoded, encode_ns) = timed(host_clock, || match *passes {
             [kernel] if kernel.info().launch == Launch::Bands => {
-                encoder = self.encode_bands(encoder, kernel, &places[0])?;
+                self.encode_bands(encoder, kernel, &places[0]).map(|encoder| (encoder, Vec::new()))
             }
             [kernel] if self.blocks_a_dispatch(kernel).is_some() => {
-                encoder = self.encode_list(encoder, kernel, &places[0])?;
+                self.encode_list(encoder, kernel, &places[0]).map(|encoder| (encoder, Vec::new()))
             }
-            _ => self.encode_all(&mut encoder, passes, &places)?,
+            _ => self.encode_all(encoder, passes, &places),
+        });
+        let (mut encoder, mut encoded) = encoded?;
+        if encoded.is_empty() {
+            encoded.push(encode_ns);
         }
         // A pass whose rays are counted afterwards is submitted alone.
         let is_counted_anew = matches!(passes, [kernel] if kernel.is_counted_anew(&self.plan.features));
@@ -98,8 +102,10 @@ impl GpuExecutor {
         let mut now = *counts;
         let mut results = Vec::with_capacity(passes.len());
         let launched = passes.iter().zip(&places).zip(sizes);
-        let timed = times.into_iter().zip(runs);
-        for ((((&kernel, place), size), sent), ((begin_ns, duration_ns), runs)) in launched.zip(sent).zip(timed) {
+        let timed = times.into_iter().zip(runs).zip(encoded);
+        for ((((&kernel, place), size), sent), (((begin_ns, duration_ns), runs), encode_ns)) in
+            launched.zip(sent).zip(timed)
+        {
             let threads_launched = place.threads(kernel, &now, size);
             let elements = size.count;
             now = if is_counted_anew { sent } else { counts_after(kernel, &now, &sent) };
@@ -115,6 +121,7 @@ impl GpuExecutor {
                 is_active: None,
                 elements,
                 threads_launched,
+                encode_ns,
                 begin_ns,
                 duration_ns,
                 rounding,
@@ -132,29 +139,39 @@ impl GpuExecutor {
         self.device_ns = self.device_ns.zip(span).map(|(sum, span)| sum + span);
     }
 
+    /// Records passes; also returns how long each of them took.
     fn encode_all(
         &self,
-        encoder: &mut wgpu::CommandEncoder,
+        mut encoder: wgpu::CommandEncoder,
         passes: &[Kernel],
         places: &[Place],
-    ) -> Result<(), GpuError> {
+    ) -> Result<(wgpu::CommandEncoder, Vec<Option<u64>>), GpuError> {
+        let clock = self.gpu.host_clock();
+        let mut encoded = Vec::with_capacity(passes.len());
         let each = self.timers.as_ref().filter(|t| t.each_pass);
         if let Some(timers) = each {
             for (i, (&kernel, place)) in (0..).zip(passes.iter().zip(places)) {
-                let timestamp_writes = timers.writes(Some(2 * i), Some(2 * i + 1));
-                let label = self.pipelines.get(kernel).map(|pipeline| pipeline.label.as_str());
-                let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes };
-                self.dispatch(&mut encoder.begin_compute_pass(&descriptor), kernel, place, None)?;
+                let (recorded, encode_ns) = timed(clock, || {
+                    let timestamp_writes = timers.writes(Some(2 * i), Some(2 * i + 1));
+                    let label = self.pipelines.get(kernel).map(|pipeline| pipeline.label.as_str());
+                    let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes };
+                    self.dispatch(&mut encoder.begin_compute_pass(&descriptor), kernel, place, None)
+                });
+                recorded?;
+                encoded.push(encode_ns);
             }
-            return Ok(());
+            return Ok((encoder, encoded));
         }
         let timestamp_writes = self.timers.as_ref().and_then(|t| t.writes(Some(0), Some(1)));
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(self.plan.program.name), timestamp_writes });
         for (&kernel, place) in passes.iter().zip(places) {
-            self.dispatch(&mut pass, kernel, place, None)?;
+            let (recorded, encode_ns) = timed(clock, || self.dispatch(&mut pass, kernel, place, None));
+            recorded?;
+            encoded.push(encode_ns);
         }
-        Ok(())
+        drop(pass);
+        Ok((encoder, encoded))
     }
 
     /// Runs a kernel in as many submissions as it takes to keep each of them short.

@@ -2,8 +2,9 @@
 
 use bytemuck::{bytes_of, cast_slice};
 
+use crate::options::Skip;
 use crate::options::keep::Item;
-use crate::options::reasons::{Because, FUSED, GIVEN, MANY_STEPS, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED};
+use crate::options::reasons::{Because, GIVEN, ONE_SAMPLE, On, Passes, Reason, Run, SEVERAL_STEPS};
 use crate::scene_data::buffer::{BufferInfo, storage, uniform};
 
 /// Every buffer.
@@ -13,13 +14,17 @@ pub static BUFFERS: &[BufferInfo] = &[
         "grid",
         "corner, cells, cell width; traced units",
         |data| bytes_of(&data.grid),
-        |run| run.other_accelerator(),
+        |run| run.needed_only(On::Cells, Passes::Any),
     ),
     uniform(
         "scene",
         "triangles, steps per pass, rays, first row of workgroups, size of the streams",
         |data| bytes_of(&data.info),
-        |_| (Because::Options, "one step per pass, and lists that have their own ends"),
+        |_| {
+            let needs = "needed only with --accelerator bvh or none, or several steps per pass: --schedule fused, or compact \
+                         with --steps-per-pass 2 or more";
+            (Because::Options, needs)
+        },
     )
     .of_view(),
     uniform(
@@ -38,7 +43,7 @@ pub static BUFFERS: &[BufferInfo] = &[
             if run.options.shade {
                 (Because::Scene, "every triangle has vertex normals")
             } else {
-                (Because::Options, "packed_triangles has them")
+                (Because::Options, "packed_triangles has them: needed only for an image, or one step per pass")
             }
         },
     )
@@ -47,13 +52,13 @@ pub static BUFFERS: &[BufferInfo] = &[
         "grid_cells",
         "u32 per cell and one more: start of its list in grid_items",
         |data| cast_slice(&data.grid_cells),
-        |run| run.other_accelerator(),
+        |run| run.needed_only(On::Grid, Passes::Any),
     ),
     storage(
         "grid_items",
         "u32 triangle ids, ascending within a cell",
         |data| cast_slice(&data.grid_items),
-        |run| run.other_accelerator(),
+        |run| run.needed_only(On::Grid, Passes::Any),
     ),
     storage(
         "grid_distances",
@@ -65,49 +70,49 @@ pub static BUFFERS: &[BufferInfo] = &[
         "irregular_map",
         "u32 per top-level cell, and blocks below: a cell, or a block of finer entries",
         |data| cast_slice(&data.irregular_map),
-        |run| run.other_accelerator(),
+        |run| run.needed_only(On::Irregular, Passes::Any),
     ),
     storage(
         "irregular_cells",
         "16 bytes per cell: box in virtual cells, start of its list in irregular_items",
         |data| cast_slice(&data.irregular_cells),
-        |run| run.other_accelerator(),
+        |run| run.needed_only(On::Irregular, Passes::Any),
     ),
     storage(
         "irregular_items",
         "u32 triangle ids, ascending within a cell; bit 31 marks the last of a list",
         |data| cast_slice(&data.irregular_items),
-        |run| run.other_accelerator(),
+        |run| run.needed_only(On::Irregular, Passes::Any),
     ),
     storage(
         "bvh_nodes",
         "32 bytes per node: box, first child or item, link; traced units",
         |data| cast_slice(&data.bvh_nodes),
-        of_binary_tree,
+        |run| run.needed_only(On::Bvh, Passes::Stepped),
     ),
     storage(
         "bvh_parents",
         "u32 per node: its parent, and in bits 30-31 the axis of the node's link",
         |data| cast_slice(&data.bvh_parents),
-        of_binary_tree,
+        |run| run.needed_only(On::Bvh, Passes::Stepped),
     ),
     storage(
         "bvh_items",
         "u32 triangle ids, in the order of the leaves",
         |data| cast_slice(&data.bvh_items),
-        |run| if run.features.many_steps { MANY_STEPS } else { of_binary_tree(run) },
+        |run| run.needed_only(On::Bvh, Passes::OneStep),
     ),
     storage(
         "wide_nodes",
         "80 bytes per node: eight quantised boxes; traced units",
         |data| cast_slice(&data.wide_nodes),
-        |run| if run.is_fused() { run.other_accelerator() } else { STEPPED },
+        |run| run.needed_only(On::Bvh, Passes::Fused),
     ),
     storage(
         "packed_triangles",
         "48 bytes per entry: corners and triangle id; traced units",
         |data| cast_slice(&data.packed_triangles),
-        |_| ONE_STEP,
+        |_| SEVERAL_STEPS,
     ),
     storage(
         "normals",
@@ -173,13 +178,11 @@ pub static BUFFERS: &[BufferInfo] = &[
 /// Why the distances for empty-space skipping are left out.
 fn of_leaps(run: &Run<'_>) -> Reason {
     match run.features {
-        features if !features.grid => run.other_accelerator(),
-        features if !features.robust => (Because::Options, "--numerics paper visits every cell"),
-        _ => (Because::Options, "no empty-space skipping: --skip off, or too few empty cells"),
+        features if !features.grid => run.needed_only(On::Grid, Passes::Any),
+        features if !features.robust => (Because::Options, "needed only with --numerics robust, if cells are empty"),
+        _ if run.options.skip == Skip::Off => {
+            (Because::Options, "needed only with --skip on, or auto if many cells are empty")
+        }
+        _ => (Because::Scene, "too few cells are empty for --skip auto"),
     }
-}
-
-/// Why a buffer of the binary BVH is left out.
-fn of_binary_tree(run: &Run<'_>) -> Reason {
-    if run.is_fused() { FUSED } else { run.other_accelerator() }
 }

@@ -3,9 +3,7 @@
 use super::elements::RAYS;
 use super::states::{BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE as SHADED, TRAV, TRAV_SETUP, UNWRITTEN};
 use super::{Own, Path, breaks, explain, rounding};
-use crate::options::reasons::{
-    Because, EYE_RAYS, FUSED as BY_FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, STEPPED, of_a_step,
-};
+use crate::options::reasons::{Because, EYE_RAYS, GIVEN, NO_SHADE, ONE_SAMPLE, On, Passes, WALKED};
 use crate::program::kernel::{Kernel, Proof, kernels};
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
 use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};
@@ -70,7 +68,7 @@ kernels! {
         resumes: |_| false,
         list: None,
         colour: [150, 120, 190],
-        why_absent: |_| BY_FUSED,
+        why_absent: |run| run.needed_only(On::Any, Passes::Stepped),
         summary: "finds where the ray's walk begins, or that it misses the grid",
         own: Own {
             explain: explain::of_setup,
@@ -90,7 +88,7 @@ kernels! {
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
-        why_absent: of_a_step,
+        why_absent: |run| run.needed_only(On::Grid, Passes::OneStep),
         summary: "moves the ray to its next cell",
         own: Own {
             explain: explain::of_traverse_grid,
@@ -110,7 +108,7 @@ kernels! {
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
-        why_absent: of_a_step,
+        why_absent: |run| run.needed_only(On::Irregular, Passes::OneStep),
         summary: "moves the ray to its next cell of the irregular grid",
         own: Own {
             explain: explain::of_traverse_irregular,
@@ -136,7 +134,7 @@ kernels! {
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
-        why_absent: of_a_step,
+        why_absent: |run| run.needed_only(On::Bvh, Passes::OneStep),
         summary: "moves the ray to its next node of the BVH",
         own: Own {
             explain: explain::of_traverse_bvh,
@@ -165,7 +163,7 @@ kernels! {
         resumes: |features| features.resumes_scan,
         list: Some(INTERSECT_LIST),
         colour: [232, 140, 60],
-        why_absent: |run| if run.features.many_steps { MANY_STEPS } else { BY_FUSED },
+        why_absent: |run| run.needed_only(On::Any, Passes::OneStep),
         summary: "tests the ray against one triangle of its cell or leaf",
         own: Own {
             explain: explain::of_intersect,
@@ -195,7 +193,7 @@ kernels! {
         resumes: |features| features.resumes,
         list: Some(INTERSECT_LIST),
         colour: [190, 150, 30],
-        why_absent: |run| if run.is_fused() { BY_FUSED } else { ONE_STEP },
+        why_absent: |_| WALKED,
         summary: "moves the ray by several cells or nodes",
         own: Own {
             explain: explain::of_walk,
@@ -237,7 +235,7 @@ kernels! {
         // A walk that resumes takes indices from its streams, which the caller may have edited.
         proof: Proof::new(|data, features| !features.resumes && data.indices_hold(features)),
         colour: [200, 80, 140],
-        why_absent: |_| STEPPED,
+        why_absent: |run| run.needed_only(On::Any, Passes::Fused),
         summary: "takes the ray from its start to its nearest hit",
         own: Own {
             explain: explain::of_fused,
@@ -304,7 +302,7 @@ kernels! {
         resumes: |_| false,
         list: None,
         colour: [120, 120, 120],
-        why_absent: |_| (Because::Options, "every kernel counts the rays that it sends on"),
+        why_absent: |_| (Because::Options, "needed only after a kernel that does not count the rays that it sends on, such as fused"),
         summary: "counts the rays in each state, after a kernel that does not",
         own: Own {
             explain: explain::of_count,

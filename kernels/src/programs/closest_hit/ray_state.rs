@@ -1,6 +1,6 @@
 //! A ray between two passes: its texels, decoded.
 
-use super::states::{DONE, STATES};
+use super::states::{DONE, ISECT_HIT, ISECT_NO_HIT, STATES, TRAV};
 use super::streams::{
     ACCUMULATED, ACCUMULATED_SAMPLES, COLOR, CONTROL, HIT, HIT_TRIANGLE, PREVIOUS, RAY_DIRECTION, RAY_INTERVAL,
     RAY_ORIGIN, STATE, STATE_CELL, STATE_ITEM, STATE_T, TMAX,
@@ -81,6 +81,12 @@ impl RayState {
             color: if tag == DONE { floats(COLOR) } else { None },
             samples: texel(ACCUMULATED).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),
         }
+    }
+
+    /// Whether it is in a cell or at a node: its walk has begun and is not over.
+    #[must_use]
+    pub fn is_walking(&self) -> bool {
+        matches!(self.tag, TRAV | ISECT_HIT | ISECT_NO_HIT)
     }
 
     /// What decides by which face the ray leaves its cell, per axis: the control terms of a 3D-DDA, or tMax.

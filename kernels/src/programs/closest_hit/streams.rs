@@ -31,7 +31,7 @@
 
 use super::elements::RAYS;
 use crate::options::features::Features;
-use crate::options::reasons::{Because, EYE_RAYS, FUSED, NO_SHADE, ONE_SAMPLE, Reason, Run};
+use crate::options::reasons::{Because, EYE_RAYS, NO_SHADE, ONE_SAMPLE, On, Passes, Reason, Run};
 use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
 use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
 use crate::tables::stream::{Stream, streams};
@@ -48,34 +48,31 @@ pub const HIT_TRIANGLE: usize = 2;
 pub const ACCUMULATED_SAMPLES: usize = 4;
 
 /// No ray waits for another dispatch.
-const NO_WALK_WAITS: Reason = (Because::Options, "every walk finishes in one dispatch");
+const NO_WALK_WAITS: Reason =
+    (Because::Options, "needed only if a walk may take more loop turns than one dispatch allows");
 
-/// Why a stream that only steps of a walk need is left out.
+/// Why a stream that only passes of steps need is left out.
 fn of_steps(run: &Run<'_>) -> Reason {
-    if run.is_fused() { FUSED } else { run.other_accelerator() }
+    run.needed_only(On::Any, Passes::Stepped)
 }
 
 fn of_tmax(run: &Run<'_>) -> Reason {
-    match run {
-        run if run.is_fused() => FUSED,
-        run if run.features.dda => (Because::Options, "--traversal 3d-dda computes no t"),
-        run if run.features.grid || run.features.irregular => {
-            (Because::Options, "several steps per pass: computed from the cell")
-        }
-        run => run.other_accelerator(),
+    if run.features.dda && !run.is_fused() {
+        return (Because::Options, "needed only with --traversal amanatides-woo");
     }
+    // Robust rules compute it from the cell; the paper's accumulate it from pass to pass.
+    run.needed_only(On::Cells, if run.features.robust { Passes::OneStep } else { Passes::Stepped })
 }
 
 fn of_control(run: &Run<'_>) -> Reason {
-    match run {
-        run if run.is_fused() => FUSED,
-        run if run.features.grid => (Because::Options, "--traversal amanatides-woo"),
-        run => run.other_accelerator(),
+    match run.is_fused() {
+        true if run.features.dda => run.needed_only(On::Any, Passes::Stepped),
+        true => (
+            Because::Options,
+            "needed only with --accelerator grid --numerics paper --traversal 3d-dda and --schedule first, second or compact",
+        ),
+        false => (Because::Options, "needed only with --accelerator grid --numerics paper --traversal 3d-dda"),
     }
-}
-
-fn of_blocks(run: &Run<'_>) -> Reason {
-    if run.features.samples { (Because::Options, "16 samples per pixel or fewer: one block") } else { ONE_SAMPLE }
 }
 
 /// The stream in which a walk through a uniform grid keeps what decides its next step.
@@ -93,7 +90,7 @@ streams! {
         unwritten: &[0; 3], why_absent: |_| EYE_RAYS;
     /// The t between which hits count; neither end does.
     RAY_INTERVAL of RAYS: "ray_interval" F32 &["t_min", "t_max"], meaning: &[Distance; 2], unit: "t",
-        unwritten: &[0, INF.to_bits()], why_absent: |_| (Because::Options, "no ray has a t_min or a t_max");
+        unwritten: &[0, INF.to_bits()], why_absent: |_| (Because::Options, "needed only for rays with a t_min or a t_max");
     /// Tag, nearest t, cell, item offset.
     STATE of RAYS: "state" U32 &["tag", "t", "cell", "item"], meaning: &[Tag, Distance, Id, Count], unit: "tag, t as f32 bits, 1-D index, count",
         unwritten: &[0, INF.to_bits(), 0, 0], why_absent: of_steps;
@@ -105,10 +102,10 @@ streams! {
         unwritten: &[0; 3], why_absent: of_control;
     /// Virtual cell of an irregular grid by which the ray came into its cell.
     VOXEL of RAYS: "voxel" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "coordinates of a virtual cell",
-        unwritten: &[0; 3], why_absent: of_steps;
+        unwritten: &[0; 3], why_absent: |run| run.needed_only(On::Irregular, Passes::Stepped);
     /// Node visited before this one.
     PREVIOUS of RAYS: "previous" U32 &["node"], meaning: &[Id], unit: "index of a node",
-        unwritten: &[NO_NODE], why_absent: of_steps;
+        unwritten: &[NO_NODE], why_absent: |run| run.needed_only(On::Bvh, Passes::Stepped);
     /// Barycentrics and triangle of the nearest hit.
     HIT of RAYS: "hit" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
         unwritten: &[0, 0, NO_TRIANGLE], why_absent: of_steps;
@@ -117,13 +114,13 @@ streams! {
         unwritten: &[0; 3], why_absent: |_| NO_SHADE;
     /// Cells visited, triangles tested, repeated tests.
     COUNTERS of RAYS: "counters" U32 &["cells", "triangles", "repeated"], meaning: &[Count; 3], unit: "count",
-        unwritten: &[0; 3], why_absent: |_| (Because::Options, "counters are not requested");
+        unwritten: &[0; 3], why_absent: |_| (Because::Options, "needed only with --counters");
     /// Mean colour and coverage of the latest block's samples so far, and the number of all samples.
     ACCUMULATED of RAYS: "accumulated" F32 &["r", "g", "b", "a", "samples"], meaning: &[Light, Light, Light, Float, Float], unit: "linear light, share of samples that hit, count",
         unwritten: &[0; 5], why_absent: |_| ONE_SAMPLE;
     /// Sums over the complete blocks of samples of their means.
     BLOCKS of RAYS: "blocks" F32 &["r", "g", "b", "a"], meaning: &[Light, Light, Light, Float], unit: "linear light, share of samples that hit, times blocks",
-        unwritten: &[0; 4], why_absent: of_blocks;
+        unwritten: &[0; 4], why_absent: |_| (Because::Options, "needed only with --spp 17 or more");
     /// Where in the grid a ray waits for the next dispatch of `fused`: what its cell's index does not tell.
     PLACE of RAYS: "place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Id, Id, Count, Distance, Distance, Distance], unit: "cell coordinates, count of cells, t or control terms as f32 bits",
         unwritten: &[0; 7], why_absent: |_| NO_WALK_WAITS;
@@ -132,7 +129,7 @@ streams! {
         unwritten: &[0; 4], why_absent: |_| NO_WALK_WAITS;
     /// Where the search for repeated tests waits for the next dispatch.
     SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Distance, Distance, Distance], unit: "1-D index, t or control terms as f32 bits",
-        unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "every search for repeated tests finishes in one dispatch");
+        unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "needed only if a search for repeated tests may take more loop turns than one dispatch allows");
 }
 
 /// The streams in which the caller supplies rays, as far as a run has them.

@@ -1,18 +1,20 @@
-//! The instances of the kernels in the program: what each is launched over, and which streams it gets.
+//! The instances of the kernels in the program: what each is launched over, which streams it gets, and which kind of grid
+//! it is only for.
 
 use super::PROGRAM;
 use super::elements::*;
 use super::irregular::kernels::*;
 use super::kernels::*;
+use super::reasons;
 use super::streams::*;
-use crate::program::kernel::{Instance, Kernel};
+use crate::program::kernel::{Instance, Kernel, KernelInfo};
 use crate::tables::elements::Elements;
 use crate::tables::stream::Stream;
 
 type Binds = &'static [(&'static str, &'static str)];
 
 macro_rules! instances {
-    ($($id:ident $name:literal: $row:ident over $over:ident $(by $parameter:literal)? $(binds $binds:ident)? $(renews $renews:ident)? $(adopts $adopts:ident)?;)*) => {
+    ($($id:ident $name:literal: $row:ident over $over:ident $(by $parameter:literal)? $(binds $binds:ident)? $(renews $renews:ident)? $(adopts $adopts:ident)? $(only $kind:ident)?;)*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Index { $($id),* }
 
@@ -21,7 +23,7 @@ macro_rules! instances {
             index: Index::$id as usize,
             name: $name,
             program: &PROGRAM,
-            kernel: $row,
+            kernel: instances!(@row $row $($kind)?),
             over: &$over,
             parameter: 0 $(+ $parameter)?,
             binds: instances!(@list $($binds)?),
@@ -31,6 +33,8 @@ macro_rules! instances {
 
         $(pub(super) const $id: Kernel = Kernel::of(&KERNELS[Index::$id as usize]);)*
     };
+    (@row $row:ident) => { $row };
+    (@row $row:ident $kind:ident) => { KernelInfo { why_absent: reasons::$kind, ..$row } };
     (@list) => { &[] };
     (@list $list:ident) => { $list };
 }
@@ -133,50 +137,50 @@ instances! {
     SCAN_STARTS "scan_starts": SCAN over CELLS binds START_SUMS;
     SCAN_START_BLOCKS "scan_start_blocks": SCAN over CELL_BLOCKS binds ALL_START_SUMS;
     ADD_STARTS "add_starts": ADD over CELLS binds START_SUMS;
-    COUNT_TOP_LEVEL "count_top": COUNT_TOP over WHOLE;
-    MAKE_FIRST_LEAVES "make_leaves": MAKE_LEAVES over CELLS renews FIRST_LEAVES;
-    FIND_DEPTH "start_halving": START_HALVING over WHOLE;
-    TAKE_EVEN "take_even": ADOPT over REFERENCES binds TAKEN_EVEN;
-    TAKE_ODD "take_odd": ADOPT over REFERENCES binds TAKEN_ODD;
-    FIND_HALVES "halve": HALVE over LISTED binds IN_HALVES adopts DIVIDED;
-    SCAN_HALVES "scan_halves": SCAN over GROUPS binds HALF_SUMS;
-    SCAN_HALF_BLOCKS "scan_half_blocks": SCAN over GROUP_BLOCKS binds ALL_HALF_SUMS;
-    ADD_HALVES "add_halves": ADD over GROUPS binds HALF_SUMS;
-    DECIDE_DIVISION "decide": DECIDE over LEAVES binds IN_HALVES;
-    SCAN_PLACES "scan_places": SCAN over LEAVES binds PLACE_SUMS;
-    SCAN_PLACE_BLOCKS "scan_place_blocks": SCAN over LEAF_BLOCKS binds ALL_PLACE_SUMS;
-    DIVIDE_LEAVES "divide": DIVIDE over LEAVES binds IN_HALVES renews REPLACED;
-    HAND_DOWN_LISTS "hand_down": HAND_DOWN over LISTED binds IN_HALVES;
-    TURN_TO_NEXT_HALVING "next_halving": NEXT_HALVING over WHOLE;
-    COUNT_NODES "open_nodes": OPEN_NODES over LEAVES adopts DIVIDED;
-    SCAN_OPENED "scan_opened": SCAN over LEAVES binds OPENED_SUMS;
-    SCAN_OPENED_BLOCKS "scan_opened_blocks": SCAN over LEAF_BLOCKS binds ALL_OPENED_SUMS;
-    LINK_TREES "link_nodes": LINK_NODES over LEAVES;
-    FIND_BLOCKS "size_blocks": SIZE_BLOCKS over NODES;
-    SCAN_ENTRIES "scan_entries": SCAN over NODES binds ENTRY_SUMS;
-    SCAN_ENTRY_BLOCKS "scan_entry_blocks": SCAN over NODE_BLOCKS binds ALL_ENTRY_SUMS;
-    ADD_ENTRIES "add_entries": ADD over NODES binds ENTRY_SUMS;
-    MAP_TOP_CELLS "map_top_level": MAP_TOP_LEVEL over CELLS;
-    MAP_ALL_BLOCKS "map_blocks": MAP_BLOCKS over ENTRIES;
-    BEGIN_MERGING "start_merging": START_MERGING over WHOLE;
-    FIND_WISHES "wish": WISH over LEAVES adopts GATHERED;
-    UNITE_LEAVES "unite": UNITE over LEAVES;
-    SCAN_KEPT "scan_kept": SCAN over LEAVES binds KEPT_SUMS;
-    SCAN_KEPT_BLOCKS "scan_kept_blocks": SCAN over LEAF_BLOCKS binds ALL_KEPT_SUMS;
-    GATHER_LEAVES "gather": GATHER over LEAVES renews MERGED;
-    TURN_TO_NEXT_AXIS "next_axis": NEXT_AXIS over WHOLE;
-    FOLLOW_LEAVES "follow": FOLLOW over REFINED renews ROUNDS;
-    EXPAND_CELLS "expand": EXPAND over LEAVES adopts GATHERED;
-    NAME_TOP "name_top": NAME_CELLS over CELLS binds OF_TOP;
-    NAME_BLOCKS "name_blocks": NAME_CELLS over ENTRIES binds OF_BLOCKS;
-    FINISH_EXPANDED "finish_cells": FINISH_CELLS over LEAVES binds AS_EXPANDED;
-    FINISH_LEAVES "finish_leaves": FINISH_CELLS over LEAVES binds AS_IT_IS;
-    FINISH_LISTS "finish_items": FINISH_ITEMS over LEAVES;
-    CHECK_LIST_STARTS "check_starts": CHECK_STARTS over CELLS binds OF_STARTS;
-    CHECK_EVEN "check_even": CHECK_ITEMS over REFERENCES binds ITEMS_EVEN;
-    CHECK_ODD "check_odd": CHECK_ITEMS over REFERENCES binds ITEMS_ODD;
-    CHECK_LISTS "check_items": CHECK_ITEMS over LISTED binds OF_ITEMS;
-    CHECK_ALL_CELLS "check_cells": CHECK_CELLS over LEAVES binds OF_CELLS;
-    CHECK_TOP "check_top": CHECK_MAP over CELLS by 0 binds OF_TOP;
-    CHECK_BLOCKS "check_blocks": CHECK_MAP over ENTRIES by 1 binds OF_BLOCKS;
+    COUNT_TOP_LEVEL "count_top": COUNT_TOP over WHOLE only divided;
+    MAKE_FIRST_LEAVES "make_leaves": MAKE_LEAVES over CELLS renews FIRST_LEAVES only divided;
+    FIND_DEPTH "start_halving": START_HALVING over WHOLE only divided;
+    TAKE_EVEN "take_even": ADOPT over REFERENCES binds TAKEN_EVEN only divided;
+    TAKE_ODD "take_odd": ADOPT over REFERENCES binds TAKEN_ODD only divided;
+    FIND_HALVES "halve": HALVE over LISTED binds IN_HALVES adopts DIVIDED only divided;
+    SCAN_HALVES "scan_halves": SCAN over GROUPS binds HALF_SUMS only divided;
+    SCAN_HALF_BLOCKS "scan_half_blocks": SCAN over GROUP_BLOCKS binds ALL_HALF_SUMS only divided;
+    ADD_HALVES "add_halves": ADD over GROUPS binds HALF_SUMS only divided;
+    DECIDE_DIVISION "decide": DECIDE over LEAVES binds IN_HALVES only divided;
+    SCAN_PLACES "scan_places": SCAN over LEAVES binds PLACE_SUMS only divided;
+    SCAN_PLACE_BLOCKS "scan_place_blocks": SCAN over LEAF_BLOCKS binds ALL_PLACE_SUMS only divided;
+    DIVIDE_LEAVES "divide": DIVIDE over LEAVES binds IN_HALVES renews REPLACED only divided;
+    HAND_DOWN_LISTS "hand_down": HAND_DOWN over LISTED binds IN_HALVES only divided;
+    TURN_TO_NEXT_HALVING "next_halving": NEXT_HALVING over WHOLE only divided;
+    COUNT_NODES "open_nodes": OPEN_NODES over LEAVES adopts DIVIDED only divided;
+    SCAN_OPENED "scan_opened": SCAN over LEAVES binds OPENED_SUMS only divided;
+    SCAN_OPENED_BLOCKS "scan_opened_blocks": SCAN over LEAF_BLOCKS binds ALL_OPENED_SUMS only divided;
+    LINK_TREES "link_nodes": LINK_NODES over LEAVES only divided;
+    FIND_BLOCKS "size_blocks": SIZE_BLOCKS over NODES only divided;
+    SCAN_ENTRIES "scan_entries": SCAN over NODES binds ENTRY_SUMS only divided;
+    SCAN_ENTRY_BLOCKS "scan_entry_blocks": SCAN over NODE_BLOCKS binds ALL_ENTRY_SUMS only divided;
+    ADD_ENTRIES "add_entries": ADD over NODES binds ENTRY_SUMS only divided;
+    MAP_TOP_CELLS "map_top_level": MAP_TOP_LEVEL over CELLS only divided;
+    MAP_ALL_BLOCKS "map_blocks": MAP_BLOCKS over ENTRIES only divided;
+    BEGIN_MERGING "start_merging": START_MERGING over WHOLE only irregular;
+    FIND_WISHES "wish": WISH over LEAVES adopts GATHERED only irregular;
+    UNITE_LEAVES "unite": UNITE over LEAVES only irregular;
+    SCAN_KEPT "scan_kept": SCAN over LEAVES binds KEPT_SUMS only irregular;
+    SCAN_KEPT_BLOCKS "scan_kept_blocks": SCAN over LEAF_BLOCKS binds ALL_KEPT_SUMS only irregular;
+    GATHER_LEAVES "gather": GATHER over LEAVES renews MERGED only irregular;
+    TURN_TO_NEXT_AXIS "next_axis": NEXT_AXIS over WHOLE only irregular;
+    FOLLOW_LEAVES "follow": FOLLOW over REFINED renews ROUNDS only irregular;
+    EXPAND_CELLS "expand": EXPAND over LEAVES adopts GATHERED only irregular;
+    NAME_TOP "name_top": NAME_CELLS over CELLS binds OF_TOP only irregular;
+    NAME_BLOCKS "name_blocks": NAME_CELLS over ENTRIES binds OF_BLOCKS only irregular;
+    FINISH_EXPANDED "finish_cells": FINISH_CELLS over LEAVES binds AS_EXPANDED only irregular;
+    FINISH_LEAVES "finish_leaves": FINISH_CELLS over LEAVES binds AS_IT_IS only two_levels;
+    FINISH_LISTS "finish_items": FINISH_ITEMS over LEAVES only divided;
+    CHECK_LIST_STARTS "check_starts": CHECK_STARTS over CELLS binds OF_STARTS only uniform;
+    CHECK_EVEN "check_even": CHECK_ITEMS over REFERENCES binds ITEMS_EVEN only uniform;
+    CHECK_ODD "check_odd": CHECK_ITEMS over REFERENCES binds ITEMS_ODD only uniform;
+    CHECK_LISTS "check_items": CHECK_ITEMS over LISTED binds OF_ITEMS only divided;
+    CHECK_ALL_CELLS "check_cells": CHECK_CELLS over LEAVES binds OF_CELLS only divided;
+    CHECK_TOP "check_top": CHECK_MAP over CELLS by 0 binds OF_TOP only divided;
+    CHECK_BLOCKS "check_blocks": CHECK_MAP over ENTRIES by 1 binds OF_BLOCKS only divided;
 }

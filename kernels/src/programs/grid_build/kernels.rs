@@ -4,7 +4,7 @@ use super::checks;
 #[cfg(test)]
 use super::irregular::kernels::*;
 use super::passes;
-use super::rows::{heavy, irregular, not_irregular, row};
+use super::rows::{heavy, irregular, row};
 use super::scan::EACH;
 use crate::options::{GridSize, Options};
 use crate::program::breaks::{Break, as_it_is};
@@ -116,28 +116,22 @@ pub(super) const CHECK_ITEMS: KernelInfo = row(
     "counts references to triangles that do not exist",
     &[Break::new(as_it_is, ">= build.triangles", "< build.triangles")],
 );
-pub(super) const CHECK_CELLS: KernelInfo = KernelInfo {
-    why_absent: not_irregular,
-    ..row(
-        of_checks!("check_cells"),
-        checks::check_cells,
-        EACH,
-        [120, 130, 140],
-        "counts cells whose box or list cannot be",
-        &[Break::new(irregular, "return load(list, i, 1u) != 0u;", "return true;")],
-    )
-};
-pub(super) const CHECK_MAP: KernelInfo = KernelInfo {
-    why_absent: not_irregular,
-    ..row(
-        of_checks!("check_map"),
-        checks::check_map,
-        EACH,
-        [120, 130, 140],
-        "counts entries of the voxel map that lead nowhere or back",
-        &[Break::new(irregular, "begin <= own", "begin > own")],
-    )
-};
+pub(super) const CHECK_CELLS: KernelInfo = row(
+    of_checks!("check_cells"),
+    checks::check_cells,
+    EACH,
+    [120, 130, 140],
+    "counts cells whose box or list cannot be",
+    &[Break::new(irregular, "return load(list, i, 1u) != 0u;", "return true;")],
+);
+pub(super) const CHECK_MAP: KernelInfo = row(
+    of_checks!("check_map"),
+    checks::check_map,
+    EACH,
+    [120, 130, 140],
+    "counts entries of the voxel map that lead nowhere or back",
+    &[Break::new(irregular, "begin <= own", "begin > own")],
+);
 
 /// The kernels, without their instances.
 #[cfg(test)]

@@ -39,6 +39,7 @@ pub mod mark;
 pub mod measure;
 mod passes;
 pub mod radix;
+mod reasons;
 mod rows;
 pub mod scan;
 pub mod scatter;

@@ -1,6 +1,6 @@
 //! What the rows of kernels have in common.
 
-use crate::options::reasons::{Because, Reason, Run};
+use super::reasons;
 use crate::options::{Accelerator, Options};
 use crate::program::breaks::Break;
 use crate::program::kernel::{KernelInfo, PassTwin, Proof, Twin};
@@ -30,7 +30,7 @@ pub(super) const fn row(
         list: None,
         proof: Proof::NONE,
         colour,
-        why_absent: |_| (Because::Scene, "the grid has too few cells to sort by so many digits"),
+        why_absent: reasons::every,
         summary,
         breaks,
     }
@@ -54,15 +54,7 @@ pub(super) const fn irregular_row(
     summary: &'static str,
     breaks: &'static [Break],
 ) -> KernelInfo {
-    KernelInfo { why_absent: not_irregular, ..row(source, twin, 1, colour, summary, breaks) }
-}
-
-pub(super) fn not_irregular(run: &Run<'_>) -> Reason {
-    let reason = match run.accelerator {
-        Accelerator::Irregular => "the lists are in the other streams, or the grid has two levels only",
-        _ => "the cells of a uniform grid are not divided",
-    };
-    (Because::Options, reason)
+    row(source, twin, 1, colour, summary, breaks)
 }
 
 pub(super) fn irregular(options: &mut Options) {

@@ -48,18 +48,7 @@ fn which(plan: &Plan, last: Option<&Pass>, next: Option<Kernel>) -> Option<Which
 
 /// A pass that has not run yet, as far as it is known: its kernel, and the rays that wait for it.
 fn ahead(index: usize, kernel: Kernel, rays_in: u32) -> Pass {
-    let (iteration, counts, threads_launched) = (0, Default::default(), 0);
-    Pass {
-        index,
-        iteration,
-        kernel,
-        rays_in,
-        counts,
-        threads_launched,
-        begin_ns: None,
-        duration_ns: None,
-        rounding: None,
-    }
+    Pass { index, rays_in, ..Pass::of(kernel) }
 }
 
 impl LanesView {

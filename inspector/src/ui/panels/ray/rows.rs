@@ -2,7 +2,6 @@
 
 use egui::{Color32, Ui};
 use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
-use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::state::States;
 
 use super::super::picked::touches;
@@ -12,7 +11,6 @@ use crate::session::{Model, Told};
 use crate::ui::panels::table::{Head, Look, Rows};
 use crate::ui::shared::Picked;
 use crate::ui::units::{Scale, in_units};
-use crate::walk::{has_cells, is_walking};
 
 const PASS: usize = 0;
 const STATE: usize = 2;
@@ -69,7 +67,6 @@ pub(super) const fn heads(is_grid: bool, is_dda: bool) -> [Head<'static>; 11] {
 pub(super) struct History<'a> {
     pub(super) life: &'a Trace,
     pub(super) model: &'a Model,
-    pub(super) data: Option<&'a SceneData>,
     pub(super) states: States,
     pub(super) scale: Scale,
     /// Decimals of tmax.x, tmax.y, tmax.z and t; all digits are in the tooltips.
@@ -105,12 +102,9 @@ impl History<'_> {
     }
 
     /// The cell or node that the ray is in after a pass; none before and after its walk.
-    fn cell(&self, row: &TraceRow) -> Option<String> {
-        let data = self.data.filter(|data| (has_cells(data) || data.features.bvh) && is_walking(&row.after))?;
-        Some(match data.features.grid && has_cells(data) {
-            true => data.grid.cell_of_index(row.after.cell_index).map(|c| c.to_string()).join(","),
-            false => row.after.cell_index.to_string(),
-        })
+    fn cell(row: &TraceRow) -> Option<String> {
+        let cell = row.cell_after.map(|cell| cell.map(|c| c.to_string()).join(","));
+        cell.or_else(|| row.index_after.map(|index| index.to_string()))
     }
 
     /// The reason, in the panel's units.
@@ -125,7 +119,7 @@ impl History<'_> {
             1 => row.kernel.into(),
             STATE => after.state.into(),
             WHY => self.why(row),
-            CELL => self.cell(row).unwrap_or_else(|| "–".into()),
+            CELL => Self::cell(row).unwrap_or_else(|| "–".into()),
             TMAX..T => self.number_text(self.along(after, column - TMAX), column),
             T => self.number_text(after.t.map(|t| self.scale.t(t)), column),
             HIT => after.triangle.map_or_else(|| "–".into(), |triangle| triangle.to_string()),
@@ -175,7 +169,7 @@ impl Rows for History<'_> {
         match column {
             // Passes whose index is not known come last.
             PASS => Some(row.pass.map_or(f64::MAX, |pass| pass as f64)),
-            CELL => self.cell(row).map(|_| f64::from(after.cell_index)),
+            CELL => row.index_after.map(f64::from),
             TMAX..T => self.along(after, column - TMAX),
             T => after.t.map(|t| self.scale.t(t)),
             HIT => after.triangle.map(f64::from),
@@ -191,9 +185,7 @@ impl Rows for History<'_> {
             PASS => self.note(index, row),
             STATE => Some(format!("{} before the pass, {} after it", row.state_before, after.state)),
             WHY => Some(self.why(row)),
-            CELL if self.data.is_some_and(|data| data.features.grid) => {
-                Some(format!("cell index {}", after.cell_index))
-            }
+            CELL => row.cell_after.and(row.index_after).map(|index| format!("cell index {index}")),
             TMAX..T => Some(match after.control.map(|control| control[column - TMAX]) {
                 Some(term) => format!("{term} cells (0x{:08x})", term.to_bits()),
                 None => self.exact(after.tmax[column - TMAX]),
@@ -250,17 +242,8 @@ mod tests {
         let (model, task) = Model::new(|engine| Box::pin(async move { drop(engine) }));
         std::mem::forget(task);
         let scale = Scale::of(units, &life);
-        let (data, current) = (Some(&data), Some(life.rows.len()));
-        look(&History {
-            life: &life,
-            model: &model,
-            data,
-            states: STATES,
-            scale,
-            decimals: [5; 4],
-            current,
-            picked: None,
-        });
+        let current = Some(life.rows.len());
+        look(&History { life: &life, model: &model, states: STATES, scale, decimals: [5; 4], current, picked: None });
     }
 
     #[test]

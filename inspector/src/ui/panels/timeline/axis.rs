@@ -112,17 +112,7 @@ mod tests {
     use raystep_kernels::programs::closest_hit::kernels;
 
     fn pass(index: usize, kernel: Kernel, duration_ns: Option<u64>) -> Pass {
-        Pass {
-            index,
-            iteration: 0,
-            kernel,
-            rays_in: 1,
-            counts: Default::default(),
-            threads_launched: 1,
-            begin_ns: None,
-            duration_ns,
-            rounding: None,
-        }
+        Pass { index, rays_in: 1, threads_launched: 1, duration_ns, ..Pass::of(kernel) }
     }
 
     /// Two passes before the walk, four of it, one after it.

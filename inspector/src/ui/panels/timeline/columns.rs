@@ -125,17 +125,8 @@ mod tests {
     fn pass(index: usize, walking: u32, resolved: u32) -> Pass {
         let mut counts = [0; 8];
         (counts[states::TRAV as usize], counts[states::SHADE as usize]) = (walking, resolved);
-        Pass {
-            index,
-            iteration: 1,
-            kernel: if index == 2 { kernels::SHADE } else { kernels::TRAVERSE_GRID },
-            rays_in: walking,
-            counts,
-            threads_launched: 1,
-            begin_ns: None,
-            duration_ns: None,
-            rounding: None,
-        }
+        let kernel = if index == 2 { kernels::SHADE } else { kernels::TRAVERSE_GRID };
+        Pass { index, iteration: 1, rays_in: walking, counts, threads_launched: 1, ..Pass::of(kernel) }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::executor::gpu::readback::Readback;
 use crate::executor::gpu::rounding::Runs;
 use crate::executor::gpu::timers::read_times;
 use crate::executor::gpu::{GpuError, MOST_PASSES};
-use crate::executor::{Drawing, PassResult};
+use crate::executor::{Drawing, PassResult, timed};
 use crate::options::mapping::{Until, Update};
 use crate::program::Kernel;
 use crate::tables::sizes::COUNT_SLOT_BYTES;
@@ -34,9 +34,14 @@ impl FragmentExecutor {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.results.sent, 0, Some(sent_bytes));
         let mut parts = Parts::new(self.timers.as_ref().map(|timers| timers.each_pass));
+        let mut encoded = Vec::with_capacity(passes.len());
         for (slot, &kernel) in (0..).zip(passes) {
             parts.begin_pass();
-            self.encode(&mut encoder, kernel, slot, slot + 1 == count, &mut parts)?;
+            let is_last = slot + 1 == count;
+            let (recorded, encode_ns) =
+                timed(host_clock, || self.encode(&mut encoder, kernel, slot, is_last, &mut parts));
+            recorded?;
+            encoded.push(encode_ns);
         }
         encoder.copy_buffer_to_buffer(&self.results.sent, 0, &self.results.sent_copy, 0, sent_bytes);
         let is_queried = self.how.until == Until::Query;
@@ -88,6 +93,7 @@ impl FragmentExecutor {
                 is_active: active.get(index).copied(),
                 elements: size.count,
                 threads_launched: size.texels() * drawn,
+                encode_ns: encoded[index],
                 begin_ns,
                 duration_ns,
                 rounding: runs.and_then(|runs| runs.rounding()),

@@ -185,17 +185,7 @@ mod tests {
             ..Options::new(RaySource::Camera { camera, width: 20, height: 8 })
         };
         let (plan, _) = Plan::new(&scene, &options, &Limits::CPU).expect("a small scene");
-        let pass = |kernel, rays_in| Pass {
-            index: 0,
-            iteration: 0,
-            kernel,
-            rays_in,
-            counts: Default::default(),
-            threads_launched: 0,
-            begin_ns: None,
-            duration_ns: None,
-            rounding: None,
-        };
+        let pass = |kernel, rays_in| Pass { rays_in, ..Pass::of(kernel) };
         let bars = bars_of_passes(&[pass(SETUP, 160), pass(TRAVERSE_GRID, 100), pass(INTERSECT, 3000)], &plan);
         // Two workgroups of 16 x 16; one row of workgroups; two.
         let shares: Vec<f64> = bars.iter().map(|bar| bar.of_all).collect();

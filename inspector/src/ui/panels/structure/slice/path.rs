@@ -24,7 +24,7 @@ pub(super) struct Visit {
 pub(super) fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit> {
     let mut visits: Vec<Visit> = Vec::new();
     for row in &life.rows {
-        if let Some(cell) = row.cell.filter(|&cell| data.grid.is_in_grid(cell))
+        if let Some(cell) = row.cell_before.filter(|&cell| data.grid.is_in_grid(cell))
             && visits.last().is_none_or(|last| last.cell != cell)
         {
             visits.push(Visit { cell, has_run: row.is_within(place) });
