@@ -200,3 +200,28 @@ fn what_belongs_to_the_pass_is_in_the_row_of_its_last_part() {
         reader.records().map(|r| columns.map(|column| r.as_ref().expect("a row")[column].to_owned())).collect();
     assert_eq!(rows, [["", "", "", "", "", "", "2"], ["72", "65", "900", "10", "11", "4", "2"]]);
 }
+
+#[test]
+fn no_text_is_a_formula_in_a_spreadsheet() {
+    #[derive(serde::Serialize)]
+    struct Row {
+        scene: &'static str,
+        ratio: f64,
+    }
+    let mut file = Vec::new();
+    let mut csv = writer(&mut file);
+    let texts = ["=1+1", "+a", "@cmd", "-x", "-", "-1.5e-3", "+4", "-inf", "a=b", "", "\t=1"];
+    csv.write_record(texts).expect("memory");
+    csv.flush().expect("memory");
+    drop(csv);
+    assert_eq!(String::from_utf8_lossy(&file), "'=1+1,'+a,'@cmd,'-x,-,-1.5e-3,+4,-inf,a=b,,'\t=1\r\n");
+    let mut file = Vec::new();
+    let mut csv = writer(&mut file);
+    for ratio in [-0.5, 2.0] {
+        csv.serialize(Row { scene: "=a, \"b\"", ratio }).expect("memory");
+    }
+    csv.flush().expect("memory");
+    drop(csv);
+    let lines = "scene,ratio\r\n\"'=a, \"\"b\"\"\",-0.5\r\n\"'=a, \"\"b\"\"\",2.0\r\n";
+    assert_eq!(String::from_utf8_lossy(&file), lines);
+}
