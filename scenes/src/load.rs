@@ -63,7 +63,8 @@ use std::collections::BTreeSet;
 pub trait Resolver {
     /// The bytes of `path`: the percent-decoded relative path of the file's URI, with `/` as separator. It may contain
     /// `..`, and the file system may have links: the resolver must ensure that only permitted folders are read. A file
-    /// of more than `max_bytes` must be rejected without reading it.
+    /// of more than `max_bytes` must be rejected without reading it. If a path with `\` cannot be read, the same with `/`
+    /// is asked for.
     ///
     /// # Errors
     /// If the file is not permitted, cannot be read, or is larger than `max_bytes`.
@@ -281,8 +282,8 @@ pub fn external_files(bytes: &[u8], max_bytes: u64) -> Result<Vec<String>, LoadE
 /// case. Without this ending, `name` becomes [`Scene::name`]. [`Scene::notes`] lists what was ignored or assumed.
 ///
 /// # Errors
-/// If the file is invalid, requires an unsupported extension, is too large, or is of another format. Parts of an OBJ,
-/// PLY or STL file that cannot be drawn are left out with a note, unless nothing else is left.
+/// If the file is invalid, requires an unsupported extension, is too large, or is of another format. Parts of a file that
+/// cannot be drawn are left out with a note, unless nothing else is left, or a file that they need is missing.
 pub fn load(name: &str, bytes: &[u8], resolver: &dyn Resolver, options: &LoadOptions) -> Result<Scene, LoadError> {
     let budget = Budget::new(options.max_bytes);
     budget.take(bytes.len() as u64, "the file")?;

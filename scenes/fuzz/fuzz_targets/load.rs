@@ -88,7 +88,6 @@ fuzz_target!(|bytes: &[u8]| {
         assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-9, "{camera:?}");
         assert!(camera.eye.is_finite());
     }
-    assert!(scene.offset.is_finite());
     for light in &scene.lights {
         if let Light::Spot { inner_cone, outer_cone, .. } = *light {
             assert!(0.0 <= inner_cone && inner_cone < outer_cone && outer_cone <= std::f32::consts::FRAC_PI_2, "{light:?}");

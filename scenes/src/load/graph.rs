@@ -10,6 +10,7 @@ use super::lost::Lost;
 use super::notes::{Notes, Wrong};
 use super::{LoadError, at};
 use glam::{DAffine3, DQuat, DVec3};
+use std::collections::HashSet;
 
 /// The node hierarchy, mended where nodes do not form trees.
 pub(super) struct Graph {
@@ -47,10 +48,10 @@ impl Graph {
         // Each node has at most one parent, so a node that no root leads to is on a cycle, or below one.
         for i in 0..nodes.len() {
             if is_reached.get(i) == Some(&false) {
+                let top = graph.cut_cycle(i);
                 let problem = "is on a cycle of children, or below one; nodes must form trees";
-                notes.lost(Lost::Link, (i, 0), at(format!("nodes[{i}]"), problem));
-                graph.cut_above(i);
-                graph.walk(i, &mut is_reached);
+                notes.lost(Lost::Link, (top, 0), at(format!("nodes[{top}]"), problem));
+                graph.walk(top, &mut is_reached);
             }
         }
         graph.world = graph.worlds(DVec3::ZERO);
@@ -97,12 +98,17 @@ impl Graph {
         }
     }
 
-    /// Makes a node a root.
-    fn cut_above(&mut self, i: usize) {
-        let parent = self.parents.get_mut(i).and_then(Option::take);
-        if let Some(children) = parent.and_then(|parent| self.children.get_mut(parent)) {
-            children.retain(|&child| child != i);
+    /// Makes a node of the cycle that node `i` is on or below a root, and returns it.
+    fn cut_cycle(&mut self, i: usize) -> usize {
+        let (mut top, mut passed) = (i, HashSet::new());
+        while passed.insert(top) {
+            top = self.parents.get(top).copied().flatten().unwrap_or(top);
         }
+        let parent = self.parents.get_mut(top).and_then(Option::take);
+        if let Some(children) = parent.and_then(|parent| self.children.get_mut(parent)) {
+            children.retain(|&child| child != top);
+        }
+        top
     }
 
     /// The same hierarchy with `offset` subtracted from all positions, before anything is added to them.

@@ -179,6 +179,10 @@ impl<'a> Survey<'a> {
         if has_bytes(position) && indices.is_none_or(has_bytes) {
             return Ok(None);
         }
-        draco::decode(draco, self.buffers, self.budget, &path).map(Some)
+        let mesh = draco::decode(draco, self.buffers, self.budget, &path)?;
+        if mesh.has("POSITION") || has_bytes(position) {
+            return Ok(Some(mesh));
+        }
+        Err(at(format!("{path}.attributes"), "has no POSITION, and the file has no other positions"))
     }
 }

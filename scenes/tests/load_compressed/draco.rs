@@ -110,6 +110,10 @@ fn a_stream_that_cannot_be_read_costs_only_its_primitive() {
     let mut doc = grid(&stream);
     doc.primitive()["extensions"] = json!({"KHR_draco_mesh_compression": 5});
     assert!(doc.error().contains("KHR_draco_mesh_compression: invalid type"));
+    // Positions that are nowhere are not zeros.
+    let mut doc = grid(&stream);
+    doc.primitive()["extensions"]["KHR_draco_mesh_compression"]["attributes"] = json!({"NORMAL": 1});
+    assert!(doc.error().contains("has no POSITION, and the file has no other positions"));
     // Wrong ids: of positions, and of what is not needed.
     let mut doc = grid(&stream);
     doc.primitive()["extensions"]["KHR_draco_mesh_compression"]["attributes"]["POSITION"] = json!(9);

@@ -23,6 +23,16 @@ fn nodes_that_form_no_trees_are_mended() {
         assert_eq!(scene.triangles.len(), triangles, "{reason}");
         noted(&scene, &["1 link in the tree of nodes is mended: ", reason]);
     }
+    // Everything below a cycle stays below it, however many nodes that are.
+    let mut doc = Doc::triangle();
+    let last = 100_000;
+    let mut nodes = vec![json!({}); last];
+    nodes[0] = json!({"mesh": 0});
+    nodes.push(json!({"translation": [1, 0, 0], "children": (0..=last).collect::<Vec<_>>()}));
+    doc.json["nodes"] = json!(nodes);
+    let scene = doc.scene();
+    assert_eq!(scene.triangles[0][0], [1., 0., 0.]);
+    noted(&scene, &["1 link in the tree of nodes is mended: nodes[100000]: is on a cycle"]);
     let mut doc = Doc::triangle();
     doc.json["nodes"] = json!([{"children": [1], "translation": [1, 0, 0]}, {"mesh": 0}]);
     for (nodes, reason) in [
