@@ -47,12 +47,21 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
     // The scene's name appears in tables, pages and titles, so control characters are escaped.
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let files = Beside::new(path, read.allow_outside).map_err(|e| failed(&e))?;
-    let scene = load(&visible(&name), &bytes, &files, &options).map_err(|e| match e {
+    let allows = "--allow-outside lets a scene read such files";
+    let mut scene = load(&visible(&name), &bytes, &files, &options).map_err(|e| match e {
         LoadError::NoSuchScene { .. } => Error::usage(format!("--scene-index: {e}")),
-        LoadError::Outside { .. } => failed(&format!("{e}; --allow-outside lets a scene read such files")),
+        LoadError::Outside { .. } => failed(&format!("{e}; {allows}")),
         LoadError::TooLarge { .. } => failed(&format!("{e}; {raises}")),
         _ => failed(&e),
     })?;
+    // What the picture does not need is left out for the same reasons.
+    for note in &mut scene.notes {
+        if note.0.contains("lies outside of") {
+            note.0 = format!("{}; {allows}", note.0);
+        } else if note.0.contains("of the limit of") {
+            note.0 = format!("{}; {raises}", note.0);
+        }
+    }
     let files = files.into_read(path);
     Ok(SceneFile { scene, inputs: canonical(&files), files })
 }

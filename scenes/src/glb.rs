@@ -2,8 +2,8 @@
 //! chunk of bytes.
 //!
 //! One mesh with one primitive per material, in the order of the materials; within a material, triangles keep their
-//! order. Coordinates are written as f32, unchanged. Vertices with bit-identical attributes are shared if the indices
-//! take less space than they save.
+//! order. Coordinates are written as f32, unchanged; a node at the scene's offset has everything in it. Vertices with
+//! bit-identical attributes are shared if the indices take less space than they save.
 
 mod document;
 mod vertices;
@@ -141,6 +141,7 @@ fn check(scene: &Scene) -> Result<(), WriteError> {
             return Err(WriteError::WrongLength { list, actual, expected });
         }
     }
+    each("offset", &[scene.offset], "is not finite", |offset| offset.is_finite())?;
     each("triangles", &scene.triangles, "has a coordinate that is not finite", |t| finite(t.as_flattened()))?;
     each("triangle_materials", &scene.triangle_materials, "names a material that the scene does not have", |&m| {
         (m as usize) < scene.materials.len()

@@ -5,40 +5,50 @@
 //!
 //! The modules of glTF are in the order in which a file is read, and `gltf_scene` calls them:
 //!
-//! * `container` splits a GLB and parses the JSON; `repair` rewrites what the parser wrongly rejects.
-//! * `buffers` reads bytes on demand: the BIN chunk, data URIs and external files.
-//! * `graph` checks the nodes (cycles, two parents) and computes their world matrices.
+//! * `container` splits a GLB; `json` parses the JSON into objects in which wrong values stay local.
+//! * `buffers` reads bytes on demand: the BIN chunk, data URIs, external files, and what `meshopt` decompresses.
+//! * `graph` mends the hierarchy of nodes (cycles, two parents) and computes their world transforms, `instances` those
+//!   of instances.
+//! * `survey` finds the primitives to show and counts their triangles; `draco` decompresses some.
 //! * `materials` and `images` convert the materials in use.
-//! * `geometry` counts the triangles, then decodes each primitive once and places it for each
-//!   of its nodes; `pose` applies morph targets and skins.
+//! * `primitive` decodes a primitive, `pose` applies morph targets and skins, and `geometry` places it for each of its
+//!   nodes. If the scene turns out to lie far from the origin, all are placed again, with an `offset`.
 //! * `lights_cameras` reads the rest.
 //!
-//! A file's contents are never trusted. No `gltf::Document` is built, since its iterators index without checks: every
-//! index goes through `check`, every accessor through the bounded reader in `accessor`, and every allocation is first
-//! charged to a [`Budget`](budget::Budget).
+//! A file's contents are never trusted: every index goes through [`json::List`], every accessor through the bounded
+//! reader in `accessor`, and every allocation is first charged to a [`Budget`](budget::Budget). What the picture does
+//! not need is left out if it is wrong, and so is one shape among others; `lost` and `notes` count that.
 
 mod accessor;
 mod budget;
 mod buffers;
 mod check;
 mod container;
+mod draco;
 mod format;
 mod geometry;
 mod gltf_scene;
 mod graph;
 mod images;
+mod instances;
+mod json;
 mod json_path;
 mod lights_cameras;
+mod lost;
 mod materials;
 mod mesh;
+mod meshopt;
 mod notes;
 mod obj;
+mod offset;
 mod place;
 mod ply;
+mod points;
 mod polygon;
 mod pose;
-mod repair;
+mod primitive;
 mod stl;
+mod survey;
 mod text;
 
 use crate::Scene;
@@ -53,7 +63,8 @@ use std::collections::BTreeSet;
 pub trait Resolver {
     /// The bytes of `path`: the percent-decoded relative path of the file's URI, with `/` as separator. It may contain
     /// `..`, and the file system may have links: the resolver must ensure that only permitted folders are read. A file
-    /// of more than `max_bytes` must be rejected without reading it.
+    /// of more than `max_bytes` must be rejected without reading it. If a path with `\` cannot be read, the same with `/`
+    /// is asked for.
     ///
     /// # Errors
     /// If the file is not permitted, cannot be read, or is larger than `max_bytes`.
@@ -166,6 +177,14 @@ pub enum LoadError {
         /// What is wrong there, and what was expected.
         problem: String,
     },
+    /// A buffer has not the bytes that the file says.
+    #[error("{path}: {problem}")]
+    Buffer {
+        /// The buffer, e.g. `buffers[0]`.
+        path: String,
+        /// What is wrong with it, and what was expected.
+        problem: String,
+    },
     /// An external file could not be read.
     #[error("{path}: cannot read \"{file}\": {problem}")]
     External {
@@ -248,12 +267,11 @@ pub fn external_files(bytes: &[u8], max_bytes: u64) -> Result<Vec<String>, LoadE
     }
     let (root, _) = container::parse(bytes, &budget)?;
     let names = Names(RefCell::default());
-    let uris = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
-    for uri in uris.chain(root.images.iter().filter_map(|image| image.uri.as_deref())) {
-        if !buffers::is_data(uri) {
-            // What is wrong with a name is told where the file is read.
-            let _: Result<Vec<u8>, LoadError> = buffers::read_uri(uri, "", &names, &budget);
-        }
+    let buffers = root.buffers.elements().iter().filter_map(|buffer| buffer.ok()?.uri.ok());
+    let images = root.images.elements().iter().filter_map(|image| image.ok()?.uri.ok());
+    for uri in buffers.chain(images).filter(|uri| !buffers::is_data(&uri.0)) {
+        // What is wrong with a name is told where the file is read.
+        let _: Result<Vec<u8>, LoadError> = buffers::read_uri(&uri.0, "", &names, &budget);
     }
     Ok(names.0.into_inner().into_iter().collect())
 }
@@ -264,8 +282,8 @@ pub fn external_files(bytes: &[u8], max_bytes: u64) -> Result<Vec<String>, LoadE
 /// case. Without this ending, `name` becomes [`Scene::name`]. [`Scene::notes`] lists what was ignored or assumed.
 ///
 /// # Errors
-/// If the file is invalid, requires an unsupported extension, is too large, or is of another format. Parts of an OBJ,
-/// PLY or STL file that cannot be drawn are left out with a note, unless nothing else is left.
+/// If the file is invalid, requires an unsupported extension, is too large, or is of another format. Parts of a file that
+/// cannot be drawn are left out with a note, unless nothing else is left, or a file that they need is missing.
 pub fn load(name: &str, bytes: &[u8], resolver: &dyn Resolver, options: &LoadOptions) -> Result<Scene, LoadError> {
     let budget = Budget::new(options.max_bytes);
     budget.take(bytes.len() as u64, "the file")?;

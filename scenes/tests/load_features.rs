@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
+mod extensions;
+mod far;
 mod valid;
 mod wrong;
 
@@ -301,8 +303,11 @@ fn notes_say_what_is_left_out_or_assumed() {
     ];
     assert_eq!(notes(&scene), expected);
     assert_eq!(scene.name, "test");
-    doc.json["extensionsRequired"] = json!(["KHR_mesh_quantization", "KHR_draco_mesh_compression"]);
-    assert!(doc.error().contains("requires the extension KHR_draco_mesh_compression"));
+    // Without these, every shape is in its place.
+    doc.json["extensionsRequired"] = json!(["KHR_materials_unlit", "KHR_texture_basisu", "KHR_animation_pointer"]);
+    assert_eq!(notes(&doc.scene()).iter().filter(|n| n.contains("is ignored")).count(), 3);
+    doc.json["extensionsRequired"] = json!(["KHR_mesh_quantization", "KHR_gaussian_splatting"]);
+    assert!(doc.error().contains("requires the extension KHR_gaussian_splatting"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use raystep_scenes::{FileError, LoadOptions, Resolver, load};
+use raystep_scenes::{FileError, Light, LoadOptions, Resolver, load};
 
 /// A file beside the scene, so that external buffers and images are reached.
 struct Beside;
@@ -87,5 +87,13 @@ fuzz_target!(|bytes: &[u8]| {
     for camera in &scene.cameras {
         assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-9, "{camera:?}");
         assert!(camera.eye.is_finite());
+    }
+    for light in &scene.lights {
+        if let Light::Spot { inner_cone, outer_cone, .. } = *light {
+            assert!(0.0 <= inner_cone && inner_cone < outer_cone && outer_cone <= std::f32::consts::FRAC_PI_2, "{light:?}");
+        }
+    }
+    for note in &scene.notes {
+        assert!(!note.0.contains('\n'), "{note:?}");
     }
 });

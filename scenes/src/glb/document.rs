@@ -92,15 +92,28 @@ impl<'a> Document<'a> {
         self.primitives.push(json);
     }
 
+    /// The node of the mesh, if there is one, at the scene's offset.
+    fn mesh_node(&mut self) -> Vec<Value> {
+        let (scene, primitives) = (self.scene, std::mem::take(&mut self.primitives));
+        let is_moved = scene.offset != DVec3::ZERO;
+        if primitives.is_empty() && !is_moved {
+            return Vec::new();
+        }
+        let mut node = json!({ "name": scene.name });
+        if !primitives.is_empty() {
+            self.root.insert("meshes".into(), json!([{ "name": scene.name, "primitives": primitives }]));
+            node["mesh"] = 0.into();
+        }
+        if is_moved {
+            node["translation"] = json!(scene.offset.to_array());
+        }
+        vec![node]
+    }
+
     /// The JSON padded with spaces to a multiple of 4, the images, and the bytes that follow the JSON.
     pub(super) fn finish(mut self) -> (Vec<u8>, Vec<Vec<u8>>, u64) {
         let scene = self.scene;
-        let mut nodes = Vec::new();
-        if !self.primitives.is_empty() {
-            let primitives = std::mem::take(&mut self.primitives);
-            self.root.insert("meshes".into(), json!([{ "name": scene.name, "primitives": primitives }]));
-            nodes.push(json!({ "name": scene.name, "mesh": 0 }));
-        }
+        let mut nodes = self.mesh_node();
         let size = bounds_size(scene);
         self.list("cameras", scene.cameras.iter().map(|c| camera(c, size)));
         nodes.extend(
@@ -118,10 +131,10 @@ impl<'a> Document<'a> {
                 node
             }));
         }
+        let roots = if scene.offset == DVec3::ZERO { (0..nodes.len()).collect() } else { put_below_first(&mut nodes) };
         // A file without scenes is valid; a scene without nodes is valid, too, but some readers reject it.
         if !nodes.is_empty() {
-            let all: Vec<_> = (0..nodes.len()).collect();
-            self.root.insert("scenes".into(), json!([{ "name": scene.name, "nodes": all }]));
+            self.root.insert("scenes".into(), json!([{ "name": scene.name, "nodes": roots }]));
             self.root.insert("scene".into(), 0.into());
         }
         self.list("nodes", nodes.into_iter());
@@ -136,6 +149,16 @@ impl<'a> Document<'a> {
         text.resize(text.len().next_multiple_of(4), b' ');
         (text, self.images, bytes)
     }
+}
+
+/// Makes all other nodes children of the first, whose translation is added to nothing here, so that each coordinate is
+/// read back as it is. Returns the roots.
+fn put_below_first(nodes: &mut [Value]) -> Vec<usize> {
+    let others: Vec<_> = (1..nodes.len()).collect();
+    if let (Some(first), false) = (nodes.first_mut(), others.is_empty()) {
+        first["children"] = others.into();
+    }
+    vec![0]
 }
 
 /// A factor in short form, 0.73 instead of 0.7300000190734863, if that reads back as the same f32.

@@ -1,10 +1,10 @@
 //! The bytes that the JSON refers to: the BIN chunk, data URIs and external files.
 
 use super::budget::Budget;
-use super::{FileError, LoadError, Resolver, at, check};
+use super::json::{Buffer, Int, Meshopt, Property, Root};
+use super::{FileError, LoadError, Resolver, at, meshopt};
 use base64::Engine as _;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use gltf::json::{Buffer, Index, Root, buffer::View};
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
@@ -18,87 +18,117 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// The buffers of a file, each read when first needed: those that are never needed may be missing.
 pub(super) struct Buffers<'a> {
-    root: &'a Root,
+    root: &'a Root<'a>,
     bin: Option<&'a [u8]>,
     resolver: &'a dyn Resolver,
     budget: &'a Budget,
-    /// Each buffer's bytes, truncated to its `byteLength`.
-    read: Vec<OnceCell<Cow<'a, [u8]>>>,
+    /// Each buffer's bytes, or why there are none.
+    read: Vec<OnceCell<Result<Cow<'a, [u8]>, LoadError>>>,
+    /// The bytes of views that are compressed.
+    decoded: Vec<OnceCell<Result<Vec<u8>, LoadError>>>,
+}
+
+/// A part of a buffer: of a view, or of what a compressed view is made from.
+struct Part<'a> {
+    buffer: &'a Property<Int>,
+    offset: &'a Property<Int>,
+    length: &'a Property<Int>,
 }
 
 impl<'a> Buffers<'a> {
     pub(super) fn new(
-        root: &'a Root,
+        root: &'a Root<'a>,
         bin: Option<&'a [u8]>,
         resolver: &'a dyn Resolver,
         budget: &'a Budget,
     ) -> Result<Self, LoadError> {
-        let mut read = budget.vec(root.buffers.len() as u64, "buffers")?;
-        read.resize_with(root.buffers.len(), OnceCell::new);
-        Ok(Self { root, bin, resolver, budget, read })
+        let (buffers, views) = (root.buffers.elements().len(), root.buffer_views.elements().len());
+        let mut read = budget.vec(buffers as u64, "buffers")?;
+        read.resize_with(buffers, OnceCell::new);
+        let mut decoded = budget.vec(views as u64, "bufferViews")?;
+        decoded.resize_with(views, OnceCell::new);
+        Ok(Self { root, bin, resolver, budget, read, decoded })
     }
 
-    /// The bytes of buffer `i`, which `path` refers to.
-    fn buffer(&self, index: Index<Buffer>, path: &str) -> Result<&[u8], LoadError> {
-        let cell = check::get(&self.read, index, path, "buffer")?;
-        if let Some(bytes) = cell.get() {
-            return Ok(bytes);
+    /// The bytes of a buffer, which may be fewer or more than its byteLength.
+    fn buffer(&self, index: Int, path: &str) -> Result<(&Buffer<'a>, &[u8]), LoadError> {
+        let buffer = self.root.buffers.at(index, path, ("buffers", "buffer"))?;
+        let Some(cell) = self.read.get(index.index()) else { return Ok((buffer, &[])) };
+        match cell.get_or_init(|| self.read(index, buffer)) {
+            Ok(bytes) => Ok((buffer, bytes)),
+            Err(error) => Err(error.clone()),
         }
-        let bytes = self.read(index)?;
-        Ok(cell.get_or_init(|| bytes))
     }
 
-    fn read(&self, index: Index<Buffer>) -> Result<Cow<'a, [u8]>, LoadError> {
+    fn read(&self, index: Int, buffer: &Buffer<'a>) -> Result<Cow<'a, [u8]>, LoadError> {
         let path = format!("buffers[{index}]");
-        let buffer = check::get(&self.root.buffers, index, &path, "buffer")?;
-        let length = buffer.byte_length.0;
-        let bytes = match (&buffer.uri, self.bin) {
-            (Some(uri), _) => Cow::Owned(read_uri(uri, &format!("{path}.uri"), self.resolver, self.budget)?),
-            (None, Some(bin)) if index.value() == 0 => Cow::Borrowed(bin),
+        match (buffer.uri.get(|| format!("{path}.uri"))?, self.bin) {
+            (Some(uri), _) => match read_uri(&uri.0, &format!("{path}.uri"), self.resolver, self.budget) {
+                Ok(bytes) => Ok(Cow::Owned(bytes)),
+                Err(LoadError::Invalid { path, problem }) => Err(LoadError::Buffer { path, problem }),
+                Err(error) => Err(error),
+            },
+            (None, Some(bin)) if index.0 == 0 => Ok(Cow::Borrowed(bin)),
             (None, _) => {
-                let problem = "has no uri, which only buffers[0] of a GLB with a BIN chunk may omit";
-                return Err(at(path, problem));
+                let problem = "has no uri, which only buffers[0] of a GLB with a BIN chunk may omit".into();
+                Err(LoadError::Buffer { path, problem })
             }
-        };
-        // More is allowed: a BIN chunk is padded, and a file may be shared.
-        let cut = usize::try_from(length).ok().filter(|&length| length <= bytes.len());
-        let Some(cut) = cut else {
-            return Err(at(path, format!("has {} bytes, fewer than its byteLength of {length}", bytes.len())));
-        };
-        Ok(match bytes {
-            Cow::Borrowed(bytes) => Cow::Borrowed(bytes.get(..cut).unwrap_or_default()),
-            Cow::Owned(mut bytes) => {
-                bytes.truncate(cut);
-                Cow::Owned(bytes)
-            }
-        })
+        }
     }
 
     /// The bytes of a buffer view and its stride.
-    pub(super) fn view(&self, index: Index<View>, path: &str) -> Result<(&[u8], Option<usize>), LoadError> {
-        let view = check::get(&self.root.buffer_views, index, path, "bufferView")?;
+    pub(super) fn view(&self, index: Int, path: &str) -> Result<(&[u8], Option<usize>), LoadError> {
+        let view = self.root.buffer_views.at(index, path, ("bufferViews", "bufferView"))?;
         let path = format!("bufferViews[{index}]");
-        let buffer = self.buffer(view.buffer, &format!("{path}.buffer"))?;
-        let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
-        let range =
-            offset.checked_add(length).and_then(|end| Some(usize::try_from(offset).ok()?..usize::try_from(end).ok()?));
-        match range.and_then(|range| buffer.get(range)) {
-            Some(bytes) => Ok((bytes, view.byte_stride.map(|stride| stride.0))),
-            None => {
+        let stride = view.byte_stride.get(|| format!("{path}.byteStride"))?.map(|stride| stride.index());
+        let plain = Part { buffer: &view.buffer, offset: &view.byte_offset, length: &view.byte_length };
+        let extensions = view.extensions.get(|| format!("{path}.extensions"))?;
+        let Some(extensions) = extensions else { return Ok((self.part(&plain, &path)?, stride)) };
+        let (khr, ext) = (&extensions.khr, &extensions.ext);
+        let names = [(khr, "KHR_meshopt_compression"), (ext, "EXT_meshopt_compression")];
+        for (property, name) in names {
+            let path = format!("{path}.extensions.{name}");
+            let Some(meshopt) = property.get(|| path.clone())? else { continue };
+            let Some(cell) = self.decoded.get(index.index()) else { continue };
+            match cell.get_or_init(|| self.decode(meshopt, &path)) {
+                Ok(bytes) => return Ok((bytes, stride.or(meshopt.byte_stride.ok().map(|stride| stride.index())))),
+                // What the compressed bytes replace may be there as well.
+                Err(error) => return self.part(&plain, &path).map(|bytes| (bytes, stride)).map_err(|_| error.clone()),
+            }
+        }
+        Ok((self.part(&plain, &path)?, stride))
+    }
+
+    /// Decompresses what takes the place of a view.
+    fn decode(&self, meshopt: &Meshopt, path: &str) -> Result<Vec<u8>, LoadError> {
+        let part = Part { buffer: &meshopt.buffer, offset: &meshopt.byte_offset, length: &meshopt.byte_length };
+        let bytes = self.part(&part, path)?;
+        meshopt::decode(meshopt, bytes, self.budget, path)
+    }
+
+    /// The bytes of a part of a buffer, which is at `path`.
+    fn part(&self, part: &Part<'_>, path: &str) -> Result<&[u8], LoadError> {
+        let index = *part.buffer.need(|| format!("{path}.buffer"))?;
+        let (buffer, bytes) = self.buffer(index, &format!("{path}.buffer"))?;
+        let offset = part.offset.get(|| format!("{path}.byteOffset"))?.map_or(0, |offset| offset.0);
+        let length = part.length.need(|| format!("{path}.byteLength"))?.0;
+        let end = offset.saturating_add(length);
+        // More is allowed: a BIN chunk is padded, and a file may be shared.
+        let most = buffer.byte_length.ok().map_or(bytes.len() as u64, |most| most.0);
+        let range = usize::try_from(offset).ok().zip(usize::try_from(end).ok());
+        match range.and_then(|(offset, end)| bytes.get(offset..end)) {
+            Some(bytes) if end <= most => Ok(bytes),
+            None if end <= most => {
+                let problem = format!("has {} bytes, fewer than its byteLength of {most}", bytes.len());
+                Err(LoadError::Buffer { path: format!("buffers[{index}]"), problem })
+            }
+            _ => {
                 let problem = format!(
-                    "byteOffset {offset} + byteLength {length} is more than the {} bytes of buffers[{}]",
-                    buffer.len(),
-                    view.buffer
+                    "byteOffset {offset} + byteLength {length} is more than the {most} bytes of buffers[{index}]"
                 );
                 Err(at(path, problem))
             }
         }
-    }
-
-    /// The size of all buffers together. Reads every buffer that can be read.
-    pub(super) fn total_bytes(&self) -> u64 {
-        let buffers = (0..self.read.len() as u32).map(|i| self.buffer(Index::new(i), ""));
-        buffers.map(|bytes| bytes.map_or(0, |bytes| bytes.len() as u64)).sum()
     }
 }
 
@@ -126,7 +156,7 @@ pub(super) fn read_uri(uri: &str, path: &str, resolver: &dyn Resolver, budget: &
     } else if file.contains('\0') {
         "has a zero byte in its file name"
     } else {
-        let read = resolver.read(&file, budget.left());
+        let read = read_file(&file, resolver, budget);
         let bytes = read.map_err(|error| match error {
             FileError::Outside { folder } => LoadError::Outside { path: path.into(), uri: uri.into(), folder },
             FileError::TooLarge { bytes } => {
@@ -138,6 +168,21 @@ pub(super) fn read_uri(uri: &str, path: &str, resolver: &dyn Resolver, budget: &
         return Ok(bytes);
     };
     Err(at(path, problem))
+}
+
+/// The bytes of a file. Writers on Windows separate folders by backslashes, which glTF forbids; they are read as slashes
+/// where no file has the literal name.
+fn read_file(file: &str, resolver: &dyn Resolver, budget: &Budget) -> Result<Vec<u8>, FileError> {
+    match resolver.read(file, budget.left()) {
+        Err(FileError::Unreadable(problem)) if file.contains('\\') => {
+            let read = resolver.read(&file.replace('\\', "/"), budget.left());
+            read.map_err(|error| match error {
+                FileError::Unreadable(_) => FileError::Unreadable(problem),
+                error => error,
+            })
+        }
+        read => read,
+    }
 }
 
 /// Whether a URI holds the bytes itself.

@@ -1,41 +1,47 @@
-//! Checks that all parts of the glTF loader share: references, extensions, numbers.
+//! Checks that all parts of the glTF loader share: errors, extensions, colours.
 
 use super::LoadError;
+use super::json::Root;
 use super::notes::Notes;
-use gltf::json::{Index, Root, validation::Checked};
 
-/// Extensions that a file may require.
-const SUPPORTED: [&str; 4] =
-    ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization", "KHR_texture_transform"];
+/// Extensions that are read.
+const SUPPORTED: [&str; 10] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_visibility",
+    "KHR_texture_transform",
+];
 
-/// Extensions that a file may require because they only affect animations, which are ignored.
-const OF_ANIMATIONS: [&str; 1] = ["KHR_animation_pointer"];
+/// Starts of the names of extensions without which every shape is in its place: those of materials, textures, lights,
+/// animations and metadata. A file may require them.
+const WITHOUT_SHAPE: [&str; 10] = [
+    "KHR_materials_",
+    "EXT_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    "EXT_lights_",
+    "KHR_animation_",
+    "KHR_audio",
+    "KHR_xmp",
+];
 
 /// An error at one place of the file.
 pub(super) fn at(path: impl Into<String>, problem: impl Into<String>) -> LoadError {
     LoadError::Invalid { path: path.into(), problem: problem.into() }
 }
 
-/// The element at `index`, or an error with the number of elements.
-pub(super) fn get<'a, T, I>(list: &'a [T], index: Index<I>, path: &str, what: &str) -> Result<&'a T, LoadError> {
-    list.get(index.value())
-        .ok_or_else(|| at(path, format!("refers to {what} {index}, but the file has {} (counted from 0)", list.len())))
-}
-
-/// The value of an enumeration, or an error with the known values.
-pub(super) fn known<T: Copy>(value: &Checked<T>, path: &str, expected: &str) -> Result<T, LoadError> {
-    match value {
-        Checked::Valid(value) => Ok(*value),
-        Checked::Invalid => Err(at(path, format!("is not a known value; expected {expected}"))),
-    }
-}
-
-/// Rejects NaN and infinities, which numbers beyond f32 turn into.
-pub(super) fn finite<const N: usize>(values: [f32; N], path: &str) -> Result<[f32; N], LoadError> {
-    match values.iter().find(|v| !v.is_finite()) {
-        None => Ok(values),
-        Some(bad) => Err(at(path, format!("{bad} is not a finite 32-bit number"))),
-    }
+/// Whether the lack of a file or of memory is the reason. Then it is an error even if it costs only one shape: the file
+/// is right, and what is missing can be given.
+pub(super) fn is_lack(error: &LoadError) -> bool {
+    !matches!(error, LoadError::Invalid { .. })
 }
 
 /// Whether a colour component is outside the specified range.
@@ -43,14 +49,16 @@ pub(super) fn is_outside(part: &f32) -> bool {
     !(0.0..=1.0).contains(part)
 }
 
-/// Rejects unknown required extensions, and notes unknown used ones.
-pub(super) fn extensions(root: &Root, notes: &mut Notes) -> Result<(), LoadError> {
+/// Rejects unknown required extensions that shapes may depend on, and notes unknown used ones.
+pub(super) fn extensions(root: &Root<'_>, notes: &mut Notes) -> Result<(), LoadError> {
     let is_known = |name: &&String| SUPPORTED.contains(&name.as_str());
-    let is_harmless = |name: &String| OF_ANIMATIONS.contains(&name.as_str());
-    if let Some(name) = root.extensions_required.iter().find(|name| !is_known(name) && !is_harmless(name)) {
+    let has_shape = |name: &&String| !WITHOUT_SHAPE.iter().any(|start| name.starts_with(start));
+    let required = root.extensions_required.elements().iter().filter_map(|name| name.ok());
+    if let Some(name) = required.clone().find(|name| !is_known(name) && has_shape(name)) {
         return Err(LoadError::RequiredExtension(name.clone(), SUPPORTED.join(", ")));
     }
-    for name in root.extensions_used.iter().filter(|name| !is_known(name)) {
+    let used = root.extensions_used.elements().iter().filter_map(|name| name.ok());
+    for name in used.chain(required).filter(|name| !is_known(name)) {
         notes.add(format!("the extension {name} is ignored"));
     }
     Ok(())

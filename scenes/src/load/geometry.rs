@@ -1,42 +1,19 @@
 //! Converts meshes to the scene's triangles.
 //!
-//! First a survey: which primitives are shown, how often, and how many triangles they have. Then exactly the required
-//! memory is allocated, and each primitive is decoded once and placed by its nodes. Vertices are placed one by one; no
-//! mesh is stored a second time in world space.
+//! Exactly the required memory is allocated, and each primitive is decoded once and placed by its nodes. Vertices are
+//! placed one by one, in f64, and rounded once; no mesh is stored a second time in world space.
 
-use super::accessor::Accessors;
 use super::budget::Budget;
-use super::check;
-use super::graph::Graph;
-use super::materials::Materials;
-use super::notes::{Notes, Wrong};
+use super::check::is_lack;
+use super::instances::Instances;
+use super::lost::Lost;
+use super::notes::Wrong;
 use super::place::{Placement, flat_normal};
-use super::pose::{Influences, Key, Poser, Vertices, expect_count};
+use super::pose::{Key, Posed, Vertices};
+use super::primitive::{Decoded, Decoder};
+use super::survey::Primitive;
 use super::{LoadError, at};
-use glam::DAffine3;
-use gltf::json::accessor::{ComponentType as C, Type};
-use gltf::json::mesh::{Mode, Semantic};
-use gltf::json::validation::Checked;
-use gltf::json::{Accessor, Index, Mesh, Root};
-use std::cell::RefCell;
-use std::collections::HashMap;
-
-/// A mesh and the nodes that show it.
-pub(super) struct Group<'a> {
-    mesh_index: usize,
-    mesh: &'a Mesh,
-    nodes: Vec<usize>,
-}
-
-/// A primitive with at least one triangle.
-pub(super) struct Primitive<'a> {
-    group: &'a Group<'a>,
-    json: &'a gltf::json::mesh::Primitive,
-    position: Index<Accessor>,
-    mode: Mode,
-    triangles: u64,
-    path: String,
-}
+use glam::{DAffine3, DVec3};
 
 /// The scene's lists, see [`Scene`](crate::Scene).
 #[derive(Default)]
@@ -46,293 +23,261 @@ pub(super) struct Triangles {
     pub(super) texcoords: Option<Vec<[[f32; 2]; 3]>>,
     pub(super) colors: Option<Vec<[[f32; 3]; 3]>>,
     pub(super) materials: Vec<u32>,
+    /// Smallest and largest coordinates.
+    pub(super) bounds: [DVec3; 2],
+    /// The translation that all shapes share, if they do.
+    pub(super) translation: Option<DVec3>,
 }
 
-/// One primitive's decoded attributes.
-struct Decoded {
-    vertices: Vertices,
-    texcoords: Option<Vec<[f32; 2]>>,
-    colors: Option<Vec<[f32; 3]>>,
-    indices: Option<Vec<[u32; 1]>>,
-    influences: Influences,
+/// Triangles of one primitive that are left out.
+#[derive(Default)]
+struct LeftOut {
+    /// With an index beyond the vertices.
+    indices: usize,
+    /// With a vertex that is not finite.
+    vertices: usize,
+    /// With a place that is not finite.
+    places: usize,
+    /// The first, and its node.
+    first: Option<(usize, usize)>,
 }
 
-/// The meshes of these nodes, in the order of first occurrence.
-pub(super) fn groups<'a>(root: &'a Root, nodes: &[usize]) -> Result<Vec<Group<'a>>, LoadError> {
-    let mut groups: Vec<Group<'a>> = Vec::new();
-    let mut known: HashMap<usize, usize> = HashMap::new();
-    for &i in nodes {
-        let Some(node) = root.nodes.get(i) else { continue };
-        let Some(index) = node.mesh else { continue };
-        let mesh = check::get(&root.meshes, index, &format!("nodes[{i}].mesh"), "mesh")?;
-        if let Some(skin) = node.skin {
-            check::get(&root.skins, skin, &format!("nodes[{i}].skin"), "skin")?;
+impl Triangles {
+    /// Space for all triangles of these primitives.
+    pub(super) fn with_space(
+        primitives: &[Primitive<'_>],
+        instances: &Instances,
+        is_textured: bool,
+        budget: &Budget,
+    ) -> Result<Self, LoadError> {
+        let of_node = |node: &usize| instances.get(node).and_then(Option::as_ref).map_or(1, |own| own.len() as u64);
+        let of_primitive = |primitive: &Primitive<'_>| {
+            let copies = primitive.group.nodes.iter().map(of_node).fold(0, u64::saturating_add);
+            primitive.triangles.saturating_mul(copies)
+        };
+        let total = primitives.iter().map(of_primitive).fold(0, u64::saturating_add);
+        let path = "meshes";
+        if total >= u64::from(u32::MAX) {
+            return Err(at(path, format!("the scene has {total} triangles; expected fewer than {}", u32::MAX)));
         }
-        let mesh_index = index.value();
-        match known.get(&mesh_index).and_then(|&k| groups.get_mut(k)) {
-            Some(group) => group.nodes.push(i),
-            None => {
-                known.insert(mesh_index, groups.len());
-                groups.push(Group { mesh_index, mesh, nodes: vec![i] });
-            }
-        }
+        let any = |name: &str| primitives.iter().any(|primitive| primitive.has(name));
+        Ok(Self {
+            positions: budget.vec(total, path)?,
+            normals: any("NORMAL").then(|| budget.vec(total, path)).transpose()?,
+            texcoords: is_textured.then(|| budget.vec(total, path)).transpose()?,
+            colors: any("COLOR_0").then(|| budget.vec(total, path)).transpose()?,
+            materials: budget.vec(total, path)?,
+            ..Self::default()
+        })
     }
-    Ok(groups)
-}
 
-/// The primitives that have triangles. Checks what determines their number, without decoding anything.
-pub(super) fn survey<'a>(
-    root: &'a Root,
-    accessors: &Accessors<'_>,
-    groups: &'a [Group<'a>],
-    notes: &RefCell<Notes>,
-) -> Result<Vec<Primitive<'a>>, LoadError> {
-    let mut primitives = Vec::new();
-    for group in groups {
-        for (k, json) in group.mesh.primitives.iter().enumerate() {
-            let path = format!("meshes[{}].primitives[{k}]", group.mesh_index);
-            let mode = check::known(&json.mode, &format!("{path}.mode"), "0 to 6")?;
-            if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-                notes.borrow_mut().add("points and lines are omitted");
-                continue;
-            }
-            let Some(&position) = json.attributes.get(&Checked::Valid(Semantic::Positions)) else {
-                notes.borrow_mut().add("primitives without positions are omitted");
-                continue;
+    /// Decodes and places all triangles. With `is_rounded`, those are left out whose corners 32-bit numbers do not hold.
+    pub(super) fn fill(
+        &mut self,
+        primitives: &[Primitive<'_>],
+        instances: &Instances,
+        decoder: &Decoder<'_, '_>,
+        is_rounded: bool,
+    ) -> Result<(), LoadError> {
+        self.positions.clear();
+        self.materials.clear();
+        self.normals.iter_mut().for_each(Vec::clear);
+        self.texcoords.iter_mut().for_each(Vec::clear);
+        self.colors.iter_mut().for_each(Vec::clear);
+        self.bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        self.translation = None;
+        let (mut has_normals, mut has_colors, mut is_first) = (false, false, true);
+        for primitive in primitives {
+            let decoded = match decoder.decode(primitive) {
+                Ok(decoded) => decoded,
+                Err(error) if is_lack(&error) => return Err(error),
+                Err(error) => {
+                    decoder.notes.borrow_mut().lost(Lost::Primitive, primitive.key, error);
+                    continue;
+                }
             };
-            let counting = match json.indices {
-                Some(indices) => accessors.open(indices, &format!("{path}.indices"))?,
-                None => accessors.open(position, &format!("{path}.attributes.POSITION"))?,
-            };
-            let corners = counting.count;
-            if mode == Mode::Triangles && !corners.is_multiple_of(3) {
-                return Err(counting.wrong(format!("has {corners} corners; expected a multiple of 3")));
-            }
-            let triangles = if mode == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) };
-            if let Some(material) = json.material {
-                check::get(&root.materials, material, &format!("{path}.material"), "material")?;
-            }
-            if triangles > 0 {
-                primitives.push(Primitive { group, json, position, mode, triangles, path });
-            }
+            has_normals |= decoded.vertices.normals.is_some();
+            has_colors |= decoded.colors.is_some();
+            let left_out = self.place_all(primitive, instances, decoder, &decoded, is_rounded, &mut is_first)?;
+            left_out.note(primitive, decoder, &decoded, self.positions.len() == self.materials.len());
+            let material = decoder.materials.id(primitive.material()).0;
+            self.materials.resize(self.positions.len(), material);
         }
+        self.normals.take_if(|_| !has_normals);
+        self.colors.take_if(|_| !has_colors);
+        Ok(())
     }
-    Ok(primitives)
-}
 
-/// Decodes and places all triangles.
-pub(super) fn triangles(
-    primitives: &[Primitive<'_>],
-    accessors: &Accessors<'_>,
-    poser: &Poser<'_>,
-    graph: &Graph,
-    materials: &Materials,
-    budget: &Budget,
-    notes: &RefCell<Notes>,
-) -> Result<Triangles, LoadError> {
-    let total =
-        primitives.iter().map(|p| p.triangles.saturating_mul(p.group.nodes.len() as u64)).fold(0, u64::saturating_add);
-    let path = "meshes";
-    if total >= u64::from(u32::MAX) {
-        return Err(at(path, format!("the scene has {total} triangles; expected fewer than {}", u32::MAX)));
-    }
-    let any = |semantic: &Semantic| primitives.iter().any(|p| p.attribute(semantic.clone()).is_some());
-    let textured = primitives.iter().any(|p| materials.id(p.material()).1.is_some());
-    let mut out = Triangles {
-        positions: budget.vec(total, path)?,
-        normals: any(&Semantic::Normals).then(|| budget.vec(total, path)).transpose()?,
-        texcoords: textured.then(|| budget.vec(total, path)).transpose()?,
-        colors: any(&Semantic::Colors(0)).then(|| budget.vec(total, path)).transpose()?,
-        materials: budget.vec(total, path)?,
-    };
-    for primitive in primitives {
-        let decoded = primitive.decode(accessors, poser, materials, notes)?;
+    /// Places a primitive for each of its nodes and their instances.
+    fn place_all(
+        &mut self,
+        primitive: &Primitive<'_>,
+        instances: &Instances,
+        decoder: &Decoder<'_, '_>,
+        decoded: &Decoded,
+        is_rounded: bool,
+        is_first: &mut bool,
+    ) -> Result<LeftOut, LoadError> {
+        let poser = decoder.poser;
+        let mut left_out = LeftOut::default();
         let mut posed: Option<(Key, Vertices)> = None;
+        let (json, path, key) = (primitive.json, &primitive.path[..], primitive.key);
         for &node in &primitive.group.nodes {
-            let key = poser.key(node, primitive.json, !decoded.influences.is_empty());
-            if let Some(key) = key
-                && posed.as_ref().is_none_or(|(known, _)| *known != key)
+            let pose = poser.key(node, json, !decoded.influences.is_empty());
+            if let Some(pose) = pose
+                && posed.as_ref().is_none_or(|(known, _)| *known != pose)
             {
-                let weights = primitive.group.mesh.weights.as_deref();
-                let (json, path) = (primitive.json, &primitive.path);
                 // Drop the previous pose first, so that two are never in memory.
                 drop(posed.take());
-                posed = Some((key, poser.pose(key, weights, json, &decoded.vertices, &decoded.influences, path)?));
+                let mesh_weights = primitive.group.mesh.weights.ok();
+                let primitive = Posed { json, mesh_weights, key, path };
+                posed = Some((pose, poser.pose(pose, primitive, &decoded.vertices, &decoded.influences)?));
             }
-            let vertices = match (key, &posed) {
+            let vertices = match (pose, &posed) {
                 (Some(_), Some((_, vertices))) => vertices,
                 _ => &decoded.vertices,
             };
-            let world = if vertices.mirrored.is_some() { DAffine3::IDENTITY } else { graph.world(node) };
-            primitive.place(&decoded, vertices, &Placement::new(world), node, &mut out)?;
-        }
-        if posed.is_some_and(|(key, _)| key.is_skinned()) {
-            notes.borrow_mut().add("skins are shown in their rest pose");
-        }
-        if primitive.json.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
-            notes.borrow_mut().add("morph targets are shown with their default weights");
-        }
-        let count = out.positions.len();
-        out.materials.resize(count, materials.id(primitive.material()).0);
-    }
-    Ok(out)
-}
-
-impl Primitive<'_> {
-    /// The file's material index.
-    pub(super) fn material(&self) -> Option<usize> {
-        self.json.material.map(|material| material.value())
-    }
-
-    fn attribute(&self, semantic: Semantic) -> Option<Index<Accessor>> {
-        self.json.attributes.get(&Checked::Valid(semantic)).copied()
-    }
-
-    fn decode(
-        &self,
-        accessors: &Accessors<'_>,
-        poser: &Poser<'_>,
-        materials: &Materials,
-        notes: &RefCell<Notes>,
-    ) -> Result<Decoded, LoadError> {
-        let open = |index, name: &str| accessors.open(index, &format!("{}.attributes.{name}", self.path));
-        let small = [C::F32, C::I8, C::U8, C::I16, C::U16];
-
-        let position = open(self.position, "POSITION")?;
-        position.expect(&[Type::Vec3], &small, "VEC3 of F32, or of 8 or 16-bit integers")?;
-        let count = position.count;
-        let positions = position.vectors::<3>()?;
-        if let Some((i, p)) = positions.iter().enumerate().find(|(_, p)| !p.iter().all(|c| c.is_finite())) {
-            return Err(position.wrong(format!("element {i} is {p:?}; positions must be finite")));
-        }
-
-        let mut normals = None;
-        if let Some(index) = self.attribute(Semantic::Normals) {
-            let elements = open(index, "NORMAL")?;
-            elements.expect(&[Type::Vec3], &[C::F32, C::I8, C::I16], "VEC3 of F32, I8 or I16")?;
-            expect_count(&elements, count)?;
-            let values = elements.vectors::<3>()?;
-            let has_none = |n: &&[f32; 3]| !n.iter().all(|c| c.is_finite()) || **n == [0.0; 3];
-            elements.found(Wrong::Normals, values.iter().filter(has_none).count());
-            normals = Some(values);
-        }
-
-        let mut colors = None;
-        if let Some(index) = self.attribute(Semantic::Colors(0)) {
-            let elements = open(index, "COLOR_0")?;
-            let right = "VEC3 or VEC4 of F32 or of normalized U8 or U16";
-            elements.expect(&[Type::Vec3, Type::Vec4], &[C::F32, C::U8, C::U16], right)?;
-            elements.expect_normalized()?;
-            expect_count(&elements, count)?;
-            let mut values = elements.vectors::<3>()?;
-            elements.found(Wrong::Colors, replace_not_finite(&mut values, 1.0));
-            elements.found(Wrong::ColorsOutside, values.iter().filter(|c| c.iter().any(check::is_outside)).count());
-            colors = Some(values);
-        }
-
-        let mut texcoords = None;
-        if let Some(usage) = materials.id(self.material()).1 {
-            match self.attribute(Semantic::TexCoords(usage.set)) {
-                None => notes
-                    .borrow_mut()
-                    .add("a mesh without the texture coordinates of its texture is shown with one texel"),
-                Some(index) => {
-                    let elements = open(index, &format!("TEXCOORD_{}", usage.set))?;
-                    elements.expect(&[Type::Vec2], &small, "VEC2 of F32, or of 8 or 16-bit integers")?;
-                    expect_count(&elements, count)?;
-                    let mut values = elements.vectors::<2>()?;
-                    values.iter_mut().for_each(|uv| *uv = usage.apply(*uv));
-                    elements.found(Wrong::Texcoords, replace_not_finite(&mut values, 0.0));
-                    texcoords = Some(values);
-                }
+            let is_skinned = vertices.mirrored.is_some();
+            let own = instances.get(&node).and_then(Option::as_deref);
+            for k in 0..own.map_or(1, <[_]>::len) {
+                let instance = own.and_then(|own| own.get(k));
+                let world = match (is_skinned, instance) {
+                    (true, instance) => poser.of_skinned(instance),
+                    (false, None) => poser.graph.world(node),
+                    (false, Some(instance)) => poser.graph.world(node) * *instance,
+                };
+                let shared = if is_skinned { None } else { Some(world.translation) };
+                self.translation =
+                    if *is_first { shared } else { self.translation.filter(|known| shared == Some(*known)) };
+                *is_first = false;
+                self.place(primitive, decoded, vertices, world, (node, is_rounded), &mut left_out);
+            }
+            if is_skinned {
+                decoder.notes.borrow_mut().add("skins are shown in their rest pose");
             }
         }
-
-        let influences = poser.influences(self.json, count, &self.path)?;
-        let indices = self.indices(accessors, count)?;
-        let vertices = Vertices { positions, normals, mirrored: None };
-        Ok(Decoded { vertices, texcoords, colors, indices, influences })
-    }
-
-    /// The indices, all below `vertices`.
-    fn indices(&self, accessors: &Accessors<'_>, vertices: u64) -> Result<Option<Vec<[u32; 1]>>, LoadError> {
-        let Some(index) = self.json.indices else { return Ok(None) };
-        let elements = accessors.open(index, &format!("{}.indices", self.path))?;
-        elements.expect(&[Type::Scalar], &[C::U8, C::U16, C::U32], "SCALAR of U8, U16 or U32")?;
-        let indices = elements.integers::<1>()?;
-        match indices.iter().enumerate().find(|(_, [index])| u64::from(*index) >= vertices) {
-            None => Ok(Some(indices)),
-            Some((i, [bad])) => {
-                Err(elements.wrong(format!("element {i} is {bad}, but there are {vertices} vertices (counted from 0)")))
-            }
+        if !json.targets.elements().is_empty() {
+            decoder.notes.borrow_mut().add("morph targets are shown with their default weights");
         }
+        Ok(left_out)
     }
 
-    /// The vertices of triangle `i`.
-    fn corners(&self, i: usize, indices: Option<&[[u32; 1]]>) -> Option<[usize; 3]> {
-        let corners = match self.mode {
-            // Every other triangle of a strip is reversed, so that all face the same way.
-            Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
-            Mode::TriangleFan => [i + 1, i + 2, 0],
-            _ => [3 * i, 3 * i + 1, 3 * i + 2],
-        };
-        let Some(indices) = indices else { return Some(corners) };
-        let [a, b, c] = corners.map(|corner| indices.get(corner).map(|[index]| *index as usize));
-        Some([a?, b?, c?])
-    }
-
-    /// Appends the triangles, transformed by `placement`.
+    /// Appends the triangles, transformed by `world`.
     fn place(
-        &self,
+        &mut self,
+        primitive: &Primitive<'_>,
         decoded: &Decoded,
         vertices: &Vertices,
-        placement: &Placement,
-        node: usize,
-        out: &mut Triangles,
-    ) -> Result<(), LoadError> {
-        for i in 0..usize::try_from(self.triangles).unwrap_or_default() {
-            // The survey and the checks of indices guarantee that this succeeds.
-            let Some([a, b, c]) = self.corners(i, decoded.indices.as_deref()) else { continue };
+        world: DAffine3,
+        (node, is_rounded): (usize, bool),
+        left_out: &mut LeftOut,
+    ) {
+        let placement = Placement::new(world);
+        let count = usize::try_from(primitive.triangles).unwrap_or_default();
+        let indices = primitive.indices(decoded);
+        let [mut min, mut max] = self.bounds;
+        // Without closures for each of three corners, which are calls where code is to be small.
+        for i in 0..count {
+            let Some([a, b, c]) = primitive.corners(i, indices) else {
+                left_out.add(i, node, None);
+                continue;
+            };
             let mirrors = match &vertices.mirrored {
                 Some(mirrored) => mirrored.get(a).copied().unwrap_or_default(),
                 None => placement.mirrors,
             };
-            let corners = if mirrors { [a, c, b] } else { [a, b, c] };
-            let Some(positions) = gather(&vertices.positions, corners) else { continue };
-            let positions = positions.map(|p| placement.position(p));
-            if !positions.iter().flatten().all(|p| p.is_finite()) {
-                let problem = format!("its transform moves triangle {i} of {} beyond 32-bit numbers", self.path);
-                return Err(at(format!("nodes[{node}]"), problem));
+            let [a, b, c] = if mirrors { [a, c, b] } else { [a, b, c] };
+            let points = &vertices.positions;
+            let (Some(p), Some(q), Some(r)) = (points.get(a), points.get(b), points.get(c)) else {
+                left_out.add(i, node, None);
+                continue;
+            };
+            let [u, v, w] = [placement.position(p), placement.position(q), placement.position(r)];
+            let [x, y, z] = [u.as_vec3(), v.as_vec3(), w.as_vec3()];
+            let is_held = x.is_finite() && y.is_finite() && z.is_finite();
+            if !is_held && (is_rounded || !(u.is_finite() && v.is_finite() && w.is_finite())) {
+                left_out.add(i, node, Some([p, q, r]));
+                continue;
             }
-            out.positions.push(positions);
-            if let Some(normals) = &mut out.normals {
-                let own = vertices.normals.as_deref().and_then(|own| gather(own, corners)).unwrap_or_default();
-                let mut own = own.map(|n| placement.normal(n));
-                for normal in own.iter_mut().filter(|n| **n == [0.0; 3]) {
+            (min, max) = (min.min(u).min(v).min(w), max.max(u).max(v).max(w));
+            let positions = [x.to_array(), y.to_array(), z.to_array()];
+            self.positions.push(positions);
+            if let Some(normals) = &mut self.normals {
+                let own =
+                    |k| vertices.normals.as_ref().and_then(|own| own.get(k)).map_or([0.0; 3], |n| placement.normal(n));
+                normals.push([own(a), own(b), own(c)]);
+                for normal in normals.last_mut().into_iter().flatten().filter(|n| **n == [0.0; 3]) {
                     *normal = flat_normal(positions);
                 }
-                normals.push(own);
             }
-            if let Some(texcoords) = &mut out.texcoords {
-                let own = decoded.texcoords.as_deref().and_then(|own| gather(own, corners));
-                texcoords.push(own.unwrap_or_default());
+            if let Some(texcoords) = &mut self.texcoords {
+                texcoords.push(gather(decoded.texcoords.as_deref(), [a, b, c]).unwrap_or_default());
             }
-            if let Some(colors) = &mut out.colors {
-                let own = decoded.colors.as_deref().and_then(|own| gather(own, corners));
-                colors.push(own.unwrap_or([[1.0; 3]; 3]));
+            if let Some(colors) = &mut self.colors {
+                colors.push(gather(decoded.colors.as_deref(), [a, b, c]).unwrap_or([[1.0; 3]; 3]));
             }
         }
-        Ok(())
+        self.bounds = [min, max];
+    }
+}
+
+impl LeftOut {
+    /// Counts triangle `i`, whose corners are these if the primitive has all of them.
+    #[cold]
+    fn add(&mut self, i: usize, node: usize, corners: Option<[DVec3; 3]>) {
+        self.first.get_or_insert((i, node));
+        *match corners {
+            None => &mut self.indices,
+            Some(corners) if corners.iter().any(|corner| !corner.is_finite()) => &mut self.vertices,
+            Some(_) => &mut self.places,
+        } += 1;
+    }
+
+    /// Notes what is left out of a primitive, and that nothing of it `is_left`.
+    fn note(self, primitive: &Primitive<'_>, decoder: &Decoder<'_, '_>, decoded: &Decoded, is_empty: bool) {
+        let Some((i, node)) = self.first else { return };
+        let mut notes = decoder.notes.borrow_mut();
+        if is_empty {
+            notes.lost(Lost::Primitive, primitive.key, self.reason(primitive, decoded, i, node));
+            return;
+        }
+        let (mesh, k) = primitive.key;
+        // Each primitive has a number of its own.
+        let index = mesh.wrapping_mul(1 << 20).wrapping_add(k);
+        for (what, count) in [
+            (Wrong::TrianglesMissing, self.indices),
+            (Wrong::TrianglesNotFinite, self.vertices),
+            (Wrong::TrianglesBeyond, self.places),
+        ] {
+            notes.found(what, index, count);
+        }
+    }
+
+    /// Why triangle `i` is left out.
+    fn reason(&self, primitive: &Primitive<'_>, decoded: &Decoded, i: usize, node: usize) -> LoadError {
+        let count = decoded.vertices.positions.len();
+        let path = &primitive.path;
+        let corners = primitive.corners(i, primitive.indices(decoded)).unwrap_or([usize::MAX; 3]);
+        if let Some(bad) = corners.into_iter().find(|&corner| corner >= count) {
+            let problem = format!("triangle {i} has the index {bad}, but there are {count} vertices (counted from 0)");
+            return at(format!("{path}.indices"), problem);
+        }
+        let points = corners.map(|corner| (corner, decoded.vertices.positions.get(corner).unwrap_or_default()));
+        match points.into_iter().find(|(_, point)| !point.is_finite()) {
+            Some((corner, point)) => {
+                let problem = format!("element {corner} is {:?}; positions must be finite", point.to_array());
+                at(format!("{path}.attributes.POSITION"), problem)
+            }
+            None => {
+                let problem = format!("its transform moves triangle {i} of {path} beyond 32-bit numbers");
+                at(format!("nodes[{node}]"), problem)
+            }
+        }
     }
 }
 
 /// Three elements of a list.
-fn gather<T: Copy>(list: &[T], [a, b, c]: [usize; 3]) -> Option<[T; 3]> {
+fn gather<T: Copy>(list: Option<&[T]>, [a, b, c]: [usize; 3]) -> Option<[T; 3]> {
+    let list = list?;
     Some([*list.get(a)?, *list.get(b)?, *list.get(c)?])
-}
-
-/// Replaces colours and texture coordinates that are not finite, which must not reach the image. Returns their number.
-fn replace_not_finite<const N: usize>(values: &mut [[f32; N]], with: f32) -> usize {
-    let wrong = values.iter_mut().filter(|value| !value.iter().all(|part| part.is_finite()));
-    wrong.map(|value| value.iter_mut().filter(|part| !part.is_finite()).for_each(|part| *part = with)).count()
 }

@@ -1,103 +1,247 @@
-//! The node hierarchy: one parent each, no cycles, and every node's world matrix. Nothing here is recursive, since a
-//! file may nest its nodes arbitrarily deep.
+//! The node hierarchy: trees, and every node's world transform. Nothing here is recursive, since a file may nest its
+//! nodes arbitrarily deep.
 
-use super::check;
+mod transform;
+
+pub(super) use transform::{affine, scaled_rotated_moved};
+
+use super::json::{Int, Property, Root};
+use super::lost::Lost;
 use super::notes::{Notes, Wrong};
 use super::{LoadError, at};
-use glam::{DAffine3, DMat3, DQuat, DVec3};
-use gltf::json::{Index, Node, Root};
+use glam::{DAffine3, DQuat, DVec3};
+use std::collections::HashSet;
 
-/// The node hierarchy, checked.
+/// The node hierarchy, mended where nodes do not form trees.
 pub(super) struct Graph {
-    /// World from node, in f64 so that long chains do not lose precision.
-    world: Vec<DAffine3>,
     parents: Vec<Option<usize>>,
     children: Vec<Vec<usize>>,
+    /// Parents before children.
+    order: Vec<usize>,
+    /// Parent from node, or what is wrong with the node.
+    local: Vec<Result<DAffine3, Box<LoadError>>>,
+    /// World from node, if its parents' transforms are right, too. In f64, so that neither long chains nor large
+    /// numbers that cancel each other lose precision.
+    world: Vec<Option<DAffine3>>,
 }
 
 impl Graph {
-    /// Checks the hierarchy and computes all world matrices.
-    pub(super) fn new(root: &Root) -> Result<Self, LoadError> {
-        let mut parents: Vec<Option<usize>> = vec![None; root.nodes.len()];
-        let mut children = Vec::with_capacity(root.nodes.len());
-        for (i, node) in root.nodes.iter().enumerate() {
-            let own = node.children.as_deref().unwrap_or_default();
-            for (k, &child) in own.iter().enumerate() {
-                let path = || format!("nodes[{i}].children[{k}]");
-                let Some(parent) = parents.get_mut(child.value()) else {
-                    check::get(&root.nodes, child, &path(), "node")?;
-                    continue;
-                };
-                if let Some(first) = parent.replace(i) {
-                    let problem = format!("node {child} is a child of node {first} already; a node has one parent");
-                    return Err(at(path(), problem));
-                }
+    /// Reads the hierarchy, and ignores links that make it no tree.
+    pub(super) fn new(root: &Root<'_>, notes: &mut Notes) -> Result<Self, LoadError> {
+        root.nodes.get(|| "nodes".to_owned())?;
+        let nodes = root.nodes.elements();
+        let mut graph = Self {
+            parents: vec![None; nodes.len()],
+            children: Vec::with_capacity(nodes.len()),
+            order: Vec::with_capacity(nodes.len()),
+            local: Vec::with_capacity(nodes.len()),
+            world: Vec::new(),
+        };
+        for (i, node) in nodes.iter().enumerate() {
+            graph.local.push(transform::local(node, i).map_err(Box::new));
+            let own = graph.own_children(root, i, notes);
+            graph.children.push(own);
+        }
+        let mut is_reached = vec![false; nodes.len()];
+        let roots: Vec<usize> = (0..nodes.len()).filter(|&i| graph.parents.get(i) == Some(&None)).collect();
+        roots.into_iter().for_each(|root| graph.walk(root, &mut is_reached));
+        // Each node has at most one parent, so a node that no root leads to is on a cycle, or below one.
+        for i in 0..nodes.len() {
+            if is_reached.get(i) == Some(&false) {
+                let top = graph.cut_cycle(i);
+                let problem = "is on a cycle of children, or below one; nodes must form trees";
+                notes.lost(Lost::Link, (top, 0), at(format!("nodes[{top}]"), problem));
+                graph.walk(top, &mut is_reached);
             }
-            children.push(own.iter().map(Index::value).collect::<Vec<_>>());
         }
-
-        let mut world = vec![None; root.nodes.len()];
-        let roots = parents.iter().enumerate().filter(|(_, parent)| parent.is_none());
-        let mut open: Vec<(usize, DAffine3)> = roots.map(|(i, _)| (i, DAffine3::IDENTITY)).collect();
-        while let Some((i, parent)) = open.pop() {
-            let (Some(node), Some(slot)) = (root.nodes.get(i), world.get_mut(i)) else { continue };
-            let own = parent * local(node, i)?;
-            *slot = Some(own);
-            open.extend(children.get(i).into_iter().flatten().map(|&child| (child, own)));
-        }
-        // Each node has at most one parent, so a node not reached from a root is part of a cycle, or below one.
-        if let Some(i) = world.iter().position(Option::is_none) {
-            return Err(at(format!("nodes[{i}]"), "is on a cycle of children, or below one; nodes must form trees"));
-        }
-        Ok(Self { world: world.into_iter().flatten().collect(), parents, children })
+        graph.world = graph.worlds(DVec3::ZERO);
+        Ok(graph)
     }
 
-    /// World from node `i`.
+    /// The children of a node that have no other parent.
+    fn own_children(&mut self, root: &Root<'_>, i: usize, notes: &mut Notes) -> Vec<usize> {
+        let node = root.nodes.elements().get(i).and_then(|node| node.ok());
+        let Some(listed) = node.map(|node| &node.children) else { return Vec::new() };
+        if let Err(error) = listed.get(|| format!("nodes[{i}].children")) {
+            notes.lost(Lost::Link, (i, 0), error);
+        }
+        let mut own = Vec::new();
+        for (k, child) in listed.elements().iter().enumerate() {
+            let path = || format!("nodes[{i}].children[{k}]");
+            let linked = existing(root, child, path).and_then(|child| match self.parents.get_mut(child) {
+                Some(Some(first)) => {
+                    let problem = format!("node {child} is a child of node {first} already; a node has one parent");
+                    Err(at(path(), problem))
+                }
+                parent => {
+                    parent.into_iter().for_each(|parent| *parent = Some(i));
+                    Ok(child)
+                }
+            });
+            match linked {
+                Ok(child) => own.push(child),
+                Err(error) => notes.lost(Lost::Link, (i, k), error),
+            }
+        }
+        own
+    }
+
+    /// Appends a node and all below it to the order.
+    fn walk(&mut self, from: usize, is_reached: &mut [bool]) {
+        let mut open = vec![from];
+        while let Some(i) = open.pop() {
+            if let Some(is_reached) = is_reached.get_mut(i) {
+                *is_reached = true;
+            }
+            self.order.push(i);
+            open.extend(self.children.get(i).into_iter().flatten());
+        }
+    }
+
+    /// Makes a node of the cycle that node `i` is on or below a root, and returns it.
+    fn cut_cycle(&mut self, i: usize) -> usize {
+        let (mut top, mut passed) = (i, HashSet::new());
+        while passed.insert(top) {
+            top = self.parents.get(top).copied().flatten().unwrap_or(top);
+        }
+        let parent = self.parents.get_mut(top).and_then(Option::take);
+        if let Some(children) = parent.and_then(|parent| self.children.get_mut(parent)) {
+            children.retain(|&child| child != top);
+        }
+        top
+    }
+
+    /// The same hierarchy with `offset` subtracted from all positions, before anything is added to them.
+    pub(super) fn shifted(self, offset: DVec3) -> Self {
+        Self { world: self.worlds(offset), ..self }
+    }
+
+    fn worlds(&self, offset: DVec3) -> Vec<Option<DAffine3>> {
+        let mut world = vec![None; self.order.len()];
+        for &i in &self.order {
+            let parent = match self.parents.get(i).copied().flatten() {
+                None => Some(DAffine3::from_translation(DVec3::ZERO - offset)),
+                Some(parent) => world.get(parent).copied().flatten(),
+            };
+            let own =
+                parent.zip(self.local.get(i).and_then(|own| own.as_ref().ok())).map(|(parent, own)| parent * *own);
+            if let Some(slot) = world.get_mut(i) {
+                *slot = own;
+            }
+        }
+        world
+    }
+
+    /// World from node `i`; the identity if it has none, which only nodes have that are not shown.
     pub(super) fn world(&self, i: usize) -> DAffine3 {
-        self.world.get(i).copied().unwrap_or(DAffine3::IDENTITY)
+        self.try_world(i).unwrap_or(DAffine3::IDENTITY)
+    }
+
+    /// World from node `i`, if its transform and those above it are right.
+    pub(super) fn try_world(&self, i: usize) -> Option<DAffine3> {
+        self.world.get(i).copied().flatten()
     }
 
     /// The nodes of the scene to show, parents before children, siblings in the file's order.
-    pub(super) fn nodes_of(&self, root: &Root, asked: Option<usize>) -> Result<Vec<usize>, LoadError> {
-        let count = root.scenes.len();
-        let index = match (asked, root.scene) {
-            (Some(asked), _) if asked >= count => return Err(LoadError::NoSuchScene { asked, count }),
-            (Some(asked), _) => Some(asked),
-            (None, Some(default)) => {
-                check::get(&root.scenes, default, "scene", "scene")?;
-                Some(default.value())
-            }
-            (None, None) => None,
-        };
-        let index = index.unwrap_or(0);
-        let mut open = Vec::new();
-        match root.scenes.get(index) {
-            // A file without scenes is a library of nodes; show all of it.
-            None => open.extend((0..root.nodes.len()).filter(|&i| self.parents.get(i) == Some(&None))),
-            Some(scene) => {
-                let mut listed = vec![false; root.nodes.len()];
-                for (k, &node) in scene.nodes.iter().enumerate() {
-                    let path = || format!("scenes[{index}].nodes[{k}]");
-                    check::get(&root.nodes, node, &path(), "node")?;
-                    if let Some(Some(parent)) = self.parents.get(node.value()) {
-                        let problem = format!("node {node} is a child of node {parent}; only root nodes may be listed");
-                        return Err(at(path(), problem));
-                    }
-                    if listed.get_mut(node.value()).is_some_and(|listed| std::mem::replace(listed, true)) {
-                        return Err(at(path(), format!("node {node} is listed twice; once would be right")));
-                    }
-                    open.push(node.value());
-                }
-            }
-        }
+    pub(super) fn nodes_of(
+        &self,
+        root: &Root<'_>,
+        asked: Option<usize>,
+        notes: &mut Notes,
+    ) -> Result<Vec<usize>, LoadError> {
+        let mut open = self.roots_of(root, asked, notes)?;
         open.reverse();
         let mut nodes = Vec::new();
+        let mut is_shown = vec![false; self.parents.len()];
         while let Some(i) = open.pop() {
-            nodes.push(i);
-            open.extend(self.children.get(i).into_iter().flatten().rev());
+            match self.local.get(i) {
+                Some(Err(error)) => notes.lost(Lost::Node, (i, 0), error.as_ref().clone()),
+                Some(Ok(_)) if !is_shown.get_mut(i).is_none_or(|shown| std::mem::replace(shown, true)) => {
+                    nodes.push(i);
+                    open.extend(self.children.get(i).into_iter().flatten().rev());
+                }
+                _ => {}
+            }
         }
         Ok(nodes)
     }
+
+    /// Those of `nodes`, parents before children, that neither they nor a node above them hides.
+    pub(super) fn visible(&self, root: &Root<'_>, nodes: &[usize], notes: &mut Notes) -> Vec<usize> {
+        let mut is_hidden = vec![false; self.parents.len()];
+        let mut visible = Vec::new();
+        for &i in nodes {
+            let node = root.nodes.elements().get(i).and_then(|node| node.ok());
+            let own = node.and_then(|node| node.extensions.ok()?.visibility.ok()?.visible.ok());
+            let above = self.parents.get(i).copied().flatten().and_then(|parent| is_hidden.get(parent).copied());
+            notes.found(Wrong::Hidden, i, usize::from(own == Some(&false)));
+            match is_hidden.get_mut(i) {
+                Some(is_hidden) if own == Some(&false) || above == Some(true) => *is_hidden = true,
+                _ => visible.push(i),
+            }
+        }
+        visible
+    }
+
+    /// The nodes that the scene lists.
+    fn roots_of(&self, root: &Root<'_>, asked: Option<usize>, notes: &mut Notes) -> Result<Vec<usize>, LoadError> {
+        let count = root.scenes.elements().len();
+        let index = match asked {
+            Some(asked) if asked >= count => return Err(LoadError::NoSuchScene { asked, count }),
+            Some(asked) => asked,
+            None => default_scene(root, notes),
+        };
+        // A file without scenes is a library of nodes; show all of it.
+        let Some(scene) = root.scenes.elements().get(index) else {
+            return Ok((0..root.nodes.elements().len()).filter(|&i| self.parents.get(i) == Some(&None)).collect());
+        };
+        let scene = scene.need(|| format!("scenes[{index}]"))?;
+        scene.nodes.get(|| format!("scenes[{index}].nodes"))?;
+        let mut listed = vec![false; self.parents.len()];
+        let mut nodes = Vec::new();
+        for (k, node) in scene.nodes.elements().iter().enumerate() {
+            let path = || format!("scenes[{index}].nodes[{k}]");
+            let mut lost = |error| notes.lost(Lost::Link, (usize::MAX, k), error);
+            let i = match existing(root, node, path) {
+                Ok(i) => i,
+                Err(error) => {
+                    lost(error);
+                    continue;
+                }
+            };
+            if listed.get_mut(i).is_some_and(|listed| std::mem::replace(listed, true)) {
+                lost(at(path(), format!("node {i} is listed twice; once would be right")));
+                continue;
+            }
+            if let Some(Some(parent)) = self.parents.get(i) {
+                lost(at(path(), format!("node {i} is a child of node {parent}; only root nodes may be listed")));
+            }
+            nodes.push(i);
+        }
+        Ok(nodes)
+    }
+}
+
+/// The index of a node that is listed at `path`.
+fn existing(root: &Root<'_>, node: &Property<Int>, path: impl Fn() -> String) -> Result<usize, LoadError> {
+    let node = *node.need(&path)?;
+    let count = root.nodes.elements().len();
+    if node.index() < count {
+        return Ok(node.index());
+    }
+    Err(at(path(), format!("refers to node {node}, but the file has {count} (counted from 0)")))
+}
+
+/// The index of the scene that the file says to show.
+fn default_scene(root: &Root<'_>, notes: &mut Notes) -> usize {
+    let found = root.scene.get(|| "scene".to_owned()).and_then(|scene| {
+        let Some(scene) = scene else { return Ok(0) };
+        root.scenes.at(*scene, "scene", ("scenes", "scene")).map(|_| scene.index())
+    });
+    found.unwrap_or_else(|error| {
+        notes.lost(Lost::Scene, (0, 0), error);
+        0
+    })
 }
 
 /// Tolerance for a rotation's length; it covers four components rounded to three decimals each. A quaternion farther
@@ -105,47 +249,17 @@ impl Graph {
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// Notes faults of these nodes' transforms, and what replaces them.
-pub(super) fn check_transforms(root: &Root, nodes: &[usize], notes: &mut Notes) {
+pub(super) fn check_transforms(root: &Root<'_>, nodes: &[usize], notes: &mut Notes) {
     for &i in nodes {
-        let Some(node) = root.nodes.get(i) else { continue };
-        let is_split = node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
-        if node.matrix.is_some() {
+        let Some(node) = root.nodes.elements().get(i).and_then(|node| node.ok()) else { continue };
+        if node.matrix.ok().is_some() {
+            let is_split = [&node.translation, &node.rotation, &node.scale].iter().any(|part| part.ok().is_some());
             notes.found(Wrong::MatrixBesideParts, i, usize::from(is_split));
-        } else if let Some(rotation) = node.rotation {
-            let [x, y, z, w] = rotation.0.map(f64::from);
-            let is_unit = (DQuat::from_xyzw(x, y, z, w).length() - 1.0).abs() <= UNIT_TOLERANCE;
-            notes.found(Wrong::RotationNotUnit, i, usize::from(!is_unit));
+        } else if let Ok(Some(rotation)) = node.rotation.numbers(String::new) {
+            let length = DQuat::from_array(rotation).length();
+            let is_unit = (length - 1.0).abs() <= UNIT_TOLERANCE;
+            notes.found(Wrong::RotationNotUnit, i, usize::from(!is_unit && length != 0.0));
+            notes.found(Wrong::RotationZero, i, usize::from(length == 0.0));
         }
     }
-}
-
-/// Parent from node.
-fn local(node: &Node, i: usize) -> Result<DAffine3, LoadError> {
-    let path = |field: &str| format!("nodes[{i}].{field}");
-    if let Some(matrix) = node.matrix {
-        let m = check::finite(matrix, &path("matrix"))?.map(f64::from);
-        let [x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3, t0, t1, t2, t3] = m;
-        let last_row = [x3, y3, z3, t3 - 1.0];
-        // Exporters that multiply matrices leave small rounding errors here.
-        if last_row.iter().any(|v| v.abs() > 1e-4) {
-            return Err(at(path("matrix"), "has a last row that is not 0 0 0 1; only affine transforms are allowed"));
-        }
-        let axes = DMat3::from_cols(DVec3::new(x0, x1, x2), DVec3::new(y0, y1, y2), DVec3::new(z0, z1, z2));
-        return Ok(DAffine3::from_mat3_translation(axes, DVec3::new(t0, t1, t2)));
-    }
-    let translation = check::finite(node.translation.unwrap_or([0.0; 3]), &path("translation"))?;
-    let scale = check::finite(node.scale.unwrap_or([1.0; 3]), &path("scale"))?;
-    let rotation = match node.rotation {
-        None => DQuat::IDENTITY,
-        Some(rotation) => {
-            let [x, y, z, w] = check::finite(rotation.0, &path("rotation"))?.map(f64::from);
-            let length = DQuat::from_xyzw(x, y, z, w).length();
-            if length == 0.0 {
-                return Err(at(path("rotation"), "is 0 0 0 0; a unit quaternion would be right"));
-            }
-            DQuat::from_xyzw(x / length, y / length, z / length, w / length)
-        }
-    };
-    let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-    Ok(DAffine3::from_scale_rotation_translation(vector(scale), rotation, vector(translation)))
 }

@@ -1,14 +1,15 @@
-//! Decodes PNG and JPEG images into texels, within limits.
+//! Decodes PNG, JPEG and WebP images into texels, within limits.
 //!
 //! An image that could not be traced or exceeds the budget is rejected by its header, before anything is decoded. Each
-//! image is then decoded into the memory in which its texels stay, PNGs row by row, JPEGs packed at its end, so that
-//! there is no second copy.
+//! image is then decoded into the memory in which its texels stay, PNGs row by row, others packed at its end, so that
+//! there is no second copy of theirs.
 
 use super::budget::{Budget, reserve};
 use super::buffers::{Buffers, read_uri};
+use super::json::Image;
 use super::{LoadError, Resolver, at};
-use gltf::json::Image;
 use image::codecs::jpeg::JpegDecoder;
+use image::codecs::webp::WebPDecoder;
 use image::{ColorType, ImageDecoder as _, ImageFormat, Limits};
 use png::{BitDepth, Transformations};
 use std::borrow::Cow;
@@ -42,11 +43,13 @@ pub(super) struct Images<'a> {
 
 impl Images<'_> {
     /// Decodes `images[index]`.
-    pub(super) fn read(&self, index: usize, image: &Image) -> Result<Texels, LoadError> {
+    pub(super) fn read(&self, index: usize, image: &Image<'_>) -> Result<Texels, LoadError> {
         let path = format!("images[{index}]");
-        let bytes = match (&image.uri, image.buffer_view) {
-            (Some(uri), None) => Cow::Owned(read_uri(uri, &format!("{path}.uri"), self.resolver, self.budget)?),
-            (None, Some(view)) => Cow::Borrowed(self.buffers.view(view, &format!("{path}.bufferView"))?.0),
+        let uri = image.uri.get(|| format!("{path}.uri"))?;
+        let view = image.buffer_view.get(|| format!("{path}.bufferView"))?;
+        let bytes = match (uri, view) {
+            (Some(uri), None) => Cow::Owned(read_uri(&uri.0, &format!("{path}.uri"), self.resolver, self.budget)?),
+            (None, Some(view)) => Cow::Borrowed(self.buffers.view(*view, &format!("{path}.bufferView"))?.0),
             (Some(_), Some(_)) => return Err(at(path, "has both a uri and a bufferView; one of them would be right")),
             (None, None) => return Err(at(path, "has neither a uri nor a bufferView")),
         };
@@ -54,7 +57,11 @@ impl Images<'_> {
         match image::guess_format(&bytes) {
             Ok(ImageFormat::Png) => self.read_png(&bytes, &path),
             Ok(ImageFormat::Jpeg) => self.read_jpeg(&bytes, &path),
-            _ => Err(at(path, "is neither a PNG nor a JPEG")),
+            Ok(ImageFormat::WebP) => self.read_webp(&bytes, &path),
+            _ if bytes.starts_with(b"\xabKTX 20\xbb") => {
+                Err(at(path, "is a KTX2 texture (KHR_texture_basisu), which raystep does not read"))
+            }
+            _ => Err(at(path, "is neither a PNG, a JPEG nor a WebP image")),
         }
     }
 
@@ -125,18 +132,38 @@ impl Images<'_> {
                 let mut limits = Limits::no_limits();
                 (limits.max_image_width, limits.max_image_height) = (Some(width), Some(height));
                 decoder.set_limits(limits).map_err(wrong)?;
-                let channels = usize::from(decoder.color_type().channel_count());
-                out.texels.resize(width as usize * height as usize, [0; 4]);
                 // The decoder has no error for lack of memory, so its allocation is tried first.
                 drop(reserve::<u8>(coefficients, path)?);
-                let all = out.texels.as_flattened_mut();
-                let packed = all.len() / 4 * (4 - channels);
-                decoder.read_image(all.get_mut(packed..).unwrap_or_default()).map_err(wrong)?;
-                spread(all, channels);
+                read_packed(decoder, &mut out).map_err(wrong)?;
                 Ok(out)
             })
         })
     }
+
+    fn read_webp(&self, bytes: &[u8], path: &str) -> Result<Texels, LoadError> {
+        let wrong = |error: image::ImageError| cannot(path, &error);
+        let decoder = WebPDecoder::new(Cursor::new(bytes)).map_err(wrong)?;
+        if decoder.has_animation() {
+            return Err(at(path, "is an animated WebP, which no texture may be"));
+        }
+        let (width, height) = decoder.dimensions();
+        let mut out = self.room(width, height, path)?;
+        self.budget.hold(webp_bytes(bytes, width, height), path, || {
+            read_packed(decoder, &mut out).map_err(wrong)?;
+            Ok(out)
+        })
+    }
+}
+
+/// Decodes an image of 8-bit channels into its texels.
+fn read_packed(decoder: impl image::ImageDecoder, out: &mut Texels) -> Result<(), image::ImageError> {
+    let channels = usize::from(decoder.color_type().channel_count());
+    out.texels.resize(out.width as usize * out.height as usize, [0; 4]);
+    let all = out.texels.as_flattened_mut();
+    let packed = all.len() / 4 * (4 - channels);
+    decoder.read_image(all.get_mut(packed..).unwrap_or_default())?;
+    spread(all, channels);
+    Ok(())
 }
 
 /// The decoder's message in one line.
@@ -156,6 +183,18 @@ fn coefficient_bytes(bytes: &[u8], width: u32, height: u32, is_gray: bool) -> u6
     // Blocks of the largest size that the format allows, in up to four components.
     let side = |texels: u32| u64::from(texels).next_multiple_of(32);
     side(width) * side(height) * 2 * if is_gray { 1 } else { 4 }
+}
+
+/// Maximum number of bytes that the decoder of a WebP needs besides its image: planes of colours and alpha, and in
+/// lossless parts, tables of up to 65,536 codes for each of five kinds of values.
+fn webp_bytes(bytes: &[u8], width: u32, height: u32) -> u64 {
+    const PER_TEXEL: u64 = 12;
+    /// A table of 1,024 entries takes at least eight bytes of the file.
+    const TABLES_PER_BYTE: u64 = 512;
+    const MOST_TABLES: u64 = (5 << 16) * 4500;
+    let has_tables = bytes.windows(4).any(|name| name == b"VP8L" || name == b"ALPH");
+    let tables = if has_tables { (bytes.len() as u64 * TABLES_PER_BYTE).min(MOST_TABLES) } else { 0 };
+    u64::from(width) * u64::from(height) * PER_TEXEL + tables
 }
 
 /// Layout of a PNG's texels once palette, transparent colour and low bit depths are expanded.

@@ -1,5 +1,7 @@
 //! Notes for the user: what was ignored, assumed or mended, one counted sentence per kind.
 
+use super::LoadError;
+use super::lost::{Losses, Lost};
 use std::collections::{BTreeMap, HashSet};
 
 /// Faults that are noted but do not prevent loading.
@@ -23,6 +25,26 @@ pub(crate) enum Wrong {
     MatrixBesideParts,
     /// Nodes with a rotation that is not of length 1, by node.
     RotationNotUnit,
+    /// Nodes and instances with a rotation of length 0, by node.
+    RotationZero,
+    /// Nodes whose instances' attributes have different counts, by node.
+    InstanceCounts,
+    /// Instances with a transform that is not finite, by node.
+    Instances,
+    /// Nodes that KHR_node_visibility hides, by node.
+    Hidden,
+    /// Triangles with an index beyond the vertices, by primitive.
+    TrianglesMissing,
+    /// Triangles with a vertex that is not finite, by primitive.
+    TrianglesNotFinite,
+    /// Triangles moved beyond 32-bit numbers, by primitive.
+    TrianglesBeyond,
+    /// Accessors of positions whose steps are coarse beside their extent, by accessor.
+    Lattice,
+    /// Spot lights whose cone angles are out of range or too close, by light.
+    Cones,
+    /// Cameras whose clipping planes or width are out of range, by camera.
+    Planes,
     /// Vertices whose position is not finite in f32.
     Positions,
     /// Faces of fewer than three corners.
@@ -60,6 +82,22 @@ impl Wrong {
                 ("node", "nodes", "a matrix beside a translation, rotation or scale: drawn by the matrix")
             }
             Self::RotationNotUnit => ("node", "nodes", "a rotation of another length than 1: drawn as if it were 1"),
+            Self::RotationZero => ("node", "nodes", "a rotation of length 0: drawn without it"),
+            Self::InstanceCounts => {
+                ("node", "nodes", "instances with different numbers of attributes: as many drawn as have all of them")
+            }
+            Self::Instances => ("instance", "instances", "a transform with parts that are no numbers: left out"),
+            Self::Hidden => ("node", "nodes", "\"visible\": false (KHR_node_visibility): left out, with all below"),
+            Self::TrianglesMissing => ("triangle", "triangles", "indices beyond the vertices: left out"),
+            Self::TrianglesNotFinite => ("triangle", "triangles", "a vertex with parts that are no numbers: left out"),
+            Self::TrianglesBeyond => ("triangle", "triangles", "a position beyond 32-bit numbers: left out"),
+            Self::Lattice => (
+                "accessor",
+                "accessors",
+                "positions so far from the origin that 32-bit numbers round their shape: drawn as they are",
+            ),
+            Self::Cones => ("spot light", "spot lights", "angles other than 0 <= inner < outer <= pi/2: mended"),
+            Self::Planes => ("camera", "cameras", "clipping planes or a width out of range: not used"),
             Self::Positions => ("vertex", "vertices", "a position that is not finite in 32 bits: not drawn"),
             Self::FacesShort => ("face", "faces", "fewer than 3 corners: left out"),
             Self::FacesMissing => ("face", "faces", "a corner that is no vertex of the file: left out"),
@@ -83,6 +121,7 @@ pub(crate) struct Notes {
     known: HashSet<String>,
     /// How often each fault occurs in one part of the file; the part may be read repeatedly.
     found: BTreeMap<(Wrong, usize), usize>,
+    losses: Losses,
 }
 
 impl Notes {
@@ -100,12 +139,31 @@ impl Notes {
         }
     }
 
-    /// All notes: sentences first, then counted faults.
+    /// Records that the part of the file with this key is lost, and why.
+    pub(crate) fn lost(&mut self, what: Lost, key: (usize, usize), reason: LoadError) {
+        self.losses.add(what, key, reason);
+    }
+
+    /// The number of primitives that the picture should show.
+    pub(crate) fn expect_primitives(&mut self, count: usize) {
+        self.losses.primitives = count;
+    }
+
+    /// Why the first shape is missing from the picture.
+    pub(crate) fn lost_shape(&self) -> Option<&LoadError> {
+        self.losses.shape()
+    }
+
+    /// All notes: what is lost, sentences, then counted faults.
     pub(crate) fn into_vec(self) -> Vec<String> {
         let mut counts: BTreeMap<Wrong, usize> = BTreeMap::new();
         for ((what, _), count) in self.found {
             *counts.entry(what).or_default() += count;
         }
-        self.said.into_iter().chain(counts.into_iter().map(|(what, count)| what.sentence(count))).collect()
+        self.losses
+            .sentences()
+            .chain(self.said)
+            .chain(counts.into_iter().map(|(what, count)| what.sentence(count)))
+            .collect()
     }
 }

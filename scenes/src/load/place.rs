@@ -23,13 +23,13 @@ impl Placement {
     }
 
     /// The world position; may not be finite if the transform is extreme.
-    pub(super) fn position(&self, p: [f32; 3]) -> [f32; 3] {
-        self.world.transform_point3(DVec3::from_array(p.map(f64::from))).as_vec3().to_array()
+    pub(super) fn position(&self, p: DVec3) -> DVec3 {
+        self.world.transform_point3(p)
     }
 
     /// The unit world normal, or zeros if there is none.
-    pub(super) fn normal(&self, n: [f32; 3]) -> [f32; 3] {
-        unit(self.normals * DVec3::from_array(n.map(f64::from))).unwrap_or_default()
+    pub(super) fn normal(&self, n: DVec3) -> [f32; 3] {
+        unit(self.normals * n).unwrap_or_default()
     }
 }
 

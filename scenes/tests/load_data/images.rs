@@ -4,7 +4,7 @@ use super::textured;
 use crate::load_common::*;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use raystep_scenes::{LoadError, LoadOptions, NoFiles};
+use raystep_scenes::{LoadOptions, NoFiles};
 use serde_json::json;
 
 /// The CRC-32 of some bytes.
@@ -138,12 +138,11 @@ fn what_pictures_take_is_known_before_they_are_decoded() {
         let mut doc = textured(json!({}));
         let view = doc.view(bytes);
         doc.json["images"][0] = json!({"bufferView": view});
-        let options = LoadOptions { max_bytes, ..LoadOptions::default() };
-        match doc.load_with(&NoFiles, &options) {
-            Ok(_) => 0,
-            Err(LoadError::TooLarge { path, needed, .. }) if path == "images[0]" => needed,
-            Err(error) => panic!("{error}"),
-        }
+        let scene = doc.load_with(&NoFiles, &LoadOptions { max_bytes, ..LoadOptions::default() }).unwrap();
+        let note = scene.notes.iter().find(|n| n.0.contains("without its texture")).map(|n| n.0.clone());
+        let note = note.unwrap_or_default();
+        let needed = note.split_once("images[0]: this takes ").and_then(|(_, rest)| rest.split(' ').next());
+        needed.map_or(0, |needed| needed.parse().unwrap())
     };
     // 300 x 200 texels of 12 bytes; nothing is decoded, since there is no image data after the header.
     let header = &noise(300, 200, 0, 8, false, &[])[..33];
@@ -154,7 +153,8 @@ fn what_pictures_take_is_known_before_they_are_decoded() {
         let mut doc = textured(json!({"uri": format!("data:,{}", "x")}));
         let view = doc.view(&progressive);
         doc.json["images"][0] = json!({"bufferView": view});
-        doc.load_with(&NoFiles, &LoadOptions { max_bytes, ..LoadOptions::default() }).is_ok()
+        let scene = doc.load_with(&NoFiles, &LoadOptions { max_bytes, ..LoadOptions::default() });
+        scene.is_ok_and(|scene| scene.textures.len() == 1)
     });
     assert_eq!(needed(&progressive, least.unwrap() - 1000), 32 * 32 * 4 * 2);
 }
@@ -172,8 +172,10 @@ fn texels_are_counted_over_all_pictures() {
     doc.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(primitive);
     let load = |max_texels| doc.load_with(&NoFiles, &LoadOptions { max_texels, ..LoadOptions::default() });
     assert_eq!(load(8).unwrap().textures.len(), 2);
-    let error = load(7).unwrap_err();
-    let (width, height, all, limit) = (2, 2, 8, 7);
-    assert_eq!(error, LoadError::TooManyTexels { path: "images[1]".into(), width, height, all, limit });
-    one_line(&error);
+    // The second is left out.
+    let scene = load(7).unwrap();
+    assert_eq!(scene.textures.len(), 1);
+    let note = "1 material is drawn without its texture: images[1]: is 2 x 2 texels, and 8 texels with all images \
+                before it; at most 7 can be traced";
+    assert!(notes(&scene).contains(&note), "{:?}", scene.notes);
 }

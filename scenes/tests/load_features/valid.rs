@@ -52,14 +52,14 @@ fn whole_numbers_may_have_a_fraction_or_an_exponent() {
     assert_eq!(load(&other).unwrap(), expected, "{other}");
 
     for (wrong, words) in [
-        ("1.5", "nodes[0].mesh: invalid type: floating point"),
+        ("1.5", "nodes[0].mesh: 1.5 is no whole number"),
         ("0.1", "nodes[0].mesh"),
-        ("1.00000000000000000001", "nodes[0].mesh: invalid type: floating point"),
         ("-1.0", "nodes[0].mesh"),
         ("1e0", "nodes[0].mesh: refers to mesh 1"),
-        ("4294967296.0", "4294967296 under \"mesh\""),
+        ("4294967296.0", "nodes[0].mesh: refers to mesh 4294967296"),
         ("1e300", "nodes[0].mesh"),
-        ("1e99999999999999999999", "out of range"),
+        ("1e99999999999999999999", "nodes[0].mesh"),
+        ("\"0\"", "nodes[0].mesh: \"0\" is no whole number"),
         ("1.", "JSON"),
         ("01.0", "JSON"),
         ("1e", "JSON"),
@@ -83,7 +83,6 @@ fn channels_of_animations_need_no_node() {
         {"channels": [{"sampler": 0, "target": {"path": "translation"}}], "samplers": [{"input": 0, "output": 0}]},
         {"channels": [{"sampler": 0, "target": {"path": "pointer", "extensions": pointer}}], "samplers": []},
     ]);
-    // Other numbers are read as written.
     doc.json["nodes"][0]["translation"] = json!([0.1, 0.2, 0.3]);
     doc.json["nodes"][0]["name"] = json!("ü \u{1}");
     let scene = doc.scene();
