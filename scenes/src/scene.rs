@@ -81,7 +81,7 @@ pub struct Texture {
 }
 
 /// How a texture is extended outside [0, 1].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The texture repeats.
     Repeat,

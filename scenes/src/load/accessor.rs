@@ -5,7 +5,7 @@ mod elements;
 mod types;
 
 pub(super) use elements::Elements;
-pub(super) use types::{Component, Kind};
+pub(super) use gltf::json::accessor::{ComponentType as Component, Type as Kind};
 
 use super::budget::Budget;
 use super::buffers::Buffers;
@@ -13,6 +13,7 @@ use super::json::{Accessor, Int, Property, Root, SparsePart};
 use super::notes::Notes;
 use super::{LoadError, at};
 use elements::{Run, Sparse};
+use gltf::json::accessor::GenericComponentType;
 use std::cell::RefCell;
 
 /// Everything that accessors may refer to.
@@ -70,7 +71,7 @@ impl<'a> Accessors<'a> {
             elements.sparse = Some(Sparse {
                 count,
                 component,
-                indices: run(indices, "indices", component.bytes())?,
+                indices: run(indices, "indices", component.size())?,
                 values: run(values, "values", bytes)?,
             });
         }
@@ -82,10 +83,7 @@ impl<'a> Accessors<'a> {
         let accessor = self.json(index, path)?;
         let path = format!("{path} (accessors[{index}])");
         let component = component(&accessor.component_type, || format!("{path}.componentType"))?;
-        let name = accessor.kind.need(|| format!("{path}.type"))?;
-        let Some(kind) = Kind::by_name(name) else {
-            return Err(at(path, format!("has the type {name:?}; expected SCALAR, VEC2 to VEC4, MAT2 to MAT4")));
-        };
+        let kind = accessor.kind.need_known(|| format!("{path}.type"), "SCALAR, VEC2 to VEC4, MAT2 to MAT4")?;
         Ok(Elements {
             count: accessor.count.need(|| format!("{path}.count"))?.0,
             path,
@@ -142,7 +140,8 @@ impl<'a> Accessors<'a> {
 }
 
 fn component(property: &Property<Int>, path: impl Fn() -> String) -> Result<Component, LoadError> {
-    let code = property.need(&path)?;
-    Component::by_code(code.0)
-        .ok_or_else(|| at(path(), format!("is {code}; expected a componentType of 5120 to 5126 but 5124")))
+    property.need(&path)?;
+    let GenericComponentType(component) =
+        property.known_or(GenericComponentType(Component::F32), path, "a componentType of 5120 to 5126 but 5124")?;
+    Ok(component)
 }

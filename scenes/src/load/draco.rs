@@ -27,10 +27,10 @@ impl Mesh {
     pub(super) fn attribute(&self, name: &str, kind: Kind, path: &str) -> Result<Option<&Attribute>, LoadError> {
         let Some(attribute) = self.attributes.get(name) else { return Ok(None) };
         let attribute = attribute.as_ref().map_err(Clone::clone)?;
-        if attribute.components == kind.components() {
+        if attribute.components == kind.multiplicity() {
             return Ok(Some(attribute));
         }
-        let problem = format!("has {} compressed components; expected {}", attribute.components, kind.components());
+        let problem = format!("has {} compressed components; expected {}", attribute.components, kind.multiplicity());
         Err(at(path, problem))
     }
 
@@ -84,7 +84,7 @@ fn read(attribute: &PointAttribute, vertices: usize, budget: &Budget, path: &str
         other => return Err(at(path, format!("has components of {other:?}, which no accessor has"))),
     };
     let components = usize::from(attribute.num_components());
-    let element = component.bytes() * components;
+    let element = component.size() * components;
     let (data, stride) = (attribute.buffer().data(), usize::try_from(attribute.byte_stride()).unwrap_or_default());
     let mut bytes = budget.vec((vertices as u64).saturating_mul(element as u64), path)?;
     for vertex in 0..vertices {

@@ -1,4 +1,6 @@
-//! The JSON of a glTF file, as far as it is read.
+//! The JSON of a glTF file, as far as it is read. Types of the format that have names or numbers are those of the crate
+//! `gltf`. Its documents are not used: they hold f32 where f64 is needed, cut indices to 32 bits, and one wrong value
+//! costs all of them.
 //!
 //! A wrong value costs only itself: every property and every element of a list is either a value, or missing, or wrong,
 //! and whoever needs it asks with [`Property::get`]. Numbers are f64, exactly as written; integers may be written as
@@ -10,8 +12,10 @@ pub(super) use objects::*;
 
 use super::json_path::path_of;
 use super::{LoadError, at};
+use gltf::json::validation::Checked;
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, Visitor};
+use serde::de::value::U32Deserializer;
+use serde::de::{DeserializeOwned, Deserializer, Error, IntoDeserializer, Visitor};
 use serde_json::value::RawValue;
 use std::borrow::Cow;
 use std::fmt;
@@ -134,6 +138,45 @@ fn short(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(MOST) {
         None => text.into(),
         Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()).into(),
+    }
+}
+
+/// A value of one of the format's enumerations, by its number in the file.
+fn known_number<T>(code: Int) -> Option<T>
+where
+    Checked<T>: DeserializeOwned,
+{
+    let code: U32Deserializer<serde::de::value::Error> = u32::try_from(code.0).ok()?.into_deserializer();
+    match Checked::<T>::deserialize(code).ok()? {
+        Checked::Valid(value) => Some(value),
+        Checked::Invalid => None,
+    }
+}
+
+impl Property<Int> {
+    /// The value of an enumeration whose number this is, or `default`; an error with the expected ones if it is unknown.
+    pub(super) fn known_or<T>(&self, default: T, path: impl Fn() -> String, expected: &str) -> Result<T, LoadError>
+    where
+        Checked<T>: DeserializeOwned,
+    {
+        let Some(code) = self.get(&path)? else { return Ok(default) };
+        known_number(*code).ok_or_else(|| at(path(), format!("is {code}; expected {expected}")))
+    }
+}
+
+impl<T: Copy> Property<Checked<T>> {
+    /// The value, if there is one; an error with the expected ones if it is unknown.
+    pub(super) fn known(&self, path: impl Fn() -> String, expected: &str) -> Result<Option<T>, LoadError> {
+        match self.get(&path)? {
+            None => Ok(None),
+            Some(Checked::Valid(value)) => Ok(Some(*value)),
+            Some(Checked::Invalid) => Err(at(path(), format!("is not a known value; expected {expected}"))),
+        }
+    }
+
+    /// The same where it must not be missing.
+    pub(super) fn need_known(&self, path: impl Fn() -> String, expected: &str) -> Result<T, LoadError> {
+        self.known(&path, expected)?.ok_or_else(|| at(path(), "is missing"))
     }
 }
 

@@ -10,6 +10,8 @@ use super::notes::{Notes, Wrong};
 use super::{LoadError, at};
 use crate::{Camera, Light, Projection};
 use glam::{DAffine3, DVec3};
+use gltf::json::camera::Type as CameraType;
+use gltf::json::extensions::scene::khr_lights_punctual::Type as LightType;
 use std::f32::consts::FRAC_PI_2;
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -53,7 +55,7 @@ fn camera(
 
 /// A camera's projection, and whether what is not used of it is in range.
 fn projection(camera: &json::Camera<'_>, path: &str) -> Result<(Projection, bool), LoadError> {
-    let kind = camera.kind.need(|| format!("{path}.type"))?;
+    let kind = camera.kind.need_known(|| format!("{path}.type"), "perspective or orthographic")?;
     let missing = |name: &str| at(path, format!("has no {name:?}, which its type asks for"));
     let unused = |value: &Property<json::Number>| value.ok().map_or(f64::NAN, |value| value.0);
     let field = |name: &str, value: &Property<json::Number>, most: f64, right: &str| {
@@ -65,22 +67,21 @@ fn projection(camera: &json::Camera<'_>, path: &str) -> Result<(Projection, bool
         }
         Err(at(path(), format!("is {value}; {right} would be right")))
     };
-    match kind.as_str() {
-        "perspective" => {
+    match kind {
+        CameraType::Perspective => {
             let p = camera.perspective.get(|| format!("{path}.perspective"))?.ok_or_else(|| missing("perspective"))?;
             let right = "an angle in radians above 0 and below pi";
             let vertical_fov = field("perspective.yfov", &p.yfov, PI, right)?;
             let (near, far) = (unused(&p.znear), if p.zfar.ok().is_some() { unused(&p.zfar) } else { f64::INFINITY });
             Ok((Projection::Perspective { vertical_fov }, near > 0.0 && far > near))
         }
-        "orthographic" => {
+        CameraType::Orthographic => {
             let o =
                 camera.orthographic.get(|| format!("{path}.orthographic"))?.ok_or_else(|| missing("orthographic"))?;
             let half_height = field("orthographic.ymag", &o.ymag, f64::INFINITY, "a length above 0")?;
             let (width, near, far) = (unused(&o.xmag), unused(&o.znear), unused(&o.zfar));
             Ok((Projection::Orthographic { half_height }, width > 0.0 && width.is_finite() && far > near))
         }
-        _ => Err(at(format!("{path}.type"), "is not a known value; expected perspective or orthographic")),
     }
 }
 
@@ -173,15 +174,14 @@ fn convert(
         let problem = "its transform leaves its light without a direction; a scale other than 0 would be right";
         direction.map(|d| d.as_vec3().to_array()).ok_or_else(|| at(node_path, problem))
     };
-    let light = match json.kind.need(|| format!("{path}.type"))?.as_str() {
-        "point" => Light::Point { position: position()?, color, intensity },
-        "directional" => Light::Directional { direction: direction()?, color, intensity },
-        "spot" => {
+    let light = match json.kind.need_known(|| format!("{path}.type"), "directional, point or spot")? {
+        LightType::Point => Light::Point { position: position()?, color, intensity },
+        LightType::Directional => Light::Directional { direction: direction()?, color, intensity },
+        LightType::Spot => {
             let ([inner_cone, outer_cone], is_right) = cones(json, &format!("{path}.spot"))?;
             notes.found(Wrong::Cones, index, usize::from(!is_right));
             Light::Spot { position: position()?, direction: direction()?, color, intensity, inner_cone, outer_cone }
         }
-        _ => return Err(at(format!("{path}.type"), "is not a known value; expected directional, point or spot")),
     };
     notes.found(Wrong::LightOutside, index, usize::from(color.iter().any(check::is_outside)));
     Ok(light)

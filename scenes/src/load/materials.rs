@@ -9,6 +9,7 @@ use super::lost::Lost;
 use super::notes::{Notes, Wrong};
 use super::{LoadError, at};
 use crate::{Material, Texture};
+use gltf::json::material::AlphaMode;
 use std::collections::{BTreeSet, HashMap};
 pub(super) use textures::TexcoordUse;
 use textures::Textures;
@@ -75,15 +76,12 @@ fn found<'a, 'b>(root: &'b Root<'a>, i: usize) -> Result<&'b json::Material<'a>,
 fn convert(i: usize, json: &json::Material<'_>, notes: &mut Notes) -> Material {
     let path = |field: &'static str| move || format!("materials[{i}].{field}");
     let mut lost = |key: usize, error| notes.lost(Lost::Material, (i, key), error);
-    let alpha = json.alpha_mode.get(path("alphaMode")).and_then(|mode| match mode.map_or("OPAQUE", String::as_str) {
-        "OPAQUE" => Ok(false),
-        "MASK" | "BLEND" => Ok(true),
-        _ => Err(at(path("alphaMode")(), "is not a known value; expected OPAQUE, MASK or BLEND")),
-    });
-    let has_alpha = alpha.unwrap_or_else(|error| {
+    let alpha = json.alpha_mode.known(path("alphaMode"), "OPAQUE, MASK or BLEND");
+    let alpha = alpha.unwrap_or_else(|error| {
         lost(1, error);
-        false
+        None
     });
+    let has_alpha = alpha.is_some_and(|mode| mode != AlphaMode::Opaque);
     let pbr = json.pbr_metallic_roughness.get(path("pbrMetallicRoughness"));
     let base_path = path("pbrMetallicRoughness.baseColorFactor");
     let base_color = pbr.and_then(|pbr| pbr.map_or(Ok(None), |pbr| color(&pbr.base_color_factor, base_path)));

@@ -10,7 +10,8 @@ use super::materials::Materials;
 use super::notes::{Notes, Wrong};
 use super::points::Points;
 use super::pose::{Influences, Poser, SMALL, Vertices};
-use super::survey::{Mode, Primitive};
+use super::survey::Primitive;
+use gltf::json::mesh::Mode;
 use std::cell::RefCell;
 
 /// One primitive's decoded attributes.
@@ -150,9 +151,9 @@ impl Primitive<'_> {
     pub(super) fn corners(&self, i: usize, indices: Option<&[[u32; 1]]>) -> Option<[usize; 3]> {
         let corners = match self.mode {
             // Every other triangle of a strip is reversed, so that all face the same way.
-            Mode::Strip => [i, i + 1 + i % 2, i + 2 - i % 2],
-            Mode::Fan => [i + 1, i + 2, 0],
-            Mode::List => [3 * i, 3 * i + 1, 3 * i + 2],
+            Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
+            Mode::TriangleFan => [i + 1, i + 2, 0],
+            _ => [3 * i, 3 * i + 1, 3 * i + 2],
         };
         let Some(indices) = indices else { return Some(corners) };
         let [a, b, c] = corners;

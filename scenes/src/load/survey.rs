@@ -11,6 +11,7 @@ use super::json::{self, Int, Mesh, Root};
 use super::lost::Lost;
 use super::notes::Notes;
 use super::{LoadError, at};
+use gltf::json::mesh::Mode;
 use std::cell::RefCell;
 use std::collections::HashMap;
 
@@ -19,14 +20,6 @@ pub(super) struct Group<'a> {
     pub(super) index: usize,
     pub(super) mesh: &'a Mesh,
     pub(super) nodes: Vec<usize>,
-}
-
-/// How a primitive's corners form triangles.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mode {
-    List,
-    Strip,
-    Fan,
 }
 
 /// A primitive with at least one triangle.
@@ -119,16 +112,11 @@ impl<'a> Survey<'a> {
         key: (usize, usize),
         path: String,
     ) -> Result<Option<Primitive<'a>>, LoadError> {
-        let mode = match json.mode.get(|| format!("{path}.mode"))?.map_or(4, |mode| mode.0) {
-            0..=3 => {
-                self.notes.borrow_mut().add("points and lines are omitted");
-                return Ok(None);
-            }
-            4 => Mode::List,
-            5 => Mode::Strip,
-            6 => Mode::Fan,
-            _ => return Err(at(format!("{path}.mode"), "is not a known value; expected 0 to 6")),
-        };
+        let mode = json.mode.known_or(Mode::Triangles, || format!("{path}.mode"), "0 to 6")?;
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            self.notes.borrow_mut().add("points and lines are omitted");
+            return Ok(None);
+        }
         let attributes = json.attributes.need(|| format!("{path}.attributes"))?;
         let position_path = format!("{path}.attributes.POSITION");
         let Some(position) = attributes.get("POSITION") else {
@@ -138,7 +126,7 @@ impl<'a> Survey<'a> {
         let position = *position.need(|| position_path.clone())?;
         let indices = json.indices.get(|| format!("{path}.indices"))?.copied();
         let draco = self.decompressed(json, position, indices, &path)?;
-        let mode = if draco.is_some() { Mode::List } else { mode };
+        let mode = if draco.is_some() { Mode::Triangles } else { mode };
         let counting = match (&draco, indices) {
             (Some(_), _) => None,
             (None, Some(indices)) => Some(self.accessors.open(indices, &format!("{path}.indices"))?),
@@ -148,7 +136,7 @@ impl<'a> Survey<'a> {
             (Some(draco), _) => draco.indices.len() as u64,
             (None, counting) => counting.as_ref().map_or(0, |counting| counting.count),
         };
-        let left_over = mode == Mode::List && !corners.is_multiple_of(3);
+        let left_over = mode == Mode::Triangles && !corners.is_multiple_of(3);
         if let (true, Some(counting)) = (left_over, &counting) {
             let error = counting.wrong(format!("has {corners} corners; expected a multiple of 3"));
             if corners < 3 {
@@ -159,7 +147,7 @@ impl<'a> Survey<'a> {
         if let Err(error) = json.material.get(|| format!("{path}.material")) {
             self.notes.borrow_mut().lost(Lost::Material, (usize::MAX, key.1), error);
         }
-        let triangles = if mode == Mode::List { corners / 3 } else { corners.saturating_sub(2) };
+        let triangles = if mode == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) };
         let primitive = Primitive { group, json, attributes, position, mode, triangles, draco, key, path };
         Ok((triangles > 0).then_some(primitive))
     }

@@ -1,6 +1,7 @@
 //! The elements of an accessor: decodes them as numbers.
 
-use super::types::{Component, Kind};
+use super::types::{read, read_unsigned, scale};
+use super::{Component, Kind};
 use crate::load::budget::Budget;
 use crate::load::json::Number;
 use crate::load::notes::{Notes, Wrong};
@@ -58,7 +59,7 @@ impl<'a> Elements<'a> {
 
     /// The bytes of an element.
     pub(super) fn element_bytes(&self) -> usize {
-        self.component.bytes() * self.kind.components()
+        self.component.size() * self.kind.multiplicity()
     }
 
     /// The same elements with these values, which were decompressed: one after the other, of this type.
@@ -146,7 +147,7 @@ impl<'a> Elements<'a> {
     /// The first `N` components of every element as unsigned integers.
     pub(crate) fn integers<const N: usize>(&self) -> Result<Vec<[u32; N]>, LoadError> {
         let elements = self.collect([0; N], |bytes| {
-            let mut components = bytes.chunks(self.component.bytes()).map(|b| self.component.read_unsigned(b));
+            let mut components = bytes.chunks(self.component.size()).map(|b| read_unsigned(self.component, b));
             std::array::from_fn(|_| components.next().unwrap_or_default())
         })?;
         // Negative or too large bounds are clamped to the range of an index.
@@ -155,7 +156,7 @@ impl<'a> Elements<'a> {
     }
 
     fn decode<const N: usize>(&self, bytes: &[u8]) -> [f64; N] {
-        let mut components = bytes.chunks(self.component.bytes()).map(|b| self.normalize(self.component.read(b)));
+        let mut components = bytes.chunks(self.component.size()).map(|b| self.normalize(read(self.component, b)));
         std::array::from_fn(|_| components.next().unwrap_or_default())
     }
 
@@ -164,7 +165,7 @@ impl<'a> Elements<'a> {
         match (self.component, self.normalized) {
             (Component::F32, _) | (_, false) => value,
             // Without clamping, the smallest signed value would be below -1.
-            (component, true) => (value / component.scale()).max(-1.0),
+            (component, true) => (value / scale(component)).max(-1.0),
         }
     }
 
@@ -175,7 +176,7 @@ impl<'a> Elements<'a> {
             return;
         }
         let bound = |bounds: Option<&[Number]>, part: usize| Some(as_decoded(bounds?.get(part)?.0));
-        let holds = (0..N.min(self.kind.components())).all(|part| {
+        let holds = (0..N.min(self.kind.multiplicity())).all(|part| {
             let (min, max) = (bound(min, part), bound(max, part));
             let mut values = elements.iter().filter_map(|element| element.get(part));
             !values.any(|value| min.is_some_and(|min| *value < min) || max.is_some_and(|max| *value > max))
@@ -214,7 +215,7 @@ impl<'a> Elements<'a> {
         let Some(sparse) = self.sparse else { return Ok(out) };
         let mut previous = None;
         for i in 0..usize::try_from(sparse.count).unwrap_or_default() {
-            let index = sparse.component.read_unsigned(sparse.indices.element(i));
+            let index = read_unsigned(sparse.component, sparse.indices.element(i));
             if previous.is_some_and(|previous| index <= previous) {
                 return Err(self.wrong(format!("sparse index {i} is {index}; they must strictly increase")));
             }

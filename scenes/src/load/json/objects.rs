@@ -1,6 +1,10 @@
 //! The objects of a glTF file, with the properties that are read.
 
 use super::{Int, List, Number, Property, Text};
+use gltf::json::extensions::scene::khr_lights_punctual::Type as LightType;
+use gltf::json::material::AlphaMode;
+use gltf::json::validation::Checked;
+use gltf::json::{accessor, camera};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
@@ -57,7 +61,7 @@ pub(crate) struct Lights {
 #[serde(default, rename_all = "camelCase")]
 pub(crate) struct Light {
     #[serde(rename = "type")]
-    pub(crate) kind: Property<String>,
+    pub(crate) kind: Property<Checked<LightType>>,
     pub(crate) color: Property<Vec<Number>>,
     pub(crate) intensity: Property<Number>,
     pub(crate) range: Property<IgnoredAny>,
@@ -176,7 +180,7 @@ pub(crate) struct Accessor {
     pub(crate) normalized: Property<bool>,
     pub(crate) count: Property<Int>,
     #[serde(rename = "type")]
-    pub(crate) kind: Property<String>,
+    pub(crate) kind: Property<Checked<accessor::Type>>,
     pub(crate) min: Property<Vec<Number>>,
     pub(crate) max: Property<Vec<Number>>,
     pub(crate) sparse: Property<Sparse>,
@@ -243,7 +247,7 @@ pub(crate) struct Buffer<'a> {
 pub(crate) struct Material<'a> {
     #[serde(borrow)]
     pub(crate) name: Property<Text<'a>>,
-    pub(crate) alpha_mode: Property<String>,
+    pub(crate) alpha_mode: Property<Checked<AlphaMode>>,
     pub(crate) double_sided: Property<bool>,
     pub(crate) emissive_factor: Property<Vec<Number>>,
     pub(crate) pbr_metallic_roughness: Property<Pbr>,
@@ -339,7 +343,7 @@ pub(crate) struct Camera<'a> {
     #[serde(borrow)]
     pub(crate) name: Property<Text<'a>>,
     #[serde(rename = "type")]
-    pub(crate) kind: Property<String>,
+    pub(crate) kind: Property<Checked<camera::Type>>,
     pub(crate) perspective: Property<Perspective>,
     pub(crate) orthographic: Property<Orthographic>,
 }

@@ -6,18 +6,15 @@ use crate::load::lost::Lost;
 use crate::load::notes::Notes;
 use crate::load::{LoadError, at};
 use crate::{Texture, Wrap};
+use gltf::json::texture::{MagFilter, WrappingMode};
 use std::collections::HashMap;
 
 /// How an image is sampled.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct Sampling {
-    wraps: [u64; 2],
+    wraps: [Wrap; 2],
     linear: bool,
 }
-
-const CLAMP: u64 = 33071;
-const MIRROR: u64 = 33648;
-const REPEAT: u64 = 10497;
 
 /// How a base colour texture uses texture coordinates.
 #[derive(Clone, Copy)]
@@ -69,7 +66,7 @@ impl<'a, 'b> Textures<'a, 'b> {
         let usage = texcoord_use(info, &path)?;
         let sampling = self.sampling(texture, index).unwrap_or_else(|error| {
             notes.lost(Lost::Sampler, (i, 0), error);
-            Sampling { wraps: [REPEAT; 2], linear: true }
+            Sampling { wraps: [Wrap::Repeat; 2], linear: true }
         });
         self.of_sources(texture, index, sampling).map(|id| Some((id, usage)))
     }
@@ -109,11 +106,7 @@ impl<'a, 'b> Textures<'a, 'b> {
         let texels = self.images.read(index.index(), image).inspect_err(|error| {
             self.failed.insert(index.index(), error.clone());
         })?;
-        let [wrap_u, wrap_v] = sampling.wraps.map(|mode| match mode {
-            CLAMP => Wrap::Clamp,
-            MIRROR => Wrap::Mirror,
-            _ => Wrap::Repeat,
-        });
+        let [wrap_u, wrap_v] = sampling.wraps;
         let id = self.read.len() as u32;
         self.read.push(Texture {
             width: texels.width,
@@ -136,17 +129,19 @@ impl<'a, 'b> Textures<'a, 'b> {
                 (self.root.samplers.at(*sampler, &path, ("samplers", "sampler"))?, format!("samplers[{sampler}]"))
             }
         };
-        let value = |property: &json::Property<Int>, field: &str, known: &[u64], default| {
-            let path = || format!("{path}.{field}");
-            match property.get(path)?.map_or(default, |value| value.0) {
-                value if known.contains(&value) => Ok(value),
-                value => Err(at(path(), format!("is {value}; expected one of {known:?}"))),
-            }
+        let wrap = |property: &json::Property<Int>, field: &str| {
+            let mode =
+                property.known_or(WrappingMode::Repeat, || format!("{path}.{field}"), "33071, 33648 or 10497")?;
+            Ok(match mode {
+                WrappingMode::ClampToEdge => Wrap::Clamp,
+                WrappingMode::MirroredRepeat => Wrap::Mirror,
+                WrappingMode::Repeat => Wrap::Repeat,
+            })
         };
-        let wraps = [CLAMP, MIRROR, REPEAT];
+        let filter = sampler.mag_filter.known_or(MagFilter::Linear, || format!("{path}.magFilter"), "9728 or 9729")?;
         Ok(Sampling {
-            wraps: [value(&sampler.wrap_s, "wrapS", &wraps, REPEAT)?, value(&sampler.wrap_t, "wrapT", &wraps, REPEAT)?],
-            linear: value(&sampler.mag_filter, "magFilter", &[9728, 9729], 9729)? == 9729,
+            wraps: [wrap(&sampler.wrap_s, "wrapS")?, wrap(&sampler.wrap_t, "wrapT")?],
+            linear: filter == MagFilter::Linear,
         })
     }
 }
