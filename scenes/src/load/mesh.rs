@@ -192,10 +192,6 @@ impl<'a> Mesh<'a> {
         }
     }
 
-    fn has(&self, index: u32, list: usize) -> bool {
-        (index as usize) < list
-    }
-
     /// Why a face of these corners cannot be drawn.
     fn fault(&self, face: &[u32]) -> Option<Fault> {
         if face.len() < 3 {
@@ -254,8 +250,8 @@ impl<'a> Mesh<'a> {
                 let position = self.positions.get(corner.position as usize).copied().unwrap_or_default();
                 survey.min = survey.min.min(DVec3::from(position));
                 survey.max = survey.max.max(DVec3::from(position));
-                let has_normal = self.has(corner.normal, self.normals.len());
-                let has_texcoord = self.has(corner.texcoord, self.texcoords.len());
+                let has_normal = (corner.normal as usize) < self.normals.len();
+                let has_texcoord = (corner.texcoord as usize) < self.texcoords.len();
                 no_normal += usize::from(!has_normal && corner.normal != NONE);
                 no_texcoord += usize::from(!has_texcoord && corner.texcoord != NONE);
                 survey.has_normals |= has_normal;

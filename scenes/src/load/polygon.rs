@@ -3,9 +3,9 @@
 //! A polygon whose fan around its first corner lies within it keeps that fan: every convex polygon does. Whether it
 //! does is decided up to the rounding of the corners to f32. If the polygon has few corners, the fan around another one
 //! may do. Any other polygon is projected to its plane and becomes the faces of a constrained Delaunay triangulation
-//! around which its edges wind. Holes that are joined to the outline
-//! by a doubled edge, corners on an edge and corners that touch are found exactly, since all predicates are exact, and
-//! no corner is lost, so that neighbours still meet in it.
+//! around which its edges wind. Holes that are joined to the outline by a doubled edge, corners on an edge and corners
+//! that touch are found exactly, since all predicates are exact, and no corner is lost, so that neighbours still meet in
+//! it.
 //!
 //! The triangulation is that of `spade`. The smaller `earcut` 0.4.12 was tried: it drops corners on straight edges, and
 //! its time is quadratic where many corners share a cell of its curve. A spiral of 10,000 corners and one far outside
