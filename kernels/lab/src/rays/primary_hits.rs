@@ -86,7 +86,7 @@ impl PrimaryHits<'_> {
     /// A ray for every hit, in order: `directions` makes for a pixel and its normal what finds a direction from an origin;
     /// if there is none, the ray is omitted.
     fn each<D: Fn(DVec3) -> Option<DVec3>>(&self, directions: impl Fn(u32, DVec3) -> D + Sync) -> Vec<Ray> {
-        let units = Units::of(&self.scene);
+        let units = Units::of(self.scene);
         let ray_of = |i: usize| {
             let departure = self.departure(self.hits.get(i)?.as_ref()?)?;
             departure.ray(units, directions(i as u32, departure.normal))

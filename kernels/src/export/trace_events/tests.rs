@@ -203,7 +203,7 @@ fn a_clock_that_is_set_back_loses_no_pass() {
     adds_up(&file);
     let about = &file["otherData"];
     assert_eq!((&about["clock_set_back"], &about["passes_without_times"]), (&2.into(), &0.into()));
-    let begins: Vec<u64> = slices(&file, "pass").into_iter().map(|(begin, _)| begin).collect();
+    let begins: Vec<i64> = slices(&file, "pass").into_iter().map(|(begin, _)| begin).collect();
     // Right after the last pass before, and then as far apart as the clock says.
     assert_eq!(begins, [0, 20, 30, 50, 10_026, 10_027, 10_037]);
 }
