@@ -9,6 +9,7 @@ mod common;
 mod confined;
 mod dump;
 mod escapes;
+mod far;
 mod files;
 mod formats;
 mod history;
