@@ -31,7 +31,8 @@ fn has_length_of(bytes: &[u8], count: u32) -> bool {
     bytes.len() as u64 == HEADER_BYTES as u64 + u64::from(count) * TRIANGLE_BYTES as u64
 }
 
-/// Whether a file starts with the word `solid` and goes on like a text.
+/// Whether a file starts with the word `solid` and goes on like a text. Binary files have zeros: the highest byte of
+/// their number of triangles is one.
 fn is_text(bytes: &[u8]) -> bool {
     /// So long may the name of a solid be.
     const MOST: usize = 4096;
@@ -44,11 +45,10 @@ fn is_text(bytes: &[u8]) -> bool {
 /// Reads an STL file.
 pub(super) fn read(bytes: &[u8], budget: &Budget) -> Result<Scene, LoadError> {
     let mut mesh = Mesh::new(AttributesOf::Vertices, budget);
-    let is_binary = promised(bytes).is_some_and(|count| has_length_of(bytes, count)) || !is_text(bytes);
-    if is_binary {
-        binary(bytes, &mut mesh)?;
-    } else {
+    if is_text(bytes) {
         ascii(text::without_mark(bytes), &mut mesh)?;
+    } else {
+        binary(bytes, &mut mesh)?;
     }
     mesh.scene(|first| match first {
         Some((face, fault)) => at(format!("facet {face}"), format!("{fault}, and no other facet can be drawn")),
