@@ -19,16 +19,14 @@ const TRIANGLE_BYTES: usize = 50;
 
 /// Whether the contents alone show that a file is STL: a binary file of the right length, or a text that starts well.
 pub(super) fn is_certain(bytes: &[u8]) -> bool {
-    promised(bytes).is_some_and(|count| count > 0 && has_length_of(bytes, count)) || is_text(bytes)
+    let has_length_of =
+        |count: u32| bytes.len() as u64 == HEADER_BYTES as u64 + u64::from(count) * TRIANGLE_BYTES as u64;
+    promised(bytes).is_some_and(|count| count > 0 && has_length_of(count)) || is_text(bytes)
 }
 
 /// The number of triangles in the header of a binary file.
 fn promised(bytes: &[u8]) -> Option<u32> {
     bytes.get(HEADER_BYTES - 4..)?.first_chunk().copied().map(u32::from_le_bytes)
-}
-
-fn has_length_of(bytes: &[u8], count: u32) -> bool {
-    bytes.len() as u64 == HEADER_BYTES as u64 + u64::from(count) * TRIANGLE_BYTES as u64
 }
 
 /// Whether a file starts with the word `solid` and goes on like a text. Binary files have zeros: the highest byte of
