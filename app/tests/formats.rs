@@ -56,7 +56,8 @@ fn rays_miss_the_notch_of_a_concave_polygon() {
     for name in ["l.obj", "l.PLY", "l.stl"] {
         place.ok(&["cast", name, "--rays-file", "rays.npy", "-o", "hits.npy", "--device", "cpu"]);
         let times: Vec<_> = hits(&place.read("hits.npy")).iter().map(|hit| f32::from_bits(hit[0])).collect();
-        assert_eq!(times, [1.0, f32::INFINITY], "{name}");
+        // A unit in the last place depends on which triangles the polygon is cut into.
+        assert!((times[0] - 1.0).abs() <= f32::EPSILON && times[1] == f32::INFINITY, "{name}: {times:?}");
         fs::remove_file(place.path("hits.npy")).expect("the hits");
     }
 }

@@ -268,6 +268,9 @@ fn a_city_far_from_the_origin_keeps_its_shape() {
     let [a, b, c] = scene.triangles[0].map(|p| glam::DVec3::from(p.map(f64::from)));
     assert_eq!((b - a, c - a), (glam::DVec3::new(0.375, 0.0, 0.0), glam::DVec3::new(0.0, 0.625, 0.0)));
     assert_eq!(a + scene.offset, glam::DVec3::new(12_958_095.5, 4_852_834.125, 35.25));
+    // Nothing is lost on the way through a GLB.
+    let again = crate::mesh_common::scene("a.glb", &raystep_scenes::write_glb(&scene).unwrap());
+    assert_eq!((again.bounds_in_file(), again.triangles), (scene.bounds_in_file(), scene.triangles.clone()));
     // Unused vertices have no influence, near ones no offset.
     assert!(scene.offset.x > 1e7 && obj(&format!("{SQUARE}f 1 2 3\n")).offset == glam::DVec3::ZERO);
 }

@@ -88,20 +88,14 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LoadError> {
 
 fn parse_json<'a>(json: &'a [u8], budget: &Budget) -> Result<Root<'a>, LoadError> {
     let wrong = |problem: String| Err(LoadError::Container(problem));
-    if json.starts_with(&[0xff, 0xfe]) || json.starts_with(&[0xfe, 0xff]) {
-        return wrong("this is UTF-16 text; glTF JSON is UTF-8".into());
-    }
     let text = match std::str::from_utf8(json) {
         Ok(text) => text,
-        Err(e) => return wrong(format!("this is neither a GLB nor UTF-8 text: byte {}", e.valid_up_to())),
+        Err(e) => return wrong(format!("the JSON is not UTF-8 text: byte {}", e.valid_up_to())),
     };
     // Neither a byte order mark nor zeros as a chunk's padding are allowed, but both occur.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end_matches('\0');
-    if text.trim_start().is_empty() {
-        return wrong("the file is empty; expected glTF JSON or a GLB".into());
-    }
     if !text.trim_start().starts_with('{') {
-        return wrong("this is neither a GLB nor glTF JSON, which starts with `{`".into());
+        return wrong("the GLB's JSON does not start with `{`".into());
     }
     budget.take(structure_bytes(text), "the file's JSON")?;
     json::read(text)

@@ -19,7 +19,9 @@ const TRIANGLE_BYTES: usize = 50;
 
 /// Whether the contents alone show that a file is STL: a binary file of the right length, or a text that starts well.
 pub(super) fn is_certain(bytes: &[u8]) -> bool {
-    promised(bytes).is_some_and(|count| count > 0 && has_length_of(bytes, count)) || is_text(bytes)
+    let has_length_of =
+        |count: u32| bytes.len() as u64 == HEADER_BYTES as u64 + u64::from(count) * TRIANGLE_BYTES as u64;
+    promised(bytes).is_some_and(|count| count > 0 && has_length_of(count)) || is_text(bytes)
 }
 
 /// The number of triangles in the header of a binary file.
@@ -27,11 +29,8 @@ fn promised(bytes: &[u8]) -> Option<u32> {
     bytes.get(HEADER_BYTES - 4..)?.first_chunk().copied().map(u32::from_le_bytes)
 }
 
-fn has_length_of(bytes: &[u8], count: u32) -> bool {
-    bytes.len() as u64 == HEADER_BYTES as u64 + u64::from(count) * TRIANGLE_BYTES as u64
-}
-
-/// Whether a file starts with the word `solid` and goes on like a text.
+/// Whether a file starts with the word `solid` and goes on like a text. Binary files have zeros: the highest byte of
+/// their number of triangles is one.
 fn is_text(bytes: &[u8]) -> bool {
     /// So long may the name of a solid be.
     const MOST: usize = 4096;
@@ -44,11 +43,10 @@ fn is_text(bytes: &[u8]) -> bool {
 /// Reads an STL file.
 pub(super) fn read(bytes: &[u8], budget: &Budget) -> Result<Scene, LoadError> {
     let mut mesh = Mesh::new(AttributesOf::Vertices, budget);
-    let is_binary = promised(bytes).is_some_and(|count| has_length_of(bytes, count)) || !is_text(bytes);
-    if is_binary {
-        binary(bytes, &mut mesh)?;
-    } else {
+    if is_text(bytes) {
         ascii(text::without_mark(bytes), &mut mesh)?;
+    } else {
+        binary(bytes, &mut mesh)?;
     }
     mesh.scene(|first| match first {
         Some((face, fault)) => at(format!("facet {face}"), format!("{fault}, and no other facet can be drawn")),
