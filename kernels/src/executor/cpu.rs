@@ -51,6 +51,9 @@ pub enum CpuError {
 /// Elements per task: enough work to be worth scheduling, few enough to balance the load.
 const ELEMENTS_PER_TASK: usize = 512;
 
+/// A task's first element, its texels, and its counts if its elements have states.
+type Task<'a, T> = (usize, &'a mut [T], Option<&'a mut StateCounts>);
+
 impl<R: Precision> CpuExecutor<R> {
     /// Allocates the plan's streams. `clock`, in nanoseconds, times the passes if there is one.
     ///
@@ -196,7 +199,7 @@ impl<R: Precision> CpuExecutor<R> {
         // Elements without states have no counts.
         let counts = if tag.is_some() { self.counts.as_mut_slice() } else { &mut [] };
         let counts = counts.iter_mut().map(Some).chain(std::iter::repeat_with(|| None));
-        let mut tasks: Vec<(usize, &mut [R::Bits], Option<&mut StateCounts>)> = rows
+        let mut tasks: Vec<Task<R::Bits>> = rows
             .texels
             .chunks_mut(ELEMENTS_PER_TASK * stride)
             .zip(counts)
