@@ -11,6 +11,7 @@ mod interrupt;
 mod link;
 mod mapping;
 mod output;
+mod process;
 mod rays_file;
 mod scene_file;
 mod session;

@@ -1,5 +1,6 @@
 //! Atomic output files: written under a temporary name beside the target, then renamed.
 
+mod archive;
 mod stream;
 
 use std::fs::{self, File};
@@ -13,6 +14,7 @@ use crate::error::Error;
 use crate::interrupt::{Temporary, create_inside};
 use crate::scene_file::read_file;
 use crate::usage::or;
+pub(crate) use archive::zipped;
 pub(crate) use stream::Stream;
 
 /// An output file.

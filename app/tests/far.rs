@@ -41,11 +41,11 @@ fn info_shows_the_files_coordinates_and_the_offset() {
     let [near, far] = ["near.obj", "far.obj"].map(|scene| info(&place, scene));
     assert_eq!(near["offset"], serde_json::json!([0.0, 0.0, 0.0]));
     let number = |value: &Value, axis: usize| value[axis].as_f64().expect("a number");
-    for axis in 0..3 {
-        assert!((number(&far["offset"], axis) - FAR[axis]).abs() < 1.0, "{far}");
+    for (axis, place) in FAR.into_iter().enumerate() {
+        assert!((number(&far["offset"], axis) - place).abs() < 1.0, "{far}");
         for bound in ["bounds_min", "bounds_max"] {
             // An eighth of the steps of f32 within the scene.
-            let expected = FAR[axis] + number(&near[bound], axis);
+            let expected = place + number(&near[bound], axis);
             assert!((number(&far[bound], axis) - expected).abs() < 1e-8, "{bound} {axis}: {far}");
         }
     }

@@ -27,6 +27,7 @@ mod report;
 mod report_bundle;
 mod report_files;
 mod report_sections;
+mod self_test;
 mod session_file;
 mod shard;
 #[cfg(unix)]

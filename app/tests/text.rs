@@ -188,6 +188,9 @@ fn small(example: &str) -> String {
         with("--section", "grid", command == "report"),
         with("--family", "t-junctions", has("--cost")),
         with("--triangles", "100", false),
+        with("--seconds", "2", has("--self-test")),
+        // Any adapter has this in its name.
+        with("--adapter", "''", false),
         if has("--list") || has("--case") { None } else { with("--case", "no-triangle", command == "stability") },
     ];
     let quick =

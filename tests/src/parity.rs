@@ -62,9 +62,13 @@ fn run(
 /// If the WGSL does not contain `from`.
 #[must_use]
 pub fn change(source: &str, from: &str, to: &str) -> String {
-    let changed = replace_ignoring_layout(source, from, to);
-    assert!(changed != source, "{from:?} is not in\n{source}");
-    changed
+    changed(source, from, to).unwrap_or_else(|| panic!("{from:?} is not in\n{source}"))
+}
+
+/// The same; `None` if the WGSL does not contain `from`.
+#[must_use]
+pub fn changed(source: &str, from: &str, to: &str) -> Option<String> {
+    Some(replace_ignoring_layout(source, from, to)).filter(|changed| changed != source)
 }
 
 /// Replaces every occurrence of `from`, whatever white space is between its characters.

@@ -1,7 +1,7 @@
 //! Configurations in which a scene can be traced; see [`raystep_lab::ways`].
 
 use raystep_kernels::Options;
-pub use raystep_lab::ways::{EVERY, FAST, STEPPED, Way};
+pub use raystep_lab::ways::{COVERING, EVERY, FAST, STEPPED, Way};
 use raystep_scenes::Scene;
 
 use crate::options;

@@ -22,6 +22,7 @@ mod programs;
 mod renderer;
 mod samples;
 mod schedules;
+mod self_test;
 mod session;
 mod session_changes;
 mod stiff;

@@ -13,51 +13,8 @@ use raystep_kernels::{
 };
 use raystep_scenes::{Projection, Scene, generate};
 use raystep_tests::parity::Parity;
-use raystep_tests::ways::{STEPPED, Way, stepped};
+use raystep_tests::ways::{COVERING, STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files, thorough};
-
-/// Configurations that cover every kernel with both numerics, in each of its launch modes.
-const WAYS: [Way; 35] = {
-    use Accelerator::{Bvh, Grid, Irregular, None};
-    use ScheduleKind::{Compact, First, Fused, Second};
-    [
-        STEPPED,
-        Way::new(Grid, First, 1).paper(),
-        Way::new(Grid, Second, 1).leaping(),
-        Way::new(Grid, Compact, 1),
-        Way::new(Grid, Compact, 8),
-        Way::new(Grid, Compact, 8).leaping(),
-        Way::new(Grid, Compact, 3).leaping(),
-        Way::new(Grid, Compact, 8).paper(),
-        Way::new(Grid, Fused, 1),
-        Way::new(Grid, Fused, 1).leaping(),
-        Way::new(Grid, Fused, 1).paper(),
-        Way::new(Grid, Second, 1).dda(),
-        Way::new(Grid, Compact, 1).dda(),
-        Way::new(Grid, Compact, 8).dda(),
-        Way::new(Grid, Fused, 1).dda(),
-        Way::new(Bvh, Second, 1),
-        Way::new(Bvh, Compact, 1).paper(),
-        Way::new(Bvh, Compact, 8),
-        Way::new(Bvh, Compact, 2).paper(),
-        Way::new(Bvh, Fused, 1),
-        Way::new(Bvh, Fused, 1).paper(),
-        Way::new(Bvh, Compact, 1).padded(),
-        Way::new(Bvh, Compact, 8).padded(),
-        Way::new(Bvh, Fused, 1).padded(),
-        Way::new(Irregular, First, 1),
-        Way::new(Irregular, Second, 1),
-        Way::new(Irregular, Compact, 1),
-        Way::new(Irregular, Compact, 8),
-        Way::new(Irregular, Fused, 1),
-        Way::new(None, Second, 1),
-        Way::new(None, First, 1).paper(),
-        Way::new(None, Compact, 1),
-        Way::new(None, Compact, 8),
-        Way::new(None, Fused, 1),
-        Way::new(None, Compact, 3).paper(),
-    ]
-};
 
 /// A room, an empty scene, a plane, and scenes with hits and misses near edges.
 const FEW: [&str; 6] =
@@ -78,15 +35,8 @@ impl Found {
     }
 
     fn sum(&mut self, found: Parity) {
-        let sum = &mut self.sum;
-        sum.passes += found.passes;
-        sum.components += found.components;
-        sum.tolerated += found.tolerated;
-        sum.undecided += found.undecided;
-        sum.rays += found.rays;
-        sum.rays_in_parts += found.rays_in_parts;
-        sum.kernels.extend(found.kernels);
-        sum.transitions.extend(found.transitions);
+        self.sum.compared.merge(&found.compared);
+        self.sum.transitions.extend(found.transitions);
     }
 
     fn join(&mut self, other: Self) {
@@ -102,7 +52,7 @@ fn knot() -> Scene {
 
 /// The configurations with this accelerator.
 fn ways(accelerator: Accelerator) -> impl Iterator<Item = Way> + Clone {
-    WAYS.into_iter().filter(move |way| way.accelerator == accelerator)
+    COVERING.into_iter().filter(move |way| way.accelerator == accelerator)
 }
 
 /// The first half of these, or all.
@@ -239,11 +189,13 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
             in_parts.join(parts);
         }
     });
-    let whole = (found.sum.undecided, found.sum.rays);
-    let parts = (in_parts.sum.undecided, in_parts.sum.rays_in_parts);
+    let [in_whole, in_parts_only] = [&found, &in_parts].map(|found| found.sum.compared.total());
+    let whole = (in_whole.undecided, in_whole.rays);
+    let parts = (in_parts_only.undecided, in_parts_only.rays_in_parts);
     found.join(in_parts);
     let Found { sum, failures } = found;
-    println!("{} passes, {} components: {} equal but for rounding", sum.passes, sum.components, sum.tolerated);
+    let total = sum.compared.total();
+    println!("{} passes, {} components: {} equal but for rounding", total.passes, total.components, total.tolerated);
     assert!(failures.is_empty(), "{} breaches:\n{}", failures.len(), failures.join("\n"));
     // In 10,000 tests of one triangle that fills the view, one ray is nearer to an edge or a face than some 40
     // roundings of 2⁻²⁴. In the small images that are traced in parts, an eighth of the rays are in the middle row or
@@ -254,8 +206,10 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
         assert!(rays > 0, "no ray was compared in {name}");
         assert!(undecided * most < rays, "{undecided} of {rays} rays undecided in {name}");
     }
-    for kernel in PROGRAM.kernels().filter(|kernel| kernel.role() != Role::Count) {
-        assert!(sum.kernels.contains(&kernel), "no ray was ever in {}", kernel.name());
+    for kernel in PROGRAM.kernels() {
+        let compared = sum.compared.of(kernel);
+        assert!(compared.rays > 0 || kernel.role() == Role::Count, "no ray was ever in {}", kernel.name());
+        assert!(compared.components > 0, "nothing of {} was compared", kernel.name());
     }
     // The table of transitions has exactly those that occur.
     let listed: BTreeSet<_> = PROGRAM.transitions().map(|(kernel, t)| (t.from, kernel, t.to)).collect();

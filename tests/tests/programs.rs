@@ -89,7 +89,10 @@ fn every_pass_of_a_build_leaves_the_same_on_gpu_and_twins_and_the_grid_is_the_ho
             let mut twins = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
             let found = lockstep(&mut ours, &mut twins, |_| ControlFlow::Continue(())).await?;
             assert_eq!(found.first, None, "{}", scene.name);
-            assert!(found.passes >= 14 && ours.next_kernel().is_none() && twins.next_kernel().is_none(), "{found:?}");
+            assert!(
+                found.compared.total().passes >= 14 && ours.next_kernel().is_none() && twins.next_kernel().is_none(),
+                "{found:?}"
+            );
             assert_eq!(known_streams(&ours).await, known_streams(&twins).await);
             let data = ours.data();
             if ours.plan().accelerator == Accelerator::Irregular {

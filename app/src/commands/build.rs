@@ -4,13 +4,11 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
-use raystep_kernels::Accelerator;
 use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs::grid_build::elements::{REFERENCES, REFINED, SPANS};
-use raystep_kernels::renderer::{Lists, build_on_host};
-use raystep_kernels::structures::grid::{self, GridData};
-use raystep_kernels::structures::irregular::IrregularData;
+use raystep_kernels::structures::grid::GridError;
+use raystep_lab::built::Built;
 use raystep_lab::machine::now_ns;
 use raystep_lab::statistics::median;
 
@@ -92,10 +90,10 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Error> {
     for repeat in 0..if args.check || args.repeats > 1 { args.repeats } else { 0 } {
         progress.part("building on the host", repeat.into(), args.repeats.into());
         let begin = now_ns();
-        host = Some(Built::on_host(&running, most_words).map_err(failed)?);
+        host = Some(Built::on_host(&running.renderer, most_words).map_err(failed)?);
         host_ns.push((now_ns() - begin) as f64);
     }
-    let built = Built::of(&running)?;
+    let built = running.chosen.wait(Built::of(&running.renderer))?;
     let is_same = host.map(|host| host == built);
     if let Some(target) = target {
         let last = RunContext { repeat: args.repeats - 1, ..running.run_context() };
@@ -110,68 +108,41 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Error> {
     }
 }
 
-/// A grid that was built.
-#[derive(PartialEq)]
-enum Built {
-    Uniform(Lists),
-    /// Irregular, or of two levels.
-    Irregular(Box<IrregularData>),
-}
-
-impl Built {
-    fn of(running: &Running) -> Result<Self, Error> {
-        let renderer = &running.renderer;
-        Ok(match renderer.plan().accelerator {
-            Accelerator::Irregular => Self::Irregular(Box::new(running.chosen.wait(IrregularData::of(renderer))?)),
-            _ => Self::Uniform(running.chosen.wait(Lists::of(renderer))?),
-        })
-    }
-
-    fn on_host(running: &Running, most_words: u64) -> Result<Self, grid::GridError> {
-        let data = running.renderer.data();
-        if running.renderer.plan().accelerator == Accelerator::Irregular {
-            return Ok(Self::Irregular(Box::new(build_on_host(data, most_words)?)));
+/// The grid and its lists, in words.
+fn told(built: &Built, running: &Running) -> Vec<(&'static str, String)> {
+    let (renderer, data) = (&running.renderer, running.renderer.data());
+    let of = |elements| renderer.size(elements).map_or(0, |size| u64::from(size.count));
+    let [x, y, z] = data.build.cells;
+    let lists = |lengths: &[u32], rest: String| {
+        let references: u64 = lengths.iter().map(|&length| u64::from(length)).sum();
+        format!("{references} references, longest list {}{rest}", lengths.iter().max().unwrap_or(&0))
+    };
+    let empty = |lengths: &[u32]| lengths.iter().filter(|&&length| length == 0).count();
+    match built {
+        Built::Uniform(built) => {
+            let lengths: Vec<u32> = built.cells.windows(2).map(|list| list[1] - list[0]).collect();
+            let tested = format!("; {} spans of up to 32 cells tested", of(&SPANS));
+            vec![
+                ("grid", format!("{x} x {y} x {z} cells, {} empty", empty(&lengths))),
+                ("lists", lists(&lengths, tested)),
+            ]
         }
-        let GridData { cells, items, .. } = grid::lists(&data.grid, data.growth, &data.vertices, most_words)?;
-        Ok(Self::Uniform(Lists { cells, items }))
-    }
-
-    /// The grid and its lists, in words.
-    fn lines(&self, running: &Running) -> Vec<(&'static str, String)> {
-        let (renderer, data) = (&running.renderer, running.renderer.data());
-        let of = |elements| renderer.size(elements).map_or(0, |size| u64::from(size.count));
-        let [x, y, z] = data.build.cells;
-        let lists = |lengths: &[u32], rest: String| {
-            let references: u64 = lengths.iter().map(|&length| u64::from(length)).sum();
-            format!("{references} references, longest list {}{rest}", lengths.iter().max().unwrap_or(&0))
-        };
-        let empty = |lengths: &[u32]| lengths.iter().filter(|&&length| length == 0).count();
-        match self {
-            Self::Uniform(built) => {
-                let lengths: Vec<u32> = built.cells.windows(2).map(|list| list[1] - list[0]).collect();
-                let tested = format!("; {} spans of up to 32 cells tested", of(&SPANS));
-                vec![
-                    ("grid", format!("{x} x {y} x {z} cells, {} empty", empty(&lengths))),
-                    ("lists", lists(&lengths, tested)),
-                ]
-            }
-            Self::Irregular(built) => {
-                let (leaves, levels) = (of(&REFINED), data.build.levels);
-                let made = if !data.build.by_content() { "of two levels" } else { "after merging" };
-                let cells = format!("{} cells {made}, {} empty", built.cells.len(), empty(&built.lengths));
-                let below = format!("{leaves} leaves up to {levels} levels below, {} map entries", built.map.len());
-                vec![
-                    ("top level", format!("{x} x {y} x {z} cells, {} references", of(&REFERENCES))),
-                    ("octrees", below),
-                    ("grid", cells),
-                    ("lists", lists(&built.lengths, String::new())),
-                ]
-            }
+        Built::Irregular(built) => {
+            let (leaves, levels) = (of(&REFINED), data.build.levels);
+            let made = if !data.build.by_content() { "of two levels" } else { "after merging" };
+            let cells = format!("{} cells {made}, {} empty", built.cells.len(), empty(&built.lengths));
+            let below = format!("{leaves} leaves up to {levels} levels below, {} map entries", built.map.len());
+            vec![
+                ("top level", format!("{x} x {y} x {z} cells, {} references", of(&REFERENCES))),
+                ("octrees", below),
+                ("grid", cells),
+                ("lists", lists(&built.lengths, String::new())),
+            ]
         }
     }
 }
 
-fn failed(error: grid::GridError) -> Error {
+fn failed(error: GridError) -> Error {
     Error::failed(error.to_string())
 }
 
@@ -186,7 +157,7 @@ fn report(running: &Running, built: &Built, device_ns: f64, host_ns: Option<f64>
         ("device", format!("{device}: {}", running.chosen.reason)),
         ("triangles", format!("{}{aside}", data.build.triangles)),
     ];
-    lines.extend(built.lines(running));
+    lines.extend(told(built, running));
     lines.extend([("passes", renderer.pass_count().to_string()), ("time", format!("{:.3} ms", device_ns / 1e6))]);
     if let Some(host_ns) = host_ns {
         let ratio = device_ns / host_ns;

@@ -1,5 +1,7 @@
 //! `raystep info`
 
+mod self_test;
+
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -19,12 +21,20 @@ use crate::error::Error;
 use crate::scene_file;
 use crate::terminal::print;
 
-/// List GPU adapters and the default device, or describe a scene
+/// List GPU adapters and the default device, describe a scene, or test whether raystep works on an adapter
+///
+/// With --self-test, every kernel runs on the adapter and is compared with its CPU reference, pass by pass; the hits of
+/// all structures and schedules are compared with each other and with f64 brute force; and the arithmetic, the loops
+/// and the clock of the driver are checked. The exit code is 0 if nothing is wrong, and 1 if anything is. If it is,
+/// please send us the bundle: it has the results, the names of adapter, driver and system, and nothing about you.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep info
   raystep info scenes/teapot.glb
+  raystep info --self-test
+  raystep info --self-test --bundle self-test.zip
+  raystep info --self-test --adapter Radeon --seconds 300
   raystep info --json | jq '.adapters[].name'")]
 pub(crate) struct InfoArgs {
     /// Describe this scene instead
@@ -37,9 +47,14 @@ pub(crate) struct InfoArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    self_test: self_test::SelfTestArgs,
 }
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Error> {
+    if args.self_test.is_wanted() {
+        return self_test::run(&args.self_test, args.json);
+    }
     match &args.scene {
         Some(path) => {
             let file = SceneArgs { scene: path.clone(), scene_index: args.scene_index, read: args.read };

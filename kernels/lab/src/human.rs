@@ -23,7 +23,7 @@ pub(crate) fn digits(value: f64) -> String {
 }
 
 /// A whole number with commas between thousands.
-fn thousands(value: f64) -> String {
+pub(crate) fn thousands(value: f64) -> String {
     let text = format!("{:.0}", value.abs());
     let mut out = String::new();
     for (i, digit) in text.chars().enumerate() {

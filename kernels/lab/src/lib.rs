@@ -11,6 +11,8 @@
 //! | [`compare`], [`layer_stats`] | a stream of two runs compared; statistics of one stream |
 //! | [`rays`], [`ways`], [`watertight`] | rays, configurations, and a closed mesh that no ray may leave |
 //! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, interleaved timing, medians and intervals |
+//! | [`compared`], [`built`] | how much a comparison covered, by kernel; a grid that a device has built |
+//! | [`self_test`] | whether raystep works on a GPU: all of this in a minute |
 //! | [`work`], [`structure_stats`] | the cost of rays and use of launched threads; lists of a grid, nodes of a BVH |
 //! | [`mod@bench`], [`report`], [`stability`] | the measuring commands of the command line |
 //! | [`stiff`] | what scenes cost that get harder in one way |
@@ -19,7 +21,9 @@
 //! | [`plots`], [`png`], [`html`], [`text`], [`hash`] | the parts of their pages |
 
 pub mod bench;
+pub mod built;
 pub mod compare;
+pub mod compared;
 pub mod divergence;
 mod error;
 pub mod hash;
@@ -39,6 +43,7 @@ pub mod reference;
 pub mod report;
 pub mod reporter;
 pub mod rounding;
+pub mod self_test;
 pub mod stability;
 pub mod statistics;
 pub mod stiff;

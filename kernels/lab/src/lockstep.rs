@@ -7,13 +7,13 @@ use std::ops::ControlFlow;
 
 use raystep_kernels::{Kernel, Progress, RenderError, Renderer, Stream};
 
+use crate::compared::{Compared, Sums};
+
 /// The result of a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lockstep {
-    /// Passes compared.
-    pub passes: usize,
-    /// Components compared: those of the streams that a pass writes.
-    pub components: u64,
+    /// What was compared of each kernel: the streams that a pass writes.
+    pub compared: Compared,
     /// Where the runs first differ; no pass after that one is compared.
     pub first: Option<Unequal>,
 }
@@ -65,11 +65,11 @@ pub async fn lockstep(
     reference.restart();
     let mut found = Lockstep::default();
     while let (Some(pass), Some(_)) = (ours.step().await?, reference.step().await?) {
-        found.passes += 1;
         let plan = ours.shared_plan();
+        let mut sums = Sums { passes: 1, rays: u64::from(pass.rays_in), ..Sums::default() };
         for stream in plan.variant(pass.kernel).into_iter().flat_map(|variant| variant.written_streams()) {
             let (left, right) = (ours.values(stream).await?, reference.values(stream).await?);
-            found.components += left.bits.len() as u64;
+            sums.components += left.bits.len() as u64;
             let differing = left.bits.iter().zip(&right.bits).position(|(a, b)| a != b);
             if let Some(at) = differing {
                 let texels = left.width as usize * left.height as usize;
@@ -77,8 +77,12 @@ pub async fn lockstep(
                 let (ours, reference) = (left.bits[at], right.bits[at]);
                 let (pass, kernel) = (pass.index, pass.kernel);
                 found.first = Some(Unequal { pass, kernel, stream, layer, element, ours, reference });
-                return Ok(found);
+                break;
             }
+        }
+        found.compared.add(pass.kernel, sums);
+        if found.first.is_some() {
+            break;
         }
         if progress(ours.progress()).is_break() && ours.next_kernel().is_some() {
             return Err(RenderError::Cancelled { passes: ours.pass_count() });

@@ -13,6 +13,7 @@ use raystep_kernels::{
 };
 use raystep_scenes::Scene;
 
+use crate::compared::{Compared, Sums};
 use crate::rounding::{Rounding, Verdict};
 
 /// A component that differs by more than is allowed.
@@ -45,29 +46,37 @@ impl fmt::Display for Breach {
     }
 }
 
+/// Recorded numbers of rays in each state that are not those of the tags.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Miscount {
+    /// The kernel that counted: that of the pass, or the one that counts after it.
+    pub kernel: Kernel,
+    /// The pass.
+    pub pass: usize,
+    /// As recorded.
+    pub counted: StateCounts,
+    /// The rays in each state, by their tags.
+    pub found: StateCounts,
+}
+
+impl fmt::Display for Miscount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kernel, pass, counted, found } = self;
+        write!(f, "{} (pass {pass}): counted {counted:?}, found {found:?}", kernel.name())
+    }
+}
+
 /// The result of a comparison.
 #[derive(Clone, Debug, Default)]
 pub struct Parity {
-    /// Passes compared.
-    pub passes: usize,
-    /// Components compared.
-    pub components: u64,
-    /// Components that differ by no more than is allowed.
-    pub tolerated: u64,
-    /// Rays that took another path because f32 cannot decide.
-    pub undecided: u64,
-    /// Kernels that were compared on at least one ray.
-    pub kernels: Vec<Kernel>,
-    /// Rays that passes worked on, summed.
-    pub rays: u64,
-    /// Those of them in passes whose walks, searches or sums of light may continue in the next dispatch.
-    pub rays_in_parts: u64,
+    /// What was compared of each kernel. The one that counts rays is compared by its counts.
+    pub compared: Compared,
     /// Every transition between states that was observed.
     pub transitions: BTreeSet<(Tag, Kernel, Tag)>,
     /// Components that differ by more than is allowed, at most 20 per kernel.
     pub breaches: Vec<Breach>,
     /// Passes after which the recorded numbers of rays in each state are wrong.
-    pub miscounts: Vec<String>,
+    pub miscounts: Vec<Miscount>,
 }
 
 /// Why a comparison failed.
@@ -79,6 +88,14 @@ pub enum ParityError {
     /// The device failed.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The device failed in a pass.
+    #[error("in a pass of {}: {error}", kernel.name())]
+    Pass {
+        /// The kernel of the pass.
+        kernel: Kernel,
+        /// How it failed.
+        error: RenderError,
+    },
     /// The twin cannot run.
     #[error(transparent)]
     Twin(#[from] CpuError),
@@ -133,12 +150,9 @@ pub async fn compare(
     }
     while !is_enough(&found) {
         before.iter().try_for_each(|values| in_both(twin.write(values), values.stream))?;
-        let Some(pass) = renderer.step().await? else { break };
+        let Some(kernel) = renderer.next_kernel() else { break };
+        let Some(pass) = renderer.step().await.map_err(|error| ParityError::Pass { kernel, error })? else { break };
         twin.run(pass.kernel, renderer.data())?;
-        found.passes += 1;
-        if pass.rays_in > 0 && !found.kernels.contains(&pass.kernel) {
-            found.kernels.push(pass.kernel);
-        }
         let mut after = Vec::new();
         for &stream in &streams {
             let of_twin = twin.read(stream).ok_or(ParityError::Unlike(stream.name()))?;
@@ -161,10 +175,6 @@ fn record(
     rules: &Rounding<'_>,
     after: &[(StreamData, StreamData)],
 ) -> Result<(), CpuError> {
-    found.rays += u64::from(pass.rays_in);
-    if rules.plan.features.turns > 0 {
-        found.rays_in_parts += u64::from(pass.rays_in);
-    }
     // For a kernel that generates its rays itself, they are unwritten before.
     let unwritten = [states::UNWRITTEN, states::TRAV, states::ISECT_NO_HIT, states::ISECT_HIT];
     let active = if rules.data.features.eye_rays && pass.kernel.role() == Role::Whole {
@@ -182,18 +192,31 @@ fn record(
             found.transitions.insert((before, pass.kernel, tag));
         }
     }
-    if counts != pass.counts {
-        let kernel = pass.kernel.name();
-        found.miscounts.push(format!("{kernel} (pass {}): counted {:?}, found {counts:?}", pass.index, pass.counts));
+    // A fragment cannot count.
+    let is_recounted = pass.kernel.is_counted_anew(&rules.plan.features) || rules.plan.drawn.is_some();
+    let counter = pass.kernel.program().kernels().find(|kernel| is_recounted && kernel.role() == Role::Count);
+    if let Some(counter) = counter {
+        found.compared.add(counter, Sums { passes: 1, components: counts.len() as u64, ..Sums::default() });
     }
-    found.components += after.iter().map(|(on_gpu, _)| on_gpu.bits.len() as u64).sum::<u64>();
+    if counts != pass.counts {
+        let (kernel, pass, counted) = (counter.unwrap_or(pass.kernel), pass.index, pass.counts);
+        found.miscounts.push(Miscount { kernel, pass, counted, found: counts });
+    }
+    let rays = u64::from(pass.rays_in);
+    let mut sums = Sums {
+        passes: 1,
+        components: after.iter().map(|(on_gpu, _)| on_gpu.bits.len() as u64).sum(),
+        rays,
+        rays_in_parts: if rules.plan.features.turns > 0 { rays } else { 0 },
+        ..Sums::default()
+    };
     let pairs: Vec<_> = after.iter().map(|(on_gpu, on_cpu)| [on_gpu, on_cpu]).collect();
-    rules.judge(
+    let judged = rules.judge(
         &pairs,
         |_, _| true,
         |judged| {
-            found.tolerated += judged.components.iter().filter(|c| c.is_allowed).count() as u64;
-            found.undecided += u64::from(judged.verdict == Verdict::Tie);
+            sums.tolerated += judged.components.iter().filter(|c| c.is_allowed).count() as u64;
+            sums.undecided += u64::from(judged.verdict == Verdict::Tie);
             if judged.verdict != Verdict::Breach {
                 return;
             }
@@ -205,5 +228,7 @@ fn record(
                 }
             }
         },
-    )
+    );
+    found.compared.add(pass.kernel, sums);
+    judged
 }

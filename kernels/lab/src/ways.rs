@@ -107,6 +107,50 @@ impl fmt::Display for Way {
     }
 }
 
+/// Every kernel that traces rays, with both numerics, in each of its launch modes. What depends on the scene, on samples
+/// or on the number of loop iterations is not in it.
+pub const COVERING: [Way; 35] = {
+    use Accelerator::{Bvh, Grid, Irregular, None};
+    use ScheduleKind::{Compact, First, Fused, Second};
+    [
+        STEPPED,
+        Way::new(Grid, First, 1).paper(),
+        Way::new(Grid, Second, 1).leaping(),
+        Way::new(Grid, Compact, 1),
+        Way::new(Grid, Compact, 8),
+        Way::new(Grid, Compact, 8).leaping(),
+        Way::new(Grid, Compact, 3).leaping(),
+        Way::new(Grid, Compact, 8).paper(),
+        Way::new(Grid, Fused, 1),
+        Way::new(Grid, Fused, 1).leaping(),
+        Way::new(Grid, Fused, 1).paper(),
+        Way::new(Grid, Second, 1).dda(),
+        Way::new(Grid, Compact, 1).dda(),
+        Way::new(Grid, Compact, 8).dda(),
+        Way::new(Grid, Fused, 1).dda(),
+        Way::new(Bvh, Second, 1),
+        Way::new(Bvh, Compact, 1).paper(),
+        Way::new(Bvh, Compact, 8),
+        Way::new(Bvh, Compact, 2).paper(),
+        Way::new(Bvh, Fused, 1),
+        Way::new(Bvh, Fused, 1).paper(),
+        Way::new(Bvh, Compact, 1).padded(),
+        Way::new(Bvh, Compact, 8).padded(),
+        Way::new(Bvh, Fused, 1).padded(),
+        Way::new(Irregular, First, 1),
+        Way::new(Irregular, Second, 1),
+        Way::new(Irregular, Compact, 1),
+        Way::new(Irregular, Compact, 8),
+        Way::new(Irregular, Fused, 1),
+        Way::new(None, Second, 1),
+        Way::new(None, First, 1).paper(),
+        Way::new(None, Compact, 1),
+        Way::new(None, Compact, 8),
+        Way::new(None, Fused, 1),
+        Way::new(None, Compact, 3).paper(),
+    ]
+};
+
 /// Every accelerator: one step per pass in either launch mode, several steps per pass, and fused. Robust numerics.
 pub const EVERY: [Way; 21] = {
     use Accelerator::{Bvh, Grid, Irregular, None};

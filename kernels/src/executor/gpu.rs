@@ -1,5 +1,6 @@
 //! Runs passes on a wgpu adapter. Nothing here blocks: results come back from the GPU as futures.
 
+mod adapters;
 mod batch;
 mod books;
 mod buffers;
@@ -30,10 +31,11 @@ use crate::program::Kernel;
 use crate::tables::elements::{Elements, Size};
 use std::sync::Arc;
 
+pub use adapters::{AdapterSummary, adapters};
 use books::Books;
 use buffers::{scene_buffers, upload_size, upload_view};
 pub use clock_check::ClockCheck;
-pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuSource, adapters};
+pub use device::{AdapterChoice, Gpu, GpuSource};
 pub use error::GpuError;
 use fill::Fill;
 pub use gate::Held;

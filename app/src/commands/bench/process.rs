@@ -1,11 +1,8 @@
 //! A build of raystep that runs on request, as a process of its own.
 
 use std::ffi::OsString;
-use std::fs::File;
-use std::io::{BufRead as _, BufReader, Read as _, Seek as _, Write as _};
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::process::Command;
 use std::time::Duration;
 
 use raystep_lab::bench::{Announced, RunRow};
@@ -13,6 +10,7 @@ use raystep_lab::bench::{Announced, RunRow};
 use super::protocol::{Answer, PROTOCOL, Request};
 use crate::error::Error;
 use crate::output::reason;
+use crate::process::{self, Silence};
 
 /// How long to wait for answers.
 #[derive(Clone, Copy, Debug)]
@@ -33,20 +31,8 @@ impl Default for Patience {
 pub(super) struct Process {
     /// As the user wrote it.
     name: String,
-    child: Child,
-    requests: Option<ChildStdin>,
-    answers: Receiver<String>,
-    errors: File,
+    inner: process::Process,
     patience: Patience,
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        self.requests = None;
-        // It may have ended already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
 }
 
 impl Process {
@@ -56,26 +42,8 @@ impl Process {
         let cannot = |e: &std::io::Error| Error::failed(format!("cannot start {name}: {}", reason(e)));
         // A name without a folder would be searched for among the system's programs.
         let path = std::fs::canonicalize(binary).map_err(|e| cannot(&e))?;
-        let errors = tempfile::tempfile().map_err(|e| cannot(&e))?;
-        let mut child = Command::new(path)
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(errors.try_clone().map_err(|e| cannot(&e))?)
-            .spawn()
-            .map_err(|e| cannot(&e))?;
-        let (requests, out) = (child.stdin.take(), child.stdout.take());
-        let (lines, answers) = channel();
-        // Reading blocks, and a process may never answer. The thread ends with the process.
-        std::thread::spawn(move || {
-            let lines_of = out.into_iter().flat_map(|out| BufReader::new(out).lines());
-            for line in lines_of.map_while(Result::ok) {
-                if lines.send(line).is_err() {
-                    break;
-                }
-            }
-        });
-        let mut process = Self { name, child, requests, answers, errors, patience };
+        let inner = process::Process::start(Command::new(path).args(arguments)).map_err(|e| cannot(&e))?;
+        let mut process = Self { name, inner, patience };
         process.greet()?;
         Ok(process)
     }
@@ -88,17 +56,15 @@ impl Process {
                  of raystep from the same or a near version"
             ))
         };
-        match self.answers.recv_timeout(self.patience.hello) {
+        match self.inner.hear(self.patience.hello) {
             Ok(line) => match serde_json::from_str(&line) {
                 Ok(Answer::Hello { protocol: PROTOCOL, .. }) => Ok(()),
                 Ok(Answer::Hello { protocol, .. }) => Err(other(&format!(", but version {protocol}"))),
                 _ => Err(other("")),
             },
-            Err(RecvTimeoutError::Timeout) => Err(other(&format!(" (no answer in {:?})", self.patience.hello))),
-            Err(RecvTimeoutError::Disconnected) => {
-                let last = self.last_error();
-                let last = last.strip_prefix("error: ").unwrap_or(&last);
-                Err(other(&if last.is_empty() { String::new() } else { format!(" ({last})") }))
+            Err(Silence::Waited(patience)) => Err(other(&format!(" (no answer in {patience:?})"))),
+            Err(Silence::Ended { last_error, .. }) => {
+                Err(other(&if last_error.is_empty() { String::new() } else { format!(" ({last_error})") }))
             }
         }
     }
@@ -120,42 +86,21 @@ impl Process {
     }
 
     fn ask(&mut self, request: Request, patience: Duration) -> Result<Answer, Error> {
-        if let Some(requests) = &mut self.requests
-            && writeln!(requests, "{}", request.line()).and_then(|()| requests.flush()).is_err()
-        {
-            return Err(self.ended(request));
-        }
-        match self.answers.recv_timeout(patience) {
-            Ok(line) => serde_json::from_str(&line).map_err(|_| self.confused()),
-            Err(RecvTimeoutError::Timeout) => Err(Error::failed(format!(
-                "{} has not answered \"{}\" in {patience:?}: it is too slow, or hangs",
-                self.name,
-                request.line()
+        let (name, line) = (&self.name, request.line());
+        match self.inner.ask(&line, patience) {
+            Ok(answer) => serde_json::from_str(&answer).map_err(|_| self.confused()),
+            Err(Silence::Waited(patience)) => Err(Error::failed(format!(
+                "{name} has not answered \"{line}\" in {patience:?}: it is too slow, or hangs"
             ))),
-            Err(RecvTimeoutError::Disconnected) => Err(self.ended(request)),
+            Err(Silence::Ended { how, last_error }) => {
+                let why = if last_error.is_empty() { String::new() } else { format!(": {last_error}") };
+                Err(Error::failed(format!("{name} ended at \"{line}\" ({how}){why}")))
+            }
         }
     }
 
     fn confused(&self) -> Error {
         Error::failed(format!("{} gave an answer that is not of the protocol of 'bench --against'", self.name))
-    }
-
-    /// The error of a process that has ended.
-    fn ended(&mut self, request: Request) -> Error {
-        let how = self.child.wait().map_or_else(|e| reason(&e), |status| status.to_string());
-        let last = self.last_error();
-        let last = last.strip_prefix("error: ").map_or(last.as_str(), |last| last);
-        let why = if last.is_empty() { String::new() } else { format!(": {last}") };
-        Error::failed(format!("{} ended at \"{}\" ({how}){why}", self.name, request.line()))
-    }
-
-    /// The last line that it wrote to standard error; empty if there is none.
-    fn last_error(&mut self) -> String {
-        const MOST_BYTES: u64 = 1 << 16;
-        let mut bytes = Vec::new();
-        // What cannot be read is not shown.
-        let _ = self.errors.rewind().and_then(|()| (&self.errors).take(MOST_BYTES).read_to_end(&mut bytes));
-        String::from_utf8_lossy(&bytes).lines().rfind(|line| !line.trim().is_empty()).unwrap_or("").to_owned()
     }
 }
 

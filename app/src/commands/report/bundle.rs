@@ -1,17 +1,15 @@
 //! `--bundle`: a report with everything needed to repeat it, as a ZIP file.
 
-use std::io::{Cursor, Write as _};
 use std::path::Path;
 
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_lab::Machine;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
-use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
 
 use crate::commands::input::Input;
 use crate::error::Error;
+use crate::output::zipped;
 use crate::scene_file::{file_of, read_file};
 
 /// Describes the bundle; the only file that is not listed in it.
@@ -146,15 +144,8 @@ pub(super) fn zip(
             .collect(),
     };
     let manifest = crate::commands::json_text(&manifest)?;
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let written = files.iter().map(|(path, bytes)| (path.as_str(), bytes.as_slice()));
-    let cannot = |e: &dyn std::fmt::Display| Error::failed(format!("--bundle: cannot compress: {e}"));
-    for (path, bytes) in [(MANIFEST, manifest.as_bytes())].into_iter().chain(written) {
-        let mode = if path == "redo.sh" { 0o755 } else { 0o644 };
-        zip.start_file(path, SimpleFileOptions::default().unix_permissions(mode)).map_err(|e| cannot(&e))?;
-        zip.write_all(bytes).map_err(|e| cannot(&e))?;
-    }
-    Ok(zip.finish().map_err(|e| cannot(&e))?.into_inner())
+    zipped([(MANIFEST, manifest.as_bytes())].into_iter().chain(written))
 }
 
 /// A scene's files by their paths in the bundle, the scene itself first.

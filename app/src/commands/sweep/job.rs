@@ -16,15 +16,13 @@ use crate::commands::json_text;
 use crate::error::Error;
 use crate::interrupt;
 use crate::output::{TargetFolder, reason};
+use crate::process::this_program;
 use crate::scene_file::read_file;
 
 /// The file that says how a job ended. A folder with it is complete.
 pub(super) const FILE: &str = "job.json";
 /// A render's summary.
 pub(super) const SUMMARY: &str = "summary.json";
-
-/// How this program is called, as a JSON list of words, where it is not an executable of its own.
-const COMMAND: &str = "RAYSTEP_COMMAND";
 
 /// Most bytes of a job's file.
 const MOST_BYTES: u64 = 1 << 20;
@@ -136,7 +134,7 @@ fn attempt_at(job: &Job, folder: &Path, attempt: u64) -> Result<Done, Error> {
 /// Runs this program with other words. Its error is the last line that it wrote.
 pub(super) fn child(words: &[OsString], lock: Option<File>) -> Result<(), Error> {
     let cannot = |e: std::io::Error| Error::failed(format!("cannot start a process: {}", reason(&e)));
-    let program = program()?;
+    let program = this_program()?;
     let mut errors = tempfile::tempfile().map_err(cannot)?;
     let mut command = Command::new(program.first().map_or_else(OsString::new, Clone::clone));
     command.args(program.iter().skip(1)).args(words).stdout(Stdio::null());
@@ -152,19 +150,6 @@ pub(super) fn child(words: &[OsString], lock: Option<File>) -> Result<(), Error>
     let last = text.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("");
     let last = last.strip_prefix("error: ").unwrap_or(last);
     Err(Error::failed(if last.is_empty() { format!("it ended with {status}") } else { last.to_owned() }))
-}
-
-/// How this program is called.
-fn program() -> Result<Vec<OsString>, Error> {
-    if let Some(command) = std::env::var_os(COMMAND) {
-        let words: Option<Vec<String>> = command.to_str().and_then(|text| serde_json::from_str(text).ok());
-        return match words.filter(|words| !words.is_empty()) {
-            Some(words) => Ok(words.into_iter().map(OsString::from).collect()),
-            None => Err(Error::usage(format!("{COMMAND}: expected a JSON list of words, such as [\"raystep\"]"))),
-        };
-    }
-    let program = std::env::current_exe().map_err(|e| Error::failed(format!("the program cannot be found: {e}")))?;
-    Ok(vec![program.into()])
 }
 
 /// Runs a job of another process: `file` has it as JSON. Ends when that process does.

@@ -100,7 +100,8 @@ impl Divergence {
             ui.weak("The first pass where an element differs from the CPU reference.");
             return;
         };
-        let compared = format!("{}, {}", counted(found.passes, "pass"), counted(found.components, "component"));
+        let total = found.compared.total();
+        let compared = format!("{}, {}", counted(total.passes, "pass"), counted(total.components, "component"));
         let Some(first) = &found.first else {
             ui.strong(format!("{compared}: the same bits as on the CPU reference."));
             return;

@@ -36,16 +36,12 @@ pub(super) fn pipelines(
     places: &[(Place, Machine)],
     reporter: &dyn Reporter,
 ) -> Result<Vec<probe::Row>, Error> {
-    let workloads = probe::workloads(if quick { PROBED / 8 } else { PROBED })?;
+    let mut comparison = probe::Comparison::new(if quick { PROBED / 8 } else { PROBED })?;
     let mut rows = Vec::new();
-    let mut bases: [Option<(String, probe::Bits)>; 2] = [None, None];
     for (place, machine) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
-        for pipeline in probe::pipelines(&workloads) {
+        for pipeline in comparison.pipelines() {
             reporter.stage(&format!("pipelines, {}: {}", place.device, pipeline.name));
-            let bits = machine.wait(probe::run(&pipeline, &workloads, &machine.device))?;
-            let (name, base) = bases[usize::from(pipeline.is_camera)]
-                .get_or_insert_with(|| (format!("{}: {}", place.device, pipeline.name), bits.clone()));
-            rows.push(probe::Row::new(run_id, place, &pipeline, name, bits.difference(base)));
+            rows.push(machine.wait(comparison.run(run_id, place, &pipeline, &machine.device))?);
         }
     }
     Ok(rows)

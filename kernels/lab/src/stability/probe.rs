@@ -6,7 +6,7 @@
 
 use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
-use raystep_kernels::renderer::{Device, Renderer};
+use raystep_kernels::renderer::{Device, RenderError, Renderer};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 
 use crate::stability::row::Place;
@@ -101,16 +101,69 @@ pub async fn run(pipeline: &Pipeline, workloads: &[Workload; 2], device: &Device
     let scene = &workloads[usize::from(pipeline.is_camera)].scene;
     let mut renderer = Renderer::new(scene, &pipeline.options, device).await?;
     renderer.run(|_| std::ops::ControlFlow::Continue(())).await?;
-    let results = renderer.results()?;
-    let (t, hit) = (renderer.values(results.t.stream).await?, renderer.values(results.triangle.stream).await?);
-    let [u, v] = results.weights;
-    let rays = renderer.plan().rays as usize;
-    let of =
-        |ray| [hit.get(results.triangle.layer, ray), t.get(results.t.layer, ray), hit.get(u, ray), hit.get(v, ray)];
-    Ok(Bits { rays: (0..rays).map(of).collect() })
+    Ok(Bits::of(&renderer).await?)
+}
+
+/// Pipelines that are run one by one, each compared with the first that traced the same rays.
+pub struct Comparison {
+    workloads: [Workload; 2],
+    bases: [Option<(String, Bits)>; 2],
+}
+
+impl Comparison {
+    /// None so far, with so many rays each.
+    ///
+    /// # Errors
+    /// If the scene cannot be generated.
+    pub fn new(rays: usize) -> Result<Self, StabilityError> {
+        Ok(Self { workloads: workloads(rays)?, bases: [None, None] })
+    }
+
+    /// Every [pipeline](pipelines).
+    #[must_use]
+    pub fn pipelines(&self) -> Vec<Pipeline> {
+        pipelines(&self.workloads)
+    }
+
+    /// Whether one with the same rays has run.
+    #[must_use]
+    pub fn has_base(&self, pipeline: &Pipeline) -> bool {
+        self.bases[usize::from(pipeline.is_camera)].is_some()
+    }
+
+    /// Runs a pipeline on a device, and compares it.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn run(
+        &mut self,
+        run_id: &str,
+        place: &Place,
+        pipeline: &Pipeline,
+        device: &Device,
+    ) -> Result<Row, StabilityError> {
+        let bits = run(pipeline, &self.workloads, device).await?;
+        let (name, base) = self.bases[usize::from(pipeline.is_camera)]
+            .get_or_insert_with(|| (format!("{}: {}", place.device, pipeline.name), bits.clone()));
+        Ok(Row::new(run_id, place, pipeline, name, bits.difference(base)))
+    }
 }
 
 impl Bits {
+    /// The hits of a run.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn of(renderer: &Renderer) -> Result<Self, RenderError> {
+        let results = renderer.results()?;
+        let (t, hit) = (renderer.values(results.t.stream).await?, renderer.values(results.triangle.stream).await?);
+        let [u, v] = results.weights;
+        let rays = renderer.plan().rays as usize;
+        let of =
+            |ray| [hit.get(results.triangle.layer, ray), t.get(results.t.layer, ray), hit.get(u, ray), hit.get(v, ray)];
+        Ok(Self { rays: (0..rays).map(of).collect() })
+    }
+
     /// Compares two results ray by ray.
     #[must_use]
     pub fn difference(&self, base: &Self) -> Difference {
@@ -135,6 +188,9 @@ impl Bits {
         found
     }
 }
+
+/// The file of a report's comparisons.
+pub const FILE: &str = "pipelines.csv";
 
 /// Columns of `pipelines.csv`: one row a pipeline, with its [`Difference`] from the pipeline of the first device that
 /// traced the same rays.
@@ -201,7 +257,7 @@ impl Row {
 }
 
 /// All rows as one table.
-pub(super) fn table(rows: &[Row]) -> tidy::Table {
+pub(crate) fn table(rows: &[Row]) -> tidy::Table {
     tidy::Table { columns: COLUMNS, rows: rows.iter().map(|row| row.fields.clone()).collect() }
 }
 

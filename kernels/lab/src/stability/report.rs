@@ -12,6 +12,7 @@ use crate::meter::Meter;
 use crate::reference::Verdict;
 use crate::reporter::Reporter;
 use crate::stiff::{self, Cost, Start};
+use crate::tidy::Table;
 use crate::tidy::package::{self, Resource};
 use crate::{Error, Hash, Machine};
 
@@ -66,13 +67,11 @@ pub struct Report {
 const CSV: &str = "stability.csv";
 /// The error of tMax along a walk.
 const DRIFT: &str = "tmax.csv";
-/// Differences between pipelines.
-const PROBE: &str = "pipelines.csv";
 /// The same results with pictures.
 const PAGE: &str = "stability.html";
 
 /// Names of a report's files, those of an optional part included; the one with all rows is first.
-pub const FILES: [&str; 7] = [CSV, DRIFT, PROBE, stiff::CSV, stiff::RUNS, package::FILE, PAGE];
+pub const FILES: [&str; 7] = [CSV, DRIFT, probe::FILE, stiff::CSV, stiff::RUNS, package::FILE, PAGE];
 
 /// Traces everything requested.
 ///
@@ -147,6 +146,12 @@ fn add_picture(pictures: &mut Vec<Picture>, row: &Row, workload: &Workload, verd
     }
 }
 
+fn csv_of(table: &Table) -> Result<Vec<u8>, Error> {
+    let mut csv = Vec::new();
+    table.write(&mut csv)?;
+    Ok(csv)
+}
+
 impl Report {
     /// What is not as expected, in one line.
     #[must_use]
@@ -166,21 +171,33 @@ impl Report {
         ))
     }
 
+    /// The tables of cases, walks and pipelines: the name of each one's file, and what a row of it is.
+    fn tables(&self) -> [(&'static str, &'static str, Table); 3] {
+        [
+            (CSV, "a case in a configuration", row::table(self.outcomes.iter().flat_map(|o| &o.rows))),
+            (DRIFT, "a sample of a walk", drift::table(&self.run_id, &self.walks)),
+            (probe::FILE, "a pipeline", probe::table(&self.pipelines)),
+        ]
+    }
+
+    /// The files of these tables that have rows.
+    ///
+    /// # Errors
+    /// If there is not enough memory for a file.
+    pub fn csv_files(&self) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+        let has_rows = |(_, _, table): &(_, _, Table)| !table.rows.is_empty();
+        let file = |(file, _, table): (_, _, Table)| Ok((file, csv_of(&table)?));
+        self.tables().into_iter().filter(has_rows).map(file).collect()
+    }
+
     /// The report's files, by [name](FILES).
     ///
     /// # Errors
     /// If a plot or picture cannot be drawn, or there is not enough memory for a file.
     pub fn files(&self) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        let tables = [
-            (CSV, "a case in a configuration", row::table(self.outcomes.iter().flat_map(|o| &o.rows))),
-            (DRIFT, "a sample of a walk", drift::table(&self.run_id, &self.walks)),
-            (PROBE, "a pipeline", probe::table(&self.pipelines)),
-        ];
         let (mut files, mut resources) = (Vec::new(), Vec::new());
-        for (file, what, table) in &tables {
-            let mut csv = Vec::new();
-            table.write(&mut csv)?;
-            files.push((*file, csv));
+        for (file, what, table) in &self.tables() {
+            files.push((*file, csv_of(table)?));
             resources.push(Resource { file, what, columns: table.columns });
         }
         if let Some(cost) = &self.cost {

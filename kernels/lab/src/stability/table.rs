@@ -18,6 +18,16 @@ pub(super) fn name(row: &Row) -> String {
     format!("{}, {}", row.case, way(row))
 }
 
+impl Row {
+    /// A run's result in one line, with what was expected of it.
+    #[must_use]
+    pub fn told(&self) -> String {
+        let fields = ["missed", "false_hits", "wrong_hits", "undecided", "non_finite", "at_bound"];
+        let counts = fields.map(|c| format!("{} {c}", self.field(c))).join(", ");
+        format!("{}: {counts}; expected to {}", name(self), self.field("expected"))
+    }
+}
+
 /// The maximum over some runs; a dash if there are none.
 fn most(rows: &[Row], is_one: impl Fn(&Row) -> bool, count: impl Fn(&Row) -> u64) -> String {
     rows.iter().filter(|row| is_one(row)).map(count).max().map_or("-".into(), |n| n.to_string())
@@ -69,9 +79,7 @@ pub fn text(outcomes: &[Outcome]) -> String {
     let mut text = aligned(&lines, SUMMARY.len()).concat();
     for outcome in outcomes {
         for row in outcome.rows.iter().filter(|row| !row.is_as_expected()) {
-            let fields = ["missed", "false_hits", "wrong_hits", "undecided", "non_finite", "at_bound"];
-            let counts = fields.map(|c| format!("{} {c}", row.field(c))).join(", ");
-            text += &format!("not as expected: {}: {counts}; expected to {}\n", name(row), row.field("expected"));
+            text += &format!("not as expected: {}\n", row.told());
         }
         if let Some(wrong_ray) = &outcome.first_wrong_ray {
             text += &format!("{wrong_ray}\n");

@@ -1,9 +1,10 @@
-//! Finds adapters, opens devices, and notices when a device is lost.
+//! Opens devices, and notices when a device is lost.
 
 use std::future::poll_fn;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::task::Poll;
 
+use super::adapters::{instance, is_usable, lacks, named, rank, told};
 use super::clock_check::Clock;
 use super::compiled::Pipelines;
 use super::error::{GpuError, first_line};
@@ -56,89 +57,6 @@ pub enum AdapterChoice {
     Named(String),
 }
 
-/// An adapter as listed by `raystep info`.
-#[derive(Clone, Debug)]
-pub struct AdapterSummary {
-    /// Name, driver, backend, type.
-    pub info: wgpu::AdapterInfo,
-    /// Its limits.
-    pub limits: wgpu::Limits,
-    /// Whether it supports timestamps.
-    pub has_timestamps: bool,
-    /// Whether it supports everything raystep requires.
-    pub is_usable: bool,
-    /// How it handles long loops; `None` if it gives no device.
-    pub loops: Option<Loops>,
-}
-
-/// An instance without debug layers, unless the environment asks for them (`WGPU_DEBUG=1` passes the names of all GPU
-/// objects to the driver, for RenderDoc and Nsight), and without validation of indirect dispatches: that takes a pass
-/// of its own, and the lists that kernels append to have room for every ray.
-fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor {
-        flags: wgpu::InstanceFlags::empty().with_env(),
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    })
-}
-
-/// Every adapter on this machine.
-pub async fn adapters() -> Vec<AdapterSummary> {
-    let mut summaries = Vec::new();
-    for adapter in instance().enumerate_adapters(wgpu::Backends::PRIMARY).await {
-        let loops = if is_usable(&adapter) { probe_loops(&adapter).await } else { None };
-        summaries.push(summary(&adapter, loops));
-    }
-    summaries
-}
-
-/// Opens a device temporarily to test long loops.
-async fn probe_loops(adapter: &wgpu::Adapter) -> Option<Loops> {
-    let (device, queue) = adapter.request_device(&wgpu::DeviceDescriptor::default()).await.ok()?;
-    loops(&device, &queue).await.ok()
-}
-
-fn summary(adapter: &wgpu::Adapter, loops: Option<Loops>) -> AdapterSummary {
-    AdapterSummary {
-        info: adapter.get_info(),
-        limits: adapter.limits(),
-        has_timestamps: adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY),
-        is_usable: is_usable(adapter),
-        loops,
-    }
-}
-
-/// Whether it supports core WebGPU limits, and compute shaders that read and write r32 textures.
-fn is_usable(adapter: &wgpu::Adapter) -> bool {
-    let read_write = |format| {
-        let features = adapter.get_texture_format_features(format);
-        features.flags.contains(wgpu::TextureFormatFeatureFlags::STORAGE_READ_WRITE)
-    };
-    adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
-        && wgpu::Limits::default().check_limits(&adapter.limits())
-        && read_write(wgpu::TextureFormat::R32Float)
-        && read_write(wgpu::TextureFormat::R32Uint)
-}
-
-/// A browser may keep the adapter's name to itself.
-fn named(mut info: wgpu::AdapterInfo) -> wgpu::AdapterInfo {
-    if info.name.is_empty() {
-        info.name = if info.backend == wgpu::Backend::BrowserWebGpu { "WebGPU" } else { "no name" }.into();
-    }
-    info
-}
-
-/// Lower is better.
-fn rank(info: &wgpu::AdapterInfo) -> (u8, u8) {
-    let kind = match info.device_type {
-        wgpu::DeviceType::DiscreteGpu => 0,
-        wgpu::DeviceType::IntegratedGpu => 1,
-        wgpu::DeviceType::VirtualGpu => 2,
-        wgpu::DeviceType::Other => 3,
-        wgpu::DeviceType::Cpu => 4,
-    };
-    (kind, u8::from(info.backend == wgpu::Backend::Gl))
-}
-
 impl Gpu {
     /// Opens a device on the chosen adapter, with all the limits it offers, and with timestamps and pipeline statistics if
     /// it has them.
@@ -158,7 +76,7 @@ impl Gpu {
         let instance = instance();
         let mut adapters = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
         adapters.sort_by_key(|a| rank(&a.get_info()));
-        let names = adapters.iter().map(|a| a.get_info().name).collect::<Vec<_>>().join(", ");
+        let names = adapters.iter().map(told).collect::<Vec<_>>().join(", ");
         let adapter = match choice {
             AdapterChoice::Best => adapters.into_iter().find(is_usable),
             AdapterChoice::Named(name) => {
@@ -176,8 +94,9 @@ impl Gpu {
         let info = named(adapter.get_info());
         let refused =
             |message: String| GpuError::NoDevice { adapter: info.name.clone(), message: first_line(&message) };
-        if !is_usable(&adapter) {
-            return Err(refused("it lacks compute shaders, core WebGPU limits or read-write r32 textures".into()));
+        let lacks = lacks(&adapter);
+        if !lacks.is_empty() {
+            return Err(refused(format!("it lacks {}", lacks.join(" and "))));
         }
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("raystep"),

@@ -75,6 +75,20 @@ fn map(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: u64) -> oneshot::Receiver<Result
 }
 
 impl Gpu {
+    /// Submits commands, and waits for the bytes that they leave at the start of a buffer that can be mapped.
+    ///
+    /// # Errors
+    /// If the device is lost or refuses them.
+    pub async fn read_after(
+        self: &Arc<Self>,
+        commands: wgpu::CommandBuffer,
+        buffer: wgpu::Buffer,
+        bytes: u64,
+    ) -> Result<Vec<u8>, GpuError> {
+        self.submit([commands]);
+        Readback::start(self, buffer, bytes).finish(bytes, <[u8]>::to_vec).await
+    }
+
     /// Waits until the device has finished everything submitted so far, uploads included. As for read-backs, somebody
     /// must poll the device.
     ///

@@ -1,0 +1,180 @@
+//! Every kernel of every program against its CPU reference, after every pass of small scenes.
+
+mod building;
+mod scenes;
+
+use raystep_kernels::options::ProgramName::{ClosestHit, GridBuild};
+use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
+use raystep_kernels::programs::named;
+use raystep_kernels::tables::kernel::Role;
+use raystep_kernels::{Kernel, Limits, Options, Program};
+
+use self::scenes::{Place, Traced};
+use super::{Bench, Check, Finding, Found, Group, Step, Verdict};
+use crate::compared::{Compared, Sums};
+use crate::parity::{Parity, ParityError, compare};
+use crate::stability::Ceiling;
+use crate::ways::{COVERING, FAST, STEPPED, Way};
+pub(super) use building::steps as building;
+
+/// The check that all configurations of a group were run.
+const ALL: &str = "all configurations";
+
+/// A check for each kernel's row of a program, and one for the configurations.
+fn checks_of(
+    program: &'static Program,
+    group: Group,
+    is_there: fn(&Kernel) -> bool,
+    shows: &'static str,
+) -> Vec<Check> {
+    let mut all: Vec<Check> = Vec::new();
+    for kernel in program.kernels().filter(is_there) {
+        let row = kernel.info();
+        if all.iter().all(|check| check.name != row.name) {
+            all.push(Check { group, name: row.name, shows: row.summary });
+        }
+    }
+    all.push(Check { group, name: ALL, shows });
+    all
+}
+
+pub(super) fn checks_of_tracing() -> Vec<Check> {
+    let shows = "every structure, schedule and set of rules was compared, in whole and in divided passes";
+    checks_of(named(ClosestHit), Group::Tracing, |_| true, shows)
+}
+
+pub(super) fn checks_of_building() -> Vec<Check> {
+    let shows = "uniform, two-level and irregular grids were built, and are the host's, bit for bit";
+    checks_of(named(GridBuild), Group::Building, |_| true, shows)
+}
+
+/// Kernels that take one step can be drawn, and those that begin and end a ray's course.
+pub(super) fn checks_of_drawing() -> Vec<Check> {
+    let is_drawn = |kernel: &Kernel| !matches!(kernel.role(), Role::Walk | Role::Whole | Role::Sample);
+    checks_of(
+        named(ClosestHit),
+        Group::Drawing,
+        is_drawn,
+        "every structure was traced, with each choice of the mapping",
+    )
+}
+
+/// Configurations to compare.
+fn traced() -> Vec<Traced> {
+    use raystep_kernels::Accelerator::{Bvh, Grid, Irregular, None};
+    use raystep_kernels::ScheduleKind::{Compact, Fused, Second};
+    let of = |place: Place| move |way: Way| Traced::new(place, way);
+    let mut all: Vec<Traced> = COVERING.into_iter().map(of(Place::Room)).collect();
+    // A fused kernel that does not shade generates its rays itself.
+    all.extend([Grid, Irregular, Bvh, None].map(|structure| of(Place::Room)(Way::new(structure, Fused, 1)).unshaded()));
+    all.extend([3, 19].map(|samples| of(Place::Room)(Way::new(Grid, Compact, 8)).sampled(samples)));
+    let several = |structure| Way::new(structure, Compact, 8);
+    all.extend([several(Grid), Way::new(Bvh, Fused, 1)].map(of(Place::Segments)));
+    all.push(of(Place::Room)(several(Grid)).contracted());
+    // Few iterations a dispatch, so that everything that can continue in the next one does.
+    let in_parts = [Grid, Irregular, Bvh, None].map(|structure| [several(structure), Way::new(structure, Fused, 1)]);
+    all.extend(in_parts.into_iter().flatten().chain([STEPPED]).map(|way| of(Place::Room)(way).in_parts()));
+    all.extend(
+        [Way::new(Irregular, Second, 1), several(Irregular), Way::new(Irregular, Fused, 1)].map(of(Place::Knot)),
+    );
+    // From outside, where rays miss.
+    all.extend(FAST.map(of(Place::Soup)));
+    all
+}
+
+pub(super) fn tracing() -> Vec<Step> {
+    let step = |traced: Traced| {
+        Step::new(Group::Tracing, traced.name(), &[ALL], move |bench| trace(bench, Group::Tracing, &traced))
+    };
+    traced().into_iter().map(step).collect()
+}
+
+/// The paper's choices, and those that differ most from them, with every structure.
+fn drawn() -> Vec<Traced> {
+    use raystep_kernels::Accelerator::{Bvh, Grid, Irregular, None};
+    use raystep_kernels::ScheduleKind::{First, Second};
+    let paper = Fragment::default();
+    let depths = Fragment { targets: Targets::Many, cull: Cull::EarlyZ, ..paper };
+    let swapped = Fragment::of(Some(Targets::Many), Some(Update::Swap), Option::None, Option::None);
+    let all = [
+        (STEPPED, paper),
+        (Way::new(Grid, First, 1).paper(), paper),
+        (Way::new(Bvh, Second, 1), paper),
+        (Way::new(Irregular, Second, 1), paper),
+        (Way::new(None, Second, 1), paper),
+        (Way::new(Bvh, Second, 1), depths),
+        (Way::new(Irregular, First, 1), swapped),
+        (Way::new(Grid, Second, 1).dda(), depths),
+    ];
+    all.map(|(way, how)| Traced::new(Place::Room, way).drawn(how)).into()
+}
+
+pub(super) fn drawing() -> Vec<Step> {
+    let step = |traced: Traced| {
+        Step::new(Group::Drawing, traced.name(), &[ALL], move |bench| trace(bench, Group::Drawing, &traced))
+    };
+    drawn().into_iter().map(step).collect()
+}
+
+/// Compares a run, up to the first pass that is wrong.
+fn trace(bench: &mut Bench, group: Group, traced: &Traced) -> Found {
+    let (scene, options) = traced.make()?;
+    let mut limits = Limits::from(&*bench.gpu);
+    if let Some(turns) = traced.turns {
+        limits.turns = turns;
+    }
+    let change = bench.faults.plan.clone();
+    let comparison = compare(&bench.gpu, &scene, &options, &limits, |plan| change(plan), Parity::is_broken);
+    let name = traced.name();
+    let done = Finding::new(group, ALL, Verdict::Right, "").counting(&[("configurations", 1)]);
+    Ok(match bench.machine.wait(comparison) {
+        Ok(parity) => (std::iter::once(done).chain(of_parity(group, &name, &parity)).collect(), Vec::new()),
+        Err(ParityError::Pass { kernel, error }) => {
+            let says = format!("{name}: the device failed in a pass of it: {error}");
+            (vec![done, of_kernel(group, kernel, Sums::default()).wrong_by(vec![says])], Vec::new())
+        }
+        Err(error) => (vec![done.wrong_by(vec![format!("{name}: {error}")])], Vec::new()),
+    })
+}
+
+fn of_parity(group: Group, name: &str, parity: &Parity) -> Vec<Finding> {
+    let wrong_of = |kernel: Kernel| {
+        let breaches = parity.breaches.iter().filter(|breach| breach.kernel == kernel).map(|b| format!("{name}: {b}"));
+        let miscounts = parity.miscounts.iter().filter(|wrong| wrong.kernel == kernel).map(|m| format!("{name}: {m}"));
+        breaches.chain(miscounts).collect::<Vec<_>>()
+    };
+    findings(group, name, &parity.compared, wrong_of)
+}
+
+/// A finding for each kernel that worked on an element, or is wrong.
+fn findings(group: Group, name: &str, compared: &Compared, wrong_of: impl Fn(Kernel) -> Vec<String>) -> Vec<Finding> {
+    let finding = |(kernel, sums): (Kernel, Sums)| {
+        let mut wrong = wrong_of(kernel);
+        let most = UNDECIDED.count(sums.rays);
+        if wrong.is_empty() && sums.undecided > most {
+            let (undecided, rays) = (sums.undecided, sums.rays);
+            wrong.push(format!("{name}: {undecided} of {rays} rays are undecided, of which at most {most} can be"));
+        }
+        let is_used = sums.rays > 0 || kernel.role() == Role::Count || !wrong.is_empty();
+        is_used.then(|| of_kernel(group, kernel, sums).wrong_by(wrong))
+    };
+    compared.iter().filter_map(finding).collect()
+}
+
+/// In images of few pixels, an eighth of the rays are in the middle row or column, where they meet edges and planes of
+/// symmetric scenes: the tests of kernels find one in 1,000.
+const UNDECIDED: Ceiling = Ceiling { share: 0.002, because: "twice what small images have in the tests of kernels" };
+
+fn of_kernel(group: Group, kernel: Kernel, sums: Sums) -> Finding {
+    let mut counts = vec![("passes", sums.passes as u64), ("components", sums.components)];
+    // A build is the same on every device.
+    if group != Group::Building {
+        counts.extend([("tolerated", sums.tolerated), ("undecided", sums.undecided)]);
+    }
+    Finding::new(group, kernel.info().name, Verdict::Right, "").counting(&counts)
+}
+
+/// Options of a run as fragment programs.
+fn as_fragments(how: Fragment, options: Options) -> Options {
+    Options { mapping: Mapping::Fragment(how), ..options }
+}

@@ -1,0 +1,142 @@
+//! What is traced to compare kernels: generated scenes, since no file may be at hand.
+
+use raystep_kernels::options::mapping::Fragment;
+use raystep_kernels::{GridSize, Options, RaySource, Sampler, Samples};
+use raystep_scenes::{Camera, Scene, generate};
+
+use super::as_fragments;
+use crate::ways::Way;
+use crate::{Error, rays, stability::StabilityError};
+
+/// Rays in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// The Cornell box from inside, a pixel each.
+    Room,
+    /// Rays with an end in it.
+    Segments,
+    /// A cloud of triangles from outside.
+    Soup,
+    /// A small object in a room so large that the irregular grid sets its walls aside.
+    Knot,
+}
+
+impl Place {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Room => "Cornell box",
+            Self::Segments => "Cornell box, any hit",
+            Self::Soup => "100 triangles from outside",
+            Self::Knot => "a knot in a large room",
+        }
+    }
+
+    /// In the room, a resolution at which the eye does not lie on a plane: there, f32 could not tell in which cell any
+    /// ray begins.
+    fn grid(self) -> GridSize {
+        match self {
+            Self::Room | Self::Segments => GridSize::Cells([7, 7, 9]),
+            Self::Soup | Self::Knot => GridSize::Auto,
+        }
+    }
+
+    fn scene(self) -> Result<Scene, StabilityError> {
+        Ok(match self {
+            Self::Room | Self::Segments => generate::cornell_box(),
+            Self::Soup => generate::soup(100, 4)?,
+            Self::Knot => generate::tiny_in_room(200, 100)?,
+        })
+    }
+}
+
+/// A run to compare.
+#[derive(Clone, Debug)]
+pub(super) struct Traced {
+    place: Place,
+    way: Way,
+    is_shaded: bool,
+    samples: u32,
+    is_contracted: bool,
+    how: Option<Fragment>,
+    /// Most loop iterations a dispatch, if fewer than the device allows.
+    pub(super) turns: Option<u32>,
+}
+
+impl Traced {
+    pub(super) fn new(place: Place, way: Way) -> Self {
+        Self { place, way, is_shaded: true, samples: 1, is_contracted: false, how: None, turns: None }
+    }
+
+    pub(super) fn unshaded(self) -> Self {
+        Self { is_shaded: false, ..self }
+    }
+
+    pub(super) fn sampled(self, samples: u32) -> Self {
+        Self { samples, ..self }
+    }
+
+    pub(super) fn contracted(self) -> Self {
+        Self { is_contracted: true, ..self }
+    }
+
+    pub(super) fn in_parts(self) -> Self {
+        Self { turns: Some(6), ..self }
+    }
+
+    pub(super) fn drawn(self, how: Fragment) -> Self {
+        Self { how: Some(how), ..self }
+    }
+
+    /// What is special about it, in words.
+    pub(super) fn name(&self) -> String {
+        let mut name = format!("{}, {}", self.way, self.place.name());
+        let samples = format!(", {} samples", self.samples);
+        let how = self.how.map(|how| format!(", {}", raystep_kernels::options::mapping::Mapping::Fragment(how)));
+        for (is_so, words) in [
+            (!self.is_shaded, ", not shaded"),
+            (self.samples > 1, &samples),
+            (self.is_contracted, ", explicit fma"),
+            (self.turns.is_some(), ", in parts"),
+            (self.how.is_some(), how.as_deref().unwrap_or_default()),
+        ] {
+            name += if is_so { words } else { "" };
+        }
+        name
+    }
+
+    /// The scene and the options.
+    pub(super) fn make(&self) -> Result<(Scene, Options), Error> {
+        let scene = self.place.scene()?;
+        // Not a multiple of a workgroup; few enough rays for many passes of one step.
+        let [width, height] = if self.samples > 1 { [11, 7] } else { [21, 13] };
+        let rays = match self.place {
+            Place::Segments => RaySource::Given(rays::segments(&scene, 200, 3)).until(1.0),
+            Place::Soup => {
+                let camera = Camera::framing(&scene.bounds());
+                RaySource::Camera { camera, width, height }
+            }
+            _ => {
+                let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds()));
+                RaySource::Camera { camera, width, height }
+            }
+        };
+        let is_any_hit = self.place == Place::Segments;
+        let sampler = if self.samples > Samples::BLOCK { Sampler::Random } else { Sampler::Sobol };
+        let options = Options {
+            counters: !is_any_hit,
+            any_hit: is_any_hit,
+            shade: self.is_shaded && !is_any_hit,
+            contracted: self.is_contracted,
+            grid: self.place.grid(),
+            samples: Samples { count: self.samples, sampler, seed: 5, first: 0 },
+            ..self.way.of(&Options::new(rays))
+        };
+        Ok((
+            scene,
+            match self.how {
+                Some(how) => as_fragments(how, options),
+                None => options,
+            },
+        ))
+    }
+}
