@@ -53,8 +53,8 @@ fn wrong_usage_is_code_2() {
         ("0,0 to 7,7", &["trace", &file, "--pixel", "0,8", "--size", "8x8"]),
         ("--pixel", &["trace", &file]),
         ("hex bits", &["trace", &file, "--ray", "1,2,3"]),
-        ("direction is 0", &["trace", &file, "--ray", "1,2,3,0,0,0", "--device", "cpu"]),
-        ("not finite", &["trace", &file, "--ray", "0x7f800000,2,3,0,0,1", "--device", "cpu"]),
+        ("a direction other than 0", &["trace", &file, "--ray", "1,2,3,0,0,0", "--device", "cpu"]),
+        ("expected finite numbers", &["trace", &file, "--ray", "0x7f800000,2,3,0,0,1", "--device", "cpu"]),
         ("ray_origin", &["dump", &file, "-o", "d", "--stream", "nose"]),
         (
             "omits it: needed only with --accelerator grid or irregular",

@@ -3,6 +3,7 @@
 mod bad_input;
 mod bench;
 mod build;
+mod cases;
 mod cast;
 mod cast_formats;
 mod common;

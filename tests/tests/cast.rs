@@ -242,7 +242,7 @@ fn a_direction_of_any_length_has_its_t() {
 
 #[test]
 fn components_of_very_different_size_are_traced() {
-    let wall = vec![[[-4.0, -4.0, 0.0], [4.0, -4.0, 0.0], [0.0, 4.0, 0.0]]];
+    let wall = [[[-4.0, -4.0, 0.0], [4.0, -4.0, 0.0], [0.0, 4.0, 0.0]]];
     for scale in [1e-30f32, 1.0, 1e30] {
         let wall = wall.iter().map(|t: &[[f32; 3]; 3]| t.map(|corner| corner.map(|v| v * scale))).collect();
         let scene = Arc::new(Scene::from_triangles(wall));

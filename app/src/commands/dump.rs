@@ -37,7 +37,7 @@ use wanted::streams;
 Examples:
   raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
   raystep dump scenes/cornell-box.gltf --pass 7 --stream state,tmax -o pass7
-  raystep dump scenes/cornell-box.gltf --stream hit --buffers grid_cells,grid_items,vertices,materials -o figure-5
+  raystep dump scenes/cornell-box.gltf --stream hit --buffers grid_cells,grid_items,vertices -o data
   raystep dump scenes/teapot.glb --pass all --stream all --size 64x64 --format both -o all")]
 pub(crate) struct DumpArgs {
     #[command(flatten)]

@@ -167,6 +167,10 @@ async fn count(
         session.step(Target::Next, progress).await?;
         let Some(pass) = session.passes().last().filter(|_| session.place() > before) else { break };
         counted.extend(counting.added(session.renderer(), pass).await?);
+        // A step of one pass ends before it asks.
+        if progress(&session.renderer().progress()).is_break() {
+            return Err(RenderError::Cancelled { passes: session.place() });
+        }
     }
     Ok(counted)
 }

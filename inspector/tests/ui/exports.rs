@@ -16,7 +16,11 @@ use crate::ui::stage::{Plan, Stage};
 const PLACE: usize = 12;
 
 fn stage() -> Stage {
-    let settings = Settings { size: [32, 32], device: DeviceKind::Cpu, ..Settings::default() };
+    stage_of([32, 32])
+}
+
+fn stage_of(size: [u32; 2]) -> Stage {
+    let settings = Settings { size, device: DeviceKind::Cpu, ..Settings::default() };
     let mut stage = Stage::new(Plan { size: [600.0, 400.0], ..Plan::default() });
     stage.open(CORNELL, settings, Arrival { place: Some(PLACE), ..Arrival::default() });
     stage
@@ -167,8 +171,8 @@ fn an_adapter_without_valid_times_has_none_in_any_panel_or_file() {
 
 #[test]
 fn what_is_cancelled_is_said() {
-    let mut stage = stage();
-    // Before the run has ended.
+    // So many rays that the run cannot end before it is cancelled.
+    let mut stage = stage_of([512, 512]);
     stage.inspector().perform(Command::ExportPasses);
     stage.inspector().perform(Command::Cancel);
     stage.settle();

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use raystep_kernels::{Gpu, GpuError};
-use wgpu::util::DeviceExt as _;
 use wgpu::{Buffer, BufferUsages};
 
 /// A compute shader on a device.
@@ -36,9 +35,7 @@ impl<'a> Shader<'a> {
 
     /// A buffer with these words, to read.
     pub(super) fn given(&self, words: &[u32]) -> Buffer {
-        let (contents, usage) = (&bytes_of(words)[..], BufferUsages::STORAGE);
-        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(self.name), contents, usage };
-        self.gpu.device.create_buffer_init(&descriptor)
+        self.gpu.filled_buffer(self.name, &bytes_of(words), BufferUsages::STORAGE)
     }
 
     /// A buffer with room for so many words, to write.

@@ -2,8 +2,6 @@
 
 use std::mem::offset_of;
 
-use wgpu::util::DeviceExt as _;
-
 use crate::plan::Plan;
 use crate::scene_data::SceneData;
 use crate::shared::scene::SceneInfo;
@@ -26,8 +24,7 @@ pub(super) fn scene_buffers<'a>(
         let contents = info.contents(data);
         let kind = if info.is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
         let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(&plan.label(planned.what)), contents, usage };
-        buffers.push((planned.what, device.create_buffer_init(&descriptor)));
+        buffers.push((planned.what, filled_buffer(device, &plan.label(planned.what), contents, usage)));
     }
     buffers
 }
@@ -64,6 +61,25 @@ pub(super) fn own_buffer(
 ) -> Option<wgpu::Buffer> {
     let planned = plan.buffers.iter().find(|planned| planned.what == name)?;
     Some(labelled_buffer(device, &plan.label(name), planned.bytes, usage))
+}
+
+/// A buffer with contents. If the device is lost or has no memory for it, that is reported as an error of the device:
+/// wgpu's `create_buffer_init` would panic.
+pub(super) fn filled_buffer(
+    device: &wgpu::Device,
+    label: &str,
+    contents: &[u8],
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    let size = contents.len().next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT as usize) as u64;
+    let mapped_at_creation = !contents.is_empty();
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation });
+    if mapped_at_creation && let Ok(mut range) = buffer.get_mapped_range_mut(..) {
+        range.slice(..contents.len()).copy_from_slice(contents);
+        drop(range);
+        buffer.unmap();
+    }
+    buffer
 }
 
 /// An empty buffer.

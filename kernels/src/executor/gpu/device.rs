@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::task::Poll;
 
 use super::adapters::{instance, is_usable, lacks, named, rank, told};
+use super::buffers::filled_buffer;
 use super::clock_check::Clock;
 use super::compiled::Pipelines;
 use super::error::{GpuError, first_line};
@@ -232,6 +233,11 @@ impl Gpu {
         self.gate.pass(|| {
             self.queue.submit(work);
         });
+    }
+
+    /// A buffer with contents. If the device is lost or has no memory for it, that is reported as its errors are.
+    pub fn filled_buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        filled_buffer(&self.device, label, contents, usage)
     }
 
     /// Writes a part of a texture, rows and layers one after the other. Not while another thread

@@ -4,8 +4,8 @@ use std::future::poll_fn;
 use std::task::Poll;
 
 use futures_channel::oneshot;
-use wgpu::util::DeviceExt as _;
 
+use super::buffers::filled_buffer;
 use super::error::GpuError;
 use crate::plan::Loops;
 
@@ -43,11 +43,8 @@ pub(super) async fn loops(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<
         compilation_options: Default::default(),
         cache: None,
     });
-    let told = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("probe of loops"),
-        contents: bytemuck::cast_slice(&[TURNS, 1, 0]),
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-    });
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+    let told = filled_buffer(device, "probe of loops", bytemuck::cast_slice(&[TURNS, 1, 0]), usage);
     let copy = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("probe of loops, read back"),
         size: told.size(),

@@ -9,7 +9,6 @@ use raystep_kernels::options::features::Features;
 use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::programs::closest_hit::states::TRAV;
 use raystep_kernels::shader::Variant;
-use wgpu::util::DeviceExt as _;
 
 use crate::machine::Machine;
 use crate::probe::{Job, Stopwatch, bind, in_turn, layers, pipeline, texture};
@@ -114,10 +113,7 @@ impl Steps {
         let is_used = [loads_origin, loads_direction, true, true];
         let resources = (0..).zip(&views).zip(is_used).filter(|(_, used)| *used);
         let resources: Vec<_> = resources.map(|((i, view), _)| (i, wgpu::BindingResource::TextureView(view))).collect();
-        let buffer = |contents: &[u32], usage| {
-            let contents = bytemuck::cast_slice(contents);
-            gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-        };
+        let buffer = |contents: &[u32], usage| gpu.filled_buffer("measured", bytemuck::cast_slice(contents), usage);
         let grid = buffer(&grid(), wgpu::BufferUsages::UNIFORM);
         let sent = buffer(&[0; 8], wgpu::BufferUsages::STORAGE);
         let groups = vec![

@@ -1,7 +1,5 @@
 //! Compares soft f64 with the processor's f64, bit for bit.
 
-use wgpu::util::DeviceExt as _;
-
 use crate::executor::gpu::Gpu;
 use crate::programs::grid_build::device::tests::{composed, gpu};
 
@@ -123,11 +121,7 @@ fn every_operation_gives_the_bits_of_the_processors_f64() {
                 [a_high, a_low, b_high, b_low, f32_bits, i32_bits]
             })
             .collect();
-        let inputs = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("given"),
-            contents: bytemuck::cast_slice(&given),
-            usage: wgpu::BufferUsages::STORAGE,
-        });
+        let inputs = gpu.filled_buffer("given", bytemuck::cast_slice(&given), wgpu::BufferUsages::STORAGE);
         let outputs = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("results"),
             size: 4 * WORDS as u64 * u64::from(PAIRS),
