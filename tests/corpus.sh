@@ -36,6 +36,6 @@ fi
 venv=${CARGO_TARGET_DIR:-./target}/corpus-venv
 if [ ! -x "$venv/bin/python" ]; then
     python3 -m venv "$venv"
-    "$venv/bin/pip" install --quiet numpy trimesh networkx pillow
+    "$venv/bin/pip" install --quiet numpy trimesh networkx pillow DracoPy
 fi
 "$venv/bin/python" tests/corpus/compare.py --binary "$binary" ${table:+--table "$table"} "$@"

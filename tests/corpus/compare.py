@@ -163,7 +163,9 @@ def main() -> int:
             verdicts = {
                 reader: other if isinstance(other, str) else mine.differs(other) for reader, other in others.items()
             }
-            agrees = [reader for reader, verdict in verdicts.items() if verdict == ""]
+            # Where nobody reads anything, all agree.
+            is_nothing = ours.shape is None and all(isinstance(other, str) for other in others.values())
+            agrees = [reader for reader, verdict in verdicts.items() if verdict == "" or is_nothing]
             reason = next((reason for pattern, reason in known if fnmatch(shown, pattern)), "")
             is_wrong = bool(ours.fault) or not agrees and not reason
             wrong += is_wrong
@@ -179,12 +181,24 @@ def main() -> int:
 
 
 def table(rows: list[tuple[str, Ours, dict[str, str], str]]) -> str:
-    """The results as Markdown."""
-    lines = ["| file | triangles | area | compared | notes, or why it is refused |", "|---|---|---|---|---|"]
+    """The results as Markdown: files by what agrees, folder by folder, then those on which not both others agree."""
+    both = "as trimesh and assimp"
+    folders = sorted({shown.split(os.sep)[0] for shown, *_ in rows})
+    lines = [f"| folder | files | {both} | as one of them | for a reason | wrong |", "|---|---|---|---|---|---|"]
+    for folder in [*folders, None]:
+        results = [result for shown, _, _, result in rows if folder in (None, shown.split(os.sep)[0])]
+        one, wrong = (sum(result.startswith(start) for result in results) for start in ("as ", "WRONG"))
+        counts = [len(results), results.count(both), one - results.count(both), len(results) - one - wrong, wrong]
+        lines.append(f"| {folder or 'all'} | {' | '.join(map(str, counts))} |")
+    lines += ["", "| file | triangles | area | compared | notes, or why it is refused |", "|---|---|---|---|---|"]
     for shown, ours, _, result in rows:
+        if result == both and ours.shape is not None:
+            continue
         shape = ours.shape
         sizes = f"{shape.triangles:,} | {shape.area:.6g}" if shape else "refused | "
-        lines.append(f"| {shown} | {sizes} | {result} | {ours.line.replace('|', '/')} |")
+        # What every scene says that has neither.
+        said = [note for note in ours.line.split("; ") if not note.startswith(("no camera in", "no lights in"))]
+        lines.append(f"| {shown} | {sizes} | {result} | {'; '.join(said).replace('|', '/')} |")
     return "\n".join(lines) + "\n"
 
 

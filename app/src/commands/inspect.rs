@@ -170,7 +170,7 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     let picture = window::screenshot(&gpu, start, args.scale, &args.commands)?;
     let mut png = Vec::new();
     picture
-        .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
+        .write_with_encoder(image::codecs::png::PngEncoder::new(&mut png))
         .map_err(|e| Error::failed(format!("cannot write as PNG: {e}")))?;
     let (name, [width, height]) =
         (visible(&target.path().to_string_lossy()).into_owned(), [picture.width(), picture.height()]);

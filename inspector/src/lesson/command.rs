@@ -19,7 +19,7 @@ pub const WORDS: &[(&str, &str, &str)] = &[
     (
         "find",
         "VALUE = VALUE, …",
-        "selects the ray nearest to that pixel, or to the middle of the image, for which all of this holds; only values of `tie`",
+        "selects the ray nearest to that pixel, or to the middle of the image, for which all of this holds, and whose history on this device has the `row` of the step; only values of `tie`",
     ),
     ("start", "", "goes to before the first pass"),
     ("pass", "N", "goes to after pass N"),

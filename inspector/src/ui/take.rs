@@ -196,10 +196,11 @@ pub(in crate::ui) fn png(canvas: &Canvas, texture: &wgpu::Texture, name: String)
             let texels = gpu.read_rgba8(&texture).await.map_err(|e| e.to_string())?;
             let image = image::RgbaImage::from_raw(texture.width(), texture.height(), texels);
             let image = image.ok_or("the image was returned in another size")?;
-            let mut bytes = std::io::Cursor::new(Vec::new());
-            image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| e.to_string())?;
+            let mut bytes = Vec::new();
+            let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+            image.write_with_encoder(encoder).map_err(|e| e.to_string())?;
             let holds = format!("an image of {} x {} pixels", texture.width(), texture.height());
-            let export = Export { name: name.replace(' ', "-"), extension: "png", bytes: bytes.into_inner(), holds };
+            let export = Export { name: name.replace(' ', "-"), extension: "png", bytes, holds };
             Ok(Box::new(export) as Box<dyn Any + Send>)
         })
     })

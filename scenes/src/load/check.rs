@@ -20,7 +20,7 @@ const SUPPORTED: [&str; 10] = [
 
 /// Starts of the names of extensions without which every shape is in its place: those of materials, textures, lights,
 /// animations and metadata. A file may require them.
-const WITHOUT_SHAPE: [&str; 10] = [
+const WITHOUT_SHAPE: [&str; 12] = [
     "KHR_materials_",
     "EXT_materials_",
     "KHR_texture_",
@@ -30,7 +30,9 @@ const WITHOUT_SHAPE: [&str; 10] = [
     "EXT_lights_",
     "KHR_animation_",
     "KHR_audio",
+    "KHR_technique",
     "KHR_xmp",
+    "EXT_structural_metadata",
 ];
 
 /// An error at one place of the file.

@@ -9,8 +9,8 @@ use super::buffers::{Buffers, read_uri};
 use super::json::Image;
 use super::{LoadError, Resolver, at};
 use image::codecs::jpeg::JpegDecoder;
-use image::codecs::webp::WebPDecoder;
 use image::{ColorType, ImageDecoder as _, ImageFormat, Limits};
+use image_webp::WebPDecoder;
 use png::{BitDepth, Transformations};
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -134,34 +134,39 @@ impl Images<'_> {
                 decoder.set_limits(limits).map_err(wrong)?;
                 // The decoder has no error for lack of memory, so its allocation is tried first.
                 drop(reserve::<u8>(coefficients, path)?);
-                read_packed(decoder, &mut out).map_err(wrong)?;
+                let channels = decoder.color_type().channel_count().into();
+                read_packed(&mut out, channels, |packed| decoder.read_image(packed)).map_err(wrong)?;
                 Ok(out)
             })
         })
     }
 
     fn read_webp(&self, bytes: &[u8], path: &str) -> Result<Texels, LoadError> {
-        let wrong = |error: image::ImageError| cannot(path, &error);
-        let decoder = WebPDecoder::new(Cursor::new(bytes)).map_err(wrong)?;
-        if decoder.has_animation() {
+        let wrong = |error: image_webp::DecodingError| cannot(path, &error);
+        let mut decoder = WebPDecoder::new(Cursor::new(bytes)).map_err(wrong)?;
+        if decoder.is_animated() {
             return Err(at(path, "is an animated WebP, which no texture may be"));
         }
         let (width, height) = decoder.dimensions();
         let mut out = self.room(width, height, path)?;
         self.budget.hold(webp_bytes(bytes, width, height), path, || {
-            read_packed(decoder, &mut out).map_err(wrong)?;
+            let channels = if decoder.has_alpha() { 4 } else { 3 };
+            read_packed(&mut out, channels, |packed| decoder.read_image(packed)).map_err(wrong)?;
             Ok(out)
         })
     }
 }
 
-/// Decodes an image of 8-bit channels into its texels.
-fn read_packed(decoder: impl image::ImageDecoder, out: &mut Texels) -> Result<(), image::ImageError> {
-    let channels = usize::from(decoder.color_type().channel_count());
+/// Decodes an image of so many 8-bit channels into its texels.
+fn read_packed<E>(
+    out: &mut Texels,
+    channels: usize,
+    read: impl FnOnce(&mut [u8]) -> Result<(), E>,
+) -> Result<(), E> {
     out.texels.resize(out.width as usize * out.height as usize, [0; 4]);
     let all = out.texels.as_flattened_mut();
     let packed = all.len() / 4 * (4 - channels);
-    decoder.read_image(all.get_mut(packed..).unwrap_or_default())?;
+    read(all.get_mut(packed..).unwrap_or_default())?;
     spread(all, channels);
     Ok(())
 }

@@ -11,6 +11,7 @@ use raystep_lab::reference::{Possible, candidates_of};
 
 use crate::lesson::{Comparison, Fact, Name, Value, Wrong};
 use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::{Session, go_on};
 
 /// The name of the engine's job.
 pub(super) const FINDING: &str = "finding what the ray may hit";
@@ -107,46 +108,62 @@ fn of_ray(ray: [[f32; 3]; 2]) -> Job {
     })
 }
 
-/// The request for the ray nearest to a pixel, or to the middle of the image, for which all of this holds; the answer is
-/// its pixel, an `Option<[u32; 2]>`. The rays are those of the run at hand: directions differ between devices in their
-/// last bits, and a tie depends on them.
-pub(super) fn find(near: Option<[u32; 2]>, wanted: Vec<Comparison>) -> Request {
-    Request::Job(SEEKING, seek(near, wanted))
+/// What a step wants of a ray that it looks for.
+#[derive(Clone)]
+pub(super) struct Sought {
+    /// Where to look first, if not in the middle of the image.
+    pub(super) near: Option<[u32; 2]>,
+    /// What holds for the triangles that it may hit.
+    pub(super) wanted: Vec<Comparison>,
+    /// A row of its history that the step goes to: its number, from 1, among those whose reason contains a text.
+    pub(super) row: Option<(usize, String)>,
 }
 
-fn seek(near: Option<[u32; 2]>, wanted: Vec<Comparison>) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move { Ok(Box::new(nearest(context, near, &wanted).await?) as Box<dyn Any + Send>) })
-    })
-}
-
-async fn nearest(
-    context: JobContext<'_>,
-    near: Option<[u32; 2]>,
-    wanted: &[Comparison],
-) -> Result<Option<[u32; 2]>, String> {
-    let renderer = context.session.renderer();
-    let traced = Traced::read(renderer).await.map_err(|error| error.to_string())?;
-    let (data, size) = (renderer.shared_data(), renderer.plan().size());
-    let middle = near.unwrap_or([size.width / 2, size.height / 2]);
-    let index = |[x, y]: [u32; 2]| y as usize * size.width as usize + x as usize;
-    let mut pixels: Vec<[u32; 2]> = (0..size.height).flat_map(|y| (0..size.width).map(move |x| [x, y])).collect();
-    pixels.retain(|pixel| index(*pixel) < traced.rays());
-    pixels.sort_by_key(|pixel| {
-        [0, 1].map(|axis| u64::from(pixel[axis].abs_diff(middle[axis])).pow(2)).iter().sum::<u64>()
-    });
-    let mut done = 0;
-    for batch in pixels.chunks(rays_a_batch(data.vertices.len() / 9)) {
-        let rays: Vec<_> = batch.iter().map(|pixel| traced.ray(index(*pixel))).collect();
-        let all = candidates_of(&data.vertices, &rays).await;
-        let of_each = rays.iter().zip(&all).map(|(ray, all)| Candidates::of(&data, *ray, &all.possible));
-        if let Some((_, pixel)) = of_each.zip(batch).find(|(candidates, _)| candidates.satisfy(wanted)) {
-            return Ok(Some(*pixel));
-        }
-        done += batch.len() as u64;
-        if !(context.progress)(done, pixels.len() as u64) {
-            return Err("the search was cancelled".into());
-        }
+impl Sought {
+    /// The request for the nearest such ray; the answer is its pixel, an `Option<[u32; 2]>`. The rays and their history
+    /// are those of the run at hand: directions and t differ between devices in their last bits, and a tie depends on
+    /// them.
+    pub(super) fn request(self) -> Request {
+        Request::Job(
+            SEEKING,
+            Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
+                Box::pin(async move { Ok(Box::new(self.nearest(context).await?) as Box<dyn Any + Send>) })
+            }),
+        )
     }
-    Ok(None)
+
+    async fn nearest(&self, context: JobContext<'_>) -> Result<Option<[u32; 2]>, String> {
+        let JobContext { session, progress, .. } = context;
+        let traced = Traced::read(session.renderer()).await.map_err(|error| error.to_string())?;
+        let (data, size) = (session.renderer().shared_data(), session.renderer().plan().size());
+        let middle = self.near.unwrap_or([size.width / 2, size.height / 2]);
+        let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| [x, y]));
+        let mut rays: Vec<_> =
+            pixels.take(traced.rays()).enumerate().map(|(i, pixel)| (pixel, traced.ray(i))).collect();
+        rays.sort_by_key(|(pixel, _)| {
+            [0, 1].map(|axis| u64::from(pixel[axis].abs_diff(middle[axis])).pow(2)).iter().sum::<u64>()
+        });
+        let mut done = 0;
+        for batch in rays.chunks(rays_a_batch(data.vertices.len() / 9)) {
+            let given: Vec<_> = batch.iter().map(|(_, ray)| *ray).collect();
+            let all = candidates_of(&data.vertices, &given).await;
+            for ((pixel, ray), all) in batch.iter().zip(&all) {
+                let is_like_that = Candidates::of(&data, *ray, &all.possible).satisfy(&self.wanted);
+                if is_like_that && self.has_row(session, *pixel).await? {
+                    return Ok(Some(*pixel));
+                }
+            }
+            done += batch.len() as u64;
+            if !progress(done, rays.len() as u64) {
+                return Err("the search was cancelled".into());
+            }
+        }
+        Ok(None)
+    }
+
+    async fn has_row(&self, session: &mut Session, [x, y]: [u32; 2]) -> Result<bool, String> {
+        let Some((number, text)) = &self.row else { return Ok(true) };
+        let life = session.follow(x, y, &mut go_on).await.map_err(|error| error.to_string())?;
+        Ok(life.rows.iter().filter(|row| row.why.contains(text)).nth(number - 1).is_some())
+    }
 }

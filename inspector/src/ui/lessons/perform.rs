@@ -2,7 +2,7 @@
 
 use super::Lesson;
 use super::arrange::arrange;
-use super::candidates::{self, Candidates, FINDING, SEEKING};
+use super::candidates::{Candidates, FINDING, SEEKING, Sought};
 use super::measured::{MEASURING, Measured};
 use crate::lesson::command::middle_of;
 use crate::lesson::{Goal, Wrong};
@@ -101,7 +101,12 @@ impl Inspector {
             }
             Phase::Completing if self.model.is_complete => match &lesson.set_up.find {
                 Some((_, wanted)) => {
-                    self.model.ask(candidates::find(lesson.set_up.pixel, wanted.clone()));
+                    let row = match &lesson.set_up.goal {
+                        Some((_, Goal::Row(number, text))) => Some((*number, text.clone())),
+                        _ => None,
+                    };
+                    let sought = Sought { near: lesson.set_up.pixel, wanted: wanted.clone(), row };
+                    self.model.ask(sought.request());
                     Phase::Seeking
                 }
                 None => Phase::Selected,

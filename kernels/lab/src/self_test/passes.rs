@@ -128,7 +128,10 @@ fn trace(bench: &mut Bench, group: Group, traced: &Traced) -> Found {
     let name = traced.name();
     let done = Finding::new(group, ALL, Verdict::Right, "").counting(&[("configurations", 1)]);
     Ok(match bench.machine.wait(comparison) {
-        Ok(parity) => (std::iter::once(done).chain(of_parity(group, &name, &parity)).collect(), Vec::new()),
+        Ok(parity) => {
+            let of_kernels = of_parity(group, &name, traced.undecided(), &parity);
+            (std::iter::once(done).chain(of_kernels).collect(), Vec::new())
+        }
         Err(ParityError::Pass { kernel, error }) => {
             let says = format!("{name}: the device failed in a pass of it: {error}");
             (vec![done, of_kernel(group, kernel, Sums::default()).wrong_by(vec![says])], Vec::new())
@@ -137,20 +140,26 @@ fn trace(bench: &mut Bench, group: Group, traced: &Traced) -> Found {
     })
 }
 
-fn of_parity(group: Group, name: &str, parity: &Parity) -> Vec<Finding> {
+fn of_parity(group: Group, name: &str, undecided: Ceiling, parity: &Parity) -> Vec<Finding> {
     let wrong_of = |kernel: Kernel| {
         let breaches = parity.breaches.iter().filter(|breach| breach.kernel == kernel).map(|b| format!("{name}: {b}"));
         let miscounts = parity.miscounts.iter().filter(|wrong| wrong.kernel == kernel).map(|m| format!("{name}: {m}"));
         breaches.chain(miscounts).collect::<Vec<_>>()
     };
-    findings(group, name, &parity.compared, wrong_of)
+    findings(group, name, undecided, &parity.compared, wrong_of)
 }
 
 /// A finding for each kernel that worked on an element, or is wrong.
-fn findings(group: Group, name: &str, compared: &Compared, wrong_of: impl Fn(Kernel) -> Vec<String>) -> Vec<Finding> {
+fn findings(
+    group: Group,
+    name: &str,
+    undecided: Ceiling,
+    compared: &Compared,
+    wrong_of: impl Fn(Kernel) -> Vec<String>,
+) -> Vec<Finding> {
     let finding = |(kernel, sums): (Kernel, Sums)| {
         let mut wrong = wrong_of(kernel);
-        let most = UNDECIDED.count(sums.rays);
+        let most = undecided.count(sums.rays);
         if wrong.is_empty() && sums.undecided > most {
             let (undecided, rays) = (sums.undecided, sums.rays);
             wrong.push(format!("{name}: {undecided} of {rays} rays are undecided, of which at most {most} can be"));
@@ -160,10 +169,6 @@ fn findings(group: Group, name: &str, compared: &Compared, wrong_of: impl Fn(Ker
     };
     compared.iter().filter_map(finding).collect()
 }
-
-/// In images of few pixels, an eighth of the rays are in the middle row or column, where they meet edges and planes of
-/// symmetric scenes: the tests of kernels find one in 1,000.
-const UNDECIDED: Ceiling = Ceiling { share: 0.002, because: "twice what small images have in the tests of kernels" };
 
 fn of_kernel(group: Group, kernel: Kernel, sums: Sums) -> Finding {
     let mut counts = vec![("passes", sums.passes as u64), ("components", sums.components)];

@@ -11,7 +11,7 @@ use crate::Error;
 use crate::built::Built;
 use crate::lockstep::{Lockstep, lockstep};
 use crate::self_test::{Bench, Finding, Found, Group, Step, Verdict};
-use crate::stability::StabilityError;
+use crate::stability::{Ceiling, StabilityError};
 
 type Make = fn() -> Result<Scene, StabilityError>;
 
@@ -59,7 +59,8 @@ fn build(bench: &mut Bench, name: &str, scene: &Scene, accelerator: Accelerator,
         let first = found.first.iter().filter(|first| first.kernel == kernel);
         first.map(|first| format!("{name}: {first}")).collect()
     };
-    let kernels = findings(Group::Building, name, &found.compared, wrong_of);
+    let none = Ceiling { share: 0.0, because: "a build is the same on every device" };
+    let kernels = findings(Group::Building, name, none, &found.compared, wrong_of);
     Ok((std::iter::once(done.wrong_by(wrong.into_iter().collect())).chain(kernels).collect(), Vec::new()))
 }
 
