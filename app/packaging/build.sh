@@ -50,6 +50,10 @@ case "$host" in
 *)
     CARGO_ENCODED_RUSTFLAGS=$(printf -- '--remap-path-prefix=%s/registry/src=crates\037--remap-path-prefix=%s=raystep' \
         "${CARGO_HOME:-$HOME/.cargo}" "$root")
+    # These replace the flags of .cargo/config.toml.
+    case "$host" in
+    x86_64-*) CARGO_ENCODED_RUSTFLAGS=$(printf -- '%s\037-Ctarget-cpu=x86-64-v2' "$CARGO_ENCODED_RUSTFLAGS") ;;
+    esac
     export CARGO_ENCODED_RUSTFLAGS
     ;;
 esac

@@ -75,6 +75,8 @@ impl Inspector {
             && self.arrival.is_none()
             && self.shared.select.is_none()
             && !self.is_to_follow()
+            // On the device, the ray may take another course than the CPU reference's.
+            && !self.is_confirming()
     }
 
     fn set_up(&mut self, lesson: &mut Lesson) -> Result<Phase, (usize, Wrong)> {
