@@ -304,7 +304,8 @@ fn notes_say_what_is_left_out_or_assumed() {
     assert_eq!(notes(&scene), expected);
     assert_eq!(scene.name, "test");
     // Without these, every shape is in its place.
-    doc.json["extensionsRequired"] = json!(["KHR_materials_unlit", "KHR_texture_basisu", "KHR_animation_pointer", "KHR_techniques_webgl"]);
+    doc.json["extensionsRequired"] =
+        json!(["KHR_materials_unlit", "KHR_texture_basisu", "KHR_animation_pointer", "KHR_techniques_webgl"]);
     assert_eq!(notes(&doc.scene()).iter().filter(|n| n.contains("is ignored")).count(), 3);
     doc.json["extensionsRequired"] = json!(["KHR_mesh_quantization", "KHR_gaussian_splatting"]);
     assert!(doc.error().contains("requires the extension KHR_gaussian_splatting"));

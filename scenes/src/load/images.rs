@@ -158,11 +158,7 @@ impl Images<'_> {
 }
 
 /// Decodes an image of so many 8-bit channels into its texels.
-fn read_packed<E>(
-    out: &mut Texels,
-    channels: usize,
-    read: impl FnOnce(&mut [u8]) -> Result<(), E>,
-) -> Result<(), E> {
+fn read_packed<E>(out: &mut Texels, channels: usize, read: impl FnOnce(&mut [u8]) -> Result<(), E>) -> Result<(), E> {
     out.texels.resize(out.width as usize * out.height as usize, [0; 4]);
     let all = out.texels.as_flattened_mut();
     let packed = all.len() / 4 * (4 - channels);
