@@ -192,8 +192,7 @@ impl Renderer {
         let csv = self.run.take(py, |run| {
             let counted = self.counted(run)?;
             let renderer = &run.renderer;
-            let context =
-                self.machine.run_context(self.run_id.clone(), &self.scene, &self.options, renderer.plan());
+            let context = self.machine.run_context(self.run_id.clone(), &self.scene, &self.options, renderer.plan());
             let context = RunContext { host_run_ns: renderer.host_ns(), ..context };
             let csv = Recorded::of(&context, renderer, &counted).csv();
             csv.map_err(|e| DeviceError::new_err(format!("cannot write as CSV: {e}")))

@@ -39,7 +39,8 @@ fn as_glb(bytes: &[u8]) -> Option<Vec<u8>> {
 /// edges often touch. Mutations of text seldom keep so many corners.
 fn as_polygon(bytes: &[u8]) -> Option<Vec<u8>> {
     let corners = bytes.strip_prefix(b"P")?.chunks_exact(3);
-    let mut obj: String = corners.clone().map(|corner| format!("v {} {} {}\n", corner[0], corner[1], corner[2] / 64)).collect();
+    let mut obj: String =
+        corners.clone().map(|corner| format!("v {} {} {}\n", corner[0], corner[1], corner[2] / 64)).collect();
     obj += "f";
     (1..=corners.len()).for_each(|corner| obj += &format!(" {corner}"));
     Some(obj.into_bytes())
@@ -90,7 +91,10 @@ fuzz_target!(|bytes: &[u8]| {
     }
     for light in &scene.lights {
         if let Light::Spot { inner_cone, outer_cone, .. } = *light {
-            assert!(0.0 <= inner_cone && inner_cone < outer_cone && outer_cone <= std::f32::consts::FRAC_PI_2, "{light:?}");
+            assert!(
+                0.0 <= inner_cone && inner_cone < outer_cone && outer_cone <= std::f32::consts::FRAC_PI_2,
+                "{light:?}"
+            );
         }
     }
     for note in &scene.notes {
