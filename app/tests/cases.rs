@@ -167,3 +167,10 @@ fn rays_from_hits_do_not_depend_on_where_the_scene_lies() {
     assert!(hits[0].iter().zip(&hits[1]).all(|(near, far)| (near - far).abs() <= 2), "{hits:?}");
     assert!(hits[1][1] >= 78 && hits[1][2] >= 490, "{hits:?}");
 }
+
+#[test]
+fn nothing_has_an_area_of_zero() {
+    let empty = crate::common::scene("empty.gltf").display().to_string();
+    let info: Value = serde_json::from_str(&Place::new().ok(&["info", &empty, "--json"]).stdout).expect("JSON");
+    assert_eq!(info["area"].as_f64().map(f64::to_bits), Some(0));
+}

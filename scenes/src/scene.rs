@@ -239,7 +239,8 @@ impl Scene {
             let [a, b, c] = corners.map(|corner| Vec3::from(corner).as_dvec3());
             (b - a).cross(c - a).length()
         });
-        twice.sum::<f64>() / 2.0
+        // A sum of nothing would be -0.
+        twice.fold(0.0, |sum, area| sum + area) / 2.0
     }
 
     /// The box of all vertices in the file's coordinates, smallest and largest; `None` without triangles.

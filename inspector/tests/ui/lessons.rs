@@ -223,6 +223,13 @@ fn what_is_not_on_the_screen_is_found() {
         ("The kernel `intersect`.", "only ray\nrow \"outside\"", None),
         ("Text.", "row \"swims\"", Some("test.md:9: not set up: the ray's history has no 1. row with \"swims\"")),
         ("Text.", "pass 99999", Some("test.md:9: not set up: the run has ")),
+        // A ray that is looked for has the row that the step goes to, not only the values.
+        ("Text.", "only ray\nfind tie.count > 0\nrow \"outside\"\nexpect text \"outside\"", None),
+        (
+            "Text.",
+            "find tie.count > 0\nrow \"swims\"",
+            Some("test.md:9: not set up: no ray of this run on this device is like that"),
+        ),
         (
             "Text.",
             "only ray\npass 0\nexpect row.kernel = \"shade\"",
