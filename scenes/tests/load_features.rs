@@ -306,7 +306,7 @@ fn notes_say_what_is_left_out_or_assumed() {
     // Without these, every shape is in its place.
     doc.json["extensionsRequired"] =
         json!(["KHR_materials_unlit", "KHR_texture_basisu", "KHR_animation_pointer", "KHR_techniques_webgl"]);
-    assert_eq!(notes(&doc.scene()).iter().filter(|n| n.contains("is ignored")).count(), 3);
+    assert_eq!(notes(&doc.scene()).iter().filter(|n| n.contains("is ignored")).count(), 4);
     doc.json["extensionsRequired"] = json!(["KHR_mesh_quantization", "KHR_gaussian_splatting"]);
     assert!(doc.error().contains("requires the extension KHR_gaussian_splatting"));
 }
