@@ -69,7 +69,7 @@ pub fn traced_camera(camera: &SceneCamera, units: Units, width: u32, height: u32
 /// component is in [1, 2), and the ends of its interval with it, at most [`INF`]. Also returns the exponent k of the scene's
 /// t: `t_scene = t_traced * 2^k`.
 ///
-/// The interval counts for t as f32 [reports it](as_f32): nothing is reported beyond a t_min of `f32::MAX`, nor at a t_max
+/// The interval counts for t as f32 reports it: nothing is reported beyond a t_min of `f32::MAX`, nor at a t_max
 /// below the normal numbers, to which smaller t may be rounded up.
 #[must_use]
 pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
