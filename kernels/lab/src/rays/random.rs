@@ -32,6 +32,11 @@ impl Random {
         if count == 0 { 0 } else { self.0.u64(..count as u64) as usize }
     }
 
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0.u64(..)
+    }
+
     /// Puts values into a random order.
     pub fn shuffle<T>(&mut self, values: &mut [T]) {
         // Fisher and Yates, by our own draws: these are the same on 32-bit machines.

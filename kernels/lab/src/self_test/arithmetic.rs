@@ -58,8 +58,7 @@ fn operations(bench: &mut Bench) -> Found {
 fn inputs_of(operation: &Operation, seed: u32) -> impl Iterator<Item = Inputs> {
     let random = move |i| {
         let mut random = Random::of(i, seed);
-        let mut half = || random.below(1 << 32) as u64;
-        [(); 4].map(|()| half() << 32 | half())
+        [(); 4].map(|()| random.bits())
     };
     (0..VALUES).map(random).map(operation.inputs)
 }

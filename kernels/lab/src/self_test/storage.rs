@@ -67,7 +67,7 @@ fn patterns() -> Vec<u32> {
         0xffa5_5aa5,
     ];
     let other = |i| {
-        let bits = Random::of(i, 77).below(1 << 32) as u32;
+        let bits = Random::of(i, 77).bits() as u32;
         // One in four is subnormal, one in four not finite.
         match i % 4 {
             0 => bits & 0x807f_ffff,
