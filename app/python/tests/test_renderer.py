@@ -147,7 +147,7 @@ class Run(unittest.TestCase):
         counted = rows(run.timings())
         self.assertEqual({row["sample"] for row in counted}, {0, 1, 2})
         last = [row for row in counted if row["sample"] == 2]
-        stream = np.asarray(run.stream("counters"))
+        stream = np.asarray(run.streams["counters"])
         self.assertEqual(sum(row["cells_visited"] for row in last), int(stream[..., 0].sum()))
         self.assertEqual(sum(row["triangles_tested"] for row in last), int(stream[..., 1].sum()))
         before = rows(run.step_to(5).timings())
