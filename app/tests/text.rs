@@ -147,9 +147,9 @@ fn last_number(text: &str) -> u64 {
 }
 
 #[test]
-fn the_readme_says_how_many_rays_check_counts_as_lost() {
-    let readme = std::fs::read_to_string(scene("../README.md")).expect("the README");
-    let said = |before: &str| last_number(readme.split_once(before).unwrap_or_else(|| panic!("no {before:?}")).0);
+fn the_docs_say_how_many_rays_check_counts_as_lost() {
+    let docs = std::fs::read_to_string(scene("../docs/numerics.md")).expect("the docs");
+    let said = |before: &str| last_number(docs.split_once(before).unwrap_or_else(|| panic!("no {before:?}")).0);
     let place = Place::new();
     let missed = |how: &[&str]| {
         let render = ["render", &cornell_box(), "-o", "a.png", "--numerics", "paper", "--check", "--device", "cpu"];
