@@ -14,7 +14,7 @@ shot() {
 
 box="scenes/cornell-box.gltf --size 256x256 --pixel 96,180"
 shot first scenes/cornell-box.gltf --window 1280x760
-shot ../walk scenes/cornell-box.gltf --pixel 360,180 --window 1080x400 --scale 1.5 --do "Simple layout" \
+shot ../walk scenes/cornell-box.gltf --grid 5 --pixel 360,180 --window 1080x400 --scale 1.5 --do "Simple layout" \
     --do "Toolbar words" --do "Unfolded walk" --do "Maximise panel" --do "Toggle light/dark theme"
 shot full $box --pass 35 --window 1600x1000 --do "Full layout"
 shot walk $box --pass 35 --window 1600x900 --do "Full layout" --do "Unfolded walk" --do "Kernel"
