@@ -1,4 +1,5 @@
-//! Measures how fast raystep traces, and generates `docs/performance.md` from the results.
+//! Measures how fast raystep traces, and generates tables of `docs/performance.md` and `docs/performance-notes.md` from
+//! the results.
 //!
 //! ```text
 //! performance measure --adapter gpu|software|cpu -o DIR [--mesh NAME=FILE[:EYE:LOOK_AT:FOV]]… [--only SECTION,…] [--quick]
@@ -7,7 +8,7 @@
 //!
 //! `measure` writes `machine.json` and one CSV per section: see [`sections`]. Points are X,Y,Z; the vertical field of
 //! view is in degrees. It reads no files except the meshes, so that the binary can be copied to another machine.
-//! `page` reads such folders and rewrites the marked parts of `docs/performance.md` and the plots beside the tables.
+//! `page` reads such folders and rewrites the marked parts of those pages and the plots beside the tables.
 
 mod args;
 mod csvs;

@@ -1,4 +1,5 @@
-//! `docs/performance.md`: keeps its prose, and regenerates everything between `<!-- NAME -->` and `<!-- /NAME -->`.
+//! `docs/performance.md` and `docs/performance-notes.md`: keeps their prose, and regenerates everything between
+//! `<!-- NAME -->` and `<!-- /NAME -->`.
 
 mod answer;
 mod meshes;
@@ -61,12 +62,18 @@ impl Measured {
     }
 }
 
-/// Reads folders, writes plots and page.
+/// The pages with blocks.
+const PAGES: [&str; 2] = ["performance.md", "performance-notes.md"];
+
+/// Reads folders, writes plots and pages.
 pub(crate) fn write(folders: &[PathBuf]) -> Result<(), String> {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let machines = folders.iter().map(|f| Measured::read(f)).collect::<Result<Vec<_>, _>>()?;
-    let path = docs.join("performance.md");
-    let mut page = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let mut pages = Vec::new();
+    for path in PAGES.map(|name| docs.join(name)) {
+        let page = std::fs::read_to_string(&path).map_err(|e| at(&path, &e))?;
+        pages.push((path, page));
+    }
     for machine in &machines {
         let folder = docs.join("performance").join(&machine.name);
         std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
@@ -95,16 +102,29 @@ pub(crate) fn write(folders: &[PathBuf]) -> Result<(), String> {
                 made += &format!("{heading}{}\n\n", text.trim_end());
             }
         }
-        page = replaced(&page, name, made.trim_end())?;
+        replace(&mut pages, name, made.trim_end())?;
     }
-    page = replaced(&page, "work", meshes::work(&machines).trim_end())?;
-    std::fs::write(&path, page).map_err(|e| format!("{}: {e}", path.display()))
+    replace(&mut pages, "work", meshes::work(&machines).trim_end())?;
+    pages.into_iter().try_for_each(|(path, page)| std::fs::write(&path, page).map_err(|e| at(&path, &e)))
+}
+
+fn at(path: &Path, error: &std::io::Error) -> String {
+    format!("{}: {error}", path.display())
+}
+
+/// Replaces the text between two markers, in the page that has them.
+fn replace(pages: &mut [(PathBuf, String)], name: &str, text: &str) -> Result<(), String> {
+    let begin = format!("<!-- {name} -->");
+    let page = pages.iter_mut().map(|(_, page)| page).find(|page| page.contains(&begin));
+    let page = page.ok_or_else(|| format!("no page has {begin}"))?;
+    *page = replaced(page, name, text)?;
+    Ok(())
 }
 
 /// The page with another text between two markers.
 fn replaced(page: &str, name: &str, text: &str) -> Result<String, String> {
     let (begin, end) = (format!("<!-- {name} -->"), format!("<!-- /{name} -->"));
-    let missing = || format!("docs/performance.md has no {begin} with a {end} after it");
+    let missing = || format!("no page has {begin} with a {end} after it");
     let (before, rest) = page.split_once(&begin).ok_or_else(missing)?;
     let (_, after) = rest.split_once(&end).ok_or_else(missing)?;
     Ok(format!("{before}{begin}\n{text}\n{end}{after}"))
