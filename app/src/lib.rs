@@ -31,9 +31,9 @@ use raystep_scenes::Scene;
 use cli::{Command, Request};
 use error::Error;
 
-/// Runs the program to its end, with the command line's arguments, the program's name first. For the main thread of a
-/// process that has no other yet: it installs handlers of signals, and may set variables of the environment. Returns the
-/// exit code.
+/// Runs the program to its end, with the arguments of a command line, beginning with the program's name, and returns the
+/// exit code. Call it from the main thread, before there is another one: it installs signal handlers, and may set
+/// environment variables.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     #[cfg(target_os = "linux")]
     silence_mesa();

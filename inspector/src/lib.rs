@@ -1,7 +1,7 @@
 //! The inspector: a run that can be stepped forwards and backwards, with every stream and the history of every ray.
 //!
-//! [`session`] does not depend on a user interface and never blocks, so that a desktop window, a browser and a test can
-//! use it alike; [`draw`] renders it with wgpu; [`ui`] is the contents of the window.
+//! [`session`] does not depend on a user interface and never blocks, so a desktop window, a browser and a test can all
+//! use it. [`draw`] renders it with wgpu. [`ui`] is the contents of the window.
 
 pub mod branches;
 pub mod dataflow;

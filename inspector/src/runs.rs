@@ -1,7 +1,7 @@
-//! Runs that are kept side by side: what they came to, how they differ, and how long each of them takes.
+//! Runs that are kept side by side: their results, how they differ, and how long each of them takes.
 //!
-//! A kept run is plain data: its recipe, from which it can be run again, and what it came to. Results are compared and
-//! runs are measured by jobs of an engine.
+//! A kept run is plain data: its recipe, from which it can be run again, and its results. Jobs of an engine compare
+//! results and measure runs.
 
 pub mod differ;
 mod hash;

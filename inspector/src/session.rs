@@ -1,8 +1,8 @@
 //! A run that can be stepped forwards and backwards, the selected ray, and edits by hand.
 //!
 //! Kernels are deterministic per ray, so an earlier pass is reached by running the same passes again, from the start
-//! or from a checkpoint where that alone would take too long. What is shown after going back is bit for bit what was
-//! there.
+//! or from a checkpoint if that would take too long. What is shown after going back is bit for bit what was shown
+//! before.
 
 pub mod before;
 mod confirm;

@@ -1,10 +1,11 @@
-//! What happens to a ray: small kernels over per-ray streams, on any wgpu adapter or on the CPU.
+//! Traces rays by small kernels over per-ray streams, on any wgpu adapter or on the CPU, and keeps every pass and every
+//! value open to inspection.
 //!
 //! The tracer is the stream program of Mølhave's *Implementing a Ray Tracer on a GPU*: `generate` makes
-//! eye rays, `setup` finds each ray's first cell in a uniform grid, `traverse_grid` moves it to the next,
-//! `intersect` tests it against one triangle, `shade` colours it. What a ray waits for is in its
-//! [`state`](tables::state); what kernels read and write is in its [`stream`](tables::stream)s. Every kernel is a WGSL
-//! file with its CPU reference kernel, its *twin*, in Rust beside it, and every list of them is one table.
+//! eye rays, `setup` finds each ray's first cell in a uniform grid, `traverse_grid` moves it to the next cell,
+//! `intersect` tests it against one triangle, and `shade` colours it. A ray's [`state`](tables::state) says which kernel
+//! it waits for; kernels read and write [`stream`](tables::stream)s. Every kernel is a WGSL file with its CPU reference
+//! kernel, its *twin*, in Rust beside it. One table lists all kernels, one all streams, and one all states.
 //!
 //! # A run, pass by pass
 //!
@@ -36,7 +37,7 @@
 //!
 //! | feature | adds | without it |
 //! |---|---|---|
-//! | `gpu` | [`Device::Gpu`], [`executor::gpu`] and wgpu | rays are traced by the twins; plans still compose and reflect the WGSL, which takes naga |
+//! | `gpu` | [`Device::Gpu`], [`executor::gpu`] and wgpu | the twins trace rays; plans still compose and reflect the WGSL, which needs naga |
 //! | `poll-thread` | a thread that polls the GPU, so that futures complete under any executor; turns on `gpu` | the host polls |
 //! | `parallel` | twins and builds of grids and trees on all cores, by rayon | one thread |
 //! | `serde` | `Serialize` for options, summaries and histories; [`export::csv`], [`export::json`], [`export::plan`], [`export::trace_events`] | exports are EXR, npy and text; serde remains a dependency of `raystep-scenes`, which reads glTF |

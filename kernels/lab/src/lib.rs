@@ -1,11 +1,11 @@
 //! Measures and checks kernels: correct hits in f64 and the limits of f32, agreement of executors pass by pass, kinds
-//! of rays, extreme cases, statistics, benchmarks and reports. The command line, the inspector, the performance page
+//! of rays, extreme cases, statistics, benchmarks and reports. The command line, the inspector, the pages on performance
 //! and the tests share these functions.
 //!
 //! | module | contents |
 //! |---|---|
 //! | [`mod@reference`] | f64 brute force with exact predicates, and the error bound of f32 |
-//! | [`judge`] | comparing a run's hits with that: all rays, a sample, or after each pass |
+//! | [`judge`] | a run's hits compared with that: all rays, a sample, or after each pass |
 //! | [`rounding`] | what rounding may change in one pass |
 //! | [`parity`], [`divergence`], [`lockstep`] | device against CPU reference kernels, pass by pass |
 //! | [`compare`], [`layer_stats`] | a stream of two runs compared; statistics of one stream |

@@ -1,9 +1,9 @@
 //! Whether raystep works on a GPU: every kernel against its CPU reference, and what the kernels rely on, in a minute.
 //!
-//! [`checks`] is what is known at the end, one row of the table each; [`steps`] is what is done for it, in order: the
-//! most telling first. A step may serve several checks (a run of a program compares many kernels), and a check may need
-//! several steps. [`Step::run`] never fails: what goes wrong in a step is a [`Finding`]. [`Results`] makes the table of
-//! all findings, in which what was not run is said.
+//! [`checks`] are the rows of the resulting table; [`steps`] are what is run for them, the most important first. A step
+//! may serve several checks (a run of a program compares many kernels), and a check may need several steps.
+//! [`Step::run`] never fails: an error in a step is a [`Finding`]. [`Results`] makes the table of all findings, which
+//! also says what was not run.
 //!
 //! | module | contents |
 //! |---|---|

@@ -1,12 +1,12 @@
-//! Stiffness as curves: what a structure and its rules cost when a scene gets harder in one way.
+//! Stiff scenes as curves: what a structure and its rules cost while a scene gets harder in one way.
 //!
 //! [`FAMILIES`] is the table of families; each has 8 to 12 scenes that differ in one parameter. At each, every structure
 //! traces the same random rays by all robust rules and without one of them: time, cells and tests per ray, building,
-//! memory, and hits compared with f64 brute force. How many rays are traced follows from counts of a few of them, so that
-//! a run takes about as long for every structure, and a second measurement finds the same errors.
+//! memory, and hits compared with f64 brute force. Counts of a few rays determine how many are traced, so that a run takes
+//! about as long for every structure, and a second measurement finds the same errors.
 //!
-//! Families have a time limit each; after it, their other scenes are measured by one run of a few rays. Finished rows are
-//! handed out as they come, and [`Kept`] continues from them.
+//! Each family has a time limit; after it, its other scenes are measured by one run of a few rays. Rows are handed out as
+//! soon as they are finished, and [`Kept`] continues from them.
 //!
 //! | module | contents |
 //! |---|---|

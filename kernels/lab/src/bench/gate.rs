@@ -1,8 +1,8 @@
-//! A gate: whether this build is at most so many times as slow as another, row by row, and traces the same hits with the
-//! same work.
+//! A gate: checks, row by row, that this build takes at most a given factor longer than another one, and traces the same
+//! hits with the same work.
 //!
 //! Two builds in one run are compared run by run ([`paired`]). An earlier benchmark was measured at another time, so
-//! that its times can be judged only where the limit is beyond the drift of the machine ([`drift`]).
+//! times are judged only if the limit exceeds the drift of the machine ([`drift`]).
 
 pub mod drift;
 mod markdown;

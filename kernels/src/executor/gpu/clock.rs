@@ -1,11 +1,11 @@
 //! Checks whether a device's timestamps are valid times.
 //!
-//! Those of some drivers are not: they tell when a command was recorded or started, not when it was done. So the device
-//! runs arithmetic that takes long enough to be measured on the host's clock too, and the two results are compared.
+//! Those of some drivers are not: they show when a command was recorded or started, not when it was finished. So the
+//! device runs arithmetic that takes long enough to be measured on the host's clock too, and the two results are compared.
 //!
 //! The host's time begins right before the submission and ends once its results are known, so it covers all of the
-//! work. A correct device time is therefore no longer, except for the drift between the two clocks. It is shorter by
-//! what it takes to submit, to notice the end and to do other work on the machine; relative to a dispatch of
+//! work. A correct device time is therefore not longer, except for the drift between the two clocks. It is shorter by
+//! the time to submit, to notice the end and to do other work on the machine; relative to a dispatch of
 //! [`LONG_ENOUGH_NS`] that is little, and still less in the best of several tries. If more than half is missing,
 //! the device's clock does not measure this work.
 //!
