@@ -11,6 +11,7 @@ mod counting;
 mod degenerate;
 mod device;
 mod divergence;
+mod docs;
 mod floors;
 mod intervals;
 mod library;
