@@ -145,7 +145,7 @@ pub enum LoadError {
     #[error("the file is {0}; raystep reads glTF 2.0, GLB, OBJ, PLY and STL")]
     OtherFormat(&'static str),
     /// The file is of no known kind. Only the name of an OBJ file shows what it is.
-    #[error("the file is neither glTF, GLB, PLY nor STL, and its name does not end in .obj")]
+    #[error("not a scene: raystep reads glTF, GLB, PLY and STL by what they contain, and OBJ if its name ends in .obj")]
     UnknownFormat,
     /// A line of text does not have the form that its first word requires.
     #[error("line {line}: {problem}")]

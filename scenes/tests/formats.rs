@@ -30,7 +30,8 @@ fn an_obj_is_known_by_the_ending_of_its_name() {
     for name in ["a", "obj", "a.objx", "a.gltf", "a.glb", "a.mtl"] {
         assert_eq!(read(name, OBJ.as_bytes()), Err(LoadError::UnknownFormat), "{name}");
     }
-    let wanted = "the file is neither glTF, GLB, PLY nor STL, and its name does not end in .obj";
+    let wanted =
+        "not a scene: raystep reads glTF, GLB, PLY and STL by what they contain, and OBJ if its name ends in .obj";
     assert_eq!(error("a.txt", OBJ.as_bytes()), wanted);
 }
 

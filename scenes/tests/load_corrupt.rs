@@ -141,7 +141,7 @@ fn text_that_is_no_gltf() {
         (b"  \n", "empty"),
         (b"\xff\xfe{}", "UTF-16"),
         (b"{\"asset\":{\"version\":\"\xc3\x28\"}}", "UTF-8"),
-        (b"cube", "neither glTF, GLB, PLY nor STL"),
+        (b"cube", "not a scene: raystep reads glTF"),
         (b"{}", "asset"),
         (b"{\"asset\":{\"version\":\"2.0\"}} x", "trailing"),
         (b"{\"asset\":{\"version\":\"2.0\"},\"meshes\": }", "meshes: expected value"),

@@ -32,11 +32,15 @@ impl Trace {
         let _ = match self.passes {
             Some(passes) => {
                 let waited = passes.saturating_sub(self.rows.len());
-                writeln!(out, "\n{passes} passes, in {waited} of them this ray waited")
+                writeln!(
+                    out,
+                    "\n{passes} passes. Missing pass numbers are the {waited} passes in which this ray waited."
+                )
             }
             None => writeln!(
                 out,
-                "\nonly this ray was traced: how many passes all rays take, and which of them is the last, is not known"
+                "\nOnly this ray was traced (use --all-rays for the total number of passes). Missing pass numbers are passes in \
+                 which this ray waited."
             ),
         };
         let (unit, t) = (self.scene_units_per_stream_unit, self.t_scale);

@@ -166,12 +166,13 @@ named!(Traversal, "amanatides-woo, 3d-dda", AmanatidesWoo "amanatides-woo", Dda3
 impl Accelerator {
     /// The accelerators that [`Auto`](Self::Auto) chooses from for a number of triangles. Of two, it takes the grid if
     /// most of its cells have triangles and none has very many ([`MOST_LISTED`]), else the BVH: `docs/performance.md`
-    /// measures that evenly filled scenes are traced faster through a grid, surfaces through a BVH.
+    /// measures that a GPU traces evenly filled scenes faster through a grid, surfaces through a BVH. CPUs, and adapters
+    /// in software, trace all scenes faster through a BVH.
     #[must_use]
-    pub fn candidates(&self, triangles: usize) -> &[Self] {
+    pub fn candidates(&self, triangles: usize, is_gpu: bool) -> &[Self] {
         match self {
             Self::Auto if triangles <= MOST_WITHOUT => &[Self::None],
-            Self::Auto if triangles < LEAST_FOR_GRID => &[Self::Bvh],
+            Self::Auto if triangles < LEAST_FOR_GRID || !is_gpu => &[Self::Bvh],
             Self::Auto => &[Self::Grid, Self::Bvh],
             chosen => std::slice::from_ref(chosen),
         }

@@ -138,5 +138,7 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     for (item, _, what, reason) in code.into_iter().filter(|&(item, has_place, ..)| has_place && !f.has(item)) {
         all.push(LeftOut { what: what.into(), because: Because::Scene, reason, item: Some(item) });
     }
+    // What this scene does without is what a reader wants to know.
+    all.sort_by_key(|item| item.because != Because::Scene);
     all
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Plan;
+use super::omitted::Omitted;
 use super::structure::Structure;
 use crate::fragment::depth_of;
 use crate::numbers::bytes::Bytes;
@@ -137,10 +138,6 @@ impl Plan {
             writeln!(f, "  {:<19} {:>10}  {}", b.what, Bytes(b.bytes).to_string(), element(self.program, b.what))?;
         }
         writeln!(f, "  {:<19} {:>10}", "total", Bytes(self.bytes()).to_string())?;
-        writeln!(f, "\nomitted")?;
-        for item in &self.left_out {
-            writeln!(f, "  {:<34} by {:<8} {}", item.what, item.because.name(), item.reason)?;
-        }
-        Ok(())
+        write!(f, "{}", Omitted(&self.left_out))
     }
 }

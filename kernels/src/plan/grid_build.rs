@@ -133,6 +133,7 @@ pub(crate) fn of(
         rays: triangles,
         triangles,
         accelerator: if is_uniform { Accelerator::Grid } else { Accelerator::Irregular },
+        is_gpu: limits.is_gpu,
         features,
         pass_bound: schedule.steps.len() as u64,
         schedule,

@@ -35,6 +35,8 @@ pub struct Limits {
     /// Most loop iterations of one thread in one dispatch, all of its loops together; the rest continues in the next
     /// dispatch.
     pub turns: u32,
+    /// Whether it is a GPU in hardware, for which [`Accelerator::Auto`](crate::Accelerator::Auto) also considers a grid.
+    pub is_gpu: bool,
 }
 
 /// Loop iterations of a thread in one dispatch if the adapter sets no limit: a million triangle tests, about 200 ms, so
@@ -43,6 +45,12 @@ pub(crate) const TURNS_WITHOUT_LIMIT: u32 = 1 << 22;
 
 impl Limits {
     /// The limits of the twins: memory is the only one, but images are kept to 2²⁶ pixels, about 6 GB of streams.
-    pub const CPU: Self =
-        Self { image_side: 32_768, storage_bytes: 1 << 32, rays: 1 << 26, color_bytes: 0, turns: u32::MAX };
+    pub const CPU: Self = Self {
+        image_side: 32_768,
+        storage_bytes: 1 << 32,
+        rays: 1 << 26,
+        color_bytes: 0,
+        turns: u32::MAX,
+        is_gpu: false,
+    };
 }

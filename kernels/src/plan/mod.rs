@@ -10,6 +10,7 @@ pub(crate) mod display;
 pub mod drawn;
 pub(crate) mod grid_build;
 pub(crate) mod limits;
+mod omitted;
 mod resolve;
 pub mod structure;
 mod turns;
@@ -102,6 +103,8 @@ pub struct Plan {
     pub triangles: u64,
     /// The acceleration structure; never [`Accelerator::Auto`].
     pub accelerator: Accelerator,
+    /// Whether it is for a GPU in hardware.
+    pub is_gpu: bool,
     /// Options of the kernels.
     pub features: Features,
     /// Order of kernels.
@@ -330,6 +333,7 @@ impl Plan {
             rays,
             triangles,
             accelerator,
+            is_gpu: limits.is_gpu,
             features,
             schedule,
             variants,

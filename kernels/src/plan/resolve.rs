@@ -97,7 +97,7 @@ pub(super) fn resolve(
     mut built: Option<Built>,
 ) -> Result<Resolved, PlanError> {
     let mut corners = None;
-    let mut candidates = options.accelerator.candidates(scene.triangles.len()).iter();
+    let mut candidates = options.accelerator.candidates(scene.triangles.len(), limits.is_gpu).iter();
     loop {
         let accelerator = candidates.next().copied().unwrap_or_default();
         let is_last = candidates.as_slice().is_empty();

@@ -114,9 +114,9 @@ impl Structure {
             (Accelerator::Auto, Accelerator::None) => {
                 format!("{MOST_WITHOUT} triangles or fewer are tested faster than they are looked up")
             }
-            (Accelerator::Auto, Accelerator::Grid) => "triangles in most cells, many in none".into(),
-            (Accelerator::Auto, _) if plan.triangles >= LEAST_FOR_GRID as u64 => {
-                "most cells of a grid are empty, or a few are crowded".into()
+            (Accelerator::Auto, Accelerator::Grid) => "most cells hold triangles, and no cell holds many".into(),
+            (Accelerator::Auto, _) if plan.is_gpu && plan.triangles >= LEAST_FOR_GRID as u64 => {
+                "most cells of a grid are empty, or a few hold many triangles".into()
             }
             (Accelerator::Auto, _) => format!("more than {MOST_WITHOUT} triangles"),
             _ => format!("--accelerator {asked}"),
@@ -292,9 +292,13 @@ mod tests {
     use crate::plan::Limits;
 
     fn of(scene: &Scene, asked: Accelerator, schedule: ScheduleKind) -> Structure {
+        on(&Limits::CPU, scene, asked, schedule)
+    }
+
+    fn on(limits: &Limits, scene: &Scene, asked: Accelerator, schedule: ScheduleKind) -> Structure {
         let rays = RaySource::Given(Vec::new());
         let options = Options { accelerator: asked, schedule, shade: false, ..Options::new(rays) };
-        let (plan, data) = Plan::new(scene, &options, &Limits::CPU).expect("a small scene");
+        let (plan, data) = Plan::new(scene, &options, limits).expect("a small scene");
         Structure::of(asked, &plan, &data)
     }
 
@@ -338,18 +342,18 @@ mod tests {
         let few = of(&few, Accelerator::Auto, ScheduleKind::Compact);
         assert_eq!((few.accelerator, few.bvh, few.grid), ("none", None, None));
         assert!(few.to_string().starts_with("none      every ray tests every triangle (auto: 6 "), "{few}");
-        let cloud = generate::soup(2000, 1).expect("a scene");
-        let even = of(&cloud, Accelerator::Auto, ScheduleKind::Compact);
-        assert_eq!(
-            (even.accelerator, even.accelerator_because.as_str()),
-            ("grid", "triangles in most cells, many in none")
-        );
-        let surface = generate::terrain(2000, 1).expect("a scene");
-        let uneven = of(&surface, Accelerator::Auto, ScheduleKind::Compact);
-        assert_eq!(
-            (uneven.accelerator, uneven.accelerator_because.as_str()),
-            ("bvh", "most cells of a grid are empty, or a few are crowded")
-        );
+        let [cloud, surface] =
+            [generate::soup(2000, 1), generate::terrain(2000, 1)].map(|scene| scene.expect("a scene"));
+        let gpu = Limits { is_gpu: true, ..Limits::CPU };
+        for (scene, limits, accelerator, because) in [
+            (&cloud, &gpu, "grid", "most cells hold triangles, and no cell holds many"),
+            (&surface, &gpu, "bvh", "most cells of a grid are empty, or a few hold many triangles"),
+            (&cloud, &Limits::CPU, "bvh", "more than 6 triangles"),
+            (&surface, &Limits::CPU, "bvh", "more than 6 triangles"),
+        ] {
+            let chosen = on(limits, scene, Accelerator::Auto, ScheduleKind::Compact);
+            assert_eq!((chosen.accelerator, chosen.accelerator_because.as_str()), (accelerator, because));
+        }
         let asked = of(&scene, Accelerator::Grid, ScheduleKind::Compact);
         assert_eq!(asked.accelerator_because, "--accelerator grid");
         assert!(asked.to_string().starts_with("grid      ") && !asked.to_string().contains("auto"), "{asked}");

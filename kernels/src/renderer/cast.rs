@@ -104,11 +104,11 @@ pub struct Caster {
 }
 
 impl Caster {
-    /// The options that are fastest for rays of any kind: the eight-wide BVH, in one kernel.
+    /// The options that are fastest for rays of any kind: the structure for the scene and the device, in one kernel.
     #[must_use]
     pub fn options() -> Options {
         let rays = RaySource::Given(Vec::new());
-        Options { accelerator: Accelerator::Bvh, schedule: ScheduleKind::Fused, ..Options::new(rays) }
+        Options { accelerator: Accelerator::Auto, schedule: ScheduleKind::Fused, ..Options::new(rays) }
     }
 
     /// Builds the structure. Of `options`, the mapping, rays, shading, samples, counters and timings do not matter; with

@@ -261,7 +261,7 @@ class Scene:
         `origins`, `directions`: shape (N, 3), in the file's coordinates; contiguous float32 arrays are read without copying.
         For a scene with an `offset`, origins should be float64. Directions need not be normalised, but must not be zero. `t_min`, `t_max`: one number or (N,), in multiples of the direction; a hit counts
         if it lies between them.
-        The structure is built at the first call and kept. Raises `OptionError` for arrays of wrong shapes or types, and
+        The structure that is fastest for the scene and the device is built at the first call and kept. Raises `OptionError` for arrays of wrong shapes or types, and
         for a ray that cannot be traced, such as one that is not finite; no ray is traced then. Other threads run
         meanwhile; casts of one scene take turns.
 

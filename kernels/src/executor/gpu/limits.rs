@@ -28,12 +28,13 @@ impl Limits {
             color_bytes: limits.max_color_attachment_bytes_per_sample,
             // Rows of workgroups in an indirect dispatch, times the rays of a row.
             rays: u64::from(groups.min(65_535)) * u64::from(LIST_GROUPS * LIST_SIDE * LIST_SIDE),
+            is_gpu: true,
         }
     }
 }
 
 impl From<&Gpu> for Limits {
     fn from(gpu: &Gpu) -> Self {
-        Self::of_adapter(&gpu.device.limits(), gpu.loops)
+        Self { is_gpu: !gpu.is_software(), ..Self::of_adapter(&gpu.device.limits(), gpu.loops) }
     }
 }
