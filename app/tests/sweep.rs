@@ -281,7 +281,7 @@ fn a_sweep_that_wrote_nothing_yet_begins_again_and_lets_others_see_its_lock() {
 
 #[test]
 fn a_benchmark_of_a_taken_machine_is_shared_and_not_ranked() {
-    let sweep = "what = \"bench\"\nscenes = [\"scenes/cornell-box.gltf\"]\nwait_s = 0\n[options]\nsizes = [\"8x8\", \"16x16\"]\n\
+    let sweep = "what = \"bench\"\nscenes = [\"scenes/cornell-box.gltf\"]\nwait_s = 0\n[options]\nsize = [\"8x8\", \"16x16\"]\n\
                  accelerators = [\"grid\", \"bvh\"]\nrepeats = 1\nwarmups = 0\ndevice = \"cpu\"\nreplay = true\nkeep-all = false\n";
     let place = place(sweep);
     fs::create_dir(place.path("tmp")).expect("a folder");

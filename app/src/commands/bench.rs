@@ -49,26 +49,26 @@ use crate::terminal::{Progress, print, say};
 ///
 /// With --at-most R, bench is a regression gate: it checks that this build takes at most R times as long as another,
 /// with the same hits, tests, cells and passes. --against BINARY runs both builds alternately, in several processes
-/// each. --baseline DIR compares with an earlier benchmark; as the machine may have become slower or faster since,
-/// times are judged only if R exceeds the drift measured. Exit code 0: not slower than R; 1: slower than R, or hits,
-/// counts, device or scene differ, or a row is missing; 3: too noisy to tell. The verdict on times holds with 95%
-/// confidence for all rows together. DIR/gate.json and DIR/gate.md have the result.
+/// each. --baseline DIR compares with an earlier benchmark, and judges times only if the machine has drifted by less
+/// than R. Exit code 0: this build takes at most R times as long; 1: it takes longer, or hits, counts, device or scene
+/// differ, or a row is missing; 3: too noisy to tell. The verdict on times holds with 95% confidence for all rows
+/// together. DIR/gate.json and DIR/gate.md have the result.
 ///
 /// With --shard I/N, only some of the scenes are measured, for N machines or jobs, and 'raystep merge' combines their
 /// tables. What is compared within a scene is never divided.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  raystep bench scenes/cornell-box.gltf -o bench
-  raystep bench scenes/teapot.glb --accelerators grid,bvh --schedules second,compact,fused -o bench
-  raystep bench scenes/teapot.glb --sizes 512x512,1920x1080 --rays primary,bounce,shadow -o bench
-  raystep bench scenes/teapot.glb scenes/terrain.glb --shard 1/2 -o bench-1
-  raystep bench scenes/teapot.glb --repeats 50 -o before
-  raystep bench scenes/teapot.glb --repeats 50 --baseline before -o after
-  raystep bench scenes/teapot.glb --repeats 50 --baseline before --at-most 1.5 -o after
-  raystep bench scenes/teapot.glb --against old/raystep --at-most 1.05 -o gate")]
+  raystep bench cornell-box -o bench
+  raystep bench teapot --accelerators grid,bvh --schedules second,compact,fused -o bench
+  raystep bench teapot --size 512x512,1920x1080 --rays primary,bounce,shadow -o bench
+  raystep bench teapot terrain --shard 1/2 -o bench-1
+  raystep bench teapot --repeats 50 -o before
+  raystep bench teapot --repeats 50 --baseline before -o after
+  raystep bench teapot --repeats 50 --baseline before --at-most 1.5 -o after
+  raystep bench teapot --against old/raystep --at-most 1.05 -o gate")]
 pub(crate) struct BenchArgs {
-    /// The scenes: files that end in .gltf, .glb, .obj, .ply or .stl; or names of installed scenes, such as cornell-box
+    /// The scenes: files that end in .gltf, .glb, .obj, .ply or .stl; or names, such as cornell-box
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Acceleration structures, see 'raystep render --help'
@@ -89,9 +89,10 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "T,U…", value_delimiter = ',', default_value = "amanatides-woo",
           value_parser = named(Traversal::ALL, Traversal::name), help_heading = "What is measured")]
     traversals: Vec<Traversal>,
-    /// Width and height in pixels
+    /// Width and height in pixels, of one image or of several
     #[arg(
-        long,
+        long = "size",
+        alias = "sizes",
         value_name = "WxH…",
         value_delimiter = ',',
         default_value = "512x512",
@@ -316,7 +317,8 @@ fn fill(args: &BenchArgs, folder: &TargetFolder, output: &Path) -> Result<Done, 
     output::write(folder, about.on(&meter.machine, &measured), &measured, true, gate.as_ref())?;
     progress.finish();
     progress.say(format_args!("wrote {} to {}", output::written(&gate, true).join(", "), output.display()));
-    let text = bench::text(&measured.rows);
+    let file = args.rays_file.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy());
+    let text = bench::text(&measured.rows, file.as_deref());
     let text = gate.as_ref().map_or(text.clone(), |gate| format!("{text}\n{}", gate::text(gate)));
     Ok(Done { text, gate })
 }

@@ -116,6 +116,9 @@ pub fn measure(
     bench.finish()
 }
 
+/// What rays of a file are called, of which the tables have the hash.
+const OF_FILE: &str = "rays of a file";
+
 /// Hands every group to `bench`.
 fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> Result<(), Error> {
     let machine = bench.machine();
@@ -125,7 +128,7 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
     let ways = ways(wanted, bench);
     for subject in subjects {
         if let Some(file) = &wanted.file {
-            let name = format!("{} rays {}", subject.scene.name, file.hash);
+            let name = format!("{} {OF_FILE}", subject.scene.name);
             let rays = RaySource::Given(in_tiles(&file.in_scene(&subject.scene)));
             let kind = format!("file {}", file.hash);
             bench.group(Group { name, subject, size: None, kind, ends_early: false }, rays, &ways)?;
@@ -177,9 +180,7 @@ fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<Way> {
             // Without a grid or BVH, `second` is the same as `first`.
             let is_first_again = accelerator == Accelerator::None && schedule == ScheduleKind::Second;
             if is_first_again && wanted.schedules.contains(&ScheduleKind::First) {
-                bench.skip(format!(
-                    "accelerator {accelerator} with schedule {schedule}: same passes as with schedule first"
-                ));
+                bench.note("none is measured once: first and second are the same without a grid");
                 continue;
             }
             // Others cannot be drawn.

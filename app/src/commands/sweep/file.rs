@@ -244,7 +244,7 @@ impl OptionsOf {
         let arguments: Vec<Arg> =
             cli.find_subcommand(command).into_iter().flat_map(|c| c.get_arguments().cloned()).collect();
         let arguments: Vec<&Arg> = arguments.iter().filter(|a| a.get_long().is_some() && !a.is_hide_set()).collect();
-        let Some(argument) = arguments.iter().find(|a| a.get_long() == Some(name)) else {
+        let Some(argument) = arguments.iter().find(|a| is_called(a, name)) else {
             let names: Vec<&str> =
                 arguments.iter().filter_map(|a| a.get_long()).filter(|n| !TAKEN.contains(n)).collect();
             let tip = did_you_mean(name, &names);
@@ -284,6 +284,11 @@ impl OptionsOf {
         };
         Ok(Setting { option: name.to_owned(), value, words })
     }
+}
+
+/// Whether this is the option's name, or another one that it also has.
+fn is_called(argument: &Arg, name: &str) -> bool {
+    argument.get_long() == Some(name) || argument.get_all_aliases().is_some_and(|names| names.contains(&name))
 }
 
 /// The text of a value on a command line; `None` if it has none.

@@ -8,6 +8,7 @@ use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::renderer::Pass;
 use serde::{Deserialize, Serialize};
 
+use super::OF_FILE;
 use super::runs::{self, RunRow};
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::median;
@@ -247,6 +248,7 @@ impl SummaryRow {
     #[must_use]
     pub fn name(&self) -> String {
         let Self { scene, rays_kind, accelerator, schedule, numerics, grid, skip, .. } = self;
+        let rays_kind = if rays_kind.starts_with("file ") { OF_FILE } else { rays_kind };
         let size = self.size().map(|size| format!(" {size}")).unwrap_or_default();
         let mut name = format!("{scene}{size} {rays_kind}, {accelerator} {schedule} {numerics}");
         if (grid.as_str(), skip.as_str()) != ("auto", "auto") {

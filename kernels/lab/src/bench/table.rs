@@ -1,6 +1,7 @@
 //! The results as text tables.
 
-use super::SummaryRow;
+use super::{OF_FILE, SummaryRow};
+use crate::human::thousands;
 use crate::text::aligned;
 
 /// The text columns; the last two if rows differ in them.
@@ -9,9 +10,9 @@ const NAMES: [&str; 4] = ["accelerator", "schedule", "mapping", "traversal"];
 /// The numeric columns.
 const COLUMNS: [&str; 6] = ["median ms", "low", "high", "Mray/s", "to fastest", "to baseline"];
 
-/// One table per group, all with the same column widths.
+/// One table per group, all with the same column widths. `rays_file` is the name of the file that rays are from, if they are.
 #[must_use]
-pub fn text(rows: &[SummaryRow]) -> String {
+pub fn text(rows: &[SummaryRow], rays_file: Option<&str>) -> String {
     let has_baseline = rows.iter().any(|row| row.baseline_ratio.is_some());
     let columns = &COLUMNS[..COLUMNS.len() - usize::from(!has_baseline)];
     let texts = |row: &SummaryRow| [&row.accelerator, &row.schedule, &row.mapping, &row.traversal].map(String::clone);
@@ -19,6 +20,7 @@ pub fn text(rows: &[SummaryRow]) -> String {
     let shown: Vec<usize> = (0..NAMES.len()).filter(|&name| differ(name)).collect();
     let names = shown.iter().map(|&name| NAMES[name]);
     let mut lines: Vec<Vec<String>> = vec![names.chain(columns.iter().copied()).map(str::to_owned).collect()];
+    let title = |row: &SummaryRow| title(row, rays_file);
     let groups = || rows.chunk_by(|a, b| title(a) == title(b));
     for row in rows {
         let of_row = texts(row);
@@ -37,10 +39,14 @@ pub fn text(rows: &[SummaryRow]) -> String {
 }
 
 /// What the rows of a group have in common.
-fn title(row: &SummaryRow) -> String {
-    let SummaryRow { scene, triangles, rays_kind, rays, .. } = row;
-    let size = row.size().map(|size| format!(", {size}")).unwrap_or_default();
-    format!("{scene} ({triangles} triangles){size}: {rays} {rays_kind} rays")
+fn title(row: &SummaryRow, rays_file: Option<&str>) -> String {
+    let SummaryRow { scene, rays_kind, .. } = row;
+    let [triangles, rays] = [row.triangles, row.rays].map(|number| thousands(number as f64));
+    match (row.size(), rays_file) {
+        (Some(size), _) => format!("{scene} ({triangles} triangles), {size}: {rays} {rays_kind} rays"),
+        (None, Some(file)) => format!("{scene} ({triangles} triangles): {rays} rays of {file}"),
+        (None, None) => format!("{scene} ({triangles} triangles): {rays} {OF_FILE}"),
+    }
 }
 
 /// The values of [`COLUMNS`].
@@ -96,6 +102,22 @@ mod tests {
     }
 
     #[test]
+    fn rays_of_a_file_have_its_name_and_no_size() {
+        let of_file = SummaryRow {
+            width_px: None,
+            height_px: None,
+            rays: 1_000_000,
+            triangles: 994,
+            ..row("fused", "file fnv1a64:0", None, None)
+        };
+        assert!(
+            text(std::slice::from_ref(&of_file), Some("a.npy"))
+                .starts_with("box (994 triangles): 1,000,000 rays of a.npy\n")
+        );
+        assert!(text(&[of_file], None).starts_with("box (994 triangles): 1,000,000 rays of a file\n"));
+    }
+
+    #[test]
     fn columns_are_aligned_and_what_cannot_be_distinguished_is_as_fast() {
         let rows = [
             row("first", "primary", Some(2.5e6), Some([2.5, 2.25, 3.0])),
@@ -114,13 +136,13 @@ box (26 triangles), 32x8: 256 bounce rays
   accelerator  schedule  median ms    low   high  Mray/s         to fastest
   grid         first             -      -      -       -                  -
 ";
-        assert_eq!(text(&rows), expected);
+        assert_eq!(text(&rows, None), expected);
         let few = SummaryRow {
             time_ratio_low: None,
             baseline_ratio: Some(1.25),
             ..row("first", "primary", Some(1.0), Some([1.5; 3]))
         };
-        assert!(text(&[few]).ends_with("        1.50         1.25\n"));
-        assert_eq!(text(&[]), "");
+        assert!(text(&[few], None).ends_with("        1.50         1.25\n"));
+        assert_eq!(text(&[], None), "");
     }
 }
