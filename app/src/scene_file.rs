@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use beside::Beside;
 use glam::DVec3;
-pub(crate) use named::{file_of, is_known, set_folder};
+pub(crate) use named::{file_of, is_known, names, set_folder};
 use raystep_kernels::plan::Bytes;
 use raystep_lab::Hash;
 use raystep_lab::text::visible;
@@ -45,7 +45,7 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
         _ => failed(&e),
     })?;
     // The scene's name appears in tables, pages and titles, so control characters are escaped.
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name_in_folder(path);
     let files = Beside::new(path, read.allow_outside).map_err(|e| failed(&e))?;
     let allows = "--allow-outside lets a scene read such files";
     let mut scene = load(&visible(&name), &bytes, &files, &options).map_err(|e| match e {
@@ -62,8 +62,19 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
             note.0 = format!("{}; {raises}", note.0);
         }
     }
+    if named::built_in_name(path).is_some() {
+        return Ok(SceneFile { scene, inputs: vec![path.clone()], files: vec![path.clone()] });
+    }
     let files = files.into_read(path);
     Ok(SceneFile { scene, inputs: canonical(&files), files })
+}
+
+/// The name of a scene's file without its folder; a built-in scene's is that of a GLB file.
+pub(crate) fn name_in_folder(path: &Path) -> String {
+    match named::built_in_name(path) {
+        Some(name) => format!("{name}.glb"),
+        None => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+    }
 }
 
 /// Reads a scene with the default limits.
@@ -82,6 +93,9 @@ pub(crate) fn beside(file: &Path, name: &str, read: ReadArgs) -> Result<PathBuf,
 /// Checks whether a file may be a scene, without reading it.
 pub(crate) fn expect_scene(path: &Path) -> Result<(), Error> {
     let path = &file_of(path)?;
+    if named::built_in_name(path).is_some() {
+        return Ok(());
+    }
     regular_file(path).map(drop).map_err(|e| Error::failed(format!("{}: {e}", path.display())))
 }
 
@@ -102,8 +116,12 @@ fn regular_file(path: &Path) -> Result<fs::Metadata, String> {
     Ok(found)
 }
 
-/// Reads a regular file of at most `max_bytes`. Devices and pipes are refused, as they may never end.
+/// Reads a regular file of at most `max_bytes`, or a built-in scene as such a file. Devices and pipes are refused, as they
+/// may never end.
 pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileError> {
+    if let Some(bytes) = named::built_in(path) {
+        return Ok(bytes?);
+    }
     let found = regular_file(path)?;
     if found.len() > max_bytes {
         return Err(FileError::TooLarge { bytes: found.len() });

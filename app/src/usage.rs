@@ -5,8 +5,13 @@ use std::error::Error as _;
 use std::ffi::OsString;
 use std::path::Path;
 
+use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use raystep_inspector::lesson::built_in;
 use raystep_scenes::ENDINGS;
+
+use crate::cli::Cli;
+use crate::scene_file;
 
 /// Most values that a message lists; beyond that, it lists the nearest names.
 const MOST_LISTED: usize = 12;
@@ -44,10 +49,13 @@ pub(crate) fn message(error: &clap::Error, arguments: &[OsString]) -> String {
             format!("unexpected argument {argument}{tip} (see --help)")
         }
         ErrorKind::InvalidSubcommand => {
-            let is_scene = arguments.get(1).is_some_and(|first| first == "scene");
-            // clap lists the nearest last.
-            let nearest = all(ContextKind::SuggestedSubcommand).pop();
-            no_such_command(&one(ContextKind::InvalidSubcommand), is_scene, nearest)
+            let word = one(ContextKind::InvalidSubcommand);
+            if arguments.get(1).is_some_and(|first| first == "scene") {
+                // clap lists the nearest last.
+                no_such_generator(&word, all(ContextKind::SuggestedSubcommand).pop())
+            } else {
+                no_such_command(&word)
+            }
         }
         ErrorKind::MissingRequiredArgument => missing(&all(ContextKind::InvalidArg), arguments),
         ErrorKind::ArgumentConflict => {
@@ -88,7 +96,7 @@ pub(crate) fn did_you_mean<T: AsRef<str>>(wrong: &str, names: &[T]) -> String {
 }
 
 /// The nearest names, at most three, the best first.
-fn nearest<'a, T: AsRef<str>>(wrong: &str, names: &'a [T]) -> Vec<&'a str> {
+pub(crate) fn nearest<'a, T: AsRef<str>>(wrong: &str, names: &'a [T]) -> Vec<&'a str> {
     let wrong = wrong.to_lowercase();
     let likeness = |name: &str| {
         let name = name.to_lowercase();
@@ -121,12 +129,13 @@ fn series<T: AsRef<str>>(names: &[T], word: &str) -> String {
     }
 }
 
-/// A first word that is not a command: perhaps a file.
-fn no_such_command(word: &str, is_scene: bool, nearest: Option<String>) -> String {
+fn no_such_generator(word: &str, nearest: Option<String>) -> String {
     let tip = nearest.map(|name| format!("did you mean {name}? ")).unwrap_or_default();
-    if is_scene {
-        return format!("{word}: no such generator; {tip}'raystep scene list' lists them");
-    }
+    format!("{word}: no such generator; {tip}'raystep scene list' lists them")
+}
+
+/// A first word that is not a command: perhaps a file, a scene or a lesson.
+fn no_such_command(word: &str) -> String {
     let path = Path::new(word);
     if path.is_dir() {
         return format!("{word}: it is a folder; expected a command or a scene's file (see --help)");
@@ -135,11 +144,27 @@ fn no_such_command(word: &str, is_scene: bool, nearest: Option<String>) -> Strin
         let endings = or(&ENDINGS.map(|ending| format!(".{ending}")));
         return format!("{word}: expected a command, or a file whose name ends in {endings} (see --help)");
     }
-    format!(
-        "{word}: no such command{}",
-        if tip.is_empty() { " (see --help)".into() } else { format!("; {tip}(see --help)") }
-    )
+    if built_in::lesson(word).is_some() {
+        return format!("{word}: no such command, but a lesson; 'raystep inspect --lesson {word}' begins it");
+    }
+    let commands = Cli::command();
+    let commands = commands.get_subcommands().map(|command| command.get_name().to_owned());
+    let names: Vec<String> = commands.chain(scene_file::names()).collect();
+    let tip = did_you_mean(word, &names);
+    let tip = if tip.is_empty() { tip } else { format!("; {}", tip.trim_end()) };
+    format!("{word}: no such command, and no scene of that name{tip} (see --help)")
 }
+
+/// Options, and another one that each requires.
+const REQUIRED_BY: [(&str, &str); 7] = [
+    ("--family", "--cost"),
+    ("--step", "--lesson"),
+    ("--check", "--lesson"),
+    ("--do", "--screenshot"),
+    ("--scale", "--screenshot"),
+    ("--count-fragments", "--passes-csv"),
+    ("--force", "--output"),
+];
 
 /// Missing arguments.
 fn missing(arguments: &[String], given: &[OsString]) -> String {
@@ -156,6 +181,10 @@ fn missing(arguments: &[String], given: &[OsString]) -> String {
         let mut arguments = arguments.to_vec();
         arguments.sort_by_key(place);
         return format!("{option} requires {} as well", and(&arguments));
+    }
+    let is_missing = |needed: &str| matches!(arguments, [only] if name_of(only) == needed);
+    if let Some((option, _)) = REQUIRED_BY.iter().find(|(option, needed)| is_given(option) && is_missing(needed)) {
+        return format!("{option} requires {} as well", and(arguments));
     }
     let is = if arguments.len() == 1 { "is" } else { "are" };
     format!("{} {is} missing (see --help)", and(arguments))

@@ -16,7 +16,7 @@ fn wrong_usage_is_code_2() {
     let place = Place::new();
     let file = cornell_box();
     let cases: &[(&str, &[&str])] = &[
-        ("rendr: no such command; did you mean render?", &["rendr"]),
+        ("rendr: no such command, and no scene of that name; did you mean render?", &["rendr"]),
         ("a.glb: no such generator", &["scene", "a.glb"]),
         ("--output", &["render", &file]),
         (".png or .exr", &["render", &file, "-o", "a.jpg"]),

@@ -62,7 +62,8 @@ fn numbers_out_of_range_are_told_what_is_right() {
         (format!("--window -1x5: {window}"), shot(&["--window", "-1x5"])),
         ("--repeats -1: expected an integer from 1 to 100000".into(), bench(&["--repeats", "-1"])),
         ("--warmups x: expected an integer from 0 to 100000".into(), bench(&["--warmups", "x"])),
-        (format!("--sizes -1x5: {size}"), bench(&["--sizes", "-1x5"])),
+        (format!("--size -1x5: {size}"), bench(&["--size", "-1x5"])),
+        (format!("--size -1x5: {size}"), bench(&["--sizes", "-1x5"])),
         ("--triangles -5: expected an integer from 1 to 200000000".into(), {
             vec!["scene", "soup", "--triangles", "-5", "-o", "s.glb"]
         }),
@@ -97,8 +98,13 @@ fn names_that_do_not_exist_are_told_the_nearest_or_all_where_they_are_few() {
              color, counters, accumulated, blocks, place, trail, scan, and all",
             vec!["dump", &file, "-o", "d", "--stream", "nose"],
         ),
-        ("rendr: no such command; did you mean render? (see --help)", vec!["rendr"]),
-        ("blorp: no such command (see --help)", vec!["blorp"]),
+        ("rendr: no such command, and no scene of that name; did you mean render? (see --help)", vec!["rendr"]),
+        (
+            "cornel-box: no such command, and no scene of that name; did you mean cornell-box? (see --help)",
+            vec!["cornel-box"],
+        ),
+        ("blorp: no such command, and no scene of that name (see --help)", vec!["blorp"]),
+        ("one-ray: no such command, but a lesson; 'raystep inspect --lesson one-ray' begins it", vec!["one-ray"]),
         (
             "terain: no such generator; did you mean terrain? 'raystep scene list' lists them",
             vec!["scene", "terain", "-o", "t.glb"],
@@ -187,6 +193,8 @@ fn options_that_need_others_or_do_not_fit_say_which() {
         (format!("--fov {camera} --eye <X,Y,Z> and --look-at <X,Y,Z> as well"), render(&["--fov=40"])),
         (format!("--eye {camera} --look-at <X,Y,Z> as well"), render(&["--eye", "0,0,1", "--up", "0,1,0"])),
         ("--camera 9: the scene has one camera, number 0".into(), render(&["--camera", "9"])),
+        ("--family requires --cost as well".into(), vec!["stability", "--family", "room"]),
+        ("--do requires --screenshot <F.png> as well".into(), vec!["inspect", &file, "--do", "Quit"]),
         ("--size is given more than once".into(), render(&["--size", "8x8", "--size", "9x9"])),
         ("--output <OUT.png|OUT.exr> is missing (see --help)".into(), vec!["render", &file]),
         ("--output <OUT.png|OUT.exr> and <SCENE> are missing (see --help)".into(), vec!["render"]),

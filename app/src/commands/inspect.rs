@@ -24,7 +24,7 @@ use crate::link::{LinkArgs, Wanted, link_of};
 use crate::output::{Target, ending, write};
 use crate::scene_file;
 use crate::session_file;
-use crate::terminal::print;
+use crate::terminal::{Progress, print};
 use crate::usage::did_you_mean;
 use crate::window::{self, SceneChoice, Start};
 
@@ -34,11 +34,12 @@ use crate::window::{self, SceneChoice, Start};
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  raystep inspect scenes/cornell-box.gltf
-  raystep inspect scenes/teapot.glb --accelerator bvh --pixel 200,260 --pass 40
+  raystep inspect cornell-box
+  raystep inspect teapot --accelerator bvh --pixel 200,260 --pass 40
   raystep inspect teapot.raystep-session
-  raystep inspect --link \"raystep:1?scene=scenes/teapot.glb&pixel=200,260&pass=41&stream=tmax.x\"
-  raystep inspect scenes/cornell-box.gltf --screenshot box.png --window 1600x1000 --do \"Full layout\"
+  raystep inspect --link \"raystep:1?scene=teapot&pixel=200,260&pass=41&stream=tmax.x\"
+  raystep inspect cornell-box --screenshot box.png --window 1600x1000 --do \"Full layout\"
+  raystep inspect --lesson one-ray
   raystep inspect --lesson my-lesson.md --check")]
 pub(crate) struct InspectArgs {
     #[command(flatten)]
@@ -49,12 +50,13 @@ pub(crate) struct InspectArgs {
     /// Start after this many passes
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<usize>(0, u64::MAX))]
     pass: Option<usize>,
-    /// Begin a lesson: a Markdown file with a text and commands for each step
+    /// Begin a lesson by its name (one-ray, grid-2004, fragment-2004, crack, leaping, tie), or a Markdown file with a text
+    /// and commands for each step
     ///
-    /// Scenes are named relative to the lesson, and have to be in its folder or below, unless --allow-outside is used.
+    /// In a file, scenes are named relative to the lesson, and have to be in its folder or below, unless --allow-outside is used.
     #[arg(
         long,
-        value_name = "F.md",
+        value_name = "NAME|F.md",
         conflicts_with_all = [
             "scene", "scene_index", "link", "pixel", "pass", "program", "size", "camera", "eye", "look_at", "up", "fov",
             "accelerator", "schedule", "mapping", "targets", "update", "cull", "until", "traversal", "numerics", "grid", "skip",
@@ -163,10 +165,15 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
         crate::output::refuse_inputs(&[Some(target)], &scene_file::canonical(&inputs))?;
     }
     let gpu = device::open(&adapter(&args.device))?;
+    let progress = Progress::new(false);
     if is_measured && !window::has_display() {
-        return print(&window::latency(&gpu, start)?);
+        progress.stage("measuring how fast the window responds");
+        let table = window::latency(&gpu, start)?;
+        progress.finish();
+        return print(&table);
     }
     let Some(target) = target else { return window::open(gpu, start) };
+    progress.stage("drawing the window");
     let picture = window::screenshot(&gpu, start, args.scale, &args.commands)?;
     let mut png = Vec::new();
     picture
@@ -175,6 +182,7 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     let (name, [width, height]) =
         (visible(&target.path().to_string_lossy()).into_owned(), [picture.width(), picture.height()]);
     write(vec![(target, png)])?;
+    progress.finish();
     print(&format!("{name}: {width} x {height}, drawn on {}\n", gpu.info.name))
 }
 
@@ -196,8 +204,8 @@ fn of_session(args: InspectArgs, path: &Path) -> Result<(WindowArgs, Start), Err
     let own = InspectArgs::of(path)?;
     let of_run = |args: &InspectArgs| {
         let InspectArgs { link, pixel, pass, program, view, run, .. } = args;
-        let RunArgs { accelerator, schedule, mapping, traversal, tuning, device } = run;
-        let run = format!("{accelerator:?} {schedule:?} {mapping:?} {traversal:?} {tuning:?} {:?}", device.device);
+        let RunArgs { way, mapping, traversal, tuning, device } = run;
+        let run = format!("{way:?} {mapping:?} {traversal:?} {tuning:?} {:?}", device.device);
         format!("{:?} {pixel:?} {pass:?} {program:?} {view:?} {run}", link.scene_index)
     };
     if of_run(&args) != of_run(&own) {
@@ -259,7 +267,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     let run = &wanted.run;
     run.check()?;
     wanted.view.samples.check()?;
-    if !run.schedule.is_stepped() {
+    if !run.way.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused traces a ray in one pass, so it cannot be stepped; use first, second or compact",
         ));

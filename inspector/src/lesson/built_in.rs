@@ -7,6 +7,9 @@ use crate::session::request::{Loader, at_once};
 /// What the path of a built-in scene begins with; the name of a generator follows.
 pub const PREFIX: &str = "built-in:";
 
+/// The scene that opens by its name everywhere, even where no file is.
+pub const CORNELL_BOX: &str = "cornell-box";
+
 /// The lessons: the name of each file, and its text.
 pub const LESSONS: [(&str, &str); 6] = [
     ("one-ray.md", include_str!("../../lessons/one-ray.md")),
@@ -16,6 +19,17 @@ pub const LESSONS: [(&str, &str); 6] = [
     ("leaping.md", include_str!("../../lessons/leaping.md")),
     ("tie.md", include_str!("../../lessons/tie.md")),
 ];
+
+/// The names of the lessons: those of their files without the ending.
+pub fn lessons() -> impl Iterator<Item = &'static str> {
+    LESSONS.iter().map(|(file, _)| file.trim_end_matches(".md"))
+}
+
+/// The place of a lesson in [`LESSONS`], by its name.
+#[must_use]
+pub fn lesson(name: &str) -> Option<usize> {
+    lessons().position(|own| own == name)
+}
 
 /// A loader for the built-in scene of a path; its error says which names there are.
 #[must_use]

@@ -85,13 +85,15 @@ impl Inspector {
 
     /// Begins a built-in lesson by its name, that of its file without the ending, at a step counted from 0.
     pub fn begin_named_lesson(&mut self, name: &str, step: usize) {
-        let names = || built_in::LESSONS.map(|(file, _)| file.trim_end_matches(".md"));
-        match names().iter().position(|own| *own == name) {
+        match built_in::lesson(name) {
             Some(index) => {
                 self.begin_built_in(index);
                 self.go_to_step(step);
             }
-            None => self.fail(format!("there is no lesson {name:?}; there are {}", names().join(", "))),
+            None => {
+                let names: Vec<&str> = built_in::lessons().collect();
+                self.fail(format!("there is no lesson {name:?}; there are {}", names.join(", ")));
+            }
         }
     }
 

@@ -35,6 +35,9 @@ MACHINE = "raystep_machine"
 RETRIES = 3
 """How often a job runs again whose worker was lost."""
 
+_BUILT_IN = "built-in:"
+"""What the names of scenes that are in the program begin with."""
+
 COMMAND = "RAYSTEP_COMMAND"
 """The variable with the words that call the program, as JSON: the program itself reads it, to start its jobs."""
 
@@ -286,7 +289,7 @@ def _distribute(jobs: list[dict[str, Any]], folder: str, to: IO[str], address: s
         while waiting or running:
             while waiting and len(running) < most:
                 job = waiting.pop()
-                files = tuple(job["inputs"])
+                files = tuple(_files(job))
                 if files not in scenes:
                     # A scene that no job in flight has is not needed again: jobs are in the order of their scenes.
                     scenes = {key: value for key, value in scenes.items() if any(key == k for _, k in running.values())}
@@ -350,6 +353,11 @@ def _packed(files: Sequence[str]) -> bytes:
     return packed.getvalue()
 
 
+def _files(job: dict[str, Any]) -> list[str]:
+    """The input files of a job: not the scenes that are in the program."""
+    return [file for file in job["inputs"] if not file.startswith(_BUILT_IN)]
+
+
 def _hashes(files: Sequence[str]) -> list[str]:
     """SHA-256 of each file; empty for one that is not there."""
     hashes = []
@@ -367,17 +375,19 @@ def _work(job: dict[str, Any], hashes: list[str], packed: list[Any], cores: int)
     ray = importlib.import_module("ray")
 
     with tempfile.TemporaryDirectory(prefix="raystep-") as folder:
-        files = job["inputs"]
+        files = _files(job)
         if _hashes(files) != hashes:
             # Its files are not here, or others are.
             base, here = _base(files), os.path.join(folder, "scene")
             zipfile.ZipFile(io.BytesIO(ray.get(packed[0]))).extractall(here)
 
             def place(file: str) -> str:
+                if file.startswith(_BUILT_IN):
+                    return file
                 return os.path.join(here, os.path.relpath(file, base))
 
             named = [{**name, "path": place(name["path"])} for name in job["named"]]
-            job = {**job, "inputs": [place(file) for file in files], "named": named}
+            job = {**job, "inputs": [place(file) for file in job["inputs"]], "named": named}
         file, results = Path(folder, "job.json"), Path(folder, "results")
         file.write_text(json.dumps(job), encoding="utf-8")
         # Other jobs have the other cores.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use raystep_inspector::lesson::built_in::PREFIX;
+use raystep_inspector::lesson::built_in::{self, PREFIX};
 use raystep_inspector::lesson::{Lesson, LessonError, MOST_BYTES, Wrong};
 use raystep_inspector::link::{Link, LinkDevice};
 use raystep_kernels::Gpu;
@@ -15,6 +15,7 @@ use crate::args::{DeviceArgs, DeviceKind, ReadArgs};
 use crate::error::Error;
 use crate::scene_file;
 use crate::terminal::print;
+use crate::usage::did_you_mean;
 use crate::window::{self, Start};
 
 /// The window with the lesson of a file.
@@ -32,15 +33,30 @@ pub(super) fn start(file: &Path, args: &InspectArgs) -> Result<(WindowArgs, Star
     Ok((window, start))
 }
 
+/// The text of a lesson: of a file, or of one in the program if there is no file of that name.
+fn text(file: &Path, name: &str) -> Result<String, Error> {
+    if let Some((_, text)) = built_in::lesson(name).filter(|_| !file.exists()).and_then(|i| built_in::LESSONS.get(i)) {
+        return Ok((*text).to_owned());
+    }
+    if !file.exists() && file.extension().is_none() {
+        let names: Vec<&str> = built_in::lessons().collect();
+        let near = did_you_mean(name, &names);
+        let names = names.join(", ");
+        return Err(Error::failed(format!("{name}: no such file, and no lesson of that name; {near}lessons: {names}")));
+    }
+    let wrong = |wrong| Error::failed(LessonError { file: name.to_owned(), line: 1, wrong });
+    let bytes = scene_file::read_file(file, MOST_BYTES as u64).map_err(|error| match error {
+        FileError::TooLarge { bytes } => wrong(Wrong::TooLong(usize::try_from(bytes).unwrap_or(usize::MAX))),
+        other => Error::failed(format!("{name}: {other}")),
+    })?;
+    String::from_utf8(bytes).map_err(|_| wrong(Wrong::NotUtf8))
+}
+
 /// Reads a lesson, and finds its scenes.
 fn read(file: &Path, read: ReadArgs, device: &DeviceArgs) -> Result<Lesson, Error> {
     let name = file.display().to_string();
     let wrong = |line, wrong| Error::failed(LessonError { file: name.clone(), line, wrong });
-    let bytes = scene_file::read_file(file, MOST_BYTES as u64).map_err(|error| match error {
-        FileError::TooLarge { bytes } => wrong(1, Wrong::TooLong(usize::try_from(bytes).unwrap_or(usize::MAX))),
-        other => Error::failed(format!("{name}: {other}")),
-    })?;
-    let text = String::from_utf8(bytes).map_err(|_| wrong(1, Wrong::NotUtf8))?;
+    let text = text(file, &name)?;
     let mut lesson = Lesson::parse(&name, &text).map_err(Error::failed)?;
     for (line, link) in lesson.links_mut() {
         find_scene(file, link, read).map_err(|why| wrong(line, Wrong::Argument("open", why)))?;

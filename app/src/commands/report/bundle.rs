@@ -10,7 +10,7 @@ use sha2::{Digest as _, Sha256};
 use crate::commands::input::Input;
 use crate::error::Error;
 use crate::output::zipped;
-use crate::scene_file::{file_of, read_file};
+use crate::scene_file::{file_of, name_in_folder, read_file};
 
 /// Describes the bundle; the only file that is not listed in it.
 pub(super) const MANIFEST: &str = "manifest.json";
@@ -159,9 +159,13 @@ fn scene_files(index: usize, input: &Input, max_memory: u64) -> Result<Vec<(Stri
             let (at, scene) = (path.display(), input.path.display());
             Error::failed(format!("--bundle: {at} lies outside the folder of {scene}: move it there to bundle it"))
         };
-        let within = path.strip_prefix(root).map_err(|_| outside())?;
+        let within = match path.strip_prefix(root) {
+            Ok(within) => with_slashes(within),
+            Err(_) if *path == scene => name_in_folder(path),
+            Err(_) => return Err(outside()),
+        };
         let bytes = read_file(path, max_memory).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
-        let entry = (format!("inputs/{index}/{}", with_slashes(within)), bytes);
+        let entry = (format!("inputs/{index}/{within}"), bytes);
         if *path == scene { all.insert(0, entry) } else { all.push(entry) }
     }
     Ok(all)
