@@ -1,7 +1,9 @@
 //! Terminal output: results on stdout, everything else on stderr. A closed pipe is not an error, and control characters
 //! in names of scenes, paths and arguments are escaped.
 
-use std::io::{self, ErrorKind, Write as _};
+mod log;
+
+use std::io::{self, ErrorKind, IsTerminal as _, Write as _};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -9,6 +11,10 @@ use raystep_lab::reporter::Reporter;
 use raystep_lab::text::{visible, visible_lines};
 
 use crate::error::Error;
+use log::Log;
+
+/// Time between two lines of progress in a log.
+const LOG_EVERY: Duration = Duration::from_secs(10);
 
 /// Writes a result to stdout. It is not an error if the reader has closed it, as `head` does.
 pub(crate) fn print(text: &str) -> Result<(), Error> {
@@ -31,23 +37,45 @@ fn say_lines(text: &str) {
     let _ = writeln!(io::stderr(), "{}", visible_lines(text));
 }
 
-/// Progress of a long run: none with `--quiet`, and no animated bar unless stderr is a terminal.
+/// Progress of a long run: none with `--quiet`; an animated bar if stderr is a terminal, otherwise a line at intervals.
 pub(crate) struct Progress {
     bar: ProgressBar,
     is_quiet: bool,
+    is_log: bool,
 }
 
 impl Progress {
     pub(crate) fn new(is_quiet: bool) -> Self {
-        // A target that is not a terminal draws nothing.
-        let target = if is_quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        Self { bar: ProgressBar::with_draw_target(None, target), is_quiet }
+        let is_log = !io::stderr().is_terminal();
+        let target = match is_log {
+            _ if is_quiet => ProgressDrawTarget::hidden(),
+            true => log_target(Log::new(io::stderr(), LOG_EVERY)),
+            false => ProgressDrawTarget::stderr(),
+        };
+        Self::on(target, is_quiet, is_log)
+    }
+
+    fn on(target: ProgressDrawTarget, is_quiet: bool, is_log: bool) -> Self {
+        Self { bar: ProgressBar::with_draw_target(None, target), is_quiet, is_log }
+    }
+
+    /// Sets what is shown. What only moves, or only fits a terminal, is left out of a log.
+    fn style(&self, template: &str) {
+        let template = match self.is_log {
+            true => {
+                template.replace("{spinner} ", "").replace("[{bar:30}] ", "").replace("{msg:<24}", "{msg}:")
+                    + if template.contains("{elapsed}") { "" } else { ", {elapsed}" }
+            }
+            false => template.to_owned(),
+        };
+        let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
+        self.bar.set_style(style.progress_chars("=> "));
     }
 
     /// Begins a stage of unknown length.
     pub(crate) fn stage(&self, name: &str) {
         self.bar.unset_length();
-        self.bar.set_style(style("{spinner} {msg}"));
+        self.style("{spinner} {msg}");
         self.bar.set_message(visible(name).into_owned());
         self.bar.enable_steady_tick(Duration::from_millis(100));
     }
@@ -56,7 +84,7 @@ impl Progress {
     pub(crate) fn rays(&self, progress: &raystep_kernels::Progress) {
         if self.bar.length() != Some(progress.rays) {
             self.bar.set_length(progress.rays);
-            self.bar.set_style(style("{msg:<24} [{bar:30}] {human_pos} of {human_len} rays resolved, {elapsed}"));
+            self.style("{msg:<24} [{bar:30}] {human_pos} of {human_len} rays resolved, {elapsed}");
         }
         if progress.samples_wanted > 1 {
             let sample = (progress.samples + 1).min(progress.samples_wanted);
@@ -76,7 +104,7 @@ impl Progress {
     pub(crate) fn part(&self, what: &str, done: u64, of: u64) {
         if self.bar.length() != Some(of) {
             self.bar.set_length(of);
-            self.bar.set_style(style("{msg:<24} [{bar:30}] {human_pos} of {human_len}, {elapsed}"));
+            self.style("{msg:<24} [{bar:30}] {human_pos} of {human_len}, {elapsed}");
             self.bar.set_message(visible(what).into_owned());
         }
         self.bar.set_position(done);
@@ -86,7 +114,7 @@ impl Progress {
     pub(crate) fn job(&self, name: &str, done: u64, of: u64, failed: usize) {
         if self.bar.length() != Some(of) {
             self.bar.set_length(of);
-            self.bar.set_style(style("[{bar:30}] {pos} of {len} jobs{prefix}, {elapsed}, {wide_msg}"));
+            self.style("[{bar:30}] {pos} of {len} jobs{prefix}, {elapsed}, {wide_msg}");
             self.bar.enable_steady_tick(Duration::from_millis(500));
         }
         if failed > 0 {
@@ -99,13 +127,16 @@ impl Progress {
     /// Shows how many rays of other programs are done, of how many if that is known.
     pub(crate) fn cast(&self, done: u64, of: Option<u64>) {
         if done == 0 {
-            self.bar.disable_steady_tick();
+            // A log tells that the work goes on, even if no ray comes.
+            if !self.is_log {
+                self.bar.disable_steady_tick();
+            }
             match of {
                 Some(of) => {
                     self.bar.set_length(of);
-                    self.bar.set_style(style("[{bar:30}] {human_pos} of {human_len} rays, {per_sec}, {elapsed}"));
+                    self.style("[{bar:30}] {human_pos} of {human_len} rays, {per_sec}, {elapsed}");
                 }
-                None => self.bar.set_style(style("{human_pos} rays, {per_sec}, {elapsed}")),
+                None => self.style("{human_pos} rays, {per_sec}, {elapsed}"),
             }
             self.bar.reset();
         }
@@ -138,8 +169,9 @@ impl Drop for Progress {
     }
 }
 
-fn style(template: &str) -> ProgressStyle {
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ")
+/// A target that draws as often as bars tick.
+fn log_target(log: Log<impl io::Write + std::fmt::Debug + Send + 'static>) -> ProgressDrawTarget {
+    ProgressDrawTarget::term_like_with_hz(Box::new(log), 10)
 }
 
 impl Reporter for Progress {
@@ -157,5 +189,64 @@ impl Reporter for Progress {
 
     fn explain(&self, error: &raystep_lab::Error) -> String {
         Error::from(error).message().to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use super::*;
+
+    /// What was written.
+    #[derive(Clone, Debug, Default)]
+    struct Written(Arc<Mutex<Vec<u8>>>);
+
+    impl io::Write for Written {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.lock().expect("a lock").write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// The lines of some work, of which one is due after this time.
+    fn lines(every: Duration, work: impl FnOnce(&Progress)) -> Vec<String> {
+        let written = Written::default();
+        let progress = Progress::on(log_target(Log::new(written.clone(), every)), false, true);
+        work(&progress);
+        drop(progress);
+        let bytes = written.0.lock().expect("a lock").clone();
+        String::from_utf8(bytes).expect("UTF-8").lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn a_log_has_a_line_at_intervals_even_while_nothing_is_reported() {
+        let every = Duration::from_millis(250);
+        let lines = lines(every, |progress| {
+            progress.stage("building");
+            // Longer than the work of the thread that ticks may be delayed.
+            std::thread::sleep(12 * every);
+        });
+        assert!((2..=12).contains(&lines.len()), "{lines:?}");
+        assert!(lines.iter().all(|line| line.starts_with("progress: building, ")), "{lines:?}");
+    }
+
+    #[test]
+    fn a_log_has_numbers_without_a_bar() {
+        let lines = lines(Duration::ZERO, |progress| progress.part("measuring", 1_234, 20_000));
+        assert!(lines.iter().any(|line| line.starts_with("progress: measuring: 1,234 of 20,000, ")), "{lines:?}");
+        assert!(lines.iter().all(|line| !line.contains('[') && line.trim_end() == line), "{lines:?}");
+    }
+
+    #[test]
+    fn short_work_leaves_no_line_in_a_log() {
+        let lines = lines(LOG_EVERY, |progress| {
+            progress.stage("building");
+            progress.part("measuring", 1, 2);
+        });
+        assert!(lines.is_empty(), "{lines:?}");
     }
 }

@@ -82,7 +82,8 @@ impl Place {
 pub(crate) fn assert_error(outcome: &Outcome, code: i32, wanted: &str, what: &str) {
     assert_eq!(outcome.code, Some(code), "{what}: {outcome:?}");
     assert_eq!(outcome.stdout, "", "{what}");
-    let errors: Vec<_> = outcome.stderr.lines().filter(|l| !l.starts_with("note: ")).collect();
+    let is_aside = |line: &&str| ["note: ", "progress: "].iter().any(|begin| line.starts_with(begin));
+    let errors: Vec<_> = outcome.stderr.lines().filter(|line| !is_aside(line)).collect();
     assert_eq!(errors.len(), 1, "{what}: expected one line: {outcome:?}");
     assert!(errors[0].starts_with("error: ") && errors[0].contains(wanted), "{what}: {:?} in {errors:?}", wanted);
 }
