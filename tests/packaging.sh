@@ -109,7 +109,7 @@ for page in $pages; do
     done
 done
 mandoc -T utf8 "$tree/share/man/man1/raystep-render.1" | col -bx |
-    grep -q -x " *raystep render scenes/cornell-box.gltf -o box.png --spp 64" || fail "an example is not on its own line"
+    grep -q -x " *raystep render cornell-box -o box.png --spp 64" || fail "an example is not on its own line"
 echo "$(find "$tree/share/man" -name '*.1' | wc -l) pages"
 
 step "completions"

@@ -1,6 +1,7 @@
 //! The options that subcommands share.
 
 mod tuning;
+mod way;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -8,20 +9,19 @@ use std::str::FromStr;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::{
-    Accelerator, GridSize, Numerics, Options, PlanError, RaySource, Sampler, Samples, ScheduleKind, Traversal,
-};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Options, PlanError, RaySource, Sampler, Samples, Traversal};
 use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
 
 use crate::error::Error;
 use crate::mapping::MappingArgs;
 pub(crate) use tuning::TuningArgs;
+pub(crate) use way::{WayArgs, fastest_accelerator, fastest_schedule};
 
 /// The scene file.
 #[derive(Args, Debug)]
 pub(crate) struct SceneArgs {
-    /// The scene: a file that ends in .gltf, .glb, .obj, .ply or .stl; or the name of an installed scene, such as cornell-box
+    /// The scene: a file that ends in .gltf, .glb, .obj, .ply or .stl; or a name, such as cornell-box
     pub(crate) scene: PathBuf,
     /// Index of the scene in a file with several, counted from 0 [default: the file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
@@ -148,17 +148,8 @@ pub(crate) struct ProgramArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Tracing")]
 pub(crate) struct RunArgs {
-    /// Acceleration structure: a uniform grid (grid), an irregular grid with cells of many sizes (irregular), a bounding
-    /// volume hierarchy (bvh), none, or auto: none for up to six triangles, the grid if triangles fill the scene evenly,
-    /// otherwise the BVH
-    #[arg(long, default_value = "grid", value_parser = named(Accelerator::ALL, Accelerator::name))]
-    pub(crate) accelerator: Accelerator,
-    /// How the walk of a ray is divided into passes: intersect until no ray is active there, then traverse once
-    /// (first); intersect and traverse alternately (second); several steps per pass, for active rays only (compact);
-    /// the whole walk in one pass (fused)
-    #[arg(long, default_value = "compact", default_value_if("mapping", "fragment", "second"),
-          value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
-    pub(crate) schedule: ScheduleKind,
+    #[command(flatten)]
+    pub(crate) way: WayArgs,
     #[command(flatten)]
     pub(crate) mapping: MappingArgs,
     /// How rays walk through a uniform grid with --numerics paper: by the smallest tMax (amanatides-woo), or by control
@@ -174,9 +165,10 @@ pub(crate) struct RunArgs {
 impl RunArgs {
     /// Refuses options that would have no effect.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        self.mapping.check(self.schedule, self.device.device)?;
-        self.tuning.check(&[self.accelerator], &[self.schedule])?;
-        let is_walked = self.accelerator == Accelerator::Grid && self.tuning.numerics == Numerics::Paper;
+        let WayArgs { accelerator, schedule } = self.way;
+        self.mapping.check(schedule, self.device.device)?;
+        self.tuning.check(&[accelerator], &[schedule])?;
+        let is_walked = accelerator == Accelerator::Grid && self.tuning.numerics == Numerics::Paper;
         if self.traversal == Traversal::Dda3d && !is_walked {
             return Err(Error::usage(PlanError::NoTraversal));
         }
@@ -185,7 +177,7 @@ impl RunArgs {
 
     /// The options of a run.
     pub(crate) fn options(&self, rays: RaySource) -> Options {
-        let Self { accelerator, schedule, mapping, traversal, tuning, .. } = self;
+        let Self { way: WayArgs { accelerator, schedule }, mapping, traversal, tuning, .. } = self;
         Options {
             accelerator: *accelerator,
             schedule: *schedule,

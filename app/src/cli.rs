@@ -26,19 +26,20 @@ use crate::{usage, window};
     disable_help_subcommand = true,
     after_help = "\
 Examples:
-  raystep scenes/cornell-box.gltf   # opens the inspector
-  raystep render scenes/cornell-box.gltf -o box.png
-  raystep plan scenes/cornell-box.gltf
-  raystep trace scenes/cornell-box.gltf --pixel 256,256
-  raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
-  raystep bench scenes/cornell-box.gltf --accelerators grid,bvh -o bench
-  raystep build scenes/teapot.glb --check
-  raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
-  raystep report scenes/cornell-box.gltf -o report
+  raystep cornell-box   # opens the inspector
+  raystep render cornell-box -o box.png
+  raystep plan cornell-box
+  raystep trace cornell-box --pixel 256,256
+  raystep dump cornell-box --pass last --stream hit -o hits
+  raystep bench cornell-box --accelerators grid,bvh -o bench
+  raystep build teapot --check
+  raystep cast cornell-box --rays-file rays.npy -o hits.npy
+  raystep report cornell-box -o report
   raystep stability -o stability
   raystep sweep sweep.toml -o sweep
   raystep info
-Files in scenes/ are the repository's; with the wheel or the archive, use a scene's name, such as cornell-box.
+A scene is a file, or a name: cornell-box is in the program; others, such as teapot and terrain, come with the wheel and
+the archive, and open in a checkout of raystep.
 'raystep COMMAND --help' says more about each."
 )]
 pub(crate) struct Cli {

@@ -8,14 +8,15 @@ use raystep_kernels::BuiltBy;
 use raystep_lab::{Hash, Size};
 
 use crate::args::{
-    CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SampleArgs, SceneArgs, TuningArgs, Vector, ViewArgs, counted,
+    CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SampleArgs, SceneArgs, TuningArgs, Vector, ViewArgs,
+    WayArgs, counted,
 };
 use crate::error::Error;
 
 /// A scene's file, or a link.
 #[derive(Args, Debug)]
 pub(crate) struct LinkArgs {
-    /// The scene: a file that ends in .gltf, .glb, .obj, .ply or .stl; or the name of an installed scene, such as cornell-box
+    /// The scene: a file that ends in .gltf, .glb, .obj, .ply or .stl; or a name, such as cornell-box
     pub(crate) scene: Option<PathBuf>,
     /// Index of the scene in a file with several, counted from 0 [default: the file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
@@ -99,13 +100,12 @@ fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, E
             samples: SampleArgs { spp: link.samples.count, sampler: link.samples.sampler, seed: link.samples.seed },
         },
         run: RunArgs {
-            accelerator: link.accelerator,
-            schedule: link.schedule,
+            way: WayArgs { accelerator: link.accelerator, schedule: link.schedule },
             mapping: link.mapping.into(),
             traversal: link.traversal,
             tuning: TuningArgs {
                 numerics: link.numerics,
-                grid: link.grid,
+                grid: Some(link.grid),
                 skip: link.skip,
                 // Whoever builds it, the grid is the same.
                 build: BuiltBy::Auto,
@@ -140,12 +140,12 @@ pub(crate) fn link_of(wanted: &Wanted) -> Result<Link, Error> {
             _ => LinkCamera::Default,
         },
         size: [view.size.width, view.size.height],
-        accelerator: run.accelerator,
-        schedule: run.schedule,
+        accelerator: run.way.accelerator,
+        schedule: run.way.schedule,
         mapping: run.mapping.mapping(),
         numerics: run.tuning.numerics,
         traversal: run.traversal,
-        grid: run.tuning.grid,
+        grid: run.tuning.grid(),
         skip: run.tuning.skip,
         steps_per_pass: run.tuning.steps_per_pass.unwrap_or(1),
         keep_all: run.tuning.keep_all,

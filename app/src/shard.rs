@@ -60,9 +60,8 @@ impl Shard {
     pub(crate) fn range(self, units: usize, name: &str) -> Result<Range<usize>, Error> {
         let Self { index, of } = self;
         if units < of as usize {
-            return Err(Error::usage(format!(
-                "--shard {self}: there are {units} {name} to divide: use at most {units} parts"
-            )));
+            let most = if units == 1 { "omit --shard".to_owned() } else { format!("use at most {units} parts") };
+            return Err(Error::usage(format!("--shard {self}: too few {name} to divide, {units}: {most}")));
         }
         let up_to = |part: u32| (units as u64 * u64::from(part) / u64::from(of)) as usize;
         Ok(up_to(index - 1)..up_to(index))
@@ -198,7 +197,7 @@ mod tests {
             assert_eq!(all, (0..units).collect::<Vec<_>>(), "{units} in {of}");
         }
         let error = Shard { index: 2, of: 5 }.range(4, "scenes").expect_err("too few");
-        assert!(error.message().contains("there are 4 scenes to divide: use at most 4 parts"), "{error}");
+        assert!(error.message().contains("too few scenes to divide, 4: use at most 4 parts"), "{error}");
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod cast;
 mod cast_formats;
 mod common;
 mod confined;
+mod defaults;
 mod dump;
 mod escapes;
 mod far;

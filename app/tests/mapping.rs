@@ -112,7 +112,7 @@ fn what_cannot_be_drawn_is_refused_in_a_line() {
     fails("--update swap needs --cull none", &with(&["--update", "swap", "--cull", "discard"]));
     fails("--cull none needs --until count", &with(&["--cull", "none", "--until", "query"]));
     fails("--targets is for fragment programs: omit it, or add --mapping fragment", &["--targets", "many"]);
-    fails("--passes-csv <F> is missing", &with(&["--count-fragments"]));
+    fails("--count-fragments requires --passes-csv <F> as well", &with(&["--count-fragments"]));
     let counted = ["--count-fragments", "--passes-csv", "p.csv"];
     fails("add --mapping fragment --until count", &counted);
     fails("add --mapping fragment --until count", &with(&counted));

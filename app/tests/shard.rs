@@ -89,7 +89,7 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
         name.to_owned()
     };
     refused("differ in seed: 0 and 3", &[&first, &other("seed", &["--seed", "3"])]);
-    refused("differ in accelerator: \"grid\" and \"bvh\"", &[&first, &other("bvh", &["--accelerator", "bvh"])]);
+    refused("differ in accelerator: \"auto\" and \"bvh\"", &[&first, &other("bvh", &["--accelerator", "bvh"])]);
     refused("differ in camera", &[&first, &other("eye", &["--eye", "0,1,5", "--look-at", "0,1,0"])]);
     // Written by another version, of another scene, on another device.
     let text = String::from_utf8(place.read(&format!("{second}/shard.json"))).expect("UTF-8");
@@ -118,7 +118,7 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     let scene = scene("cornell-box.gltf").display().to_string();
     let again = ["render", &scene, "--spp", SAMPLES, "--size", "24x18", "--device", "cpu", "-o", &first, "--shard"];
     place.fails(1, "has a part that differs in number of the part", &[&again[..], &["2/2"]].concat());
-    place.fails(2, "there are 7 blocks of 16 samples to divide", &[&again[..], &["1/8"]].concat());
+    place.fails(2, "too few blocks of 16 samples to divide, 7: use at most 7 parts", &[&again[..], &["1/8"]].concat());
     place.fails(2, "--shard cannot be combined with --check", &[&again[..], &["1/2", "--check"]].concat());
 }
 
@@ -157,7 +157,11 @@ fn benchmarks_are_divided_by_scene() {
     fs::write(place.path("two/datapackage.json"), "[]").expect("a file");
     let merge = ["merge", "one", "two", "-o", "again"];
     place.fails(1, "two/datapackage.json: expected a description of tables", &merge);
-    place.fails(2, "there are 3 scenes to divide", &[&["bench"], &scenes[..], &["--shard", "1/4", "-o", "x"]].concat());
+    place.fails(
+        2,
+        "too few scenes to divide, 3: use at most 3 parts",
+        &[&["bench"], &scenes[..], &["--shard", "1/4", "-o", "x"]].concat(),
+    );
 }
 
 #[test]

@@ -41,7 +41,21 @@ fn help_has_examples_everywhere_and_no_argument_is_help() {
 fn plan_prints_what_is_left_out_and_why() {
     let place = Place::new();
     let text = place.ok(&["plan", &cornell_box(), "--size", "16x16", "--accelerator", "none"]).stdout;
-    assert!(text.contains("kernel traverse_grid") && text.contains("needed only with --accelerator grid"), "{text}");
+    let [scene, options] =
+        ["\nomitted, as the scene does not need it\n", "\nomitted with these options\n"].map(|title| text.find(title));
+    assert!(scene.is_some() && scene < options, "{text}");
+    let of_scene = text
+        .lines()
+        .filter(|line| line.starts_with("  buffer normals ") || line.starts_with("  code for spot lights "));
+    assert_eq!(of_scene.count(), 2, "{text}");
+    let control = "  stream control: needed only with --accelerator grid --numerics paper --traversal 3d-dda";
+    assert!(text.lines().any(|line| line == control), "{text}");
+    let tail = &text[options.unwrap_or_default()..];
+    let words = tail.split_whitespace().collect::<Vec<_>>().join(" ");
+    let irregular = "stream voxel; buffers irregular_map, irregular_cells, irregular_items: needed only with --accelerator \
+                     irregular stream";
+    assert_eq!(words.matches(irregular).count(), 1, "a line for each option: {tail}");
+    assert!(tail.lines().all(|line| line.chars().count() <= 100), "{tail}");
     let json = place.ok(&["plan", &cornell_box(), "--size", "16x16", "--json"]).stdout;
     let plan: Value = serde_json::from_str(&json).expect("JSON");
     let bytes = |list: &str| {
@@ -84,7 +98,10 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     assert_eq!(reader.records().filter(|r| r.as_ref().is_ok_and(|r| r.len() == 21)).count(), rows.len());
     let table = place.ok(&[&trace[..], &common[..]].concat()).stdout;
     assert!(table.starts_with("pass ") && table.contains("TRAV_SETUP"), "{table}");
-    assert!(table.contains("\nlast  shade ") && table.contains("\nonly this ray was traced: "), "{table}");
+    assert!(
+        table.contains("\nlast  shade ") && table.contains("\nOnly this ray was traced (use --all-rays "),
+        "{table}"
+    );
 
     // Other rays are traced on request: the same rows, plus the numbers that depend on them.
     let json = place.ok(&[&trace[..], &common[..], &["--format", "json", "--all-rays"]].concat()).stdout;
@@ -101,14 +118,14 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     whole["rows"][last]["pass"] = Value::Null;
     assert_eq!(whole["rows"], life["rows"]);
     let table = place.ok(&[&trace[..], &common[..], &["--all-rays"]].concat()).stdout;
-    assert!(table.contains(&format!("\n{} passes, in ", whole["passes"])), "{table}");
+    assert!(table.contains(&format!("\n{} passes. Missing pass numbers are ", whole["passes"])), "{table}");
     let first = place.ok(&[&trace[..], &common[..4], &["--schedule", "first"]].concat());
     assert!(first.stderr.contains("note: a ray's passes depend on the other rays here (--schedule first"), "{first:?}");
-    assert!(first.stdout.contains(" passes, in ") && !first.stdout.contains("last "), "{first:?}");
+    assert!(first.stdout.contains(" passes. Missing ") && !first.stdout.contains("last "), "{first:?}");
     let typed = ["trace", &cornell_box(), "--ray", "0,0,5,0,0,-1"];
     let whole = place.ok(&[&typed[..], &common[2..]].concat()).stdout;
     // If the run has a single ray, its passes are known, including those in which it waits for its kernel.
-    assert!(whole.contains(" passes, in ") && !whole.contains("only this ray was traced"), "{whole}");
+    assert!(whole.contains(" passes. Missing ") && !whole.contains("Only this ray was traced"), "{whole}");
     place.fails(2, "--ray is a single ray: omit one of them", &[&typed[..], &["--all-rays"]].concat());
 }
 
@@ -178,9 +195,8 @@ fn small(example: &str) -> String {
     // A session has its own size.
     let is_view = is_view && !example.contains(".raystep-session");
     let changes = [
-        with("--size", "16x16", is_view || command == "report"),
+        with("--size", "16x16", is_view || matches!(command, "report" | "bench")),
         with("--pixel", "9,9", false),
-        with("--sizes", "16x16", command == "bench"),
         with("--repeats", "1", command == "bench"),
         with("--warmups", "0", command == "bench"),
         with("--window", "480x300", command == "inspect" && !has("--check")),
@@ -286,7 +302,7 @@ fn run_examples(help: &[&str]) -> usize {
         }
         let home = place.path("");
         let result = outcome(shell.args(["-c", &script]).env("HOME", &home).current_dir(&home));
-        if line == "raystep scenes/cornell-box.gltf" && cfg!(not(target_os = "macos")) {
+        if line == "raystep cornell-box" && cfg!(not(target_os = "macos")) {
             // It opens a window, which this test cannot see: tests/window.sh tests it.
             assert!(result.stderr.starts_with("error: no display"), "{line}: {result:?}");
         } else {

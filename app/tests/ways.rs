@@ -106,10 +106,15 @@ fn render_says_what_was_built() {
     let cases: &[(&str, &[&str], &str, &str)] = &[
         (&file, &["--accelerator", "grid"], "grid      4 x 4 x 9 cells; ", " empty cells, not skipped; "),
         (&file, &["--skip", "on"], "grid      8 x 8 x 19 cells; ", " empty cells, skipped; "),
-        (&file, &["--accelerator", "bvh"], "bvh       binary tree: nodes ", ", depth "),
+        (&file, &["--accelerator", "bvh", "--schedule", "compact"], "bvh       binary tree: nodes ", ", depth "),
         (&file, &["--accelerator", "bvh", "--schedule", "fused"], "bvh       eight-wide tree: nodes ", ", depth "),
         (&file, &["--accelerator", "none"], "none      every ray tests every triangle", ""),
-        (&file, &["--accelerator", "auto"], "bvh       binary tree: ", " (auto: more than 6 triangles)"),
+        (
+            &file,
+            &["--accelerator", "auto", "--schedule", "second"],
+            "bvh       binary tree: ",
+            " (auto: more than 6 triangles)",
+        ),
         (&one, &["--accelerator", "auto"], "none      every ray tests every triangle (auto: 6 triangles or fewer ", ""),
     ];
     for (scene, how, start, rest) in cases {
@@ -138,7 +143,7 @@ fn summaries_in_json_have_the_grid_or_the_tree() {
     let sum =
         |run: &Value, names: &[&str]| names.iter().filter_map(|name| run["buffer_bytes"][name].as_u64()).sum::<u64>();
 
-    let grid = summary(&["--skip", "on"]);
+    let grid = summary(&["--skip", "on", "--schedule", "compact"]);
     assert_eq!((&grid["accelerator"], &grid["accelerator_because"]), (&"grid".into(), &"--accelerator grid".into()));
     assert_eq!((&grid["grid"]["leaps"], &grid["options"]["skip"]), (&true.into(), &"on".into()));
     assert_eq!(grid["grid"]["bytes"], sum(&grid, &["grid_cells", "grid_items", "grid_distances"]));

@@ -15,10 +15,9 @@ pub(crate) struct TuningArgs {
     #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
     pub(crate) numerics: Numerics,
     /// Number of grid cells along each axis, or along x, y and z; auto chooses it, and gives cells that list very many
-    /// triangles a finer grid each, unless --skip is on or off
-    #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid,
-          allow_hyphen_values = true)]
-    pub(crate) grid: GridSize,
+    /// triangles a finer grid each, unless --skip is on or off [default: auto]
+    #[arg(long, value_name = "auto|N|NX,NY,NZ", value_parser = parse_grid, allow_hyphen_values = true)]
+    pub(crate) grid: Option<GridSize>,
     /// Skip over empty cells of the grid: if most cells are empty (auto), always (on) or never (off)
     #[arg(long, default_value = "auto", value_parser = named(Skip::ALL, Skip::name))]
     pub(crate) skip: Skip,
@@ -39,7 +38,7 @@ impl TuningArgs {
     pub(crate) fn check(&self, accelerators: &[Accelerator], schedules: &[ScheduleKind]) -> Result<(), Error> {
         if !accelerators.contains(&Accelerator::Grid) {
             let chosen = accelerators.iter().map(|a| a.name()).collect::<Vec<_>>().join(", ");
-            let all = [("--grid", self.grid == GridSize::Auto), ("--skip on", self.skip != Skip::On)];
+            let all = [("--grid", self.grid() == GridSize::Auto), ("--skip on", self.skip != Skip::On)];
             if let Some((option, _)) = all.iter().find(|(_, is_default)| !is_default) {
                 let why = if accelerators.contains(&Accelerator::Auto) {
                     "accelerator auto chooses its own".to_owned()
@@ -75,12 +74,17 @@ impl TuningArgs {
         Ok(())
     }
 
+    /// `--grid`
+    pub(crate) fn grid(&self) -> GridSize {
+        self.grid.unwrap_or_default()
+    }
+
     /// The options of a run, with default accelerator and schedule.
     pub(crate) fn options(&self, rays: RaySource) -> Options {
         let defaults = Options::new(rays);
         Options {
             numerics: self.numerics,
-            grid: self.grid,
+            grid: self.grid(),
             skip: self.skip,
             build: self.build,
             steps_per_pass: self.steps_per_pass.unwrap_or(defaults.steps_per_pass),

@@ -25,12 +25,12 @@ use crate::terminal::{Progress, print};
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  raystep build scenes/teapot.glb
-  raystep build scenes/teapot.glb --accelerator irregular --check
-  raystep build scenes/terrain.glb --grid 64 --device gpu --check
-  raystep build scenes/terrain.glb --device gpu --repeats 15 --passes-csv build.csv
-  raystep dump scenes/cornell-box.gltf --program grid-build --pass all -o build
-  raystep inspect scenes/cornell-box.gltf --program grid-build")]
+  raystep build teapot
+  raystep build teapot --accelerator irregular --check
+  raystep build terrain --grid 64 --device gpu --check
+  raystep build terrain --device gpu --repeats 15 --passes-csv build.csv
+  raystep dump cornell-box --program grid-build --pass all -o build
+  raystep inspect cornell-box --program grid-build")]
 pub(crate) struct BuildArgs {
     #[command(flatten)]
     scene: SceneArgs,

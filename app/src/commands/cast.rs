@@ -10,12 +10,15 @@ use std::time::Instant;
 
 use clap::Args;
 use indicatif::HumanCount;
-use raystep_kernels::{Accelerator, Caster, Numerics, Options, RaySource, ScheduleKind};
+use raystep_kernels::{Caster, Numerics, Options, RaySource};
 use raystep_lab::rays::file::{BadRays, RaysFormat, RaysReader};
 use raystep_lab::ways::MISSES_OUTSIDE;
 
-use crate::args::{DeviceArgs, QuietArgs, SceneArgs, TuningArgs, named, whole};
+use crate::args::{
+    DeviceArgs, QuietArgs, SceneArgs, TuningArgs, WayArgs, fastest_accelerator, fastest_schedule, named, whole,
+};
 use crate::commands::extension;
+use crate::commands::summary::way;
 use crate::device;
 use crate::error::Error;
 use crate::output::{self, Target, refuse_inputs};
@@ -33,21 +36,26 @@ use pipeline::{Counts, Pipeline};
 /// rounded up to the next number above 0. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0.
 ///
 /// The result has one element per ray: t (infinite without a hit), u, v (weights of the triangle's vertices 1 and 2),
-/// triangle and material (4294967295 without a hit), as float32 and uint32. --output-format selects an npy array of
-/// records of 20 bytes (structured); an npy array of float64 with those five columns and -1 for no triangle, for programs
-/// that read no records, such as MATLAB's and Julia's readers (plain); or one npy array for each, in a zip file (npz). In
-/// Python, numpy.save('rays.npy', numpy.hstack([origins, directions])) writes rays, and hits = numpy.load('hits.npy')
-/// reads hits: hits['t'], hits['triangle'].
+/// triangle and material (4294967295 without a hit). --output-format selects an npy array of records of 20 bytes with the
+/// dtype [('t', '<f4'), ('u', '<f4'), ('v', '<f4'), ('triangle', '<u4'), ('material', '<u4')] (structured); an npy array of
+/// '<f8' with those five columns and -1 for no triangle, for programs that read no records, such as MATLAB's and Julia's
+/// readers (plain); or one npy array for each, in a zip file (npz). In Python, numpy.save('rays.npy',
+/// numpy.hstack([origins, directions])) writes rays, and hits = numpy.load('hits.npy') reads hits: hits['t'],
+/// hits['triangle'].
 ///
 /// Rays are read, traced and written in batches at the same time, so any number of them takes the same memory.
 #[derive(Args, Debug)]
-#[command(after_help = "\
+#[command(
+    mut_arg("schedule", fastest_schedule),
+    mut_arg("accelerator", fastest_accelerator),
+    after_help = "\
 Examples:
-  raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
-  raystep cast scenes/teapot.glb --rays-file shadow.npy --any-hit -o shadow-hits.npy
-  raystep cast scenes/teapot.glb --rays-file primary.f32 --device cpu -o hits.npy
-  raystep cast scenes/teapot.glb --rays-file rays.npy --output-format plain -o hits.npy
-  python make_rays.py | raystep cast scenes/terrain.glb --rays-file - -o - | python use_hits.py")]
+  raystep cast cornell-box --rays-file rays.npy -o hits.npy
+  raystep cast teapot --rays-file shadow.npy --any-hit -o shadow-hits.npy
+  raystep cast teapot --rays-file primary.f32 --device cpu -o hits.npy
+  raystep cast teapot --rays-file rays.npy --output-format plain -o hits.npy
+  python make_rays.py | raystep cast terrain --rays-file - -o - | python use_hits.py"
+)]
 pub(crate) struct CastArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -78,16 +86,8 @@ pub(crate) struct CastArgs {
     batch: Option<u32>,
     #[command(flatten)]
     quiet: QuietArgs,
-    /// Acceleration structure: a uniform grid (grid), an irregular grid with cells of many sizes (irregular), a bounding
-    /// volume hierarchy (bvh), none, or auto: none for up to six triangles, the grid if triangles fill the scene evenly,
-    /// otherwise the BVH
-    #[arg(long, default_value = "bvh", value_parser = named(Accelerator::ALL, Accelerator::name), help_heading = "Tracing")]
-    accelerator: Accelerator,
-    /// How the walk of a ray is divided into passes: intersect until no ray is active there, then traverse once
-    /// (first); intersect and traverse alternately (second); several steps per pass, for active rays only (compact);
-    /// the whole walk in one pass (fused)
-    #[arg(long, default_value = "fused", value_parser = named(ScheduleKind::ALL, ScheduleKind::name), help_heading = "Tracing")]
-    schedule: ScheduleKind,
+    #[command(flatten)]
+    way: WayArgs,
     #[command(flatten)]
     tuning: TuningArgs,
     #[command(flatten)]
@@ -100,12 +100,13 @@ fn is_standard(path: &Path) -> bool {
 }
 
 pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
-    args.tuning.check(&[args.accelerator], &[args.schedule])?;
+    let WayArgs { accelerator, schedule } = args.way;
+    args.tuning.check(&[accelerator], &[schedule])?;
     if args.any_hit && args.tuning.numerics == Numerics::Paper {
         return Err(Error::usage("--any-hit: the paper's rules find closest hits only; use --numerics robust"));
     }
     let output_format = output_format(args);
-    let target = target(&args.output, output_format)?;
+    let target = target(args, output_format)?;
     let format = format(args)?;
     let progress = Progress::new(args.quiet.quiet);
     progress.stage("reading the scene");
@@ -120,14 +121,10 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     progress.stage("building");
     let chosen = device::choose(&args.device)?;
     let rays = RaySource::Given(Vec::new());
-    let options = Options {
-        accelerator: args.accelerator,
-        schedule: args.schedule,
-        any_hit: args.any_hit,
-        ..args.tuning.options(rays)
-    };
+    let options = Options { accelerator, schedule, any_hit: args.any_hit, ..args.tuning.options(rays) };
     let offset = scene.offset;
     let mut caster = chosen.wait(Caster::new(scene, &options, &chosen.device))?;
+    let way = way(&options, caster.plan());
     if let Some(batch) = args.batch {
         caster.set_batch(batch.into());
     }
@@ -161,7 +158,7 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     }
     if !args.quiet.quiet {
         let device = chosen.gpu().map_or("CPU", |gpu| gpu.info.name.as_str());
-        let line = summary(&counts, begin.elapsed().as_secs_f64(), device);
+        let line = summary(&counts, begin.elapsed().as_secs_f64(), device, &way);
         if is_standard(&args.output) { say(line.trim_end()) } else { print(&line)? }
     }
     Ok(())
@@ -173,13 +170,16 @@ fn shown(path: &Path) -> String {
 }
 
 /// One line about all rays.
-fn summary(counts: &Counts, seconds: f64, device: &str) -> String {
+fn summary(counts: &Counts, seconds: f64, device: &str, way: &str) -> String {
     let Counts { rays, hits, unfinished, .. } = *counts;
     let mut line = format!("{} rays, {} hit", HumanCount(rays), HumanCount(hits));
     if rays > 0 {
         line += &format!(" ({:.1}%)", 100.0 * hits as f64 / rays as f64);
     }
-    line += &format!("; {seconds:.3} s, {} rays/s on {device}", HumanCount((rays as f64 / seconds.max(1e-9)) as u64));
+    line += &format!(
+        "; {seconds:.3} s, {} rays/s on {device}; {way}",
+        HumanCount((rays as f64 / seconds.max(1e-9)) as u64)
+    );
     if unfinished > 0 {
         line += &format!("; {} not resolved within the limit of passes", HumanCount(unfinished));
     }
@@ -193,13 +193,19 @@ fn output_format(args: &CastArgs) -> HitsFormat {
 }
 
 /// The output; `None` for standard output.
-fn target(path: &Path, format: HitsFormat) -> Result<Option<Target>, Error> {
+fn target(args: &CastArgs, format: HitsFormat) -> Result<Option<Target>, Error> {
+    let path = args.output.as_path();
     if is_standard(path) {
         return Ok(None);
     }
     let is_special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
     if !is_special {
-        output::ending("--output", path, if format == HitsFormat::Npz { &["npz"] } else { &["npy"] })?;
+        let endings: &[&str] = match (args.output_format, format) {
+            (None, _) => &["npy", "npz"],
+            (Some(_), HitsFormat::Npz) => &["npz"],
+            (Some(_), _) => &["npy"],
+        };
+        output::ending("--output", path, endings)?;
     }
     Target::new(path).map(Some)
 }

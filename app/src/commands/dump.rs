@@ -35,10 +35,10 @@ use wanted::streams;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
-  raystep dump scenes/cornell-box.gltf --pass 7 --stream state,tmax -o pass7
-  raystep dump scenes/cornell-box.gltf --stream hit --buffers grid_cells,grid_items,vertices -o data
-  raystep dump scenes/teapot.glb --pass all --stream all --size 64x64 --format both -o all")]
+  raystep dump cornell-box --pass last --stream hit -o hits
+  raystep dump cornell-box --pass 7 --stream state,tmax -o pass7
+  raystep dump cornell-box --stream hit --buffers grid_cells,grid_items,vertices -o data
+  raystep dump teapot --pass all --stream all --size 64x64 --format both -o all")]
 pub(crate) struct DumpArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -129,7 +129,7 @@ enum Format {
 }
 
 pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
-    if args.pass != Which::Last && !args.run.schedule.is_stepped() {
+    if args.pass != Which::Last && !args.run.way.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused traces every ray in one pass: use --pass last for its hits, or schedule first, second \
              or compact, which have steps",

@@ -31,7 +31,7 @@ use crate::terminal::print;
 #[command(after_help = "\
 Examples:
   raystep info
-  raystep info scenes/teapot.glb
+  raystep info teapot
   raystep info --self-test
   raystep info --self-test --bundle self-test.zip
   raystep info --self-test --adapter Radeon --seconds 300

@@ -25,8 +25,8 @@ use crate::terminal::Progress;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  raystep render scenes/cornell-box.gltf -o part-1 --spp 256 --shard 1/2
-  raystep render scenes/cornell-box.gltf -o part-2 --spp 256 --shard 2/2
+  raystep render cornell-box -o part-1 --spp 256 --shard 1/2
+  raystep render cornell-box -o part-2 --spp 256 --shard 2/2
   raystep merge part-1 part-2 -o box.png")]
 pub(crate) struct MergeArgs {
     /// The parts' folders

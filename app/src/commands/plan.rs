@@ -23,10 +23,10 @@ use crate::terminal::{Progress, print};
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  raystep plan scenes/cornell-box.gltf
-  raystep plan scenes/teapot.glb --accelerator auto --schedule fused
-  raystep plan scenes/cornell-box.gltf --device gpu --measure
-  raystep plan scenes/terrain.glb --json | jq .bytes")]
+  raystep plan cornell-box
+  raystep plan teapot --accelerator auto --schedule fused
+  raystep plan cornell-box --device gpu --measure
+  raystep plan terrain --json | jq .bytes")]
 pub(crate) struct PlanArgs {
     #[command(flatten)]
     scene: SceneArgs,

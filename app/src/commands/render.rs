@@ -15,7 +15,7 @@ use raystep_lab::judge::{Report, Traced, check_rays};
 use raystep_lab::png;
 
 use super::summary;
-use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs, fastest_accelerator, fastest_schedule};
 use crate::error::Error;
 use crate::output::{Target, ending, refuse_inputs, write};
 use crate::session::{Running, Session};
@@ -36,16 +36,20 @@ const MISTAKES_SHOWN: usize = 8;
 /// command traces only the missing blocks. 'raystep merge' combines all parts into one image. If all devices are of the
 /// same kind, its pixels are bit-identical to those of the same command without --shard; a merged EXR has no hit channels.
 #[derive(Args, Debug)]
-#[command(after_help = "\
+#[command(
+    mut_arg("schedule", fastest_schedule),
+    mut_arg("accelerator", fastest_accelerator),
+    after_help = "\
 Examples:
-  raystep render scenes/cornell-box.gltf -o box.png
-  raystep render scenes/cornell-box.gltf -o box.png --spp 64
-  raystep render scenes/cornell-box.gltf -o part-1 --spp 256 --shard 1/4
-  raystep render scenes/teapot.glb -o teapot.exr --size 1920x1080 --device cpu
-  raystep render scenes/cornell-box.gltf -o box.png --numerics paper --check
-  raystep render scenes/terrain.glb -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
-  raystep render scenes/cornell-box.gltf -o box.png --passes-csv passes.csv --summary-json run.json
-  raystep render scenes/cornell-box.gltf -o box.png --trace-json trace.json   # for ui.perfetto.dev")]
+  raystep render cornell-box -o box.png
+  raystep render cornell-box -o box.png --spp 64
+  raystep render cornell-box -o part-1 --spp 256 --shard 1/4
+  raystep render teapot -o teapot.exr --size 1920x1080 --device cpu
+  raystep render cornell-box -o box.png --numerics paper --check
+  raystep render terrain -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
+  raystep render cornell-box -o box.png --passes-csv passes.csv --summary-json run.json
+  raystep render cornell-box -o box.png --trace-json trace.json   # for ui.perfetto.dev"
+)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,

@@ -43,14 +43,14 @@ use crate::terminal::{Progress, print};
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  raystep report scenes/cornell-box.gltf -o report
-  raystep report scenes/cornell-box.gltf scenes/teapot.glb --device gpu -o report
-  raystep report scenes/teapot.glb --section rules,moved --size 256x256 -o report
-  raystep report scenes/cornell-box.gltf --quick -o report
-  raystep report scenes/cornell-box.gltf -o report --bundle report.zip
+  raystep report cornell-box -o report
+  raystep report cornell-box teapot --device gpu -o report
+  raystep report teapot --section rules,moved --size 256x256 -o report
+  raystep report cornell-box --quick -o report
+  raystep report cornell-box -o report --bundle report.zip
   raystep report --verify report.zip")]
 pub(crate) struct ReportArgs {
-    /// The scenes: files that end in .gltf, .glb, .obj, .ply or .stl; or names of installed scenes, such as cornell-box
+    /// The scenes: files that end in .gltf, .glb, .obj, .ply or .stl; or names, such as cornell-box
     #[arg(required_unless_present = "verify", value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Output folder: new, or empty

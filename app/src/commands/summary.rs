@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use raystep_kernels::export::json::{self, AdapterInfo, CheckSummary, CounterSums, Summary};
-use raystep_kernels::plan::Bytes;
+use raystep_kernels::plan::{Bytes, Plan};
+use raystep_kernels::{Accelerator, Options, ScheduleKind};
 use raystep_lab::judge::Report;
 
 use crate::session::Running;
@@ -40,6 +41,17 @@ pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, re
     }
 }
 
+/// The structure and the schedule that rays were traced by.
+pub(crate) fn way(options: &Options, plan: &Plan) -> String {
+    let (accelerator, schedule) = (plan.accelerator, options.schedule);
+    let chosen = match options.accelerator {
+        Accelerator::Auto if schedule == ScheduleKind::Fused => ": chosen for this scene",
+        Accelerator::Auto => ": structure chosen for this scene",
+        _ => "",
+    };
+    format!("{accelerator}, {schedule}{chosen}")
+}
+
 /// A stage's displayed name.
 fn in_words(stage: &str) -> String {
     match stage {
@@ -62,6 +74,7 @@ pub(crate) fn text(summary: &Summary, running: &Running) -> String {
     };
     line("device", format!("{device}: {}", summary.device_reason));
     line("triangles", summary.triangles.to_string());
+    line("tracing", way(&running.options, running.renderer.plan()));
     // It includes its own name.
     let _ = writeln!(text, "{}", summary.structure);
     let mut line = |name: &str, value: String| {

@@ -28,11 +28,11 @@ use crate::terminal::{Progress, print, say};
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("which").args(["pixel", "ray"]), after_help = "\
 Examples:
-  raystep trace scenes/cornell-box.gltf --pixel 256,256
-  raystep trace scenes/cornell-box.gltf --pixel 256,256 --numerics paper --format csv > ray.csv
-  raystep trace scenes/teapot.glb --ray 0,0,5,0,0,-1
-  raystep trace scenes/teapot.glb --ray 0,0,0x40a00000,0,0,0xbf800000 --format json
-  raystep trace --link \"raystep:1?scene=scenes/teapot.glb&accelerator=bvh&pixel=256,256\"")]
+  raystep trace cornell-box --pixel 256,256
+  raystep trace cornell-box --pixel 256,256 --numerics paper --format csv > ray.csv
+  raystep trace teapot --ray 0,0,5,0,0,-1
+  raystep trace teapot --ray 0,0,0x40a00000,0,0,0xbf800000 --format json
+  raystep trace --link \"raystep:1?scene=teapot&accelerator=bvh&pixel=256,256\"")]
 pub(crate) struct TraceArgs {
     #[command(flatten)]
     scene: LinkArgs,
@@ -116,7 +116,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
             size.height - 1
         )));
     }
-    if !wanted.run.schedule.is_stepped() {
+    if !wanted.run.way.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused traces a ray in one pass, so there are no steps to follow; use first, second or \
              compact",

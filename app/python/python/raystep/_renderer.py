@@ -117,8 +117,9 @@ class Renderer:
     """A run of a scene, between two passes: stepped forwards and backwards, or run to its end.
 
     `scene`: a `Scene`, or what `Scene` opens, with `device` and `adapter`. All other options are those of `raystep
-    render`, with the same values and defaults: pixels (`size=(640, 480)`, or `width` and `height`), camera (its index, or
-    `eye`, `look_at`, `up`, `fov` in degrees, scene units), samples (`spp`, `sampler`, `seed`), and how rays are traced.
+    render`, with the same values: pixels (`size=(640, 480)`, or `width` and `height`), camera (its index, or `eye`,
+    `look_at`, `up`, `fov` in degrees, scene units), samples (`spp`, `sampler`, `seed`), and how rays are traced. As passes
+    are stepped, `accelerator` is "grid" and `schedule` "compact" by default.
     `counters` counts cells and tests per ray; `timings` times every pass.
 
     Raises `OptionError` for a wrong option, with the command line's words; `SceneError` for a scene that cannot be

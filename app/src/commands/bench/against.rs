@@ -253,7 +253,7 @@ fn arguments(args: &BenchArgs) -> Vec<OsString> {
         option("--rays", list(args.rays.iter().map(|k| k.name()).collect()));
     }
     option("--numerics", args.tuning.numerics.name().into());
-    option("--grid", raystep_lab::bench::grid_text(args.tuning.grid));
+    option("--grid", raystep_lab::bench::grid_text(args.tuning.grid()));
     option("--skip", args.tuning.skip.name().into());
     option("--max-memory", args.read.max_memory.to_string());
     option("--seed", args.seed.to_string());

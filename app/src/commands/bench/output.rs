@@ -197,7 +197,7 @@ impl<'a> About<'a> {
                 rays: args.rays.iter().map(|k| k.name()).collect(),
                 repeats: args.repeats(),
                 warmups: args.warmups,
-                grid: grid_text(args.tuning.grid),
+                grid: grid_text(args.tuning.grid()),
                 skip: args.tuning.skip.name(),
                 steps_per_pass: args.tuning.steps_per_pass,
                 keep_all: args.tuning.keep_all,

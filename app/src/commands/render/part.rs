@@ -116,6 +116,8 @@ fn trace(running: &mut Running, samples: Samples, progress: &Progress) -> Result
 fn describe(running: &Running, hash: Hash, shard: Shard, whole: Samples, picture: Picture) -> Result<Part, Error> {
     let mut options = serde_json::to_value(running.run_options()).unwrap_or_default();
     if let (Some(options), RaySource::Camera { camera, .. }) = (options.as_object_mut(), &running.options.rays) {
+        // What `auto` chose has to be the same in all parts.
+        options.insert("structure".into(), running.renderer.plan().accelerator.name().into());
         // Where a scene lies differs between machines; its contents are in the hash.
         options.remove("scene_path");
         options.insert("spp".into(), whole.count.into());
