@@ -197,7 +197,11 @@ const COLUMNS: &[Column] = &[
     number("undecided_per_million", "undecided rays per million judged"),
     number("most_wrong_per_million", "limit of wrong_per_million_high for a choice to be accurate"),
     truth("is_accurate", "whether wrong_per_million_high is within that limit"),
-    truth("is_fastest", "whether it is the fastest accurate choice"),
+    truth("is_recommended", "whether it is recommended: the fastest robust and accurate choice, to which ratios are"),
+    truth(
+        "is_fastest",
+        "whether it has the shortest median time of all accurate choices, methods of other programs included",
+    ),
     truth("is_front", "whether no other choice is both faster and as accurate"),
     count("witness_rays", "hits whose t was compared with rational arithmetic"),
     number("witness_error_by_bound", "their largest error of t, relative to the ray's bound"),
