@@ -39,7 +39,7 @@ use crate::terminal::{Progress, print};
 /// numerical rule; errors far from the origin and at tiny and huge scales; effects of grid resolution and samples per
 /// pixel; and what omitting unneeded work saves. Every ray, or a sample of them, is compared with exact hits in f64.
 ///
-/// Each of the 8 sections takes at most about --seconds N per scene: 60, with --quick 15, and in small scenes much less.
+/// Each of the 8 sections takes at most about --seconds N per scene: 60, with --quick 20, and in small scenes much less.
 /// Slow choices run once or are left out, which the page says. DIR has the page and its files after the first section,
 /// which is the answer, and again after each other one.
 ///
@@ -76,7 +76,7 @@ pub(crate) struct ReportArgs {
     /// Use fewer rays and repeats
     #[arg(long)]
     quick: bool,
-    /// About how long a section may take per scene; stiff takes its own time [default: 60; with --quick 15]
+    /// About how long a section may take per scene; stiff takes its own time [default: 60; with --quick 20]
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1, 36_000), allow_negative_numbers = true)]
     seconds: Option<u32>,
     /// Seed of rays, orders and samples

@@ -21,6 +21,11 @@ impl Portions {
         Self { begin: Instant::now() }
     }
 
+    /// Seconds that are left.
+    fn left(&self) -> f64 {
+        PORTION.saturating_sub(self.begin.elapsed()).as_secs_f64()
+    }
+
     /// To be called between small pieces of work.
     pub(crate) async fn rest(&mut self) {
         if self.begin.elapsed() >= PORTION {
@@ -47,9 +52,12 @@ pub(crate) async fn map_in_portions<T: Send>(len: usize, f: impl Fn(usize) -> T 
         let count = (a_core as usize).saturating_mul(cores).min(len - first);
         let part = |range: Range<usize>| map(first + range.start..first + range.end);
         map_ranges(count, CHUNK.min(count.div_ceil(cores)), part).into_iter().for_each(|part| all.extend(part));
-        let fitting = PORTION.as_secs_f64() / begin.elapsed().as_secs_f64().max(1e-9);
-        a_core = (a_core * fitting.min(GROWTH)).max(1.0);
-        portions.rest().await;
+        let an_item = begin.elapsed().as_secs_f64().max(1e-9) / f64::floor(a_core);
+        if portions.left() < an_item {
+            let_others_run().await;
+            portions = Portions::new();
+        }
+        a_core = (portions.left() / an_item).clamp(1.0, GROWTH * a_core);
     }
     all
 }

@@ -92,7 +92,7 @@ pub const SEED: u32 = 2007;
 pub const SEEDS: u32 = 10;
 
 /// Seconds of a section for a scene unless others are requested: of a quick report, and of a full one.
-pub const SECONDS: [u32; 2] = [15, 60];
+pub const SECONDS: [u32; 2] = [20, 60];
 
 /// The results.
 pub struct Report {

@@ -125,7 +125,7 @@ box (26 triangles), 32x8: 256 bounce rays
             baseline_ratio: Some(1.25),
             ..row("first", "primary", Some(1.0), Some([1.5; 3]))
         };
-        assert!(text(&[few]).ends_with("          1.50         1.25\n"));
+        assert!(text(&[few]).ends_with("  1.50         1.25\n"));
         assert_eq!(text(&[]), "");
     }
 }

@@ -154,8 +154,15 @@ fn ways(is_quick: bool, only: &Only) -> Vec<Way> {
             }
         }
     }
-    // If there is no room for all of them, the slowest are missing.
-    ways.sort_by_key(|way| ![ScheduleKind::Fused, ScheduleKind::Compact].contains(&way.schedule));
+    // If there is no room or time for all of them, the slowest are missing: by schedule, then by how long they take to
+    // build or run.
+    let by_schedule = |way: &Way| match way.schedule {
+        ScheduleKind::Fused => 0,
+        ScheduleKind::Compact => 1,
+        ScheduleKind::First | ScheduleKind::Second => 2,
+    };
+    let by_structure = |way: &Way| [Bvh, Grid, Irregular, None].iter().position(|a| *a == way.accelerator);
+    ways.sort_by_key(|way| (by_schedule(way), by_structure(way)));
     ways
 }
 

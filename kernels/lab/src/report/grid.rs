@@ -89,9 +89,6 @@ const SHOWN: &[&str] = &[
 /// Maximum number of cells.
 const MOST_CELLS: u64 = 1 << 25;
 
-/// Share of the section's time after which nothing is built for the first time.
-const FOR_BUILDING: f64 = 0.25;
-
 /// A configuration to build.
 struct Way {
     options: Options,
@@ -124,7 +121,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     work.stage("grid resolution");
     let (mut built, mut left_out): (Vec<(Way, Built)>, Vec<String>) = (Vec::new(), Vec::new());
     for way in ways(work, &mut part)? {
-        if work.is_past(FOR_BUILDING) {
+        if work.is_past(times::FOR_BUILDING) {
             left_out.push(way.name());
             continue;
         }

@@ -83,7 +83,7 @@ fn ways(work: &Work<'_>, rays: &[Ray]) -> Vec<Way> {
     let most: usize = work.either(1 << 25, 1 << 27);
     let can_test_all = work.subject.scene.triangles.len().saturating_mul(rays.len()) <= most;
     let mut ways = Vec::new();
-    for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
+    for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::Irregular, Accelerator::None] {
         if accelerator == Accelerator::None && !can_test_all || !work.only.has(accelerator) {
             continue;
         }
@@ -157,7 +157,7 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     let strata = Strata::new(work)?;
     let (mut ready, mut left_out): (Vec<(Way, Built)>, Vec<String>) = (Vec::new(), Vec::new());
     for way in ways(work, &strata.rays) {
-        if work.is_past(times::FOR_FIRST_RUNS) {
+        if work.is_past(times::FOR_BUILDING) {
             left_out.push(way.id(work));
             continue;
         }

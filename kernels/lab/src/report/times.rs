@@ -19,6 +19,9 @@ use crate::tidy::{Row, fill};
 /// Time limit for the repeats of one configuration, after the first [`interval::FEWEST`].
 const REPEATS_TAKE: Duration = Duration::from_secs(1);
 
+/// Share of a section's time after which no more is built, where all is built before anything runs.
+pub(super) const FOR_BUILDING: f64 = 0.3;
+
 /// Share of a section's time after which nothing runs for the first time.
 pub(super) const FOR_FIRST_RUNS: f64 = 0.5;
 

@@ -29,7 +29,8 @@ pub(super) fn compared(column: &str, row: &Row) -> Compared {
 mod tests {
     use super::*;
 
-    const COLUMNS: &[&str] = &["schema_version", "time_ratio", "median_ns", "low_ns", "high_ns"];
+    const COLUMNS: &[&str] =
+        &["schema_version", "time_ratio", "time_ratio_low", "time_ratio_high", "median_ns", "low_ns", "high_ns"];
 
     #[test]
     fn a_median_is_told_with_its_interval() {

@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use raystep_kernels::plan::Plan;
 
-use super::{FOR_BUILDING, Way};
+use super::Way;
 use crate::Error;
-use crate::report::times::Times;
+use crate::report::times::{FOR_BUILDING, Times};
 use crate::report::work::{Built, Work};
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::{median, quantile};
