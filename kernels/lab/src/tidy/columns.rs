@@ -168,8 +168,8 @@ const COLUMNS: &[Column] = &[
     number("start_ratio_low", "lower end of its interval"),
     number("start_ratio_high", "upper end of its interval"),
     count("differing_hits", "rays whose hits with and without the item differ in any bit"),
-    // Verdicts of f64 brute force.
-    count("judged_rays", "rays compared with f64 brute force"),
+    // Verdicts of the f64 judge.
+    count("judged_rays", "rays compared with exact hits in f64"),
     count("missed", "rays that should hit and do not"),
     count("false_hits", "rays that hit and should not"),
     count("wrong_hits", "rays that hit another triangle, or at a wrong t"),
