@@ -23,7 +23,7 @@ pub(super) struct Measured {
 }
 
 /// The columns of the table.
-const HEADS: [&str; 4] = ["item", "time with it / without [95%]", "memory", "start-up"];
+const HEADS: [&str; 5] = ["item", "time with it / without [95%]", "memory", "start-up", "not needed because"];
 
 impl Measured {
     pub(super) fn of(
@@ -62,11 +62,14 @@ impl Measured {
         for cost in &self.costs.costs {
             let [time, memory, start] = cost.in_words();
             let time = if is_timed && cost.is_changed && cost.times.is_none() { late.clone() } else { time };
-            lines.push(vec![cost.name().to_owned(), time, memory, start]);
+            lines.push(vec![cost.name().to_owned(), time, memory, start, cost.reason.clone()]);
         }
-        lines.extend(self.costs.unplanned.iter().map(|item| vec![item.name().to_owned(), late.clone()]));
+        let unplanned = |name: &str| [name, &late, "", "", ""].map(str::to_owned).to_vec();
+        lines.extend(self.costs.unplanned.iter().map(|item| unplanned(item.name())));
         if !is_timed {
-            lines.iter_mut().for_each(|line| *line = vec![line[0].clone(), line[2].clone()]);
+            // What has no effect has no memory, either.
+            let second = |line: &[String]| if line[2].is_empty() { line[1].clone() } else { line[2].clone() };
+            lines.iter_mut().for_each(|line| *line = vec![line[0].clone(), second(line), line[4].clone()]);
         }
         if lines.len() == 1 {
             return text + "  nothing: the scene needs everything that a plan can omit\n";
