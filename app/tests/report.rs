@@ -42,7 +42,7 @@ fn a_quick_report_is_complete() {
     let place = Place::new();
     let outcome = quick(&place, &[]);
     let first = outcome.stdout.lines().next().unwrap_or_default();
-    assert!(first.starts_with("cornell-box, ") && !first.contains('<'), "{outcome:?}");
+    assert!(first.starts_with("Use --accelerator ") && !first.contains('<'), "{outcome:?}");
     let tables = tables(&place, "out");
     let run_id = &tables["about.csv"][0]["run_id"];
     for (name, rows) in &tables {
@@ -66,8 +66,11 @@ fn check_choices(rows: &[Row]) {
     let fastest: Vec<&Row> = rows.iter().filter(|r| r["is_fastest"] == "true").collect();
     assert_eq!(fastest.len(), 1);
     assert_eq!(fastest[0]["is_accurate"], "true");
+    let recommended: Vec<&Row> = rows.iter().filter(|r| r["is_recommended"] == "true").collect();
+    assert_eq!(recommended.len(), 1);
+    assert_eq!((recommended[0]["is_accurate"].as_str(), recommended[0]["numerics"].as_str()), ("true", "robust"));
     for row in rows {
-        assert_eq!((row["rays"].as_str(), row["stratum"].as_str()), ("4096", "all"));
+        assert_eq!((row["rays"].as_str(), row["stratum"].as_str()), ("16384", "all"));
         let within = number(row, "wrong_per_million_high") <= number(row, "most_wrong_per_million");
         assert_eq!(row["is_accurate"] == "true", within, "{row:?}");
         assert!(row["numerics"] != "robust" || row["wrong_rays"] == "0", "{row:?}");

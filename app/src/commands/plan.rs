@@ -10,8 +10,9 @@ use raystep_kernels::plan::PlanText;
 use serde::Serialize;
 
 use measured::{AboutCosts, Measured};
+use raystep_lab::report::left_out::ALONE_SECONDS;
 
-use crate::args::{ProgramArgs, QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::args::{ProgramArgs, QuietArgs, RunArgs, SceneArgs, ViewArgs, whole};
 use crate::error::Error;
 use crate::session::Session;
 use crate::terminal::{Progress, print};
@@ -38,6 +39,10 @@ pub(crate) struct PlanArgs {
     /// Also measure what each unneeded item would cost: memory and, on a GPU, run time and start-up
     #[arg(long, conflicts_with = "keep_all")]
     measure: bool,
+    /// About how long to measure on a GPU; what does not fit is not measured [default: 25]
+    #[arg(long, value_name = "N", default_value_t = ALONE_SECONDS, hide_default_value = true, requires = "measure",
+          value_parser = whole::<u32>(1, 36_000), allow_negative_numbers = true)]
+    seconds: u32,
     /// Count cells visited and triangles tested
     #[arg(long)]
     counters: bool,
@@ -74,7 +79,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
             // Measuring plans anew, and a large scene's structure need not be kept twice.
             drop((plan, data));
             progress.stage("measuring what the scene does not need");
-            Some(Measured::of(scene, &options, chosen, &progress)?)
+            Some(Measured::of(scene, &options, chosen, args.seconds, &progress)?)
         }
         false => None,
     };

@@ -6,19 +6,22 @@ mod verify;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use raystep_kernels::GridSize;
+use raystep_kernels::{Accelerator, GridSize, ScheduleKind};
 use raystep_lab::bench::grid_text;
 use raystep_lab::meter::Meter;
 use raystep_lab::report::methods::{self, Method};
-use raystep_lab::report::{self, About, Report, SECTIONS, Section, Wanted};
+use raystep_lab::report::{self, About, Only, Report, SECTIONS, Section, Wanted};
 use raystep_lab::stiff::{self, Kept, Start};
 use raystep_lab::text::visible;
 use raystep_lab::{Machine, Size};
 
-use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, parse_grid, parse_size, whole};
+use crate::args::{
+    CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, named, parse_grid, parse_size, whole,
+};
 use crate::commands::input::Input;
 use crate::commands::unfinished::Unfinished;
 use crate::commands::{distinct, input};
@@ -34,8 +37,11 @@ use crate::terminal::{Progress, print};
 ///
 /// Measures how fast rays are resolved, and how many wrongly, by accelerator and schedule; the cost and benefit of each
 /// numerical rule; errors far from the origin and at tiny and huge scales; effects of grid resolution and samples per
-/// pixel; and what omitting unneeded work saves. Every ray, or in large scenes a sample of them, is compared with f64
-/// brute force. Takes one to three minutes per scene on two cores; --quick takes less.
+/// pixel; and what omitting unneeded work saves. Every ray, or a sample of them, is compared with exact hits in f64.
+///
+/// Each of the 8 sections takes at most about --seconds N per scene: 60, with --quick 20, and in small scenes much less.
+/// Slow choices run once or are left out, which the page says. DIR has the page and its files after the first section,
+/// which is the answer, and again after each other one.
 ///
 /// DIR/index.html is self-contained; all its numbers are also in CSV files, and all its plots are also SVG files. The
 /// same command on the same machine finds the same errors; times differ. The first sentences of the page are also
@@ -47,6 +53,7 @@ Examples:
   raystep report cornell-box teapot --device gpu -o report
   raystep report teapot --section rules,moved --size 256x256 -o report
   raystep report cornell-box --quick -o report
+  raystep report terrain --section choices --accelerators grid,bvh --seconds 20 -o report
   raystep report cornell-box -o report --bundle report.zip
   raystep report --verify report.zip")]
 pub(crate) struct ReportArgs {
@@ -69,6 +76,9 @@ pub(crate) struct ReportArgs {
     /// Use fewer rays and repeats
     #[arg(long)]
     quick: bool,
+    /// About how long a section may take per scene; stiff takes its own time [default: 60; with --quick 20]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1, 36_000), allow_negative_numbers = true)]
+    seconds: Option<u32>,
     /// Seed of rays, orders and samples
     #[arg(long, value_name = "N", default_value_t = report::SEED, allow_negative_numbers = true,
           value_parser = whole::<u32>(0, u64::from(u32::MAX)))]
@@ -80,7 +90,7 @@ pub(crate) struct ReportArgs {
     /// Also write DIR/rays.csv: every judged ray, with its verdict, error and error bound
     #[arg(long)]
     rays_csv: bool,
-    /// CSV file with results of other programs, shown beside raystep's: columns method, ns_per_ray, judged_rays and
+    /// CSV file with results of other programs, ranked with raystep's: columns method, ns_per_ray, judged_rays and
     /// wrong_rays; optionally scene, ns_per_ray_low, ns_per_ray_high and undecided
     #[arg(long, value_name = "FILE.csv")]
     methods: Option<PathBuf>,
@@ -93,10 +103,18 @@ pub(crate) struct ReportArgs {
     scene_index: Option<usize>,
     #[command(flatten)]
     read: ReadArgs,
-    /// Width and height of views in pixels [default: 192x192; with --quick 64x64]
+    /// Width and height of views in pixels [default: 192x192; with --quick 128x128]
     #[arg(long, value_name = "WxH", value_parser = parse_size, help_heading = "Scene and view",
           allow_hyphen_values = true)]
     size: Option<Size>,
+    /// Measure only these structures [default: all]
+    #[arg(long, value_name = "A,B…", value_delimiter = ',', help_heading = "Tracing",
+          value_parser = named(STRUCTURES, Accelerator::name))]
+    accelerators: Vec<Accelerator>,
+    /// Measure only these schedules, where a section varies them [default: all]
+    #[arg(long, value_name = "A,B…", value_delimiter = ',', help_heading = "Tracing",
+          value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
+    schedules: Vec<ScheduleKind>,
     /// Number of grid cells in section rules [default: auto]
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", hide_default_value = true,
           value_parser = parse_grid, allow_hyphen_values = true, help_heading = "Tracing")]
@@ -116,8 +134,11 @@ pub(crate) struct ReportArgs {
     pub(super) device: DeviceArgs,
 }
 
+/// The structures of a report.
+const STRUCTURES: &[Accelerator] = &[Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None];
+
 /// Default pixels per side, for quick and full reports.
-const SIDES: [u32; 2] = [64, 192];
+const SIDES: [u32; 2] = [128, 192];
 
 impl ReportArgs {
     /// A scene, and how it is read.
@@ -128,6 +149,10 @@ impl ReportArgs {
     fn size(&self) -> Size {
         let side = if self.quick { SIDES[0] } else { SIDES[1] };
         self.size.unwrap_or(Size { width: side, height: side })
+    }
+
+    fn seconds(&self) -> u32 {
+        self.seconds.unwrap_or(report::SECONDS[usize::from(!self.quick)])
     }
 
     /// The arguments that repeat this report, but for scenes and output: those of the command line, and the device.
@@ -142,6 +167,14 @@ impl ReportArgs {
         if !self.sections.is_empty() {
             add("--section", self.sections.join(","));
         }
+        let mut add_names = |option: &str, names: Vec<&str>| {
+            if !names.is_empty() {
+                add(option, names.join(","));
+            }
+        };
+        add_names("--accelerators", self.accelerators.iter().map(|a| a.name()).collect());
+        add_names("--schedules", self.schedules.iter().map(|s| s.name()).collect());
+        add("--seconds", self.seconds().to_string());
         if let Some(index) = self.scene_index {
             add("--scene-index", index.to_string());
         }
@@ -186,23 +219,19 @@ fn report(args: &ReportArgs, progress: &Progress) -> Result<(Machine, Vec<String
     let bundle = args.bundle.as_deref().map(Target::new).transpose()?;
     let is_long = args.sections().iter().any(|section| section.file == stiff::CSV);
     let unfinished = if is_long { Some(Unfinished::beside(output)?) } else { None };
-    let stale = report_files(output);
-    let (machine, lead, zip) = TargetFolder::new(output, args.force)?.fill(&stale, |folder| {
-        let (report, inputs, machine, run_id) = measure(args, output, unfinished.as_ref(), folder, progress)?;
-        progress.stage("writing");
-        let lead = report.lead();
-        let files = report.files(&about(&machine)).map_err(Error::failed)?;
-        files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))?;
-        let contents = bundle::Contents {
-            run_id: &run_id,
-            seed: args.seed,
-            machine: &machine,
-            arguments: args.repeating(&machine),
-            options: args.input_files(),
-        };
-        let zip = bundle.is_some().then(|| bundle::zip(contents, &inputs, args.read.max_memory, files)).transpose()?;
-        Ok((machine, lead, zip))
-    })?;
+    let mut page = Page { output, folder: Some(TargetFolder::new(output, args.force)?) };
+    let (report, inputs, machine, run_id) = measure(args, unfinished.as_ref(), &mut page, progress)?;
+    progress.stage("writing");
+    let lead = report.lead();
+    let files = page.write(&report, &machine, None)?;
+    let contents = bundle::Contents {
+        run_id: &run_id,
+        seed: args.seed,
+        machine: &machine,
+        arguments: args.repeating(&machine),
+        options: args.input_files(),
+    };
+    let zip = bundle.is_some().then(|| bundle::zip(contents, &inputs, args.read.max_memory, files)).transpose()?;
     unfinished.iter().for_each(Unfinished::remove);
     if let Some((target, bytes)) = bundle.zip(zip) {
         output::write(vec![(target, bytes)])?;
@@ -210,14 +239,38 @@ fn report(args: &ReportArgs, progress: &Progress) -> Result<(Machine, Vec<String
     Ok((machine, lead))
 }
 
-/// Reads the scenes and measures.
+/// The report's folder, which is written again after every section.
+struct Page<'a> {
+    output: &'a Path,
+    /// Before the first time.
+    folder: Option<TargetFolder>,
+}
+
+impl Page<'_> {
+    /// Replaces the folder's report by what there is. `progress` says how much of it, unless it is complete.
+    fn write(&mut self, report: &Report, machine: &Machine, progress: Option<String>) -> Result<Files, Error> {
+        let mut about = about(machine);
+        about.extend(progress.map(|progress| ("unfinished", progress)));
+        let files = report.files(&about).map_err(Error::failed)?;
+        let folder = self.folder.take().map_or_else(|| TargetFolder::new(self.output, true), Ok)?;
+        folder.fill(&report_files(self.output), |folder| {
+            files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))
+        })?;
+        Ok(files)
+    }
+}
+
+/// Files by name.
+type Files = Vec<(String, Vec<u8>)>;
+
+/// Reads the scenes and measures; writes `page` whenever a section is ready.
 fn measure(
     args: &ReportArgs,
-    output: &Path,
     unfinished: Option<&Unfinished>,
-    folder: &TargetFolder,
+    page: &mut Page<'_>,
     progress: &Progress,
 ) -> Result<(Report, Vec<Input>, Machine, String), Error> {
+    let output = page.output;
     let names = report_files(output);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     output::refuse_others(output, &names, "a report", report::PAGE, report::is_report)?;
@@ -225,7 +278,7 @@ fn measure(
     let (mut inputs, mut subjects) = (Vec::new(), Vec::new());
     for path in &distinct(&args.scenes) {
         let (input, subject) = input::read(args.file(path), &args.camera, progress)?;
-        folder.refuse_inputs(&input.files, report::is_ours)?;
+        page.folder.iter().try_for_each(|folder| folder.refuse_inputs(&input.files, report::is_ours))?;
         inputs.push(input);
         subjects.push(subject);
     }
@@ -247,6 +300,8 @@ fn measure(
         size: args.size(),
         grid: args.grid,
         is_quick: args.quick,
+        time: Duration::from_secs(args.seconds().into()),
+        only: Only { accelerators: distinct(&args.accelerators), schedules: distinct(&args.schedules) },
         seed: args.seed,
         seeds: args.seeds,
         has_rays: args.rays_csv,
@@ -254,8 +309,13 @@ fn measure(
         rays,
         stiff: Arc::new(stiff),
     };
-    let measuring = report::measure(&wanted, &subjects, run_id.clone(), &meter, progress);
-    let report = meter.machine.wait(measuring)?;
+    let (mut done, all) = (0, wanted.sections.len() * subjects.len());
+    let ready = |report: &Report| {
+        done += 1;
+        page.write(report, &meter.machine, Some(format!("{done} of {all} sections so far"))).map(drop)
+    };
+    let measuring = report::measure(&wanted, &subjects, run_id.clone(), &meter, progress, ready);
+    let report: Report = meter.machine.wait(measuring)?;
     Ok((report, inputs, meter.machine, run_id))
 }
 

@@ -3,9 +3,9 @@
 use std::pin::Pin;
 use std::sync::Arc;
 
-use raystep_kernels::{Device, GridSize};
+use raystep_kernels::Device;
 use raystep_lab::meter::Meter;
-use raystep_lab::report::{self, Answer};
+use raystep_lab::report::{self, Answer, Extent};
 use raystep_lab::reporter::Reporter;
 use raystep_lab::subject::Subject;
 use raystep_lab::{Error, Machine};
@@ -14,12 +14,10 @@ use raystep_lab::{Error, Machine};
 pub struct Measurement {
     /// The scene and the view.
     pub subject: Subject,
-    /// Width and height of the view; only their ratio counts.
-    pub size: [u32; 2],
-    /// The grid's resolution where it is not varied.
-    pub grid: GridSize,
-    /// Fewer rays and repeats.
-    pub is_quick: bool,
+    /// Its size, and how thoroughly.
+    pub extent: Extent,
+    /// Shows what is known so far.
+    pub ready: Arc<dyn Fn(Answer) + Send + Sync>,
     /// Where passes run: the session's device, but in f32.
     pub device: Device,
 }
@@ -52,9 +50,9 @@ pub fn on_its_device() -> Measure {
 /// # Errors
 /// If the device fails, nothing could be measured, or it was cancelled.
 pub async fn measured(measurement: Measurement, reporter: &dyn Reporter) -> Result<Answer, Error> {
-    let Measurement { subject, size, grid, is_quick, device } = measurement;
+    let Measurement { subject, extent, ready, device } = measurement;
     let meter = Meter::new(machine(device));
-    report::answer(subject, size, grid, is_quick, &meter, reporter).await
+    report::answer(subject, extent, &meter, reporter, &*ready).await
 }
 
 fn machine(device: Device) -> Machine {

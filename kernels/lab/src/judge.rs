@@ -1,9 +1,7 @@
-//! Judges the hits of a run: compares what its rays hit with f64 brute force and exact predicates
-//! ([`crate::reference`]).
+//! Judges the hits of a run: compares what its rays hit with f64 and exact predicates ([`crate::reference`]).
 //!
-//! [`check_rays`] judges every ray and keeps nothing. Testing every triangle against every ray is too slow for a large
-//! scene, or for many runs of the same rays: a [`Judge`] computes the correct hits of a [`sample`] once and keeps them
-//! for later runs.
+//! [`check_rays`] judges every ray and keeps nothing. For many runs of the same rays, a [`Judge`] computes the correct
+//! hits of a [`sample`] once and keeps them for later runs.
 //!
 //! What is judged is what the executor computed. The f64 twins ([`Device::CpuF64`](raystep_kernels::Device::CpuF64))
 //! are judged by their own t, before a stream rounds it to f32: a correct f64 hit does not become wrong by being
@@ -13,6 +11,7 @@ mod passes;
 mod report;
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use raystep_kernels::numbers::parallel::map_ranges;
 use raystep_kernels::program::Results;
@@ -20,13 +19,17 @@ use raystep_kernels::renderer::{RenderError, Renderer};
 use raystep_kernels::tables::stream::{Component, STATE_TAG, StreamData};
 
 use crate::Hash;
+use crate::portions::map_in_portions;
 use crate::rays::Random;
-use crate::reference::{BruteForce, Candidates, Mistake, candidates_of};
+use crate::reference::{Candidates, Mistake, Tree, Triangles};
 pub use passes::{Judgement, WrongRay, judge_passes, why_not};
 pub use report::Report;
 
-/// Ray/triangle tests between two progress reports.
-const TESTS_A_BATCH: usize = 1 << 24;
+/// How many rays to judge between two progress reports.
+pub const RAYS_A_BATCH: usize = 1 << 12;
+
+/// Fewest rays of a sample.
+const FEWEST_RAYS: usize = 64;
 
 /// The rays of a run and their hits so far.
 pub struct Traced<'a> {
@@ -94,7 +97,7 @@ impl<'a> Traced<'a> {
     }
 
     /// What a ray may hit.
-    fn candidates(&self, triangles: &BruteForce<'_>, ray: usize) -> Candidates {
+    fn candidates(&self, triangles: &Triangles<'_>, ray: usize) -> Candidates {
         let [origin, direction] = self.ray(ray);
         within(triangles.candidates(origin, direction), self.interval(ray))
     }
@@ -126,11 +129,10 @@ impl<'a> Traced<'a> {
 
 /// Judges every ray of a run. `progress` gets the rays done and their total, and may stop.
 pub fn check_rays(traced: &Traced<'_>, mut progress: impl FnMut(u64, u64) -> ControlFlow<()>) -> Report {
-    let triangles = BruteForce::new(traced.vertices());
+    let triangles = Triangles::new(traced.vertices());
     let (rays, mut report) = (traced.rays(), Report::default());
-    let batch = rays_a_batch(triangles.triangles());
-    for first in (0..rays).step_by(batch) {
-        let count = batch.min(rays - first);
+    for first in (0..rays).step_by(RAYS_A_BATCH) {
+        let count = RAYS_A_BATCH.min(rays - first);
         let parts = map_ranges(count, 64, |range| {
             let mut part = Report::default();
             for i in range {
@@ -149,7 +151,7 @@ pub fn check_rays(traced: &Traced<'_>, mut progress: impl FnMut(u64, u64) -> Con
 }
 
 /// The verdict on a ray, and the error of its t, see [`Candidates::judge`].
-fn judge(triangles: &BruteForce<'_>, traced: &Traced<'_>, ray: usize) -> (Mistake, f64) {
+fn judge(triangles: &Triangles<'_>, traced: &Traced<'_>, ray: usize) -> (Mistake, f64) {
     let [origin, direction] = traced.ray(ray);
     let found = traced.hit(ray).map(|hit| (hit.triangle, hit.t));
     triangles.judge(ray, origin, direction, &traced.candidates(triangles, ray), found)
@@ -163,10 +165,17 @@ fn within(candidates: Candidates, interval: Option<[f32; 2]>) -> Candidates {
     }
 }
 
-/// How many rays to judge at a time, so that every batch takes about equally long.
+/// How many of a run's rays can be judged with this much work: boxes, spheres and triangles that the judge looks at, by
+/// the time they take. Estimated from a few rays, by counting: the same on every machine.
 #[must_use]
-pub fn rays_a_batch(triangles: usize) -> usize {
-    TESTS_A_BATCH.div_ceil(triangles.max(1)).clamp(64, 1 << 16)
+pub fn affordable(triangles: &Triangles<'_>, traced: &Traced<'_>, work: u64, seed: u32) -> usize {
+    let tried = sample(traced.rays(), FEWEST_RAYS, seed);
+    let work_of = |&ray: &usize| {
+        let [origin, direction] = traced.ray(ray);
+        triangles.work(origin, direction)
+    };
+    let a_ray = tried.iter().map(work_of).sum::<u64>() / tried.len().max(1) as u64;
+    ((work / a_ray.max(1)) as usize).max(FEWEST_RAYS)
 }
 
 /// Indices of `count` of `rays` rays, ascending: one random ray from each of `count` intervals of equal length. All
@@ -197,6 +206,7 @@ pub enum Cracks {
 pub struct Judge {
     /// Hash of the triangles' vertices.
     scene: Hash,
+    tree: Arc<Tree>,
     sample: Vec<usize>,
     /// Origins and directions, as bits.
     rays: Vec<[[u32; 3]; 2]>,
@@ -217,19 +227,36 @@ pub struct Judged<'a> {
 }
 
 impl Judge {
+    /// The triangles of a run, with the hierarchy of the last run if it is for them.
+    fn triangles<'t>(&mut self, traced: &Traced<'t>) -> Triangles<'t> {
+        let scene = Hash::of_floats(traced.vertices());
+        if scene != self.scene {
+            *self = Self { scene, tree: Triangles::new(traced.vertices()).tree(), ..Self::default() };
+        }
+        self.triangles_of(traced)
+    }
+
+    /// The same after [`prepare`](Self::prepare).
+    fn triangles_of<'t>(&self, traced: &Traced<'t>) -> Triangles<'t> {
+        Triangles::with(traced.vertices(), self.tree.clone())
+    }
+
+    /// How many of a run's rays can be judged with this much work, see [`affordable`].
+    pub fn affordable(&mut self, traced: &Traced<'_>, work: u64, seed: u32) -> usize {
+        affordable(&self.triangles(traced), traced, work, seed)
+    }
+
     /// Computes what each ray of a sample may hit, unless rays and triangles are the same as before. Lets other tasks run
     /// every few milliseconds.
     pub async fn prepare(&mut self, traced: &Traced<'_>, sample: Vec<usize>) {
+        let triangles = self.triangles(traced);
         let rays: Vec<_> = sample.iter().map(|&ray| traced.bits(ray)).collect();
         let intervals: Vec<_> = sample.iter().map(|&ray| traced.interval(ray).map(|t| t.map(f32::to_bits))).collect();
-        let scene = Hash::of_floats(traced.vertices());
-        if (self.scene, &self.rays, &self.intervals, &self.sample) == (scene, &rays, &intervals, &sample) {
+        if (&self.rays, &self.intervals, &self.sample) == (&rays, &intervals, &sample) {
             return;
         }
-        let floats: Vec<_> = rays.iter().map(|ray| ray.map(|v| v.map(f32::from_bits))).collect();
-        let all = candidates_of(traced.vertices(), &floats).await.into_iter().zip(&sample);
-        let candidates = all.map(|(candidates, &ray)| within(candidates, traced.interval(ray))).collect();
-        *self = Self { scene, sample, rays, intervals, candidates };
+        self.candidates = map_in_portions(sample.len(), |i| traced.candidates(&triangles, sample[i]).near()).await;
+        (self.sample, self.rays, self.intervals) = (sample, rays, intervals);
     }
 
     /// The rays that are judged, ascending.
@@ -253,7 +280,7 @@ impl Judge {
     /// Judges the sample in a run, which must trace the rays that this was [prepared](Self::prepare) for.
     #[must_use]
     pub fn of<'b>(&'b self, traced: &'b Traced<'_>, cracks: Cracks) -> Verdicts<'b> {
-        Verdicts { judge: self, traced, triangles: BruteForce::new(traced.vertices()), cracks }
+        Verdicts { judge: self, traced, triangles: self.triangles_of(traced), cracks }
     }
 }
 
@@ -261,7 +288,7 @@ impl Judge {
 pub struct Verdicts<'a> {
     judge: &'a Judge,
     traced: &'a Traced<'a>,
-    triangles: BruteForce<'a>,
+    triangles: Triangles<'a>,
     cracks: Cracks,
 }
 

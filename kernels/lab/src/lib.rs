@@ -4,7 +4,7 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`mod@reference`] | f64 brute force with exact predicates, and the error bound of f32 |
+//! | [`mod@reference`] | exact hits in f64, without testing every triangle, and the error bound of f32 |
 //! | [`judge`] | a run's hits compared with that: all rays, a sample, or after each pass |
 //! | [`rounding`] | what rounding may change in one pass |
 //! | [`parity`], [`divergence`], [`lockstep`] | device against CPU reference kernels, pass by pass |

@@ -21,6 +21,11 @@ impl Portions {
         Self { begin: Instant::now() }
     }
 
+    /// Seconds that are left.
+    fn left(&self) -> f64 {
+        PORTION.saturating_sub(self.begin.elapsed()).as_secs_f64()
+    }
+
     /// To be called between small pieces of work.
     pub(crate) async fn rest(&mut self) {
         if self.begin.elapsed() >= PORTION {
@@ -30,22 +35,29 @@ impl Portions {
     }
 }
 
-/// Maps `0..len` on all cores, in order, `a_portion` items on each of them between two rests.
-pub(crate) async fn map_in_portions<T: Send>(len: usize, a_portion: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+/// Maps `0..len` on all cores, in order. Between two rests, each core does as many items as fit into a portion's time by
+/// the time of those before.
+pub(crate) async fn map_in_portions<T: Send>(len: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     /// Items of a core at a time, so that none waits long for another.
     const CHUNK: usize = 16;
+    /// How many times as many items a portion has as the one before, at most: the first ones may be the fast ones.
+    const GROWTH: f64 = 4.0;
     // One in a browser, which has no threads.
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let a_portion = a_portion.max(1).saturating_mul(cores);
     let map = |range: Range<usize>| range.map(&f).collect::<Vec<T>>();
     let mut all = Vec::with_capacity(len);
-    let mut portions = Portions::new();
+    let (mut portions, mut a_core) = (Portions::new(), 1.0);
     while all.len() < len {
-        let first = all.len();
-        let count = a_portion.min(len - first);
+        let (first, begin) = (all.len(), Instant::now());
+        let count = (a_core as usize).saturating_mul(cores).min(len - first);
         let part = |range: Range<usize>| map(first + range.start..first + range.end);
         map_ranges(count, CHUNK.min(count.div_ceil(cores)), part).into_iter().for_each(|part| all.extend(part));
-        portions.rest().await;
+        let an_item = begin.elapsed().as_secs_f64().max(1e-9) / f64::floor(a_core);
+        if portions.left() < an_item {
+            let_others_run().await;
+            portions = Portions::new();
+        }
+        a_core = (portions.left() / an_item).clamp(1.0, GROWTH * a_core);
     }
     all
 }
@@ -60,9 +72,9 @@ mod tests {
 
     #[test]
     fn everything_is_mapped_once_and_in_order() {
-        for (len, a_portion) in [(0, 1), (1, 0), (1000, 7), (1000, 10_000)] {
-            let all = pollster::block_on(map_in_portions(len, a_portion, |i| i));
-            assert!(all.iter().copied().eq(0..len), "{len} items, {a_portion} a portion");
+        for len in [0, 1, 1000, 100_000] {
+            let all = pollster::block_on(map_in_portions(len, |i| i));
+            assert!(all.iter().copied().eq(0..len), "{len} items");
         }
     }
 
@@ -71,7 +83,7 @@ mod tests {
         const MS: u64 = 1;
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let (len, done) = (32 * cores, AtomicUsize::new(0));
-        let mut mapped = pin!(map_in_portions(len, 1, |_| {
+        let mut mapped = pin!(map_in_portions(len, |_| {
             std::thread::sleep(Duration::from_millis(MS));
             done.fetch_add(1, Ordering::Relaxed);
         }));

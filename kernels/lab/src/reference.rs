@@ -1,5 +1,6 @@
-//! Correct hits: every triangle against every ray in f64, from the exact f32 rays and vertices that the kernels read,
-//! with a bound on f32's errors.
+//! Correct hits: triangles against rays in f64, from the exact f32 rays and vertices that the kernels read, with a bound
+//! on f32's errors. A conservative hierarchy of boxes leaves out most of the triangles that a ray misses by far, and none
+//! that testing all of them would find.
 //!
 //! With u = 2⁻²⁴, a difference, product or sum rounds by a factor of at most 1 ± u, a division by WGSL's
 //! 2.5 units in the last place by 1 ± 5u. For the watertight test (see [`raystep_kernels::shared::triangle`]):
@@ -19,12 +20,16 @@
 mod crack;
 mod exact;
 mod rational;
+mod tree;
 mod verdict;
+
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::portions::map_in_portions;
 pub use rational::error_of_t;
+pub use tree::Tree;
 pub use verdict::{Counts, Mistake, Verdict};
 
 const U: f64 = 1.0 / (1u64 << 24) as f64;
@@ -32,20 +37,17 @@ const U: f64 = 1.0 / (1u64 << 24) as f64;
 /// Four times f32's smallest normal number: the loss if two products are flushed to 0.
 const UNDERFLOW: f64 = 4.0 * f32::MIN_POSITIVE as f64;
 
-/// Tests of a core between two rests: some milliseconds in a browser, and much longer than it takes to share them out
-/// among cores.
-const TESTS_A_PORTION: usize = 1 << 19;
-
 /// What each ray (origin and direction) may hit, computed on all cores. Lets other tasks run every few milliseconds.
 pub async fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates> {
-    let triangles = BruteForce::new(vertices);
-    map_in_portions(rays.len(), triangles.rays_a_portion(), |i| triangles.candidates(rays[i][0], rays[i][1])).await
+    let triangles = Triangles::new(vertices);
+    map_in_portions(rays.len(), |i| triangles.candidates(rays[i][0], rays[i][1])).await
 }
 
-/// Every triangle in f64: vertices, and a bounding sphere for a fast, conservative rejection.
-pub struct BruteForce<'a> {
+/// Triangles in f64, nine floats each, with the hierarchy that finds those which a ray may hit.
+#[derive(Clone)]
+pub struct Triangles<'a> {
     vertices: &'a [f32],
-    spheres: Vec<(DVec3, f64)>,
+    tree: Arc<Tree>,
 }
 
 /// An edge function with its f32 error bound.
@@ -81,16 +83,14 @@ pub struct Possible {
 /// Tests one triangle (nine floats each in `vertices`) in f64. `None` if f32, too, must find a miss.
 #[must_use]
 pub fn possible(vertices: &[f32], origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
-    let triangles = BruteForce { vertices, spheres: Vec::new() };
-    triangles.test(origin, direction, triangle)
+    Triangles { vertices, tree: Arc::default() }.test(origin, direction, triangle)
 }
 
 /// Whether the ray sees a triangle exactly edge-on, as it does every triangle without area. Such a triangle is never
 /// hit.
 #[must_use]
 pub fn is_edge_on(vertices: &[f32], direction: [f32; 3], triangle: u32) -> bool {
-    let first = 9 * triangle as usize;
-    exact::is_edge_on(direction, [0, 3, 6].map(|c| [0, 1, 2].map(|a| vertices[first + c + a])))
+    exact::is_edge_on(direction, Triangles { vertices, tree: Arc::default() }.corners(triangle))
 }
 
 /// Everything that a ray may hit.
@@ -120,6 +120,25 @@ impl Candidates {
             }
         }
         within
+    }
+
+    /// Of all that a ray may hit, in the order of triangles.
+    fn of_possible(possible: Vec<Possible>) -> Self {
+        let mut all = Self::default();
+        possible.into_iter().for_each(|p| all.add(p));
+        all
+    }
+
+    /// Without what lies so far behind a definite hit that no verdict depends on it: rays in dense scenes may hit very
+    /// many triangles, of which few are near.
+    #[must_use]
+    pub fn near(mut self) -> Self {
+        if let Some(by) = self.surely_by {
+            // What a surface continues with at an edge may be behind by this share.
+            self.possible.retain(|p| p.t - p.t_bound <= by * (1.0 + 2.0 * crack::ASTRIDE));
+            self.possible.shrink_to_fit();
+        }
+        self
     }
 
     /// Adds what the ray may hit, in the order of triangles.
@@ -186,47 +205,50 @@ impl Candidates {
     }
 }
 
-impl<'a> BruteForce<'a> {
+impl<'a> Triangles<'a> {
     /// Takes triangles of nine floats each.
     #[must_use]
     pub fn new(vertices: &'a [f32]) -> Self {
-        let sphere = |v: &[f32]| {
-            let p = [0, 3, 6].map(|c| wide([v[c], v[c + 1], v[c + 2]]));
-            let center = (p[0] + p[1] + p[2]) / 3.0;
-            let radius = p.iter().map(|q| (*q - center).length()).fold(0.0, f64::max);
-            (center, radius)
-        };
-        Self { vertices, spheres: vertices.chunks_exact(9).map(sphere).collect() }
+        Self { vertices, tree: Arc::new(Tree::new(vertices)) }
     }
 
-    /// The number of triangles.
+    /// The same triangles with the hierarchy that was made of them before.
     #[must_use]
-    pub fn triangles(&self) -> usize {
-        self.spheres.len()
+    pub fn with(vertices: &'a [f32], tree: Arc<Tree>) -> Self {
+        Self { vertices, tree }
     }
 
-    /// Rays that a core tests between two rests.
-    pub(crate) fn rays_a_portion(&self) -> usize {
-        TESTS_A_PORTION / self.triangles().max(1)
+    /// The hierarchy.
+    #[must_use]
+    pub fn tree(&self) -> Arc<Tree> {
+        self.tree.clone()
     }
 
-    /// Tests every triangle.
+    /// What the ray may hit.
     #[must_use]
     pub fn candidates(&self, origin: [f32; 3], direction: [f32; 3]) -> Candidates {
-        let (o, d) = (wide(origin), wide(direction));
-        let d_squared = d.dot(d);
-        let mut all = Candidates::default();
-        for (triangle, &(center, radius)) in self.spheres.iter().enumerate() {
-            let c = center - o;
-            let off = c.cross(d);
-            let reach = radius + 64.0 * U * (c.length() + radius);
-            if off.dot(off) > reach * reach * d_squared * (1.0 + 1e-9) {
-                continue;
-            }
-            let Some(p) = self.test(origin, direction, triangle as u32) else { continue };
-            all.add(p);
-        }
-        all
+        let mut possible = Vec::new();
+        self.tree.visit(origin, direction, |triangle| possible.extend(self.test(origin, direction, triangle)));
+        possible.sort_unstable_by_key(|p: &Possible| p.triangle);
+        Candidates::of_possible(possible)
+    }
+
+    /// The same without the hierarchy, by looking at every triangle: what [`candidates`](Self::candidates) is tested
+    /// against.
+    #[must_use]
+    pub fn brute_force(&self, origin: [f32; 3], direction: [f32; 3]) -> Candidates {
+        let mut possible = Vec::new();
+        self.tree.visit_all(origin, direction, |triangle| possible.extend(self.test(origin, direction, triangle)));
+        Candidates::of_possible(possible)
+    }
+
+    /// The work of finding what a ray may hit: boxes, spheres and triangles, by the time they take.
+    pub(crate) fn work(&self, origin: [f32; 3], direction: [f32; 3]) -> u64 {
+        /// A test of a triangle takes as long as about so many of boxes and spheres.
+        const TEST: u64 = 8;
+        let mut met = 0;
+        let looked = self.tree.visit(origin, direction, |_| met += 1);
+        looked as u64 + TEST * met
     }
 
     /// The vertices of a triangle.

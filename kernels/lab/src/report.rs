@@ -17,11 +17,13 @@ mod rules;
 mod samples;
 mod section;
 mod stiff;
+mod times;
 mod words;
 mod work;
 
 use std::io;
 use std::sync::Arc;
+use std::time::Duration;
 
 use methods::Method;
 use page::{Part, Scene};
@@ -39,9 +41,10 @@ use crate::subject::{Size, Subject};
 use crate::tidy::Table;
 use crate::tidy::package::{self, Resource};
 use crate::{Error, html};
-pub use answer::{Answer, answer};
+pub use answer::{Answer, Extent, Ready, answer};
 pub use page::About;
 pub use section::{SECTIONS, Section};
+pub use work::Only;
 
 /// File name of the page.
 pub const PAGE: &str = "index.html";
@@ -63,6 +66,11 @@ pub struct Wanted {
     pub grid: GridSize,
     /// Reduces every measurement.
     pub is_quick: bool,
+    /// About how long a section may take for a scene. What does not fit is measured with fewer runs or left out, which
+    /// a note says.
+    pub time: Duration,
+    /// The structures and schedules to measure.
+    pub only: Only,
     /// Seed of all random numbers.
     pub seed: u32,
     /// How many seeds to measure where a section varies them: at least 6 for an interval.
@@ -83,6 +91,9 @@ pub const SEED: u32 = 2007;
 /// The number of seeds unless another one is requested.
 pub const SEEDS: u32 = 10;
 
+/// Seconds of a section for a scene unless others are requested: of a quick report, and of a full one.
+pub const SECONDS: [u32; 2] = [20, 60];
+
 /// The results.
 pub struct Report {
     tables: Vec<(&'static Section, Table)>,
@@ -91,26 +102,36 @@ pub struct Report {
 }
 
 /// Measures all sections for all scenes. A section that fails becomes a note on the page, unless all of them fail. Some
-/// sections block this thread.
+/// sections block this thread. `ready` gets the report after each section but the last one.
 ///
 /// # Errors
-/// If the device fails, or no section could be measured.
-pub async fn measure(
+/// If the device fails, no section could be measured, or `ready` fails.
+pub async fn measure<E: From<Error>>(
     wanted: &Wanted,
     subjects: &[Subject],
     run_id: String,
     meter: &Meter,
     reporter: &dyn Reporter,
-) -> Result<Report, Error> {
-    let Wanted { sections, size, grid, is_quick, seed, seeds, has_rays, methods, rays, stiff } = wanted;
-    let mut tables: Vec<_> = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
-    let record = Record::new(run_id, *seed, *has_rays);
-    let mut scenes: Vec<Scene> = Vec::new();
+    mut ready: impl FnMut(&Report) -> Result<(), E>,
+) -> Result<Report, E> {
+    let Wanted { sections, size, grid, is_quick, time, only, seed, seeds, has_rays, methods, rays, stiff } = wanted;
+    let tables = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
+    let mut report = Report { tables, scenes: Vec::new(), record: Record::new(run_id, *seed, *has_rays) };
     let (mut failed, mut has_worked) = (None, false);
-    let mut left = Left::new(sections, subjects.len());
+    let mut left = Left::new(sections, subjects.len(), *time);
     for subject in subjects {
-        let mut parts = Vec::new();
-        for (section, table) in &mut tables {
+        report.scenes.push(Scene {
+            name: subject.scene.name.clone(),
+            file: subject.file.clone(),
+            triangles: subject.scene.triangles.len(),
+            size: *size,
+            rays: rays.as_ref().map(|file| file.rays.len()),
+            slug: slug(&subject.scene.name, &report.scenes),
+            parts: Vec::new(),
+        });
+        for index in 0..sections.len() {
+            let Report { tables, scenes, record } = &mut report;
+            let Some(((section, table), scene)) = tables.get_mut(index).zip(scenes.last_mut()) else { continue };
             let reporter = &Ahead { reporter, text: left.text() };
             let work = Work {
                 subject,
@@ -118,10 +139,13 @@ pub async fn measure(
                 size: *size,
                 grid: *grid,
                 is_quick: *is_quick,
+                time: section.is_bounded.then_some(*time),
+                begin: Instant::now(),
+                only,
                 seeds: *seeds,
                 reporter,
                 section: section.name,
-                record: &record,
+                record,
                 methods,
                 rays: rays.as_ref(),
                 stiff: Some(stiff),
@@ -138,7 +162,7 @@ pub async fn measure(
                 }
                 Err(error) => {
                     // Continue with the other sections unless the device itself has failed.
-                    work.can_go_on()?;
+                    work.can_go_on().map_err(E::from)?;
                     table.rows.truncate(before);
                     let mut part = Part::default();
                     part.notes.push(work.explain(&error));
@@ -150,22 +174,15 @@ pub async fn measure(
             for note in &part.notes {
                 reporter.note(&format!("{}, {}: {note}", subject.scene.name, section.name));
             }
-            parts.push((section.name, part));
+            scene.parts.push((section.name, part));
+            if left.done < left.count && has_worked {
+                ready(&report)?;
+            }
         }
-        let slug = slug(&subject.scene.name, &scenes);
-        scenes.push(Scene {
-            name: subject.scene.name.clone(),
-            file: subject.file.clone(),
-            triangles: subject.scene.triangles.len(),
-            size: *size,
-            rays: rays.as_ref().map(|file| file.rays.len()),
-            slug,
-            parts,
-        });
     }
     match failed {
-        Some(error) if !has_worked => Err(error),
-        _ => Ok(Report { tables, scenes, record }),
+        Some(error) if !has_worked => Err(error.into()),
+        _ => Ok(report),
     }
 }
 
@@ -176,27 +193,29 @@ struct Left {
     count: usize,
     /// Typical seconds of what is done, and of everything.
     seconds: [f64; 2],
+    /// The time limit of a section.
+    time: Duration,
 }
 
 impl Left {
-    fn new(sections: &[&Section], scenes: usize) -> Self {
-        let all = sections.iter().map(|s| s.seconds).sum::<f64>() * scenes as f64;
-        Self { begin: Instant::now(), done: 0, count: sections.len() * scenes, seconds: [0.0, all] }
+    fn new(sections: &[&Section], scenes: usize, time: Duration) -> Self {
+        let all = sections.iter().map(|s| s.seconds_within(time)).sum::<f64>() * scenes as f64;
+        Self { begin: Instant::now(), done: 0, count: sections.len() * scenes, seconds: [0.0, all], time }
     }
 
     fn finish(&mut self, section: &Section) {
         self.done += 1;
-        self.seconds[0] += section.seconds;
+        self.seconds[0] += section.seconds_within(self.time);
     }
 
     /// Position and time to go, for the next section.
     fn text(&self) -> String {
         let [done, all] = self.seconds;
         let place = format!("{} of {}", self.done + 1, self.count);
-        if done <= 0.0 {
-            return place;
-        }
-        let to_go = self.begin.elapsed().as_secs_f64() / done * (all - done);
+        let to_go = match done <= 0.0 {
+            true => all,
+            false => self.begin.elapsed().as_secs_f64() / done * (all - done),
+        };
         format!("{place}, about {:.0} s to go", (to_go / 5.0).ceil() * 5.0)
     }
 }
@@ -218,6 +237,10 @@ impl Reporter for Ahead<'_> {
 
     fn note(&self, text: &str) {
         self.reporter.note(text);
+    }
+
+    fn rows(&self, names: &[&'static str], rows: &[Vec<String>]) {
+        self.reporter.rows(names, rows);
     }
 
     fn is_cancelled(&self) -> bool {
@@ -255,23 +278,23 @@ impl Report {
     ///
     /// # Errors
     /// If there is not enough memory for one.
-    pub fn files(self, about: &About) -> io::Result<Vec<(String, Vec<u8>)>> {
+    pub fn files(&self, about: &About) -> io::Result<Vec<(String, Vec<u8>)>> {
         let mut files = vec![(ABOUT.to_owned(), self.about(about)?)];
         let page = page::html(about, &self.scenes, self.record.seed);
         for scene in &self.scenes {
             files.extend(scene.svgs().map(|(name, svg)| (name, svg.as_bytes().to_vec())));
         }
-        let of_sections = self.tables.into_iter().map(|(section, table)| (section.file, section.row, table));
-        let tables: Vec<_> = of_sections.chain(self.record.into_tables()).collect();
+        let recorded = self.record.tables();
+        let of_sections = self.tables.iter().map(|(section, table)| (section.file, section.row, table));
+        let of_record = recorded.iter().map(|(file, what, table)| (*file, *what, table));
+        let tables: Vec<(&'static str, &'static str, &Table)> = of_sections.chain(of_record).collect();
         for (file, _, table) in &tables {
             let mut csv = Vec::new();
             table.write(&mut csv)?;
             files.push(((*file).to_owned(), csv));
         }
-        let of_table =
-            |(file, what, table): &(&'static str, &'static str, Table)| Resource { file, what, columns: table.columns };
         let mut resources = vec![Resource { file: ABOUT, what: "a fact about the report", columns: ABOUT_COLUMNS }];
-        resources.extend(tables.iter().map(of_table));
+        resources.extend(tables.iter().map(|(file, what, table)| Resource { file, what, columns: table.columns }));
         let schema = package::describe("raystep-report", KNOWN_BY, &resources);
         files.push((package::FILE.to_owned(), serde_json::to_vec_pretty(&schema)?));
         files.push((PAGE.to_owned(), page.into_bytes()));

@@ -13,6 +13,9 @@ pub trait Reporter: Sync {
     /// Adds a note.
     fn note(&self, text: &str);
 
+    /// Shows the rows of a table that grows while a measurement goes on, all of them each time, under these names.
+    fn rows(&self, _names: &[&'static str], _rows: &[Vec<String>]) {}
+
     /// Whether to stop: the measurement then ends with [`Error::Cancelled`].
     fn is_cancelled(&self) -> bool {
         false

@@ -1,9 +1,11 @@
 //! Statistics of counts and times: intervals, tests, fitted lines, mean errors.
 
+mod compared;
 pub mod interval;
 pub mod proportion;
 pub mod sign;
 
+pub use compared::{Compared, EQUIVALENT};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Farthest a point may lie from a [`Line`], relative to its y: beyond it, the points are not on a line, and its slope is

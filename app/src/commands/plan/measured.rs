@@ -1,6 +1,7 @@
 //! What putting back each item costs that the scene does not need.
 
 use std::fmt::Write as _;
+use std::time::Duration;
 
 use raystep_kernels::{Options, RaySource};
 use raystep_lab::meter::Meter;
@@ -17,18 +18,30 @@ use crate::terminal::Progress;
 pub(super) struct Measured {
     machine: Machine,
     costs: Costs,
+    /// The time that it was to take.
+    seconds: u32,
 }
 
+/// The columns of the table.
+const HEADS: [&str; 5] = ["item", "time with it / without [95%]", "memory", "start-up", "not needed because"];
+
 impl Measured {
-    pub(super) fn of(scene: Scene, options: &Options, machine: Machine, progress: &Progress) -> Result<Self, Error> {
+    pub(super) fn of(
+        scene: Scene,
+        options: &Options,
+        machine: Machine,
+        seconds: u32,
+        progress: &Progress,
+    ) -> Result<Self, Error> {
         let camera = match &options.rays {
             RaySource::Camera { camera, .. } => camera.clone(),
             RaySource::Given(_) => Camera::framing(&scene.bounds()),
         };
         let subject = Subject { scene, camera, hash: Hash::default(), file: String::new() };
         let meter = Meter::new(machine);
-        let costs = costs(&subject, options, &meter, SEED, progress)?;
-        Ok(Self { machine: meter.machine, costs })
+        let time = Duration::from_secs(seconds.into());
+        let costs = costs(&subject, options, &meter, time, SEED, progress)?;
+        Ok(Self { machine: meter.machine, costs, seconds })
     }
 
     /// Why there are no times.
@@ -37,29 +50,39 @@ impl Measured {
     }
 
     pub(super) fn text(&self) -> String {
+        let (is_timed, seconds) = (self.machine.gpu().is_some(), self.seconds);
+        let late = format!("not measured: limit of {seconds} s reached (--seconds N)");
         let mut text =
             format!("\nnot needed by the scene, and what putting it back costs on {}\n", self.machine.name());
         // Writing to a string cannot fail.
         if let Some(note) = self.note() {
             let _ = writeln!(text, "  on the CPU, {note}");
         }
+        let mut lines = vec![HEADS.map(str::to_owned).to_vec()];
         for cost in &self.costs.costs {
-            let is_late = self.machine.gpu().is_some() && cost.is_changed && cost.times.is_none();
-            let late = if is_late { ", no time left to measure" } else { "" };
-            let _ = writeln!(text, "  {:<19} {:<37} {}{late}", cost.name(), cost.reason, cost.in_words());
+            let [time, memory, start] = cost.in_words();
+            let time = if is_timed && cost.is_changed && cost.times.is_none() { late.clone() } else { time };
+            lines.push(vec![cost.name().to_owned(), time, memory, start, cost.reason.clone()]);
         }
-        if self.costs.costs.is_empty() {
-            text += "  nothing: the scene needs everything that a plan can omit\n";
+        let unplanned = |name: &str| [name, &late, "", "", ""].map(str::to_owned).to_vec();
+        lines.extend(self.costs.unplanned.iter().map(|item| unplanned(item.name())));
+        if !is_timed {
+            // What has no effect has no memory, either.
+            let second = |line: &[String]| if line[2].is_empty() { line[1].clone() } else { line[2].clone() };
+            lines.iter_mut().for_each(|line| *line = vec![line[0].clone(), second(line), line[4].clone()]);
         }
+        if lines.len() == 1 {
+            return text + "  nothing: the scene needs everything that a plan can omit\n";
+        }
+        let cells = lines.iter().map(Vec::len).max().unwrap_or(0);
+        raystep_lab::text::aligned(&lines, cells).into_iter().for_each(|line| text += &format!("  {line}"));
         let pairs = || self.costs.costs.iter().filter_map(|cost| Some(cost.times.as_ref()?.runs));
         if let (Some(fewest), Some(most)) = (pairs().min(), pairs().max()) {
+            let pairs = if fewest == most { fewest.to_string() } else { format!("{fewest} to {most}") };
             let _ = writeln!(
                 text,
-                "  each 95% interval stands alone: among many, some exclude 1 by chance; {fewest} to {most} pairs of runs"
+                "  Medians of {pairs} pairs of runs. Among many 95% intervals, about one in twenty excludes 1 by chance."
             );
-        }
-        for item in &self.costs.unplanned {
-            let _ = writeln!(text, "  {:<19} no time left to plan and measure", item.name());
         }
         text
     }

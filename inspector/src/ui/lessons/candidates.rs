@@ -6,7 +6,7 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::triangle::{Shear, hit_triangle};
-use raystep_lab::judge::{Traced, rays_a_batch};
+use raystep_lab::judge::{RAYS_A_BATCH, Traced};
 use raystep_lab::reference::{Possible, candidates_of};
 
 use crate::lesson::{Comparison, Fact, Name, Value, Wrong};
@@ -144,7 +144,7 @@ impl Sought {
             [0, 1].map(|axis| u64::from(pixel[axis].abs_diff(middle[axis])).pow(2)).iter().sum::<u64>()
         });
         let mut done = 0;
-        for batch in rays.chunks(rays_a_batch(data.vertices.len() / 9)) {
+        for batch in rays.chunks(RAYS_A_BATCH) {
             let given: Vec<_> = batch.iter().map(|(_, ray)| *ray).collect();
             let all = candidates_of(&data.vertices, &given).await;
             for ((pixel, ray), all) in batch.iter().zip(&all) {

@@ -1,15 +1,17 @@
 //! The first screen of `raystep report`: which choice is fastest, what it costs, and what it gets wrong.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use egui::text::LayoutJob;
-use egui::{Align, Button, Grid, Layout, ScrollArea, TextFormat, TextStyle, Ui};
+use egui::{Align, Button, DragValue, Grid, Layout, ScrollArea, TextFormat, TextStyle, Ui};
 use raystep_kernels::{Device, GridSize};
 use raystep_lab::Hash;
-use raystep_lab::report::Answer;
+use raystep_lab::report::{self, Answer, Extent};
 use raystep_lab::reporter::Reporter;
 use raystep_lab::subject::Subject;
 use raystep_scenes::Scene;
+use serde::{Deserialize, Serialize};
 
 use crate::session::Model;
 use crate::session::measure::Measurement;
@@ -24,10 +26,14 @@ use crate::ui::picture;
 const MEASURING: &str = "measuring choices";
 
 const ABOUT: &str = "Traces this view with every structure, schedule and set of rules in turn, and compares the hits \
-                     with f64 brute force. Stepping waits until it is over; Escape cancels it.";
+                     with exact ones. Stepping waits until it is over; Escape cancels it.";
 
-const THOROUGH: &str =
-    "192 × 192 rays and more runs instead of 64 × 64: a minute or so on a CPU, and narrower intervals.";
+const THOROUGH: &str = "192 × 192 rays and more runs instead of 128 × 128: narrower intervals.";
+
+const SECONDS: &str = "About how long choices, and then rules, may take. Slow choices run once or are left out.";
+
+/// What may be asked for, in seconds.
+const RANGE: std::ops::RangeInclusive<u32> = 2..=600;
 
 /// Width from which two diagrams stand side by side.
 const SIDE_BY_SIDE: f32 = 1100.0;
@@ -59,11 +65,28 @@ impl Of {
     }
 }
 
+/// What is asked for.
+#[derive(Clone, Copy, Deserialize, PartialEq, Serialize)]
+struct Asked {
+    is_thorough: bool,
+    seconds: u32,
+}
+
+impl Default for Asked {
+    fn default() -> Self {
+        Self { is_thorough: false, seconds: report::SECONDS[0] }
+    }
+}
+
+/// An answer as far as it is known, from the engine's task.
+type SoFar = Arc<Mutex<Option<(Of, Answer)>>>;
+
 /// The panel.
 #[derive(Default)]
 pub(in crate::ui) struct Choices {
-    is_thorough: bool,
+    asked: Asked,
     answer: Option<(Of, Answer)>,
+    so_far: SoFar,
 }
 
 /// Passes progress on to the engine, and its wish to stop back.
@@ -99,7 +122,7 @@ impl Reporter for Teller<'_> {
     }
 }
 
-fn job(of: Of, is_quick: bool) -> Job {
+fn job(of: Of, asked: Asked, so_far: SoFar) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let JobContext { measure, progress, device, .. } = context;
@@ -110,7 +133,14 @@ fn job(of: Of, is_quick: bool) -> Job {
             let Of { scene, view, size, grid, .. } = of.clone();
             let (camera, scene) = (view.camera(&scene), Scene::clone(&scene));
             let subject = Subject { scene, camera, hash: Hash::default(), file: String::new() };
-            let measurement = Measurement { subject, size, grid, is_quick, device };
+            let time = Duration::from_secs(asked.seconds.into());
+            let extent = Extent { size, grid, is_quick: !asked.is_thorough, time };
+            let known = (of.clone(), so_far);
+            let ready = Arc::new(move |answer: Answer| {
+                let (of, so_far) = &known;
+                *so_far.lock().unwrap_or_else(PoisonError::into_inner) = Some((of.clone(), answer));
+            });
+            let measurement = Measurement { subject, extent, ready, device };
             let teller = Teller(Mutex::new(Told { tell: progress, last: (0, 0) }));
             let answer = measure(measurement, &teller).await?;
             Ok(Box::new((of, answer)) as Box<dyn std::any::Any + Send>)
@@ -124,6 +154,8 @@ impl Panel for Choices {
     }
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let so_far = self.so_far.lock().unwrap_or_else(PoisonError::into_inner).take();
+        self.answer = so_far.or(self.answer.take());
         while let Some(answer) = cx.model.take_answer::<(Of, Answer)>(MEASURING) {
             self.answer = Some(*answer);
         }
@@ -151,18 +183,19 @@ impl Panel for Choices {
     }
 
     fn save(&self) -> String {
-        serde_json::to_string(&self.is_thorough).unwrap_or_default()
+        serde_json::to_string(&self.asked).unwrap_or_default()
     }
 
     fn load(&mut self, saved: &str) {
-        self.is_thorough = serde_json::from_str(saved).unwrap_or_default();
+        let asked: Asked = serde_json::from_str(saved).unwrap_or_default();
+        self.asked = Asked { seconds: asked.seconds.clamp(*RANGE.start(), *RANGE.end()), ..asked };
     }
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
         if command == Command::Measure
             && let Some(of) = Of::new(cx.model)
         {
-            cx.model.ask(Request::Job(MEASURING, job(of, !self.is_thorough)));
+            cx.model.ask(Request::Job(MEASURING, job(of, self.asked, self.so_far.clone())));
         }
         command == Command::Measure
     }
@@ -174,7 +207,11 @@ impl Choices {
             if ui.add_enabled(!cx.model.is_busy(), Button::new("Measure")).on_hover_text(ABOUT).clicked() {
                 cx.todo.push(Command::Measure);
             }
-            ui.checkbox(&mut self.is_thorough, "thorough").on_hover_text(THOROUGH);
+            let asked = &mut self.asked;
+            if ui.checkbox(&mut asked.is_thorough, "thorough").on_hover_text(THOROUGH).changed() {
+                asked.seconds = report::SECONDS[usize::from(asked.is_thorough)];
+            }
+            ui.add(DragValue::new(&mut asked.seconds).range(RANGE).suffix(" s")).on_hover_text(SECONDS);
             let Some((_, answer)) = &self.answer else { return };
             ui.menu_button("Save", |ui| {
                 for (name, bytes) in &answer.files {

@@ -2,6 +2,7 @@
 
 use super::{OF_FILE, SummaryRow};
 use crate::human::thousands;
+use crate::statistics::Compared;
 use crate::text::aligned;
 
 /// The text columns; the last two if rows differ in them.
@@ -67,8 +68,10 @@ fn to_fastest(row: &SummaryRow) -> String {
     let Some(ratio) = row.time_ratio else { return "-".into() };
     match row.time_ratio_low.zip(row.time_ratio_high) {
         _ if row.ratio_to.as_ref() == Some(&row.configuration) => "fastest".into(),
-        Some((low, high)) if (low..=high).contains(&1.0) => "as fast".into(),
-        Some((low, high)) => format!("{ratio:.2} [{low:.2}, {high:.2}]"),
+        Some((low, high)) => match Compared::of(Some([low, high])) {
+            alike @ (Compared::AsFast | Compared::NotDistinguishable) => alike.words().into(),
+            _ => format!("{ratio:.2} [{low:.2}, {high:.2}]"),
+        },
         None => format!("{ratio:.2}"),
     }
 }
@@ -118,23 +121,25 @@ mod tests {
     }
 
     #[test]
-    fn columns_are_aligned_and_what_cannot_be_distinguished_is_as_fast() {
+    fn columns_are_aligned_and_only_a_narrow_interval_is_as_fast() {
         let rows = [
             row("first", "primary", Some(2.5e6), Some([2.5, 2.25, 3.0])),
             row("second", "primary", Some(1e6), Some([1.0; 3])),
+            row("compact", "primary", Some(1e6), Some([1.0, 0.98, 1.02])),
             row("fused", "primary", Some(1.1e6), Some([1.1, 0.9, 1.2])),
             row("first", "bounce", None, None),
         ];
         let expected = "\
 box (26 triangles), 32x8: 256 primary rays
-  accelerator  schedule  median ms    low   high  Mray/s         to fastest
-  grid         first         2.500  2.250  3.000   0.102  2.50 [2.25, 3.00]
-  grid         second        1.000  0.900  1.200   0.256            fastest
-  grid         fused         1.100  0.990  1.320   0.233            as fast
+  accelerator  schedule  median ms    low   high  Mray/s           to fastest
+  grid         first         2.500  2.250  3.000   0.102    2.50 [2.25, 3.00]
+  grid         second        1.000  0.900  1.200   0.256              fastest
+  grid         compact       1.000  0.900  1.200   0.256              as fast
+  grid         fused         1.100  0.990  1.320   0.233  not distinguishable
 
 box (26 triangles), 32x8: 256 bounce rays
-  accelerator  schedule  median ms    low   high  Mray/s         to fastest
-  grid         first             -      -      -       -                  -
+  accelerator  schedule  median ms    low   high  Mray/s           to fastest
+  grid         first             -      -      -       -                    -
 ";
         assert_eq!(text(&rows, None), expected);
         let few = SummaryRow {
@@ -142,7 +147,7 @@ box (26 triangles), 32x8: 256 bounce rays
             baseline_ratio: Some(1.25),
             ..row("first", "primary", Some(1.0), Some([1.5; 3]))
         };
-        assert!(text(&[few], None).ends_with("        1.50         1.25\n"));
+        assert!(text(&[few], None).ends_with("  1.50         1.25\n"));
         assert_eq!(text(&[], None), "");
     }
 }

@@ -1,21 +1,21 @@
 //! Rays resolved, and rays resolved wrongly, after each pass of a run.
 //!
-//! The counters of each pass have the number of resolved rays. Finding those that are wrong is expensive: every
-//! triangle is tested against a random sample of the rays in f64, as in `raystep report`. The hit of a resolved ray
-//! does not change any more, so each ray is judged once, at the end; only for wrong rays is the pass that resolved them
-//! determined, by running the same passes again.
+//! The counters of each pass have the number of resolved rays. Those that are wrong are found in f64, among all rays or,
+//! if that would take long, in a random sample of them. The hit of a resolved ray does not change any more, so each ray
+//! is judged once, at the end; only for wrong rays is the pass that resolved them determined, by running the same passes
+//! again.
 
 use std::ops::ControlFlow;
 
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Pass, Plan, RenderError, Renderer};
 
-use super::{Traced, judge, rays_a_batch, sample};
+use super::{RAYS_A_BATCH, Traced, affordable, judge, sample};
 use crate::portions::map_in_portions;
-use crate::reference::{BruteForce, Counts, Mistake, Verdict};
+use crate::reference::{Counts, Mistake, Triangles, Verdict};
 
-/// Maximum number of ray/triangle tests: some seconds on a few cores.
-const MOST_TESTS: u64 = 1 << 31;
+/// Maximum work of the judge, see [`affordable`]: some seconds on a few cores.
+const MOST_WORK: u64 = 1 << 30;
 
 /// Maximum number of passes after which the states of wrong rays are read.
 const MOST_PLACES: usize = 64;
@@ -105,19 +105,17 @@ pub async fn judge_passes(
     renderer.run(|now| progress(RUN * now.rays_decided / now.rays.max(1), WHOLE)).await?;
     let passes = renderer.passes().to_vec();
     let traced = Traced::read(renderer).await?;
-    let scene = BruteForce::new(traced.vertices());
-    let triangles = scene.triangles();
-    let sample = sample(traced.rays(), most_rays(triangles), SEED);
+    let scene = Triangles::new(traced.vertices());
+    let sample = sample(traced.rays(), affordable(&scene, &traced, MOST_WORK, SEED), SEED);
     let mut judgement = Judgement { rays: renderer.plan().rays, ..Judgement::default() };
-    let batch = rays_a_batch(triangles);
-    for (i, rays) in sample.chunks(batch).enumerate() {
-        let part = RUN + (AGAIN - RUN) * (i * batch) as u64 / sample.len() as u64;
+    for (i, rays) in sample.chunks(RAYS_A_BATCH).enumerate() {
+        let part = RUN + (AGAIN - RUN) * (i * RAYS_A_BATCH) as u64 / sample.len() as u64;
         if progress(part, WHOLE).is_break() {
             return Err(RenderError::Cancelled { passes: passes.len() });
         }
         // The possible hits of all rays together need too much memory, so none are kept.
         let judged = |i: usize| judge(&scene, &traced, rays[i]);
-        for (Mistake { ray, verdict, .. }, _) in map_in_portions(rays.len(), scene.rays_a_portion(), judged).await {
+        for (Mistake { ray, verdict, .. }, _) in map_in_portions(rays.len(), judged).await {
             judgement.counts.add(verdict);
             if verdict.is_error() {
                 judgement.wrong.push(WrongRay { ray, verdict, resolved_by: None });
@@ -145,11 +143,6 @@ pub async fn judge_passes(
     }
     judgement.wrong.sort_by_key(|wrong| (wrong.resolved_by.unwrap_or(usize::MAX), wrong.ray));
     Ok(judgement)
-}
-
-/// Maximum number of rays to judge against this many triangles.
-fn most_rays(triangles: usize) -> usize {
-    (MOST_TESTS / triangles.max(1) as u64).max(64) as usize
 }
 
 /// Pass counts after passes that resolved rays, including the last one; at most `most`, evenly chosen.
@@ -249,7 +242,6 @@ mod tests {
         assert_eq!((few.len(), few.last()), (5, all.last()));
         assert!(few.iter().all(|place| all.contains(place)) && few.is_sorted());
         assert!(places(&[], 5).is_empty());
-        assert_eq!((most_rays(1 << 20), most_rays(usize::MAX)), (2048, 64));
     }
 
     #[test]

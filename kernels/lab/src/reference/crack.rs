@@ -1,9 +1,12 @@
 //! Rays that pass between two triangles. Near an edge f32 cannot tell which adjacent triangle a ray hits, but if the
 //! surface continues on all sides, the ray hits one of them.
 
-use super::{BruteForce, Candidates, Mistake, Verdict, largest_axis, wide};
+use super::{Candidates, Mistake, Triangles, Verdict, largest_axis, wide};
 
-impl BruteForce<'_> {
+/// Relative difference of t up to which two triangles at an edge belong to the same surface.
+pub(super) const ASTRIDE: f64 = 1e-3;
+
+impl Triangles<'_> {
     /// The verdict on a ray with this result, as [`Candidates::judge`], except that a tie at a crack counts as missed.
     #[must_use]
     pub fn judge(
@@ -52,7 +55,7 @@ impl BruteForce<'_> {
     fn is_joined(&self, origin: [f32; 3], direction: [f32; 3], candidates: &Candidates, t: f64) -> bool {
         let (o, d) = (wide(origin), wide(direction));
         let mut open: Vec<[[u32; 3]; 2]> = Vec::new();
-        for p in candidates.possible.iter().filter(|p| (p.t - t).abs() <= p.t_bound.max(1e-3 * t)) {
+        for p in candidates.possible.iter().filter(|p| (p.t - t).abs() <= p.t_bound.max(ASTRIDE * t)) {
             let corners = self.corners(p.triangle).map(|c| c.map(|v| (v + 0.0).to_bits()));
             for (i, edge) in self.edges(o, d, p.triangle).0.into_iter().enumerate() {
                 if edge.value.abs() > edge.bound {
@@ -105,7 +108,7 @@ mod tests {
         let (a, b, c, d) = ([-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]);
         let wall = [[-90.0, -90.0, 9.0], [90.0, -90.0, 9.0], [0.0, 90.0, 9.0]];
         let vertices: Vec<f32> = [[a, b, c], [a, c, d], wall].into_iter().flatten().flatten().collect();
-        let triangles = BruteForce::new(&vertices);
+        let triangles = Triangles::new(&vertices);
         let is_closed = |x: f32, y: f32| triangles.is_closed_around([0.0; 3], [x, y, 2.0], 1.0, 1.0);
         assert!(is_closed(0.0, 0.0) && is_closed(0.5, 0.5) && is_closed(0.3, -0.2));
         assert!(!is_closed(1.0, 0.0) && !is_closed(1.0, 1.0) && !is_closed(-1.0, 0.3));
@@ -113,7 +116,7 @@ mod tests {
         // continuation.
         let behind = wall.map(|[x, y, _]| [x, y, 2.0002]);
         let vertices: Vec<f32> = [[a, b, c], [a, c, d], behind].into_iter().flatten().flatten().collect();
-        let is_closed = |within| BruteForce::new(&vertices).is_closed_around([0.0; 3], [1.0, 0.0, 2.0], 1.0, within);
+        let is_closed = |within| Triangles::new(&vertices).is_closed_around([0.0; 3], [1.0, 0.0, 2.0], 1.0, within);
         assert!(is_closed(1e-3) && !is_closed(2.5e-5));
     }
 
@@ -123,7 +126,7 @@ mod tests {
         let (a, b, c, d) = ([-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]);
         let middle = [0.1, 0.1, 2.0];
         let vertices: Vec<f32> = [[a, b, middle], [middle, b, c], [a, c, d]].into_iter().flatten().flatten().collect();
-        let triangles = BruteForce::new(&vertices);
+        let triangles = Triangles::new(&vertices);
         let verdict = |direction: [f32; 3]| {
             let candidates = triangles.candidates([0.0; 3], direction);
             triangles.judge(0, [0.0; 3], direction, &candidates, None).0.verdict
@@ -136,7 +139,7 @@ mod tests {
     fn a_ray_between_two_triangles_is_missed_and_one_past_the_end_of_both_is_a_tie() {
         let (a, b, c, d) = ([-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]);
         let vertices: Vec<f32> = [[a, b, c], [a, c, d]].into_iter().flatten().flatten().collect();
-        let triangles = BruteForce::new(&vertices);
+        let triangles = Triangles::new(&vertices);
         let verdict = |x: f32, y: f32, found| {
             let direction = [x, y, 2.0];
             let candidates = triangles.candidates([0.0; 3], direction);

@@ -1,10 +1,11 @@
 //! The first screen of a report, for a window: the answer in sentences, two diagrams and a small table.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use raystep_kernels::GridSize;
 
-use super::{Report, SECTIONS, SEED, SEEDS, Wanted, measure};
+use super::{Only, Report, SECTIONS, SEED, SEEDS, Wanted, measure};
 use crate::html::{plain, spans};
 use crate::meter::Meter;
 use crate::plots::picture::Picture;
@@ -14,7 +15,7 @@ use crate::subject::{Size, Subject};
 use crate::{Error, html};
 
 /// Pixels per side of a square view, quick and thorough.
-const SIDES: [f64; 2] = [64.0, 192.0];
+const SIDES: [f64; 2] = [128.0, 192.0];
 
 /// The sections that the first screen shows.
 const SHOWN: [&str; 2] = ["choices", "rules"];
@@ -36,19 +37,35 @@ pub struct Answer {
     pub files: Vec<(String, Vec<u8>)>,
 }
 
-/// Measures every choice and rule for a view of a scene. Never blocks, and on the CPU lets other tasks run every few
+/// Shows an answer as far as it is known.
+pub type Ready<'a> = &'a (dyn Fn(Answer) + Sync);
+
+/// What to measure for an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Width and height of the view; only their ratio counts.
+    pub size: [u32; 2],
+    /// The grid's resolution.
+    pub grid: GridSize,
+    /// Fewer rays and repeats.
+    pub is_quick: bool,
+    /// About how long each of the two sections may take.
+    pub time: Duration,
+}
+
+/// Measures every choice and rule for a view of a scene; `ready` gets what is known so far. Never blocks, and on the CPU lets other tasks run every few
 /// milliseconds, or after a pass; only building a structure and drawing a diagram are done in one go.
 ///
 /// # Errors
 /// If the device fails, nothing could be measured, or it was cancelled.
 pub async fn answer(
     subject: Subject,
-    [width, height]: [u32; 2],
-    grid: GridSize,
-    is_quick: bool,
+    extent: Extent,
     meter: &Meter,
     reporter: &dyn Reporter,
+    ready: Ready<'_>,
 ) -> Result<Answer, Error> {
+    let Extent { size: [width, height], grid, is_quick, time } = extent;
     let side = SIDES[usize::from(!is_quick)];
     let aspect = f64::from(width.max(1)) / f64::from(height.max(1));
     let of = |pixels: f64| pixels.round().clamp(1.0, side * side) as u32;
@@ -58,6 +75,8 @@ pub async fn answer(
         size: Size { width: of(side * aspect.sqrt()), height: of(side / aspect.sqrt()) },
         grid,
         is_quick,
+        time,
+        only: Only::default(),
         seed: SEED,
         seeds: SEEDS,
         has_rays: false,
@@ -65,8 +84,51 @@ pub async fn answer(
         rays: None,
         stiff: Arc::new(Start::new(stiff::Wanted::new(run_id.clone(), true), stiff::Kept::default(), |_, _| Ok(()))),
     };
+    let reporter = &Rows { reporter, ready };
+    let so_far = |report: &Report| -> Result<(), Error> {
+        ready(of_report(report, &subject, meter)?);
+        Ok(())
+    };
+    let report = measure(&wanted, std::slice::from_ref(&subject), run_id, meter, reporter, so_far).await?;
+    of_report(&report, &subject, meter)
+}
+
+/// Turns rows of choices into an answer without sentences.
+struct Rows<'a> {
+    reporter: &'a dyn Reporter,
+    ready: Ready<'a>,
+}
+
+impl Reporter for Rows<'_> {
+    fn stage(&self, name: &str) {
+        self.reporter.stage(name);
+    }
+
+    fn part(&self, what: &str, done: u64, of: u64) {
+        self.reporter.part(what, done, of);
+    }
+
+    fn note(&self, text: &str) {
+        self.reporter.note(text);
+    }
+
+    fn rows(&self, names: &[&'static str], rows: &[Vec<String>]) {
+        let rows = rows.iter().map(|row| row.iter().map(|cell| plain(cell)).collect()).collect();
+        (self.ready)(Answer { columns: names.to_vec(), rows, ..Answer::default() });
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.reporter.is_cancelled()
+    }
+
+    fn explain(&self, error: &Error) -> String {
+        self.reporter.explain(error)
+    }
+}
+
+/// The answer of a report, or of as much of it as there is.
+fn of_report(report: &Report, subject: &Subject, meter: &Meter) -> Result<Answer, Error> {
     let adapter = meter.machine.name();
-    let report = measure(&wanted, std::slice::from_ref(&subject), run_id, meter, reporter).await?;
     let mut answer = Answer::default();
     for (_, part) in report.scenes.iter().flat_map(|scene| &scene.parts) {
         answer.sentences.extend(part.lead.iter().map(|sentence| spans(sentence)));
@@ -84,7 +146,7 @@ pub async fn answer(
 }
 
 /// The CSV files and plots of a report.
-fn files(report: Report) -> Result<Vec<(String, Vec<u8>)>, Error> {
+fn files(report: &Report) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let mut files = report.files(&Vec::new())?;
     files.retain(|(name, _)| (name.ends_with(".csv") && name != super::ABOUT) || name.ends_with(".svg"));
     Ok(files)
@@ -94,6 +156,7 @@ fn files(report: Report) -> Result<Vec<(String, Vec<u8>)>, Error> {
 mod tests {
     use std::cell::Cell;
     use std::pin::pin;
+    use std::sync::Mutex;
     use std::sync::atomic::{AtomicU32, Ordering};
     use std::task::{Context, Poll, Wake, Waker};
 
@@ -131,21 +194,36 @@ mod tests {
         Meter::new(Machine { device: Device::Cpu(Some(clock)), reason: String::new() })
     }
 
-    fn of_cornell_box(patience: u32) -> Result<Answer, Error> {
+    const EXTENT: Extent =
+        Extent { size: [32, 32], grid: GridSize::Auto, is_quick: true, time: Duration::from_secs(20) };
+
+    fn of_cornell_box(patience: u32, ready: Ready<'_>) -> Result<Answer, Error> {
         let (meter, patience) = (meter(now_ns), Patience(AtomicU32::new(patience)));
-        meter.machine.wait(answer(cornell_box(), [32, 32], GridSize::Auto, true, &meter, &patience))
+        meter.machine.wait(answer(cornell_box(), EXTENT, &meter, &patience, ready))
     }
 
     #[test]
     fn it_has_the_sentences_diagrams_and_table_of_a_page() {
-        let answer = of_cornell_box(u32::MAX).expect("an answer");
-        let first: String = answer.sentences[0].iter().map(|(text, _)| text.as_str()).collect();
-        assert!(first.starts_with("cornell-box, CPU, ") && first.contains(" per ray, 0 of "), "{first}");
+        let so_far = Mutex::new(Vec::new());
+        let answer =
+            of_cornell_box(u32::MAX, &|answer| so_far.lock().expect("no panic").push(answer)).expect("an answer");
+        let of = |i: usize| answer.sentences[i].iter().map(|(text, _)| text.as_str()).collect::<String>();
+        assert!(
+            of(0).starts_with("Use --accelerator ") && of(0).contains(" per ray, none of 16,384 rays wrong"),
+            "{}",
+            of(0)
+        );
+        assert!(of(1).starts_with("On cornell-box with ") && of(2).starts_with("The paper's rules ("), "{}", of(2));
         assert!(answer.sentences[0][0].1, "the answer itself is emphasised");
-        assert_eq!((answer.sentences.len(), answer.figures.len()), (2, 2));
+        assert_eq!((answer.sentences.len(), answer.figures.len()), (5, 2));
+        // What is known so far is shown: rows one after another, then the section's sentences.
+        let so_far = so_far.into_inner().expect("no panic");
+        let rows: Vec<usize> = so_far.iter().filter(|a| a.sentences.is_empty()).map(|a| a.rows.len()).collect();
+        assert!(rows.is_sorted() && rows.first() == Some(&1) && rows.len() > 8, "{rows:?}");
+        assert_eq!(so_far.last().map(|answer| answer.sentences.len()), Some(4));
         assert!(answer.figures[0].1.ends_with("cornell-box, cpu; seed 2007."), "{}", answer.figures[0].1);
         assert!(
-            (2..=6).contains(&answer.rows.len()) && answer.rows.iter().all(|row| row.len() == answer.columns.len())
+            (2..=7).contains(&answer.rows.len()) && answer.rows.iter().all(|row| row.len() == answer.columns.len())
         );
         assert!(answer.rows.iter().flatten().all(|cell| !cell.contains('<')), "{:?}", answer.rows);
         let names: Vec<&str> = answer.files.iter().map(|(name, _)| name.as_str()).collect();
@@ -172,7 +250,7 @@ mod tests {
             now_ns()
         };
         let (meter, woken) = (meter(clock), Arc::new(Woken::default()));
-        let mut answer = pin!(answer(cornell_box(), [32, 32], GridSize::Auto, true, &meter, &Silent));
+        let mut answer = pin!(answer(cornell_box(), EXTENT, &meter, &Silent, &drop));
         let mut polls = 0;
         loop {
             READINGS.set(0);
@@ -190,7 +268,7 @@ mod tests {
     #[test]
     fn it_can_be_cancelled() {
         for stages in [1, 5, 30] {
-            assert!(matches!(of_cornell_box(stages), Err(Error::Cancelled)), "after {stages} stages");
+            assert!(matches!(of_cornell_box(stages, &drop), Err(Error::Cancelled)), "after {stages} stages");
         }
     }
 }

@@ -1,14 +1,16 @@
 //! The answer of a report: every structure, schedule and set of rules on the same rays, time against wrong rays.
 //!
 //! The rays are a random sample of what the camera sees, so that shares of wrong rays have exact bounds. Runs are
-//! interleaved. The fastest choice is found in half of the rounds and compared with the others in the other half, so
-//! that luck which made it the fastest does not enter the comparison; with fewer than twelve rounds, all of them serve
-//! both.
+//! interleaved. Recommended is the fastest of the robust choices that are accurate. It is found in half of the rounds and
+//! compared with the others in the other half, so that luck which made it the fastest does not enter the comparison; with
+//! fewer than twelve rounds, all of them serve both.
 
 mod figure;
 mod strata;
 mod table;
 mod words;
+
+use std::fmt;
 
 use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
@@ -18,9 +20,11 @@ use strata::{ALL, Strata};
 use super::judge::{Judge, Judged};
 use super::methods::Method;
 use super::page::Part;
-use super::work::{Built, TESTS_PER_PASS, Times, Work};
+use super::times::{self, First, Times};
+use super::work::{Built, Only, TESTS_PER_PASS, Work};
 use crate::Error;
 use crate::html::escaped;
+use crate::human;
 use crate::portions::Portions;
 use crate::rays::view;
 use crate::statistics::interval;
@@ -44,7 +48,7 @@ const GROUPS: &[&[&str]] = &[
     ],
     TIMES,
     RATIO,
-    &["is_fastest", "is_front", "most_wrong_per_million", "is_accurate"],
+    &["is_recommended", "is_fastest", "is_front", "most_wrong_per_million", "is_accurate"],
     VERDICTS,
     &["undecided_per_million", "passes", "cells_per_ray", "tests_per_ray", "structure_bytes", "build_s"],
     &["witness_rays", "witness_error_by_bound", "witness_reference_error_by_bound"],
@@ -94,8 +98,8 @@ const SHOWN_STRATA: &[&str] = &[
     "wrong_per_million_high",
 ];
 
-/// Maximum number of tests in a run without an accelerator.
-const MOST_TESTS: u64 = 1 << 28;
+/// Maximum number of tests in a run without an accelerator, in a quick report and in a full one.
+const MOST_TESTS: [u64; 2] = [1 << 26, 1 << 28];
 
 /// Most bytes of all choices together: they are timed in turn. A browser's module has 4 GiB for everything.
 const MOST_BYTES: u64 = if cfg!(target_pointer_width = "32") { 1 << 30 } else { 4 << 30 };
@@ -127,24 +131,38 @@ impl Way {
     }
 }
 
-/// Every structure with every schedule, by robust and by the paper's rules.
-fn ways(is_quick: bool) -> Vec<Way> {
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} {}", self.accelerator, self.schedule, self.numerics)
+    }
+}
+
+/// Every structure with every schedule, by robust and by the paper's rules, but for what is not wanted.
+fn ways(is_quick: bool, only: &Only) -> Vec<Way> {
     use Accelerator::{Bvh, Grid, Irregular, None};
     let mut ways = Vec::new();
-    for accelerator in [Grid, Irregular, Bvh, None] {
+    for accelerator in [Grid, Irregular, Bvh, None].into_iter().filter(|&accelerator| only.has(accelerator)) {
         for &numerics in numerics_of(accelerator) {
-            for &schedule in ScheduleKind::ALL {
+            for &schedule in ScheduleKind::ALL.iter().filter(|&&schedule| only.has_schedule(schedule)) {
                 // Without a grid or BVH, `second` is the same as `first`; with them, `first` is the slower of the two.
                 let unlike = if accelerator == None { ScheduleKind::Second } else { ScheduleKind::First };
                 let is_slow = matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
-                if schedule != unlike && !(is_quick && is_slow && accelerator != Grid) {
+                let is_named = only.schedules.contains(&schedule);
+                if schedule != unlike && (is_named || !(is_quick && is_slow && accelerator != Grid)) {
                     ways.push(Way { accelerator, schedule, numerics });
                 }
             }
         }
     }
-    // If there is no room for all of them, the slowest are missing.
-    ways.sort_by_key(|way| ![ScheduleKind::Fused, ScheduleKind::Compact].contains(&way.schedule));
+    // If there is no room or time for all of them, the slowest are missing: by schedule, then by how long they take to
+    // build or run.
+    let by_schedule = |way: &Way| match way.schedule {
+        ScheduleKind::Fused => 0,
+        ScheduleKind::Compact => 1,
+        ScheduleKind::First | ScheduleKind::Second => 2,
+    };
+    let by_structure = |way: &Way| [Bvh, Grid, Irregular, None].iter().position(|a| *a == way.accelerator);
+    ways.sort_by_key(|way| (by_schedule(way), by_structure(way)));
     ways
 }
 
@@ -163,40 +181,29 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
         part.lead.push(format!("{name}: the scene has no triangles, so there is nothing to compare."));
         return Ok(part);
     }
-    let first = table.rows.len();
+    let begin = table.rows.len();
     let rays = match work.rays {
         Some(file) => file.in_scene(&work.subject.scene),
         None => view(&work.subject.camera, work.size.width, work.size.height, work.seed()),
     };
     let strata = Strata::new(work);
-    let mut ready: Vec<(Way, Built)> = Vec::new();
-    for way in ways(work.is_quick) {
-        let what = format!("{} {} {}", way.accelerator, way.schedule, way.numerics);
-        work.stage(&format!("building {what}"));
-        match build(work, way, &rays, &ready, &mut part).await {
-            Ok(Some(built)) => ready.push((way, built)),
-            Ok(None) => {}
-            Err(error) => {
-                work.can_go_on()?;
-                part.notes.push(format!("{what}: {}", work.explain(&error)));
-            }
-        }
-    }
-    let of_paper = |(way, _): &&(Way, Built)| (way.accelerator, way.numerics) == (Accelerator::Grid, Numerics::Paper);
-    let outside = ready.iter().find(of_paper).and_then(|(_, built)| share_outside(&rays, built.renderer.data()));
+    let mut ready = first_runs(work, &rays, &mut part).await?;
+    let of_paper = |one: &&Ready| (one.way.accelerator, one.way.numerics) == (Accelerator::Grid, Numerics::Paper);
+    let outside = ready.iter().find(of_paper).and_then(|one| share_outside(&rays, one.built.renderer.data()));
     part.notes.extend(outside.map(|share| format!("{MISSES_OUTSIDE}, as {share} of these do")));
     work.stage("timing choices");
-    let names: Vec<String> = ready.iter().map(|(way, _)| way.id(work)).collect();
-    let mut renderers: Vec<&mut Renderer> = ready.iter_mut().map(|(_, built)| &mut built.renderer).collect();
-    let times = work.time_in_turn(&names, &mut renderers, work.either(12, 24)).await?;
+    let names: Vec<String> = ready.iter().map(|one| one.way.id(work)).collect();
+    let firsts: Vec<First> = ready.iter().map(|one| one.first).collect();
+    let mut renderers: Vec<&mut Renderer> = ready.iter_mut().map(|one| &mut one.built.renderer).collect();
+    let repeats = work.either(12, 24);
+    let times = work.time_after(&firsts, &names, &mut renderers, interval::FEWEST, repeats).await?;
+    part.notes.extend(times::notes(work, ready.iter().map(|one| one.way.to_string()).zip(&times)));
     work.stage("judging choices");
     let mut judge = Judge::default();
     let mut measured = Vec::new();
-    for ((way, built), times) in ready.into_iter().zip(times) {
+    for (Ready { way, built, .. }, times) in ready.into_iter().zip(times) {
         let judged = judge.judge(work, &built.renderer).await?;
-        if times.is_given_up {
-            part.notes.push(format!("{} {} {}: {}", way.accelerator, way.schedule, way.numerics, judged.given_up()));
-        }
+        part.notes.extend(times.is_given_up().then(|| format!("{way}: {}", judged.given_up())));
         judge.record(work, &built.renderer, &judged, &way.id(work), |ray| strata.of(ray));
         measured.push(Measured { way, built, times, judged });
     }
@@ -205,12 +212,13 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     let scene = &work.subject.scene.name;
     let own = work.methods.iter().filter(|m| m.scene.is_empty() || m.scene == *scene);
     table.rows.extend(own.map(|method| own_row(work, method, limit)));
-    mark_front(&mut table.rows[first..]);
+    compare_own(&mut table.rows[begin..]);
+    mark(&mut table.rows[begin..]);
     let last = table.rows.len();
     for m in &measured {
         table.rows.extend(strata.rows(work, &judge, m));
     }
-    let (rows, of_strata) = (&table.rows[first..last], &table.rows[last..]);
+    let (rows, of_strata) = (&table.rows[begin..last], &table.rows[last..]);
     words::say(work, rows, outside, &mut part);
     let is_file = work.rays.is_some();
     part.lead_figure("precision", figure::of(rows, is_file).picture()?, figure::caption(rows, is_file))?;
@@ -220,12 +228,64 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     Ok(part)
 }
 
+/// A choice that has run once.
+struct Ready {
+    way: Way,
+    built: Built,
+    first: First,
+}
+
+/// Shows the choices so far, with the time of one run each.
+fn show(work: &Work<'_>, ready: &[Ready]) {
+    let row = |one: &Ready| {
+        let rays = one.built.renderer.plan().rays.max(1) as f64;
+        let time = match one.first.time().and_then(|time| work.ns(time)) {
+            Some(ns) => human::time(ns / rays),
+            None => "stopped".into(),
+        };
+        vec![one.way.to_string(), time]
+    };
+    work.reporter.rows(&["choice", "time per ray, one run"], &ready.iter().map(row).collect::<Vec<_>>());
+}
+
+/// Builds and runs every choice once, as long as there is time.
+async fn first_runs(work: &Work<'_>, rays: &[Ray], part: &mut Part) -> Result<Vec<Ready>, Error> {
+    let (mut ready, mut left_out): (Vec<Ready>, Vec<String>) = (Vec::new(), Vec::new());
+    let ways = ways(work.is_quick, work.only);
+    for (done, &way) in (0..).zip(&ways) {
+        if work.is_past(times::FOR_FIRST_RUNS) {
+            left_out.push(way.to_string());
+            continue;
+        }
+        work.stage(&format!("building {way}"));
+        work.reporter.part("choices built and run", done, ways.len() as u64);
+        match build(work, way, rays, &ready, part).await {
+            Ok(Some(mut built)) => {
+                let first = work.first_run(&mut built.renderer).await?;
+                if first.is_missing() {
+                    left_out.push(way.to_string());
+                } else {
+                    ready.push(Ready { way, built, first });
+                    show(work, &ready);
+                }
+            }
+            Ok(None) => {}
+            Err(error) => {
+                work.can_go_on()?;
+                part.notes.push(format!("{way}: {}", work.explain(&error)));
+            }
+        }
+    }
+    part.notes.extend(work.left_out(&left_out));
+    Ok(ready)
+}
+
 /// Builds a choice, unless it would take too long or too much memory beside those that are already `built`.
 async fn build(
     work: &Work<'_>,
     way: Way,
     rays: &[Ray],
-    built: &[(Way, Built)],
+    built: &[Ready],
     part: &mut Part,
 ) -> Result<Option<Built>, Error> {
     let mut note = |text: String| {
@@ -234,18 +294,16 @@ async fn build(
         }
     };
     let tests = work.subject.scene.triangles.len().saturating_mul(rays.len()) as u64;
-    if way.accelerator == Accelerator::None && tests > MOST_TESTS {
-        note(format!("none: testing every triangle for each of {} rays takes too long", rays.len()));
+    if way.accelerator == Accelerator::None && tests > work.either(MOST_TESTS[0], MOST_TESTS[1]) {
+        note(format!("none, left out: testing every triangle for each of {} rays takes too long", rays.len()));
         return Ok(None);
     }
     let options = way.options(rays);
     let planned = work.plan(&options)?;
     let bytes = |plan: &Plan| plan.bytes() + size_of_val(rays) as u64;
-    let before: u64 = built.iter().map(|(_, built)| bytes(built.renderer.plan())).sum();
+    let before: u64 = built.iter().map(|one| bytes(one.built.renderer.plan())).sum();
     if before + bytes(&planned.plan) > MOST_BYTES && !built.is_empty() {
-        let [structure, schedule, numerics] = [way.accelerator.name(), way.schedule.name(), way.numerics.name()];
-        let most = MOST_BYTES >> 30;
-        note(format!("{structure} {schedule} {numerics}: the choices together would take more than {most} GiB"));
+        note(format!("{way}: the choices together would take more than {} GiB", MOST_BYTES >> 30));
         return Ok(None);
     }
     Ok(Some(work.start(&planned, &options).await?))
@@ -269,7 +327,7 @@ fn is_for_choosing(round: usize) -> bool {
 
 /// Whether there are enough rounds to find the fastest in one half and compare in the other.
 fn is_halved(measured: &[Measured]) -> bool {
-    measured.iter().all(|m| m.times.is_given_up || m.times.rounds() >= FEWEST_TO_HALVE)
+    measured.iter().all(|m| !m.times.is_timed() || m.times.rounds() >= FEWEST_TO_HALVE)
 }
 
 /// The rows, with their comparisons.
@@ -278,21 +336,24 @@ async fn all_rows(work: &Work<'_>, rays: &[Ray], judge: &Judge, measured: &[Meas
     for m in measured {
         rows.push(row(work, rays, judge, m, limit).await);
     }
-    let is_accurate = |row: &Row| row.get("is_accurate") == "true";
     // With fewer rounds, all of them serve both.
     let has_halves = is_halved(measured);
     let choosing = |m: &Measured| m.times.in_rounds(|round| !has_halves || is_for_choosing(round));
-    let chosen_by = |m: &Measured| choosing(m).median().unwrap_or(f64::INFINITY);
-    let accurate = (0..rows.len()).filter(|&i| is_accurate(&rows[i]) && chosen_by(&measured[i]).is_finite());
-    let fastest = accurate.min_by(|&a, &b| chosen_by(&measured[a]).total_cmp(&chosen_by(&measured[b])));
-    if let Some(fastest) = fastest {
-        let name = measured[fastest].way.id(work);
+    let chosen_by = |i: usize| choosing(&measured[i]).median().filter(|_| measured[i].times.is_timed());
+    let can_be = |i: usize| words::is_robust(&rows[i]) && words::is_accurate(&rows[i]);
+    let times = (0..rows.len()).filter(|&i| can_be(i)).filter_map(|i| Some((i, chosen_by(i)?)));
+    let best = times.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i);
+    if let Some(best) = best {
+        let name = measured[best].way.id(work);
         let rest = |m: &Measured| m.times.in_rounds(|round| !has_halves || !is_for_choosing(round));
-        let to = rest(&measured[fastest]);
+        let to = rest(&measured[best]);
         let mut portions = Portions::new();
         for (i, row) in rows.iter_mut().enumerate() {
             portions.rest().await;
-            *row = rest(&measured[i]).fill_ratio(&to, &name, row.clone(), work.seed()).set("is_fastest", i == fastest);
+            if measured[i].times.is_timed() {
+                *row = rest(&measured[i]).fill_ratio(&to, &name, row.clone(), work.seed());
+            }
+            *row = row.clone().set("is_recommended", i == best);
         }
     }
     rows
@@ -311,7 +372,7 @@ fn own_row(work: &Work<'_>, method: &Method, limit: f64) -> Row {
         .set("undecided", method.undecided)
         .set("undecided_per_million", fill::per_million(method.undecided, method.judged_rays))
         .set("most_wrong_per_million", limit)
-        .set("is_fastest", false);
+        .set("is_recommended", false);
     let row = fill::shares(row, method.wrong_rays, method.judged_rays, Drawn::AtRandom);
     let is_accurate = is_within_limit(&row);
     row.set("is_accurate", is_accurate)
@@ -323,10 +384,33 @@ fn is_within_limit(row: &Row) -> bool {
     ends.is_some_and(|(high, most)| high <= most)
 }
 
-fn mark_front(rows: &mut [Row]) {
+/// Fills the ratios of other programs' methods to the recommended choice. Their runs have no pairs: the ratio is that of
+/// the times, and its interval what both intervals allow.
+fn compare_own(rows: &mut [Row]) {
+    const TIMES: [&str; 3] = ["ns_per_ray", "ns_per_ray_low", "ns_per_ray_high"];
+    let Some(best) = rows.iter().find(|row| row.get("is_recommended") == "true").cloned() else { return };
+    let of_best = TIMES.map(|column| best.number(column).filter(|ns| *ns > 0.0));
+    for row in rows.iter_mut().filter(|row| words::is_own(row)) {
+        let of_own = TIMES.map(|column| row.number(column));
+        let ratio = |own: usize, ours: usize| Some(of_own[own]? / of_best[ours]?);
+        // An interval needs all four ends.
+        let ends = ratio(1, 2).zip(ratio(2, 1));
+        *row = row
+            .clone()
+            .set("ratio_to", best.get("configuration"))
+            .set("time_ratio", ratio(0, 0))
+            .set("time_ratio_low", ends.map(|(low, _)| low))
+            .set("time_ratio_high", ends.map(|(_, high)| high));
+    }
+}
+
+/// Marks the fastest of all accurate choices, and the front.
+fn mark(rows: &mut [Row]) {
     let front = front(rows);
+    let fastest = words::quickest(rows, &[("is_accurate", "true")]).map(|row| row.get("configuration").to_owned());
     for (row, is_front) in rows.iter_mut().zip(front) {
-        *row = row.clone().set("is_front", is_front);
+        let is_fastest = fastest.as_deref() == Some(row.get("configuration"));
+        *row = row.clone().set("is_front", is_front).set("is_fastest", is_fastest);
     }
 }
 

@@ -11,7 +11,8 @@ use raystep_kernels::{Accelerator, GridSize, Options, RaySource, ScheduleKind};
 
 use super::judge::Judge;
 use super::page::Part;
-use super::work::{Built, TESTS_PER_PASS, Times, Work};
+use super::times::{self, Times};
+use super::work::{Built, TESTS_PER_PASS, Work};
 use crate::Error;
 use crate::statistics::interval;
 use crate::tidy::fill::Drawn;
@@ -118,8 +119,12 @@ impl Way {
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
     work.stage("grid resolution");
-    let mut built: Vec<(Way, Built)> = Vec::new();
+    let (mut built, mut left_out): (Vec<(Way, Built)>, Vec<String>) = (Vec::new(), Vec::new());
     for way in ways(work, &mut part)? {
+        if work.is_past(times::FOR_BUILDING) {
+            left_out.push(way.name());
+            continue;
+        }
         match work.wait(work.build(&way.options)) {
             Ok(ready) => built.push((way, ready)),
             Err(error) => {
@@ -128,12 +133,14 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             }
         }
     }
+    part.notes.extend(work.left_out(&left_out));
     let builds = builds(work, &built)?;
     let names: Vec<String> = built.iter().map(|(way, _)| work.configuration(&[&way.id()])).collect();
     let mut renderers: Vec<_> = built.iter_mut().map(|(_, b)| &mut b.renderer).collect();
     // Half of the rounds select a resolution; the others, enough for an interval, estimate it.
     let fewest = work.either(interval::FEWEST, 2 * interval::FEWEST);
     let times = work.wait(work.time_rounds(&names, &mut renderers, fewest, work.either(fewest, 24)))?;
+    part.notes.extend(times::notes(work, built.iter().map(|(way, _)| way.name()).zip(&times)));
     let automatic = built.iter().position(|(way, _)| way.is_automatic());
     let none = built.iter().position(|(way, _)| way.options.accelerator == Accelerator::None);
     let selected = automatic.and_then(|automatic| select(&built, &times, automatic));
@@ -141,13 +148,14 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut judges = [Judge::default(), Judge::default()];
     let mut rows = Vec::new();
     for (i, ((way, ready), times_of)) in built.iter().zip(&times).enumerate() {
+        if times_of.is_missing() {
+            continue;
+        }
         // Without an accelerator there may be fewer rays, and then the correct hits differ, too.
         let judge = &mut judges[usize::from(way.options.accelerator == Accelerator::None)];
         let judged = work.wait(judge.judge(work, &ready.renderer))?;
         judge.record(work, &ready.renderer, &judged, &work.configuration(&[&way.id()]), |_| "pixels");
-        if times_of.is_given_up {
-            part.notes.push(format!("{}: {}", way.name(), judged.given_up()));
-        }
+        part.notes.extend(times_of.is_given_up().then(|| format!("{}: {}", way.name(), judged.given_up())));
         let mut row = builds[i].fill(times_of.fill(row(work, way, ready, times_of), work.seed()));
         if let Some(automatic) = automatic.filter(|_| is_whole(i)) {
             row = times_of.fill_ratio(&times[automatic], &names[automatic], row, work.seed());

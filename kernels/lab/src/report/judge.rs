@@ -1,7 +1,7 @@
-//! Rays of a run judged by f64 brute force with exact predicates.
+//! Rays of a run judged in f64 with exact predicates.
 //!
-//! Testing every triangle against every ray takes too long for a large scene: there, a random sample of the rays is
-//! judged, spread over all of them and the same in every run.
+//! Where it would take too long to judge all of them, a random sample is judged, spread over all of them and the same in
+//! every run.
 //!
 //! At an edge, f32 may not be able to tell which of two triangles a ray hits, and either is right. But if the surface
 //! continues on all sides, the ray must hit one of them: a ray that misses both counts as missed.
@@ -62,19 +62,20 @@ pub(super) struct Judged {
 }
 
 impl Judge {
-    /// The most rays to judge for a scene with this many triangles.
+    /// The most rays to judge in a run.
     pub(super) fn most_rays(work: &Work<'_>) -> usize {
-        // Some nanoseconds per test: a second or two on a few cores.
-        let tests: usize = work.either(1 << 24, 1 << 28);
-        (tests / work.subject.scene.triangles.len().max(1)).max(64)
+        work.either(1 << 14, 1 << 17)
     }
 
     /// Judges a run that is over, or as far as it got. Like [`witness`](Self::witness), lets other tasks run every few
     /// milliseconds.
     pub(super) async fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
+        // Less than a second, and some seconds, on two cores.
+        let effort = work.either(1 << 25, 1 << 28);
         work.is_wanted()?;
         let traced = Traced::read(renderer).await?;
-        self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), work.seed())).await;
+        let most = Self::most_rays(work).min(self.0.affordable(&traced, effort, work.seed()));
+        self.0.prepare(&traced, sample(traced.rays(), most, work.seed())).await;
         let walking = (0..traced.rays()).filter(|&ray| !traced.is_decided(ray)).count() as u64;
         let mut judged = Judged { at_bound: renderer.unfinished().max(walking), ..Judged::default() };
         let verdicts = self.0.of(&traced, Cracks::Missed);
@@ -228,8 +229,24 @@ mod tests {
         let (section, record) = ("test", &record);
         let (grid, is_quick, seeds, reporter) = (GridSize::Auto, true, 1, &Silent);
         let (methods, rays, stiff) = (&[][..], None, None);
-        let work =
-            Work { subject, meter, size, grid, is_quick, seeds, reporter, section, record, methods, rays, stiff };
+        let (time, begin, only) = (None, web_time::Instant::now(), &super::super::work::Only::default());
+        let work = Work {
+            subject,
+            meter,
+            size,
+            grid,
+            is_quick,
+            time,
+            begin,
+            only,
+            seeds,
+            reporter,
+            section,
+            record,
+            methods,
+            rays,
+            stiff,
+        };
         let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
         let mut renderer = work.wait(work.build(&options)).expect("a plan").renderer;
         let mut judge = Judge::default();

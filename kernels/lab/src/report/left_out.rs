@@ -6,17 +6,20 @@ use std::cmp::Ordering;
 use std::time::Duration;
 
 use raystep_kernels::{Accelerator, Options, ScheduleKind};
+use web_time::Instant;
 
 pub use measure::{Cost, Costs, Measured, Ratio, Sizes};
 
 use super::page::{Part, number};
 use super::record::Record;
-use super::work::Work;
+use super::words::compared;
+use super::work::{Only, Work};
 use crate::Error;
 use crate::human::{self, data};
 use crate::meter::Meter;
 use crate::plots::{Axis, Forest, Mark, Scale, Series, Stroke};
 use crate::reporter::Reporter;
+use crate::statistics::Compared;
 use crate::subject::{Size, Subject};
 use crate::tidy::{KEYS, Row, count, joined};
 
@@ -91,12 +94,13 @@ const WAYS: [(Accelerator, ScheduleKind); 4] = [
     (Accelerator::Bvh, ScheduleKind::Compact),
 ];
 
-/// The time for a way, in a report and in a quick one, and for `raystep plan`.
+/// The time for a way, in a report and in a quick one.
 const A_WAY_TAKES: Duration = Duration::from_secs(6);
 const A_QUICK_WAY_TAKES: Duration = Duration::from_millis(2_500);
-const ALONE_TAKES: Duration = Duration::from_secs(20);
+/// The seconds for `raystep plan` unless other ones are requested.
+pub const ALONE_SECONDS: u32 = 25;
 
-/// What putting back each item costs that this run's plan omits because the scene does not need it.
+/// What putting back each item costs that this run's plan omits because the scene does not need it, in about this time.
 ///
 /// # Errors
 /// If the scene cannot be planned or run with these options, or a run takes too long.
@@ -104,6 +108,7 @@ pub fn costs(
     subject: &Subject,
     options: &Options,
     meter: &Meter,
+    time: Duration,
     seed: u32,
     reporter: &dyn Reporter,
 ) -> Result<Costs, Error> {
@@ -112,8 +117,25 @@ pub fn costs(
     let (methods, rays, stiff) = (&[][..], None, None);
     let record = &record;
     let (is_quick, seeds) = (false, 1);
-    let work = Work { subject, meter, size, grid, is_quick, seeds, reporter, section, record, methods, rays, stiff };
-    measure::costs(&work, options, ALONE_TAKES)
+    let (begin, only) = (Instant::now(), &Only::default());
+    let work = Work {
+        subject,
+        meter,
+        size,
+        grid,
+        is_quick,
+        time: None,
+        begin,
+        only,
+        seeds,
+        reporter,
+        section,
+        record,
+        methods,
+        rays,
+        stiff,
+    };
+    measure::costs(&work, options, time)
 }
 
 pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Part, Error> {
@@ -123,10 +145,17 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
     if !has_times {
         part.prose.push(format!("On the CPU, {NO_TIMES}."));
     }
-    for &(accelerator, schedule) in &WAYS[..work.either(2, WAYS.len())] {
+    let is_wanted = |way: &&(Accelerator, ScheduleKind)| work.only.has(way.0) && work.only.has_schedule(way.1);
+    let mut left_out = Vec::new();
+    for &(accelerator, schedule) in WAYS[..work.either(2, WAYS.len())].iter().filter(is_wanted) {
+        if work.is_past(1.0) {
+            left_out.push(format!("{accelerator} {schedule}"));
+            continue;
+        }
         work.stage(&format!("omitted items, {accelerator} {schedule}"));
         let options = Options { accelerator, schedule, ..Options::new(work.camera_rays()) };
-        match measure::costs(work, &options, work.either(A_QUICK_WAY_TAKES, A_WAY_TAKES)) {
+        let time = work.at_most(work.either(A_QUICK_WAY_TAKES, A_WAY_TAKES));
+        match measure::costs(work, &options, time) {
             Ok(found) => {
                 let rows: Vec<Row> = found.costs.iter().map(|cost| row(work, &options, cost)).collect();
                 if part.prose.len() <= usize::from(!has_times) {
@@ -142,6 +171,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
             }
         }
     }
+    part.notes.extend(work.left_out(&left_out));
     let rows = &table.rows[first..];
     if rows.is_empty() {
         part.prose.push("The scene needs everything that a plan can omit.".into());
@@ -234,12 +264,7 @@ fn reasons(rows: &[Row]) -> Option<String> {
 fn in_words(rows: &[Row]) -> Option<String> {
     let (all, items) = rows.split_first()?;
     let way = format!("{}, {}", all.get("accelerator"), all.get("schedule"));
-    let place = |row: &Row| match (row.number("time_ratio_low"), row.number("time_ratio_high")) {
-        (Some(low), _) if low > 1.0 => Some("slower"),
-        (_, Some(high)) if high < 1.0 => Some("faster"),
-        (Some(_), Some(_)) => Some("same"),
-        _ => None,
-    };
+    let place = |row: &Row| compared("time_ratio", row);
     let ratio = |row: &Row| {
         let [median, low, high] = ["time_ratio", "time_ratio_low", "time_ratio_high"].map(|c| number(c, row));
         format!("{median} times as long ({low} to {high})")
@@ -253,10 +278,8 @@ fn in_words(rows: &[Row]) -> Option<String> {
     };
     let mut text = format!("<b>{way}</b>. ");
     text += &match place(all) {
-        Some("slower") => format!("With everything put back, a run takes {}. ", ratio(all)),
-        Some("faster") => format!("With everything put back, a run takes only {}. ", ratio(all)),
-        Some(_) => format!("With everything put back, a run takes {}: not distinguishable. ", ratio(all)),
-        None => format!("Everything put back: {}. ", added(all)),
+        Compared::Unknown => format!("Everything put back: {}. ", added(all)),
+        known => format!("With everything put back, a run takes {}: {}. ", ratio(all), known.words()),
     };
     let is_changed = |row: &Row| row.get("is_changed") == "true";
     let is = |row: &Row, order: Ordering| {
@@ -265,10 +288,11 @@ fn in_words(rows: &[Row]) -> Option<String> {
     let mut add = |before: &str, names: Option<String>| {
         text.extend(names.map(|names| format!("{before}: {names}. ")));
     };
-    add("Slower with", named(&|row| place(row) == Some("slower"), true));
-    add("Faster with", named(&|row| place(row) == Some("faster"), true));
-    add("Not distinguishable", named(&|row| place(row) == Some("same"), false));
-    if place(all).is_none() {
+    add("Slower with", named(&|row| place(row) == Compared::Slower, true));
+    add("Faster with", named(&|row| place(row) == Compared::Faster, true));
+    add("As fast", named(&|row| place(row) == Compared::AsFast, false));
+    add("Not distinguishable", named(&|row| place(row) == Compared::NotDistinguishable, false));
+    if place(all) == Compared::Unknown {
         add("More memory with", named(&|row| is(row, Ordering::Greater), false));
         add("Same memory with", named(&|row| is(row, Ordering::Equal), false));
         add("Less memory with", named(&|row| is(row, Ordering::Less), false));

@@ -108,7 +108,12 @@ fn run(work: &Work<'_>, table: &mut Table, column: &'static str, places: &[Place
     let first = table.rows.len();
     let count = work.either(256, 1024).min(Judge::most_rays(work) / STRATA.len());
     let here = Here::new(work, count)?;
+    let mut left_out = Vec::new();
     for (i, &place) in places.iter().enumerate() {
+        if work.is_past(1.0) {
+            left_out.push(place.to_string());
+            continue;
+        }
         work.stage(&format!("error at {place}"));
         work.reporter.part("places", i as u64, places.len() as u64);
         match one(work, &here, place, table.columns, &mut part) {
@@ -119,6 +124,7 @@ fn run(work: &Work<'_>, table: &mut Table, column: &'static str, places: &[Place
             }
         }
     }
+    part.notes.extend(work.left_out(&left_out));
     let rows = &table.rows[first..];
     part.figure("error", plots::errors(column, rows).svg()?, words::errors_caption(rows));
     part.figure("bound", plots::by_bound(column, rows).svg()?, words::bound_caption(rows));

@@ -187,8 +187,8 @@ pub(super) fn html(about: &About, scenes: &[Scene], seed: u32) -> String {
     for (i, scene) in scenes.iter().enumerate() {
         of_scene(&mut page, i, scene, &common);
     }
-    page += "<h2 class=\"s\" id=\"about\">About this report</h2>\n<p>Wrong: the ray hits something else than f64 brute \
-             force finds (edges decided exactly), although f32's error bounds allow only that result. Undecided: it hits \
+    page += "<h2 class=\"s\" id=\"about\">About this report</h2>\n<p>Wrong: the ray hits something else than exact \
+             arithmetic finds (f64, edges decided exactly), although f32's error bounds allow only that result. Undecided: it hits \
              something else, but the bounds allow more than one result; not counted as wrong. Every number is a field of \
              a CSV file beside this page; <a href=\"datapackage.json\">datapackage.json</a> describes their columns, and every timed run is in \
              <a href=\"runs.csv\">runs.csv</a>. Compare times only within this report.</p>\n<table>\n";

@@ -77,11 +77,11 @@ impl Record {
         }
     }
 
-    /// The files, with what their rows are.
-    pub(super) fn into_tables(self) -> Vec<(&'static str, &'static str, Table)> {
-        let of = |table: Mutex<Table>| table.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let rays = self.rays.map(|rays| (RAYS, "a ray judged in one configuration", of(rays)));
-        [(RUNS, "a timed run", of(self.runs))].into_iter().chain(rays).collect()
+    /// The files so far, with what their rows are.
+    pub(super) fn tables(&self) -> Vec<(&'static str, &'static str, Table)> {
+        let of = |table: &Mutex<Table>| table.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let rays = self.rays.as_ref().map(|rays| (RAYS, "a ray judged in one configuration", of(rays)));
+        [(RUNS, "a timed run", of(&self.runs))].into_iter().chain(rays).collect()
     }
 }
 

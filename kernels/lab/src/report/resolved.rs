@@ -98,8 +98,14 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     part.is_folded = true;
     let first = table.rows.len();
     let mut judge = Judge::default();
-    for way in ways(work.is_quick) {
+    let mut left_out = Vec::new();
+    let is_wanted = |way: &Way| work.only.has(way.accelerator) && work.only.has_schedule(way.schedule);
+    for way in ways(work.is_quick).into_iter().filter(is_wanted) {
         let what = format!("{} {} {}", way.accelerator, way.schedule, way.numerics);
+        if work.is_past(1.0) {
+            left_out.push(what);
+            continue;
+        }
         work.stage(&format!("rays over time, {what}"));
         match one(work, way, &mut judge, &mut part) {
             Ok(Ok(rows)) => table.rows.extend(rows),
@@ -110,6 +116,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             }
         }
     }
+    part.notes.extend(work.left_out(&left_out));
     let rows = &table.rows[first..];
     for (accelerator, _) in STRUCTURES {
         part.figure(accelerator, plots::resolved(accelerator, rows).svg()?, plots::resolved_caption(accelerator, rows));

@@ -14,7 +14,8 @@ use raystep_kernels::{Accelerator, Numerics, Options, Ray, RaySource, Rule, Sche
 
 use super::judge::{Judge, Judged};
 use super::page::Part;
-use super::work::{Built, TESTS_PER_PASS, Times, Work};
+use super::times::{self, Times};
+use super::work::{Built, TESTS_PER_PASS, Work};
 use crate::Error;
 use crate::portions::Portions;
 use crate::rays::{Aim, Planes, aimed};
@@ -79,11 +80,11 @@ impl Way {
 }
 
 fn ways(work: &Work<'_>, rays: &[Ray]) -> Vec<Way> {
-    const MOST_TESTS: usize = 1 << 27;
-    let can_test_all = work.subject.scene.triangles.len().saturating_mul(rays.len()) <= MOST_TESTS;
+    let most: usize = work.either(1 << 25, 1 << 27);
+    let can_test_all = work.subject.scene.triangles.len().saturating_mul(rays.len()) <= most;
     let mut ways = Vec::new();
-    for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
-        if accelerator == Accelerator::None && !can_test_all {
+    for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::Irregular, Accelerator::None] {
+        if accelerator == Accelerator::None && !can_test_all || !work.only.has(accelerator) {
             continue;
         }
         let options = Options {
@@ -154,8 +155,12 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     }
     let first = table.rows.len();
     let strata = Strata::new(work)?;
-    let mut ready: Vec<(Way, Built)> = Vec::new();
+    let (mut ready, mut left_out): (Vec<(Way, Built)>, Vec<String>) = (Vec::new(), Vec::new());
     for way in ways(work, &strata.rays) {
+        if work.is_past(times::FOR_BUILDING) {
+            left_out.push(way.id(work));
+            continue;
+        }
         work.stage(&format!("rules: building {}", way.id(work)));
         match work.build(&way.options).await {
             Ok(built) => ready.push((way, built)),
@@ -169,14 +174,14 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     let names: Vec<String> = ready.iter().map(|(way, _)| way.id(work)).collect();
     let mut renderers: Vec<_> = ready.iter_mut().map(|(_, built)| &mut built.renderer).collect();
     let times = work.time_in_turn(&names, &mut renderers, work.either(8, 20)).await?;
+    part.notes.extend(work.left_out(&left_out));
+    part.notes.extend(times::notes(work, names.iter().cloned().zip(&times)));
     work.stage("rules: judging");
     let mut judge = Judge::default();
     let mut measured = Vec::new();
-    for ((way, built), times) in ready.into_iter().zip(times) {
+    for ((way, built), times) in ready.into_iter().zip(times).filter(|(_, times)| !times.is_missing()) {
         let judged = judge.judge(work, &built.renderer).await?;
-        if times.is_given_up {
-            part.notes.push(format!("{}: {}", way.id(work), judged.given_up()));
-        }
+        part.notes.extend(times.is_given_up().then(|| format!("{}: {}", way.id(work), judged.given_up())));
         judge.record(work, &built.renderer, &judged, &way.id(work), |ray| strata.of(ray));
         measured.push(Measured { way, built, times, judged });
     }

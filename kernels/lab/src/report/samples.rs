@@ -13,12 +13,12 @@ mod slopes;
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use raystep_kernels::{Image, Options, RaySource, Renderer, Sampler, Samples, ScheduleKind};
 
 use super::page::{Part, number};
-use super::words::{Compared, compared, with_interval};
+use super::words::{compared, with_interval};
 use super::work::{Planned, Work};
 use crate::Error;
 use crate::statistics::root_mean_square;
@@ -82,8 +82,11 @@ const SHOWN: &[&str] = &[
     "ns_per_ray",
 ];
 
-/// Time limit for the section; what is not measured by then is omitted.
+/// Time limit of the section where it has none of its own; what is not measured by then is omitted.
 const LONGEST: Duration = Duration::from_secs(600);
+
+/// Share of the section's time for images; the rest is for the time of a sample.
+const FOR_IMAGES: f64 = 0.8;
 
 /// Samples of a timed run.
 const TIMED: u32 = 16;
@@ -98,13 +101,12 @@ struct Reference {
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
-    let begin = Instant::now();
     let most: u32 = work.either(64, 256);
-    let Some(reference) = reference(work, most, begin)? else {
+    let Some(reference) = reference(work, most)? else {
         part.notes.push("stopped: too slow".into());
         return Ok(part);
     };
-    let images = Images { work, most, reference, begin };
+    let images = Images { work, most, reference };
     let mut rows = Vec::new();
     for &sampler in Sampler::ALL {
         work.stage(&format!("samples, {sampler}"));
@@ -158,10 +160,11 @@ fn rays(work: &Work<'_>) -> RaySource {
 }
 
 /// Runs until this many samples are complete; `false` if that takes too long.
-fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32, begin: Instant) -> Result<bool, Error> {
+fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32) -> Result<bool, Error> {
+    let longest = work.time.map_or(LONGEST, |time| time.mul_f64(FOR_IMAGES));
     let watch = |progress: &raystep_kernels::Progress| {
         work.reporter.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));
-        if begin.elapsed() > LONGEST { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if work.begin.elapsed() > longest { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     match crate::block_on(work.machine().gpu(), renderer.run_to_sample(samples, watch)) {
         Ok(()) => Ok(true),
@@ -170,7 +173,7 @@ fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32, begin: Instant
     }
 }
 
-fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Reference>, Error> {
+fn reference(work: &Work<'_>, most: u32) -> Result<Option<Reference>, Error> {
     work.stage("samples: the reference");
     let each = 4 * most;
     let mut halves = Vec::new();
@@ -179,7 +182,7 @@ fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Refere
     for seed in [first, first.wrapping_add(1)] {
         let samples = Samples { count: each, sampler: Sampler::Sobol, seed, first: 0 };
         let mut renderer = work.wait(work.build(&options(work, samples)))?.renderer;
-        if !run_to(work, &mut renderer, each, begin)? {
+        if !run_to(work, &mut renderer, each)? {
             return Ok(None);
         }
         halves.push(work.wait(renderer.image())?);
@@ -229,13 +232,12 @@ struct Images<'a> {
     /// Samples of the last image.
     most: u32,
     reference: Reference,
-    begin: Instant,
 }
 
 impl Images<'_> {
     /// Errors of one seed's images of 2, 4, 8… samples; `None` if they take too long.
     fn of_seed(&self, planned: &Planned, sampler: Sampler, seed: u32) -> Result<Option<Vec<Row>>, Error> {
-        let Self { work, most, reference, begin } = self;
+        let Self { work, most, reference } = self;
         let samples = Samples { count: *most, sampler, seed, first: 0 };
         let mut data = planned.data().clone();
         data.sampling.seed = seed;
@@ -247,7 +249,7 @@ impl Images<'_> {
         // pixel's centre.
         let mut count = 2;
         while count <= *most {
-            if !run_to(work, &mut renderer, count, *begin)? {
+            if !run_to(work, &mut renderer, count)? {
                 return Ok(None);
             }
             let image = work.wait(renderer.image())?;
@@ -283,7 +285,7 @@ fn timed(work: &Work<'_>, part: &mut Part) -> Result<Vec<Row>, Error> {
     let times = work.wait(work.time_in_turn(&names, &mut renderers, work.either(6, 20)))?;
     let (mut rows, mut first) = (Vec::new(), None);
     for (i, (sampler, times)) in Sampler::ALL.iter().zip(&times).enumerate() {
-        if times.is_given_up {
+        if times.is_given_up() || times.is_missing() {
             part.notes.push(format!("{sampler}: no time, too slow"));
             continue;
         }
@@ -337,12 +339,7 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
         }
     }
     if let Some(row) = of_quantity(rows, "time").find(|row| row.number("time_ratio").is_some()) {
-        let verdict = match compared("time_ratio", row) {
-            Compared::Faster => "faster",
-            Compared::Slower => "slower",
-            Compared::NotDistinguishable => "not distinguishable",
-            Compared::Unknown => "too few runs to tell them apart",
-        };
+        let verdict = compared("time_ratio", row).words();
         let other = of_quantity(rows, "time").find(|row| row.number("time_ratio").is_none());
         part.prose.push(format!(
             "Time: a run of {} samples with {} takes {} times as long as with {}, in {} pairs of runs: {verdict}. Times are {}.",

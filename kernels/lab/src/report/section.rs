@@ -1,6 +1,7 @@
 //! The table of a report's sections, in page order.
 
 use std::pin::Pin;
+use std::time::Duration;
 
 use super::page::Part;
 use super::work::Work;
@@ -27,10 +28,19 @@ pub struct Section {
     pub row: &'static str,
     /// How long it typically takes, in seconds on two cores.
     pub seconds: f64,
+    /// Whether it ends within the time that is asked for.
+    pub is_bounded: bool,
     /// The CSV's columns.
     pub columns: &'static [&'static str],
     /// Measures a scene: adds rows, and returns the text of the page.
     pub(super) run: Run,
+}
+
+impl Section {
+    /// The seconds that it typically takes, if it may take this long.
+    pub(super) fn seconds_within(&self, time: Duration) -> f64 {
+        if self.is_bounded { self.seconds.min(time.as_secs_f64()) } else { self.seconds }
+    }
 }
 
 /// Measures a section.
@@ -53,11 +63,14 @@ pub const SECTIONS: &[Section] = &[
         title: "Choices",
         is_default: true,
         what: "Every structure, schedule and set of rules on the same rays: one through a random point of each pixel, \
-               or those of --rays-file. Runs are interleaved; ratios are to the fastest accurate choice, which is found \
-               in half of the rounds and compared in the other half (with fewer than twelve rounds: in all).",
+               or those of --rays-file. Runs are interleaved; ratios are to the recommended choice, the fastest robust and \
+               accurate one, which is found in half of the rounds and compared in the other half (with fewer than twelve \
+               rounds: in all). Slow choices run once. Other programs' methods have no runs to pair: their ratio is the \
+               quotient of the times, its interval what both intervals allow.",
         file: "choices.csv",
         row: "a choice",
         seconds: 30.0,
+        is_bounded: true,
         columns: choices::COLUMNS,
         run: Run::Future(|work, table| Box::pin(choices::run(work, table))),
     },
@@ -75,6 +88,7 @@ pub const SECTIONS: &[Section] = &[
         file: "rules.csv",
         row: "a set of rules, for all rays or a stratum",
         seconds: 20.0,
+        is_bounded: true,
         columns: rules::COLUMNS,
         run: Run::Future(|work, table| Box::pin(rules::run(work, table))),
     },
@@ -88,6 +102,7 @@ pub const SECTIONS: &[Section] = &[
         file: "resolved.csv",
         row: "a pass of a configuration",
         seconds: 8.0,
+        is_bounded: true,
         columns: resolved::COLUMNS,
         run: Run::Blocking(resolved::run),
     },
@@ -101,6 +116,7 @@ pub const SECTIONS: &[Section] = &[
         file: "moved.csv",
         row: "a place, a set of rules and a stratum of rays",
         seconds: 6.0,
+        is_bounded: true,
         columns: moved::COLUMNS,
         run: Run::Blocking(moved::moved),
     },
@@ -114,6 +130,7 @@ pub const SECTIONS: &[Section] = &[
         file: "scaled.csv",
         row: "a scale, a set of rules and a stratum of rays",
         seconds: 8.0,
+        is_bounded: true,
         columns: moved::SCALED_COLUMNS,
         run: Run::Blocking(moved::scaled),
     },
@@ -127,6 +144,7 @@ pub const SECTIONS: &[Section] = &[
         file: "grid.csv",
         row: "a structure or resolution",
         seconds: 12.0,
+        is_bounded: true,
         columns: grid::COLUMNS,
         run: Run::Blocking(grid::run),
     },
@@ -140,12 +158,13 @@ pub const SECTIONS: &[Section] = &[
         file: "samples.csv",
         row: "a number of samples of a seed, or what quantity says",
         seconds: 20.0,
+        is_bounded: true,
         columns: samples::COLUMNS,
         run: Run::Blocking(samples::run),
     },
     Section {
         name: "left-out",
-        help: "What omitting unneeded work saves",
+        help: "What is saved by leaving out code that this scene does not need",
         title: "Left out",
         is_default: true,
         what: "What the plan omits because this scene and view do not need it, and what putting back each item, and \
@@ -153,12 +172,13 @@ pub const SECTIONS: &[Section] = &[
         file: "left_out.csv",
         row: "an item, with an accelerator and a schedule",
         seconds: 25.0,
+        is_bounded: true,
         columns: left_out::COLUMNS,
         run: Run::Blocking(left_out::run),
     },
     Section {
         name: "stiff",
-        help: "What scenes cost that get harder in one way; up to 20 minutes, and only if it is named",
+        help: "What scenes cost that get harder in one way; up to 20 minutes whatever --seconds says, and only if it is named",
         title: "Stiffness",
         is_default: false,
         what: "What scenes cost that get harder in one way, for every structure with and without each rule, and where \
@@ -166,6 +186,7 @@ pub const SECTIONS: &[Section] = &[
         file: crate::stiff::CSV,
         row: "a structure with or without a rule, at a point of a family or in the scene",
         seconds: 900.0,
+        is_bounded: false,
         columns: stiff::COLUMNS,
         run: Run::Blocking(stiff::run),
     },

@@ -1,6 +1,7 @@
 //! Phrases that sections share: medians with their intervals, in words.
 
 use super::page::number;
+use crate::statistics::Compared;
 use crate::tidy::Row;
 
 /// A median with its interval: "0.93 (95% interval 0.9 to 0.97)".
@@ -18,27 +19,10 @@ fn end_of(column: &str, end: &str) -> String {
     if column == "median_ns" { format!("{end}_ns") } else { format!("{column}_{end}") }
 }
 
-/// What the interval of a row's ratio of times allows to say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Compared {
-    /// All of the interval lies below 1.
-    Faster,
-    /// All of it lies above 1.
-    Slower,
-    /// It contains 1.
-    NotDistinguishable,
-    /// There is none.
-    Unknown,
-}
-
 /// Compares a row's time with that of the configuration in `ratio_to`.
 pub(super) fn compared(column: &str, row: &Row) -> Compared {
-    match [end_of(column, "low"), end_of(column, "high")].map(|end| row.number(&end)) {
-        [_, Some(high)] if high < 1.0 => Compared::Faster,
-        [Some(low), _] if low > 1.0 => Compared::Slower,
-        [Some(_), Some(_)] => Compared::NotDistinguishable,
-        _ => Compared::Unknown,
-    }
+    let [low, high] = ["low", "high"].map(|end| row.number(&end_of(column, end)));
+    Compared::of(low.zip(high).map(|(low, high)| [low, high]))
 }
 
 #[cfg(test)]
@@ -47,17 +31,6 @@ mod tests {
 
     const COLUMNS: &[&str] =
         &["schema_version", "time_ratio", "time_ratio_low", "time_ratio_high", "median_ns", "low_ns", "high_ns"];
-
-    #[test]
-    fn only_an_interval_tells_times_apart() {
-        let row = |low: Option<f64>, high: Option<f64>| {
-            Row::new(COLUMNS).set("time_ratio", 1.0).set("time_ratio_low", low).set("time_ratio_high", high)
-        };
-        let of = |low: f64, high: f64| compared("time_ratio", &row(Some(low), Some(high)));
-        assert_eq!((of(0.8, 0.9), of(1.1, 1.2)), (Compared::Faster, Compared::Slower));
-        assert_eq!((of(0.9, 1.1), of(1.0, 1.2)), (Compared::NotDistinguishable, Compared::NotDistinguishable));
-        assert_eq!(compared("time_ratio", &row(None, None)), Compared::Unknown);
-    }
 
     #[test]
     fn a_median_is_told_with_its_interval() {

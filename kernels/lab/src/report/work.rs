@@ -7,26 +7,24 @@ use std::time::Duration;
 use raystep_kernels::export::csv::Timer;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer, let_others_run};
+use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer, ScheduleKind, let_others_run};
 use web_time::Instant;
 
 use super::methods::Method;
-use super::record::{RUN_COLUMNS, Record};
-use crate::meter::{Ended, Meter, Rounds, Time, Turns};
+use super::record::Record;
+use crate::meter::{Ended, Meter};
 use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
-use crate::statistics::interval::{self, Interval};
-use crate::statistics::median;
 use crate::stiff::Start;
 use crate::subject::{Size, Subject};
-use crate::tidy::{Row, fill};
+use crate::tidy::Row;
 use crate::{Error, Machine};
 
 /// Time limit of one run.
 const LONGEST_RUN: Duration = Duration::from_secs(20);
 
-/// Time limit for the repeats of one configuration, after the first [`interval::FEWEST`].
-const REPEATS_TAKE: Duration = Duration::from_secs(1);
+/// Share of a section's time that one run may take.
+const A_RUN_TAKES: f64 = 0.25;
 
 /// Pass limit of one run: with the paper's numerics a walk may never end.
 const MOST_PASSES: usize = 100_000;
@@ -43,6 +41,12 @@ pub(super) struct Work<'a> {
     /// The resolution for sections that do not vary it.
     pub(super) grid: GridSize,
     pub(super) is_quick: bool,
+    /// Time of this section for the scene; `None` without a limit.
+    pub(super) time: Option<Duration>,
+    /// When the section began.
+    pub(super) begin: Instant,
+    /// What to measure of what can be chosen.
+    pub(super) only: &'a Only,
     /// How many seeds to measure where a section varies them.
     pub(super) seeds: u32,
     pub(super) reporter: &'a dyn Reporter,
@@ -56,6 +60,29 @@ pub(super) struct Work<'a> {
     pub(super) rays: Option<&'a RaysFile>,
     /// The families of stiff scenes.
     pub(super) stiff: Option<&'a Start>,
+}
+
+/// Restricts what is measured.
+#[derive(Clone, Debug, Default)]
+pub struct Only {
+    /// These structures; all if it is empty.
+    pub accelerators: Vec<Accelerator>,
+    /// These schedules; all if it is empty.
+    pub schedules: Vec<ScheduleKind>,
+}
+
+impl Only {
+    /// Whether a structure is measured.
+    #[must_use]
+    pub fn has(&self, accelerator: Accelerator) -> bool {
+        self.accelerators.is_empty() || self.accelerators.contains(&accelerator)
+    }
+
+    /// Whether a schedule is measured.
+    #[must_use]
+    pub fn has_schedule(&self, schedule: ScheduleKind) -> bool {
+        self.schedules.is_empty() || self.schedules.contains(&schedule)
+    }
 }
 
 /// A plan that can be started many times.
@@ -84,72 +111,6 @@ pub(super) struct Built {
     /// Seconds for allocating, uploading and compiling, by the host's clock: where a thread has other tasks, what they
     /// did meanwhile is included.
     pub(super) start_s: f64,
-}
-
-/// Times of a configuration.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Times {
-    /// One per round; `None` if the clock had no valid time.
-    runs: Vec<Option<f64>>,
-    /// Whether a run was stopped: then there are no times, and the streams are incomplete.
-    pub(super) is_given_up: bool,
-}
-
-impl Times {
-    /// Times that were measured otherwise: one per round.
-    pub(super) fn of(runs: Vec<Option<f64>>) -> Self {
-        Self { runs, is_given_up: false }
-    }
-
-    fn known(&self) -> Vec<f64> {
-        fill::known(&self.runs)
-    }
-
-    /// The number of runs with a time.
-    pub(super) fn runs(&self) -> usize {
-        self.known().len()
-    }
-
-    /// The number of rounds.
-    pub(super) fn rounds(&self) -> usize {
-        self.runs.len()
-    }
-
-    /// The median.
-    pub(super) fn median(&self) -> Option<f64> {
-        median(&self.known())
-    }
-
-    /// The times in the rounds that satisfy a condition.
-    pub(super) fn in_rounds(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
-        let wanted = self.runs.iter().enumerate().map(|(round, time)| time.filter(|_| is_wanted(round)));
-        Self { runs: wanted.collect(), is_given_up: self.is_given_up }
-    }
-
-    /// Its runs with the other's runs of the same rounds, where both have a time.
-    pub(super) fn pairs<'t>(&'t self, to: &'t Self) -> impl Iterator<Item = (f64, f64)> + 't {
-        fill::pairs(&self.runs, &to.runs)
-    }
-
-    /// How much longer each run took than the other's run of the same round, in nanoseconds.
-    pub(super) fn differences(&self, to: &Self) -> Vec<f64> {
-        self.pairs(to).map(|(a, b)| a - b).collect()
-    }
-
-    /// The median ratio to the other's runs of the same rounds, with its interval if there are enough.
-    pub(super) fn ratio(&self, to: &Self, seed: u32) -> Option<(f64, Option<Interval>)> {
-        fill::ratio_of(&self.runs, &to.runs, seed)
-    }
-
-    /// Fills the columns of times.
-    pub(super) fn fill(&self, row: Row, seed: u32) -> Row {
-        fill::times(row, &self.runs, seed)
-    }
-
-    /// Fills the columns of the ratio to another configuration.
-    pub(super) fn fill_ratio(&self, to: &Self, name: &str, row: Row, seed: u32) -> Row {
-        fill::ratio(row, &self.runs, &to.runs, name, seed)
-    }
 }
 
 impl Work<'_> {
@@ -191,6 +152,32 @@ impl Work<'_> {
     /// Chooses between the quick and the normal amount.
     pub(super) fn either<T>(&self, quick: T, normal: T) -> T {
         if self.is_quick { quick } else { normal }
+    }
+
+    /// Whether this share of the section's time is over.
+    pub(super) fn is_past(&self, share: f64) -> bool {
+        self.time.is_some_and(|time| self.begin.elapsed() > time.mul_f64(share))
+    }
+
+    /// What is left of the section's time.
+    pub(super) fn left(&self) -> Option<Duration> {
+        Some(self.time?.saturating_sub(self.begin.elapsed()))
+    }
+
+    /// The shorter of this time and what is left.
+    pub(super) fn at_most(&self, time: Duration) -> Duration {
+        self.left().map_or(time, |left| left.min(time))
+    }
+
+    /// The section's time, in words.
+    pub(super) fn time_in_words(&self) -> String {
+        self.time.map_or_else(String::new, |time| format!("{} s", time.as_secs_f64()))
+    }
+
+    /// The note on what was left out when the section's time was over; `None` if nothing was.
+    pub(super) fn left_out(&self, names: &[String]) -> Option<String> {
+        let time = self.time_in_words();
+        (!names.is_empty()).then(|| format!("left out, to stay within {time} (--seconds): {}", names.join(", ")))
     }
 
     /// Reports the next stage of the section.
@@ -259,8 +246,9 @@ impl Work<'_> {
 
     /// Runs to the end, or until a limit is reached.
     pub(super) async fn run(&self, renderer: &mut Renderer) -> Result<Ended, Error> {
+        let longest = self.time.map_or(LONGEST_RUN, |time| LONGEST_RUN.min(time.mul_f64(A_RUN_TAKES)));
         let is_over = |progress: &Progress, spent: Duration| {
-            spent > LONGEST_RUN || progress.passes >= MOST_PASSES || self.reporter.is_cancelled()
+            spent > longest || progress.passes >= MOST_PASSES || self.reporter.is_cancelled()
         };
         let watch = |progress: &Progress, spent: Duration| match is_over(progress, spent) {
             true => ControlFlow::Break(()),
@@ -269,63 +257,5 @@ impl Work<'_> {
         let ended = self.meter.run(renderer, watch).await?;
         self.is_wanted()?;
         Ok(ended)
-    }
-
-    /// The time of a run by the clock that [times passes](Self::clock); `None` if it had no valid time.
-    pub(super) fn ns(&self, time: Time) -> Option<f64> {
-        match self.machine().timer().times_passes() {
-            true => time.device_ns.map(|ns| ns as f64),
-            false => Some(time.wall_ns as f64),
-        }
-    }
-
-    /// Interleaves as many runs as there is time for, and records them under the names of their configurations. A
-    /// stopped one has no times.
-    pub(super) async fn time_in_turn(
-        &self,
-        names: &[String],
-        renderers: &mut [&mut Renderer],
-        repeats: usize,
-    ) -> Result<Vec<Times>, Error> {
-        self.time_rounds(names, renderers, interval::FEWEST.min(repeats), repeats).await
-    }
-
-    /// The same with a minimum number of rounds, however long they take.
-    pub(super) async fn time_rounds(
-        &self,
-        names: &[String],
-        renderers: &mut [&mut Renderer],
-        fewest: usize,
-        repeats: usize,
-    ) -> Result<Vec<Times>, Error> {
-        let all = Some(REPEATS_TAKE * renderers.len() as u32);
-        let turns = Turns { all, fewest, seed: u64::from(self.seed()), ..Turns::of(1, repeats) };
-        let of = ((1 + repeats) * renderers.len()) as u64;
-        let mut rounds = Rounds::new(renderers.len(), turns);
-        let mut done = 0;
-        while let Some(subject) = rounds.next_subject() {
-            self.reporter.part("timing", done, of);
-            done += 1;
-            rounds.ended(self.run(renderers[subject]).await?);
-        }
-        let mut all = Vec::new();
-        for (name, times) in names.iter().zip(rounds.into_times()) {
-            if times.is_given_up {
-                all.push(Times { runs: Vec::new(), is_given_up: true });
-                continue;
-            }
-            self.record.add_runs(times.runs.iter().map(|run| {
-                self.row(RUN_COLUMNS)
-                    .set("section", self.section)
-                    .set("configuration", &**name)
-                    .set("round", run.round)
-                    .set("place", run.place)
-                    .set("time_ns", self.ns(run.time))
-                    .set("wall_ns", run.time.wall_ns)
-                    .set("clock", self.clock())
-            }));
-            all.push(Times { runs: times.runs.iter().map(|run| self.ns(run.time)).collect(), is_given_up: false });
-        }
-        Ok(all)
     }
 }

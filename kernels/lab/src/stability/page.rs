@@ -97,7 +97,7 @@ fn summary(page: &mut String, outcomes: &[Outcome]) {
         }
         let _ = writeln!(page, "<td class=\"l w\">{}</td></tr>", escaped(outcome.case.what));
     }
-    *page += "</table></div>\n<p class=\"note\">The most of all runs of a case. Robust rules must make no error. \
+    *page += "</table></div>\n<p class=\"note\">Each number is the maximum over all runs of the case. Robust rules must make no error. \
               <em>Undecided</em> are rays whose hit is not the exact one where f32 cannot tell; <em>undecided limit</em> is \
               how many the error bound allows. The paper's rules, here in f32, must fail where a case says so; elsewhere they \
               may.</p>\n";

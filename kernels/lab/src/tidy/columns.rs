@@ -168,8 +168,8 @@ const COLUMNS: &[Column] = &[
     number("start_ratio_low", "lower end of its interval"),
     number("start_ratio_high", "upper end of its interval"),
     count("differing_hits", "rays whose hits with and without the item differ in any bit"),
-    // Verdicts of f64 brute force.
-    count("judged_rays", "rays compared with f64 brute force"),
+    // Verdicts of the f64 judge.
+    count("judged_rays", "rays compared with exact hits in f64"),
     count("missed", "rays that should hit and do not"),
     count("false_hits", "rays that hit and should not"),
     count("wrong_hits", "rays that hit another triangle, or at a wrong t"),
@@ -197,7 +197,11 @@ const COLUMNS: &[Column] = &[
     number("undecided_per_million", "undecided rays per million judged"),
     number("most_wrong_per_million", "limit of wrong_per_million_high for a choice to be accurate"),
     truth("is_accurate", "whether wrong_per_million_high is within that limit"),
-    truth("is_fastest", "whether it is the fastest accurate choice"),
+    truth("is_recommended", "whether it is recommended: the fastest robust and accurate choice, to which ratios are"),
+    truth(
+        "is_fastest",
+        "whether it has the shortest median time of all accurate choices, methods of other programs included",
+    ),
     truth("is_front", "whether no other choice is both faster and as accurate"),
     count("witness_rays", "hits whose t was compared with rational arithmetic"),
     number("witness_error_by_bound", "their largest error of t, relative to the ray's bound"),

@@ -18,6 +18,7 @@ pub fn is_of_time(column: &str) -> bool {
                 | "place"
                 | "clock"
                 | "ratio_to"
+                | "is_recommended"
                 | "is_fastest"
                 | "is_front"
                 | "is_selected"

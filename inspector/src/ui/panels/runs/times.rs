@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use egui::{Align, Label, Layout, RichText, ScrollArea, TextStyle, Ui};
 use egui_extras::{Column, TableBuilder, TableRow};
+use raystep_lab::statistics::Compared;
 
 use super::table::text;
 use crate::runs::Kept;
@@ -108,11 +109,18 @@ fn cells(row: &mut TableRow<'_, '_>, timed: Timed<'_>, measured: &Measured, refe
         let (text, about) = match (ratio.interval, ratio.is_paired) {
             (Some(interval), _) => (
                 format!("{:.2} [{:.2}–{:.2}]", ratio.ratio, interval.low, interval.high),
-                format!("median of the ratios of pairs; covers the true median in {:.1}%", 100.0 * interval.level),
+                format!(
+                    "{}: median of the ratios of pairs; covers the true median in {:.1}%",
+                    Compared::of_interval(Some(interval)).words(),
+                    100.0 * interval.level
+                ),
             ),
             (None, true) => (
                 format!("{:.2}", ratio.ratio),
-                format!("median of the ratios of pairs; {FEWEST_REPEATS} repeats would give an interval"),
+                format!(
+                    "{}: median of the ratios of pairs; {FEWEST_REPEATS} repeats would give an interval",
+                    Compared::Unknown.words()
+                ),
             ),
             (None, false) => (
                 format!("{:.2}", ratio.ratio),

@@ -1,36 +1,45 @@
 //! The answer in a table of a few rows.
 
 use super::super::page::{LeadTable, Part};
-use super::super::words::{Compared, compared};
-use super::words::{name, quickest};
+use super::super::words::compared;
+use super::words::{is_own, name, quickest};
 use crate::human::{cell, data, digits, field};
+use crate::statistics::Compared;
 use crate::tidy::Row;
 
 /// What `raystep render` takes unless told otherwise.
 const DEFAULT: [(&str, &str); 3] = [("accelerator", "grid"), ("schedule", "compact"), ("numerics", "robust")];
 
 const NAMES: [&str; 8] =
-    ["choice", "time per ray", "× the fastest (paired)", "wrong", "per million", "undecided", "structure", "build"];
+    ["choice", "time per ray", "× the recommended", "wrong", "per million", "undecided", "structure", "build"];
 
-/// Adds the table of at most six choices: the fastest, the fastest of every structure, the default, and the paper's.
-/// `is_halved` says whether ratios are of the half of the rounds in which the fastest was not chosen.
+/// Most methods of other programs.
+const MOST_OWN: usize = 6;
+
+/// Adds the table of a few choices: the recommended one, the fastest of every structure, the default, the paper's, and
+/// methods of other programs. `is_halved` says whether ratios are of the half of the rounds in which the recommended one
+/// was not chosen.
 pub(super) fn add(rows: &[Row], is_halved: bool, part: &mut Part) {
     let of = |accelerator| quickest(rows, &[("accelerator", accelerator), ("numerics", "robust")]);
     let wanted = [
+        rows.iter().find(|r| r.get("is_recommended") == "true"),
         rows.iter().find(|r| r.get("is_fastest") == "true"),
         of("bvh"),
         of("grid"),
+        of("irregular"),
         of("none"),
         quickest(rows, &DEFAULT),
         quickest(rows, &[("numerics", "paper")]),
     ];
     let mut chosen: Vec<&Row> = Vec::new();
-    for row in wanted.into_iter().flatten() {
+    let own = rows.iter().filter(|row| is_own(row)).take(MOST_OWN);
+    for row in wanted.into_iter().flatten().chain(own) {
         if !chosen.iter().any(|c| c.get("configuration") == row.get("configuration")) {
             chosen.push(row);
         }
     }
-    chosen.sort_by(|a, b| a.number("median_ns").unwrap_or(0.0).total_cmp(&b.number("median_ns").unwrap_or(0.0)));
+    let ns = |row: &Row| row.number("ns_per_ray").unwrap_or(f64::INFINITY);
+    chosen.sort_by(|a, b| ns(a).total_cmp(&ns(b)));
     if !chosen.is_empty() {
         let rows = chosen.iter().map(|row| cells(row)).collect();
         part.lead_table = Some(LeadTable { names: NAMES.to_vec(), rows, note: note(is_halved) });
@@ -40,10 +49,8 @@ pub(super) fn add(rows: &[Row], is_halved: bool, part: &mut Part) {
 fn cells(row: &Row) -> Vec<String> {
     let of = |column: &str| cell(column, row.get(column));
     let default = if row.is(&DEFAULT) { " (default)" } else { "" };
-    let ratio = match (row.get("is_fastest"), compared("time_ratio", row)) {
+    let ratio = match (row.get("is_recommended"), compared("time_ratio", row)) {
         ("true", _) => "1".to_owned(),
-        // What is wrong too often is not ranked.
-        _ if row.get("is_accurate") != "true" => "–".to_owned(),
         (_, Compared::Unknown) => of("time_ratio"),
         _ => format!("{} ({} to {})", of("time_ratio"), of("time_ratio_low"), of("time_ratio_high")),
     };
@@ -76,8 +83,9 @@ fn per_million(row: &Row) -> String {
 fn note(is_halved: bool) -> String {
     format!(
         "Choice: --accelerator, --schedule, --numerics; none: no structure, every triangle is tested; default: that of \
-         raystep render. × the fastest: median ratio of runs in the same round{}, not the quotient of the times.",
-        if is_halved { ", in the half of the rounds in which the fastest was not chosen" } else { "" }
+         stepping. Ratios are medians of runs made side by side{}, so they differ from the quotient of the times shown; \
+         those of other programs are quotients.",
+        if is_halved { ", in the rounds in which the recommended choice was not chosen" } else { "" }
     )
 }
 
@@ -103,6 +111,6 @@ mod tests {
         let none = cells(&row(0, [0.0, 0.0, 81.2611]));
         assert_eq!([0, 3, 4].map(|i| plain(&none[i])), ["grid, compact, robust (default)", "0 of 36,864", "≤ 81"]);
         let some = cells(&row(13_167, [357_178.0, 352_284.0, 362_094.0]));
-        assert_eq!([2, 4].map(|i| plain(&some[i])), ["–", "357,000 (352,000 to 362,000)"]);
+        assert_eq!([2, 4].map(|i| plain(&some[i])), ["", "357,000 (352,000 to 362,000)"]);
     }
 }

@@ -6,7 +6,8 @@ use raystep_kernels::plan::Plan;
 
 use super::Way;
 use crate::Error;
-use crate::report::work::{Built, Times, Work};
+use crate::report::times::{FOR_BUILDING, Times};
+use crate::report::work::{Built, Work};
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::{median, quantile};
 use crate::tidy::Row;
@@ -52,7 +53,7 @@ pub(super) fn builds(work: &Work<'_>, built: &[(Way, Built)]) -> Result<Vec<Buil
     let begin = Instant::now();
     for round in 1..work.either(3, 9) {
         work.reporter.part("building", round, work.either(3, 9));
-        if round >= 3 && begin.elapsed() > LONGEST {
+        if round >= 3 && begin.elapsed() > LONGEST || work.is_past(FOR_BUILDING) {
             break;
         }
         for ((way, _), builds) in built.iter().zip(&mut builds) {

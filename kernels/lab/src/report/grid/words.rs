@@ -1,8 +1,9 @@
 //! What the section on grid resolution says.
 
 use crate::report::page::{Part, number};
-use crate::report::words::{Compared, compared, with_interval};
+use crate::report::words::{compared, with_interval};
 use crate::report::work::Work;
+use crate::statistics::Compared;
 use crate::tidy::Row;
 
 pub(super) fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
@@ -49,10 +50,8 @@ fn resolution(automatic: &Row, selected: &Row) -> String {
     }
     let ratio = with_interval("held_out_time_ratio", selected);
     let verdict = match compared("held_out_time_ratio", selected) {
-        Compared::Faster => "faster",
         Compared::Slower => "slower, so that its lead was chance",
-        Compared::NotDistinguishable => "not distinguishable",
-        Compared::Unknown => "too few rounds to tell them apart",
+        other => other.words(),
     };
     format!(
         "{half} {} cells. On the other {} rounds it takes {ratio} times as long as the automatic resolution, {}: {verdict}.",

@@ -7,11 +7,12 @@ use raystep_kernels::plan::{Because, Bytes, Plan};
 use raystep_kernels::{Item, Keep, Options, RayHit, Renderer};
 
 use super::super::record::RUN_COLUMNS;
-use super::super::work::{Planned, Times, Work};
+use super::super::times::Times;
+use super::super::work::{Planned, Work};
 use crate::Error;
 use crate::meter::{Ended, Run, Time, Turns, in_turn};
+use crate::statistics::Compared;
 use crate::statistics::interval::{self, Interval};
-use crate::text::counted;
 
 /// Bytes of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,37 +103,37 @@ impl Cost {
         self.item.map_or("all", Item::name)
     }
 
-    /// What putting it back costs, in a line: "+4.0% time (1.02 to 1.06), +12.0 KiB, +80.0 ms start".
+    /// What putting it back costs: the time with it divided by that without, memory, and start-up. Empty where nothing
+    /// was measured.
     #[must_use]
-    pub fn in_words(&self) -> String {
+    pub fn in_words(&self) -> [String; 3] {
         if !self.is_changed {
-            return "no effect in this run".into();
+            return ["no effect in this run".into(), String::new(), String::new()];
         }
         let [without, with] = self.bytes.map(Sizes::total);
         let memory = match with.checked_sub(without) {
-            Some(0) => "same memory".into(),
+            Some(0) => "same".into(),
             Some(more) => format!("+{}", Bytes(more)),
             None => format!("-{}", Bytes(without - with)),
         };
-        let Some(times) = &self.times else { return memory };
+        let Some(times) = &self.times else { return [String::new(), memory, String::new()] };
         let time = match times.time_ratio {
-            Some((ratio, Some(i))) if !i.contains(1.0) => {
-                format!("{:+.1}% time ({:.3} to {:.3})", 100.0 * (ratio - 1.0), i.low, i.high)
+            Some((ratio, Some(i))) => {
+                let words = Compared::of_interval(Some(i)).words();
+                format!("{ratio:.3} [{:.3}, {:.3}] {words}", i.low, i.high)
             }
-            Some((_, Some(i))) => format!("time not distinguishable ({:.3} to {:.3})", i.low, i.high),
-            Some((_, None)) => {
-                format!("{} of runs: too few for an interval of times", counted(times.runs, "pair"))
-            }
+            Some((ratio, None)) => format!("{ratio:.3} {}", Compared::Unknown.words()),
             None => "no valid times".into(),
         };
-        let start = match (times.start_ratio, times.start_s) {
-            (Some((_, Some(i))), [Some(without), Some(with)]) if !i.contains(1.0) => {
-                format!("{:+.1} ms start", 1e3 * (with - without))
+        let interval = times.start_ratio.and_then(|(_, interval)| interval);
+        let start = match (Compared::of_interval(interval), times.start_s) {
+            (Compared::Faster | Compared::Slower, [Some(without), Some(with)]) => {
+                format!("{:+.1} ms", 1e3 * (with - without))
             }
-            (Some((_, Some(_))), _) => "start not distinguishable".into(),
-            _ => "too few starts for an interval".into(),
+            (Compared::Unknown, _) => "too few starts to compare".into(),
+            (other, _) => other.words().into(),
         };
-        [time, memory, start].join(", ")
+        [time, memory, start]
     }
 
     /// Median ratio of run times, for sorting: unknown ones are no difference.
@@ -273,7 +274,7 @@ fn measure(work: &Work<'_>, all: &mut [Started<'_>], time: Duration) -> Result<V
     let round = begin.elapsed().mul_f64(renderers.len() as f64).max(Duration::from_nanos(1));
     let repeats = ((0.5 * time.as_secs_f64() / round.as_secs_f64()) as usize).clamp(interval::FEWEST, RUNS);
     let runs = work.wait(work.time_in_turn(&names, &mut renderers, repeats))?;
-    if runs.iter().any(|times| times.is_given_up) {
+    if runs.iter().any(|times| times.is_given_up() || times.is_missing()) {
         return Err(Error::GivenUp);
     }
     let hits = renderers.iter().map(|renderer| work.wait(renderer.hits())).collect::<Result<Vec<_>, _>>()?;
@@ -330,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cost_is_a_line_that_says_what_cannot_be_distinguished() {
+    fn a_cost_says_what_cannot_be_distinguished() {
         let sizes = |buffers| Sizes { streams: 0, buffers };
         let interval = |low, high| Some(Interval { median: 1.04, low, high, level: 0.95, method: Method::Bootstrap });
         let times = |time: Option<Interval>, start: Option<Interval>| Measured {
@@ -349,14 +350,14 @@ mod tests {
         };
         let (same, more) = ([sizes(2048); 2], [sizes(2048), sizes(14336)]);
         let sure = times(interval(1.02, 1.06), interval(1.7, 1.9));
-        assert_eq!(cost(true, more, Some(sure.clone())), "+4.0% time (1.020 to 1.060), +12.0 KiB, +80.0 ms start");
+        assert_eq!(cost(true, more, Some(sure.clone())), ["1.040 [1.020, 1.060] slower", "+12.0 KiB", "+80.0 ms"]);
         let unsure = times(interval(0.98, 1.06), interval(0.9, 1.9));
-        let line = "time not distinguishable (0.980 to 1.060), -12.0 KiB, start not distinguishable";
+        let line = ["1.040 [0.980, 1.060] not distinguishable", "-12.0 KiB", "not distinguishable"];
         assert_eq!(cost(true, [more[1], more[0]], Some(unsure)), line);
         let few = Measured { runs: 4, ..times(None, None) };
-        let line = "4 pairs of runs: too few for an interval of times, same memory, too few starts for an interval";
+        let line = ["1.040 too few runs to compare", "same", "too few starts to compare"];
         assert_eq!(cost(true, same, Some(few)), line);
-        assert_eq!(cost(true, more, None), "+12.0 KiB");
-        assert_eq!(cost(false, same, None), "no effect in this run");
+        assert_eq!(cost(true, more, None), ["", "+12.0 KiB", ""]);
+        assert_eq!(cost(false, same, None), ["no effect in this run", "", ""]);
     }
 }

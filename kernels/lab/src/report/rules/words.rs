@@ -1,9 +1,10 @@
 //! Which rules the scene needs, in words.
 
 use super::super::page::{Part, number};
-use super::super::words::{Compared, compared};
+use super::super::words::compared;
 use super::figure::compared_rows;
 use crate::human::{cell, data};
+use crate::statistics::Compared;
 use crate::tidy::Row;
 
 /// What is said of a rule for some structures, and for which.
@@ -37,8 +38,9 @@ fn change(row: &Row) -> String {
         data(row.get("time_ratio"), &shown)
     };
     match compared("time_ratio", row) {
-        Compared::Unknown => "time not determined".into(),
-        Compared::NotDistinguishable => "no measurable difference in time".into(),
+        Compared::Unknown => "too few runs to compare times".into(),
+        Compared::NotDistinguishable => "time not distinguishable".into(),
+        Compared::AsFast => "as fast without it".into(),
         Compared::Faster => format!("leaving it out saves {} of the time", percent()),
         Compared::Slower => format!("leaving it out costs {} more time", percent()),
     }
@@ -75,7 +77,7 @@ fn needed(all: &[Said<'_>], judged: &str) -> String {
     texts.join("; ")
 }
 
-/// "tmax (leaving it out saves 9.8% of the time: grid); acceptance, cell-growth (no measurable difference …)".
+/// "tmax (leaving it out saves 9.8% of the time: grid); acceptance, cell-growth (time not distinguishable …)".
 fn free(all: &[Said<'_>]) -> String {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for Said { rule, text, structures, .. } in all {
@@ -167,8 +169,8 @@ mod tests {
         let text = plain(&sentence(&rows).expect("a sentence"));
         let expected = "Needed: without triangle-test, 539 of 40,960 rays aimed at edges and cell faces are wrong (grid, \
                         bvh); without box-padding, 156 (bvh); without acceptance, 1 (grid). Not needed for these rays: \
-                        tmax (leaving it out saves 9.8% of the time: grid); cell-growth (no measurable difference in \
-                        time: grid). Without any one of these, at most 73 rays per million are wrong (95%).";
+                        tmax (leaving it out saves 9.8% of the time: grid); cell-growth (time not distinguishable: \
+                        grid). Without any one of these, at most 73 rays per million are wrong (95%).";
         assert_eq!(text, expected);
         let text = plain(&sentence(&rows[..1]).expect("a sentence"));
         assert!(

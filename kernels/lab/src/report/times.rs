@@ -1,0 +1,311 @@
+//! Interleaved runs of a section's configurations, within its time.
+//!
+//! Each runs once at first. What is then so slow that the fewest rounds of all would exceed the time that is left is not
+//! run again: it keeps its one time, without an interval, and that is said.
+
+use std::time::Duration;
+
+use raystep_kernels::Renderer;
+use web_time::Instant;
+
+use super::record::RUN_COLUMNS;
+use super::work::Work;
+use crate::Error;
+use crate::meter::{Ended, Rounds, Run, Time, Turns};
+use crate::statistics::interval::{self, Interval};
+use crate::statistics::median;
+use crate::tidy::{Row, fill};
+
+/// Time limit for the repeats of one configuration, after the first [`interval::FEWEST`].
+const REPEATS_TAKE: Duration = Duration::from_secs(1);
+
+/// Share of a section's time after which no more is built, where all is built before anything runs.
+pub(super) const FOR_BUILDING: f64 = 0.3;
+
+/// Share of a section's time after which nothing runs for the first time.
+pub(super) const FOR_FIRST_RUNS: f64 = 0.5;
+
+/// How often a configuration ran.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Ran {
+    /// In turn with the others, often enough to be compared.
+    #[default]
+    InTurn,
+    /// Once, as it is slow.
+    Once,
+    /// Not to the end: it was stopped.
+    Stopped,
+    /// Not at all, as no time was left.
+    Never,
+}
+
+/// Times of a configuration.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Times {
+    /// One per round; `None` if the clock had no valid time.
+    runs: Vec<Option<f64>>,
+    ran: Ran,
+}
+
+/// A configuration's first run, which also warms up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct First {
+    /// `None` if no time was left for it.
+    ended: Option<Ended>,
+    spent: Duration,
+}
+
+impl First {
+    /// Its time; `None` if it did not run, or was stopped.
+    pub(super) fn time(&self) -> Option<Time> {
+        match self.ended {
+            Some(Ended::Done(time)) => Some(time),
+            Some(Ended::GivenUp) | None => None,
+        }
+    }
+
+    /// Whether there was no time for it, so that the renderer has no results.
+    pub(super) fn is_missing(&self) -> bool {
+        self.ended.is_none()
+    }
+}
+
+impl Times {
+    /// Times that were measured otherwise: one per round.
+    pub(super) fn of(runs: Vec<Option<f64>>) -> Self {
+        Self { runs, ran: Ran::InTurn }
+    }
+
+    fn known(&self) -> Vec<f64> {
+        fill::known(&self.runs)
+    }
+
+    /// Whether it ran in turn with others, and can be compared with them.
+    pub(super) fn is_timed(&self) -> bool {
+        self.ran == Ran::InTurn
+    }
+
+    /// Whether a run was stopped: then there are no times, and the streams are incomplete.
+    pub(super) fn is_given_up(&self) -> bool {
+        self.ran == Ran::Stopped
+    }
+
+    /// Whether it did not run, so that there are no results.
+    pub(super) fn is_missing(&self) -> bool {
+        self.ran == Ran::Never
+    }
+
+    /// The number of runs with a time.
+    pub(super) fn runs(&self) -> usize {
+        self.known().len()
+    }
+
+    /// The number of rounds.
+    pub(super) fn rounds(&self) -> usize {
+        self.runs.len()
+    }
+
+    /// The median.
+    pub(super) fn median(&self) -> Option<f64> {
+        median(&self.known())
+    }
+
+    /// The times in the rounds that satisfy a condition.
+    pub(super) fn in_rounds(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
+        let wanted = self.runs.iter().enumerate().map(|(round, time)| time.filter(|_| is_wanted(round)));
+        Self { runs: wanted.collect(), ran: self.ran }
+    }
+
+    /// Its runs with the other's runs of the same rounds, where both have a time; none unless both ran in turn.
+    pub(super) fn pairs<'t>(&'t self, to: &'t Self) -> impl Iterator<Item = (f64, f64)> + 't {
+        fill::pairs(self.in_turn(), to.in_turn())
+    }
+
+    /// How much longer each run took than the other's run of the same round, in nanoseconds.
+    pub(super) fn differences(&self, to: &Self) -> Vec<f64> {
+        self.pairs(to).map(|(a, b)| a - b).collect()
+    }
+
+    /// The median ratio to the other's runs of the same rounds, with its interval if there are enough.
+    pub(super) fn ratio(&self, to: &Self, seed: u32) -> Option<(f64, Option<Interval>)> {
+        fill::ratio_of(self.in_turn(), to.in_turn(), seed)
+    }
+
+    /// Fills the columns of times.
+    pub(super) fn fill(&self, row: Row, seed: u32) -> Row {
+        fill::times(row, &self.runs, seed)
+    }
+
+    /// Fills the columns of the ratio to another configuration.
+    pub(super) fn fill_ratio(&self, to: &Self, name: &str, row: Row, seed: u32) -> Row {
+        fill::ratio(row, self.in_turn(), to.in_turn(), name, seed)
+    }
+
+    fn in_turn(&self) -> &[Option<f64>] {
+        if self.is_timed() { &self.runs } else { &[] }
+    }
+}
+
+/// Notes on what could not be timed within the section's time, by name.
+pub(super) fn notes<'a>(work: &Work<'_>, all: impl Iterator<Item = (String, &'a Times)>) -> Vec<String> {
+    let (mut once, mut never) = (Vec::new(), Vec::new());
+    for (name, times) in all {
+        match times.ran {
+            Ran::Once => once.push(name),
+            Ran::Never => never.push(name),
+            Ran::InTurn | Ran::Stopped => {}
+        }
+    }
+    let note = |names: Vec<String>, what: &str| {
+        (!names.is_empty()).then(|| format!("{what} {} (--seconds): {}", work.time_in_words(), names.join(", ")))
+    };
+    let once = note(once, "slow, so run only once and not compared, to stay within");
+    once.into_iter().chain(note(never, "left out, to stay within")).collect()
+}
+
+/// The configurations of which the fewest rounds fit into the time, without the slowest; at least one.
+fn fitting(firsts: &[First], fewest: usize, left: Option<Duration>) -> Vec<usize> {
+    let is_done = |i: &usize| matches!(firsts[*i].ended, Some(Ended::Done(_)));
+    let mut done: Vec<usize> = (0..firsts.len()).filter(is_done).collect();
+    let Some(left) = left else { return done };
+    done.sort_by_key(|&i| firsts[i].spent);
+    let mut sum = Duration::ZERO;
+    let mut fits = |i: usize| {
+        sum += firsts[i].spent;
+        sum * fewest as u32 <= left
+    };
+    let count = done.iter().take_while(|&&i| fits(i)).count();
+    done.truncate(count.max(1));
+    done.sort_unstable();
+    done
+}
+
+impl Work<'_> {
+    /// Runs a configuration for the first time, unless half of the section's time is over.
+    pub(super) async fn first_run(&self, renderer: &mut Renderer) -> Result<First, Error> {
+        let begin = Instant::now();
+        let ended = if self.is_past(FOR_FIRST_RUNS) { None } else { Some(self.run(renderer).await?) };
+        Ok(First { ended, spent: begin.elapsed() })
+    }
+
+    /// Interleaves as many runs as there is time for, and records them under the names of their configurations. A
+    /// stopped one has no times.
+    pub(super) async fn time_in_turn(
+        &self,
+        names: &[String],
+        renderers: &mut [&mut Renderer],
+        repeats: usize,
+    ) -> Result<Vec<Times>, Error> {
+        self.time_rounds(names, renderers, interval::FEWEST.min(repeats), repeats).await
+    }
+
+    /// The same with a minimum number of rounds.
+    pub(super) async fn time_rounds(
+        &self,
+        names: &[String],
+        renderers: &mut [&mut Renderer],
+        fewest: usize,
+        repeats: usize,
+    ) -> Result<Vec<Times>, Error> {
+        let mut firsts = Vec::new();
+        let count = renderers.len() as u64;
+        for (done, renderer) in (0..).zip(renderers.iter_mut()) {
+            self.reporter.part("first runs", done, count);
+            firsts.push(self.first_run(renderer).await?);
+        }
+        self.time_after(&firsts, names, renderers, fewest, repeats).await
+    }
+
+    /// The same after the first runs.
+    pub(super) async fn time_after(
+        &self,
+        firsts: &[First],
+        names: &[String],
+        renderers: &mut [&mut Renderer],
+        fewest: usize,
+        repeats: usize,
+    ) -> Result<Vec<Times>, Error> {
+        let left = self.left();
+        let kept = fitting(firsts, fewest, left);
+        let all = REPEATS_TAKE * kept.len() as u32;
+        let all = Some(left.map_or(all, |left| left.min(all)));
+        let turns = Turns { all, fewest, seed: u64::from(self.seed()), ..Turns::of(0, repeats) };
+        let of = (repeats * kept.len()) as u64;
+        let (mut rounds, mut done) = (Rounds::new(kept.len(), turns), 0);
+        while let Some(subject) = rounds.next_subject() {
+            self.reporter.part("timing", done, of);
+            done += 1;
+            rounds.ended(self.run(renderers[kept[subject]]).await?);
+        }
+        let mut times: Vec<Times> =
+            firsts.iter().zip(names).map(|(first, name)| self.after_first(first, name)).collect();
+        for (i, in_turn) in kept.into_iter().zip(rounds.into_times()) {
+            let ran = if in_turn.is_given_up { Ran::Stopped } else { Ran::InTurn };
+            let runs = if in_turn.is_given_up { Vec::new() } else { in_turn.runs };
+            times[i] = Times { runs: self.recorded(&names[i], &runs), ran };
+        }
+        Ok(times)
+    }
+
+    /// The times of a configuration that is not run again.
+    fn after_first(&self, first: &First, name: &str) -> Times {
+        match first.ended {
+            Some(Ended::Done(time)) => {
+                Times { runs: self.recorded(name, &[Run { round: 0, place: 0, time }]), ran: Ran::Once }
+            }
+            Some(Ended::GivenUp) => Times { runs: Vec::new(), ran: Ran::Stopped },
+            None => Times { runs: Vec::new(), ran: Ran::Never },
+        }
+    }
+
+    /// Records runs, and returns their times.
+    fn recorded(&self, name: &str, runs: &[Run]) -> Vec<Option<f64>> {
+        self.record.add_runs(runs.iter().map(|run| {
+            self.row(RUN_COLUMNS)
+                .set("section", self.section)
+                .set("configuration", name)
+                .set("round", run.round)
+                .set("place", run.place)
+                .set("time_ns", self.ns(run.time))
+                .set("wall_ns", run.time.wall_ns)
+                .set("clock", self.clock())
+        }));
+        runs.iter().map(|run| self.ns(run.time)).collect()
+    }
+
+    /// The time of a run by the clock that [times passes](Self::clock); `None` if it had no valid time.
+    pub(super) fn ns(&self, time: Time) -> Option<f64> {
+        match self.machine().timer().times_passes() {
+            true => time.device_ns.map(|ns| ns as f64),
+            false => Some(time.wall_ns as f64),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slowest_run_once_if_the_fewest_rounds_of_all_would_take_too_long() {
+        let ms = Duration::from_millis;
+        let first = |spent: u64, ended: Option<Ended>| First { ended, spent: ms(spent) };
+        let done = Some(Ended::Done(Time { wall_ns: 1, device_ns: None }));
+        let firsts =
+            [first(40, done), first(10, done), first(1, None), first(5, Some(Ended::GivenUp)), first(20, done)];
+        assert_eq!(fitting(&firsts, 6, None), [0, 1, 4]);
+        assert_eq!(fitting(&firsts, 6, Some(ms(420))), [0, 1, 4]);
+        assert_eq!(fitting(&firsts, 6, Some(ms(419))), [1, 4]);
+        assert_eq!(fitting(&firsts, 6, Some(ms(179))), [1]);
+        assert_eq!(fitting(&firsts, 6, Some(ms(0))), [1], "one is always timed");
+        assert!(fitting(&firsts[2..4], 6, Some(ms(9))).is_empty());
+    }
+
+    #[test]
+    fn only_what_ran_in_turn_is_compared() {
+        let times = |ran| Times { runs: vec![Some(2.0); 6], ran };
+        let ratio = |of, to| times(of).ratio(&times(to), 1).map(|(ratio, _)| ratio);
+        assert_eq!(ratio(Ran::InTurn, Ran::InTurn), Some(1.0));
+        assert_eq!((ratio(Ran::Once, Ran::InTurn), ratio(Ran::InTurn, Ran::Once)), (None, None));
+    }
+}
