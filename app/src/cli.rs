@@ -7,8 +7,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, completions, dump, extension, info, inspect, merge, plan, render, report, scene, stability,
-    sweep, trace,
+    bench, build, cast, completions, dump, extension, info, inspect, merge, paper, plan, render, report, scene,
+    stability, sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
@@ -36,6 +36,7 @@ Examples:
   raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
   raystep report scenes/cornell-box.gltf -o report
   raystep stability -o stability
+  raystep paper -o paper
   raystep sweep sweep.toml -o sweep
   raystep info
 Files in scenes/ are the repository's; with the wheel or the archive, use a scene's name, such as cornell-box.
@@ -60,6 +61,7 @@ pub(crate) enum Command {
     Stability(Box<stability::StabilityArgs>),
     Sweep(sweep::SweepArgs),
     Plan(Box<plan::PlanArgs>),
+    Paper(paper::PaperArgs),
     Info(info::InfoArgs),
     #[command(subcommand)]
     Scene(scene::SceneCommand),

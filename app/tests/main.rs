@@ -21,6 +21,7 @@ mod link;
 mod mapping;
 mod messages;
 mod named;
+mod paper;
 mod passes;
 mod plan;
 mod rays_file;
