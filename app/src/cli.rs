@@ -7,8 +7,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, completions, dump, extension, info, inspect, merge, plan, render, report, scene, stability,
-    sweep, trace,
+    bench, build, cast, completions, dump, extension, info, inspect, merge, paper, plan, render, report, scene,
+    stability, sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
@@ -36,6 +36,7 @@ Examples:
   raystep cast cornell-box --rays-file rays.npy -o hits.npy
   raystep report cornell-box -o report
   raystep stability -o stability
+  raystep paper -o paper
   raystep sweep sweep.toml -o sweep
   raystep info
 A scene is a file, or a name: cornell-box is in the program; others, such as teapot and terrain, come with the wheel and
@@ -61,6 +62,7 @@ pub(crate) enum Command {
     Stability(Box<stability::StabilityArgs>),
     Sweep(sweep::SweepArgs),
     Plan(Box<plan::PlanArgs>),
+    Paper(paper::PaperArgs),
     Info(info::InfoArgs),
     #[command(subcommand)]
     Scene(scene::SceneCommand),

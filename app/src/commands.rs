@@ -9,6 +9,7 @@ pub(crate) mod info;
 mod input;
 pub(crate) mod inspect;
 pub(crate) mod merge;
+pub(crate) mod paper;
 pub(crate) mod plan;
 pub(crate) mod render;
 pub(crate) mod report;

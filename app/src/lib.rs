@@ -100,6 +100,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::Stability(args) => commands::stability::run(&args),
             Command::Sweep(args) => commands::sweep::run(&args),
             Command::Plan(args) => commands::plan::run(&args),
+            Command::Paper(args) => commands::paper::run(&args),
             Command::Info(args) => commands::info::run(&args),
             Command::Scene(command) => commands::scene::run(&command),
             Command::Completions(args) => commands::completions::run(&args),

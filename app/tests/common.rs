@@ -63,6 +63,19 @@ impl Place {
         outcome(&mut self.command(&arguments))
     }
 
+    /// Runs a line of a shell, with this binary as `raystep`, and without a display. Examples' scripts run without Python.
+    #[cfg(unix)]
+    pub(crate) fn shell(&self, line: &str) -> Outcome {
+        let python = "python() { if [ \"$1\" = make_rays.py ]; then cat rays.npy; else cat > hits.npy; fi; }";
+        let script = format!("raystep() {{ '{}' \"$@\"; }}\n{python}\n{line}", env!("CARGO_BIN_EXE_raystep"));
+        let mut shell = Command::new("sh");
+        for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            shell.env_remove(name);
+        }
+        let home = self.path("");
+        outcome(shell.args(["-c", &script]).env("HOME", &home).current_dir(&home))
+    }
+
     /// Runs, and requires exit code 0.
     pub(crate) fn ok(&self, arguments: &[&str]) -> Outcome {
         let outcome = self.run(arguments);

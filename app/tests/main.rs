@@ -22,6 +22,7 @@ mod link;
 mod mapping;
 mod messages;
 mod named;
+mod paper;
 mod passes;
 mod plan;
 mod rays_file;

@@ -25,6 +25,7 @@ fn help_has_examples_everywhere_and_no_argument_is_help() {
         "stability",
         "sweep",
         "plan",
+        "paper",
         "info",
         "scene",
         "completions",
@@ -181,7 +182,7 @@ fn the_docs_say_how_many_rays_check_counts_as_lost() {
 }
 
 /// A smaller version of an example for tests: small images, few repeats, one section or case.
-fn small(example: &str) -> String {
+pub(crate) fn small(example: &str) -> String {
     let command = example.strip_prefix("raystep ").and_then(|rest| rest.split(' ').next()).unwrap_or_default();
     let has = |option: &str| example.split(' ').any(|word| word == option);
     let with = |option: &'static str, value: &'static str, is_wanted: bool| match example
@@ -197,11 +198,11 @@ fn small(example: &str) -> String {
     let changes = [
         with("--size", "16x16", is_view || matches!(command, "report" | "bench")),
         with("--pixel", "9,9", false),
-        with("--repeats", "1", command == "bench"),
+        with("--repeats", "1", matches!(command, "bench" | "paper")),
         with("--warmups", "0", command == "bench"),
         with("--window", "480x300", command == "inspect" && !has("--check")),
         with("--screenshot", "shot.png", command == "inspect" && !has("--check")),
-        with("--section", "grid", command == "report"),
+        with("--section", if command == "paper" { "table-1" } else { "grid" }, matches!(command, "report" | "paper")),
         with("--family", "t-junctions", has("--cost")),
         with("--triangles", "100", false),
         with("--seconds", "2", has("--self-test")),
@@ -231,7 +232,8 @@ fn help_examples_run() {
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    let commands = "inspect render trace dump bench cast merge report stability sweep plan info scene completions";
+    let commands =
+        "inspect render trace dump bench cast merge report stability sweep plan paper info scene completions";
     let mut helps: Vec<Vec<&str>> = commands.split(' ').map(|name| vec![name]).collect();
     helps.extend([vec![], vec!["scene", "convert"], vec!["scene", "soup"]]);
     // On two threads: most of the time, an example keeps one core busy.
@@ -293,15 +295,7 @@ fn run_examples(help: &[&str]) -> usize {
             std::fs::remove_dir_all(place.path(output.as_deref().unwrap_or_default())).expect("a folder");
         }
         folder = output;
-        // The examples' scripts, without Python.
-        let python = "python() { if [ \"$1\" = make_rays.py ]; then cat rays.npy; else cat > hits.npy; fi; }";
-        let script = format!("raystep() {{ '{}' \"$@\"; }}\n{python}\n{line}", env!("CARGO_BIN_EXE_raystep"));
-        let mut shell = std::process::Command::new("sh");
-        for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
-            shell.env_remove(name);
-        }
-        let home = place.path("");
-        let result = outcome(shell.args(["-c", &script]).env("HOME", &home).current_dir(&home));
+        let result = place.shell(&line);
         if line == "raystep cornell-box" && cfg!(not(target_os = "macos")) {
             // It opens a window, which this test cannot see: tests/window.sh tests it.
             assert!(result.stderr.starts_with("error: no display"), "{line}: {result:?}");

@@ -19,6 +19,7 @@ mod many;
 mod memory;
 mod operators;
 mod recording;
+mod work;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
@@ -33,6 +34,7 @@ pub use code::{Kind, Site, SiteKind};
 use machine::Machine;
 pub use many::Many;
 pub use recording::{Comparison, Decision, Recording, Value};
+pub use work::Work;
 
 /// Why a kernel, or one ray's pass through it, cannot be interpreted.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -222,5 +224,11 @@ impl Counter<'_> {
     pub fn run(&mut self, element: Element, texels: &mut [u32]) -> Result<Outcomes, InterpretError> {
         self.machine.run(element, texels)?;
         Ok(self.machine.outcomes)
+    }
+
+    /// What all elements so far took together.
+    #[must_use]
+    pub fn work(&self) -> Work {
+        Work::of(&self.machine.kernel.code, &self.machine.runs)
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use raystep_inspector::branches::Branches;
 use raystep_inspector::source::Mark;
-use raystep_kernels::interpret::{Element, InterpretError, Interpreter, MOST_SITES, Recording, SiteKind};
+use raystep_kernels::interpret::{Element, InterpretError, Interpreter, MOST_SITES, Recording, SiteKind, Work};
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs::closest_hit::states::{DONE, ISECT_HIT, ISECT_NO_HIT, SHADE, STATES, TRAV, TRAV_SETUP};
 use raystep_kernels::programs::closest_hit::streams::{STATE, STATE_ITEM, STATE_T};
@@ -279,4 +279,60 @@ fn a_program_whose_elements_read_each_other_is_refused() {
     for variant in &plan.variants {
         assert!(matches!(Interpreter::new(variant), Err(InterpretError::NotAlone(_))), "{}", variant.kernel.name());
     }
+}
+
+/// A kernel whose operations and bytes can be counted by hand, with the bindings and the name of `traverse_grid`.
+const BY_HAND: &str = "
+struct Grid { a: vec3f, b: u32 }
+@group(0) @binding(0) var state: texture_storage_2d_array<r32uint, read_write>;
+@group(0) @binding(1) var tmax: texture_storage_2d_array<r32float, read_write>;
+@group(0) @binding(2) var<uniform> grid: Grid;
+fn twice(x: f32) -> f32 { return x + x; }
+@compute @workgroup_size(1)
+fn traverse_grid(@builtin(global_invocation_id) id: vec3u) {
+    let texel = id.xy;
+    let tag = textureLoad(state, texel, 0).x;   // 4 bytes
+    let a = grid.a;                             // 12 bytes of a uniform
+    var sum = a * 2.0 - vec3f(1.0);             // 6 floats
+    for (var i = 0u; i < 3u; i++) {             // 4 comparisons, 3 integers
+        sum.x = twice(sum.x);                   // 3 floats
+    }
+    let f = fma(sum.x, sum.y, clamp(sum.z, 0.0, 1.0));          // 4 floats
+    let n = u32(abs(f)) + (tag << 2u);          // 1 float; 3 integers: a conversion, a sum, a shift
+    let chosen = select(n, tag, sum.x < f);     // 2 comparisons
+    if (chosen == 4294967295u) {                // 1 comparison
+        textureStore(tmax, texel, 0, vec4f(sqrt(f)));           // not reached
+    }
+    textureStore(state, texel, 0, vec4u(chosen));               // 4 bytes
+    textureStore(tmax, texel, 1, vec4f(bitcast<f32>(chosen)));  // 4 bytes
+}
+";
+
+#[test]
+fn operations_and_bytes_are_those_counted_by_hand() {
+    let scene = generate::cornell_box();
+    let some = options(&scene, Accelerator::Grid, ScheduleKind::Second, [4, 3]);
+    let some = Options { numerics: Numerics::Paper, ..some };
+    let (plan, data) = Plan::new(&scene, &some, &Limits::CPU).expect("a plan");
+    let mut variant = plan.variants.iter().find(|v| v.kernel.name() == "traverse_grid").expect("a grid").clone();
+    variant.source = BY_HAND.to_owned();
+    let interpreter = Interpreter::new(&variant).expect("valid WGSL");
+    let mut counter = interpreter.counter(&data);
+    let by_hand = Work {
+        float_operations: 6 + 3 + 4 + 1,
+        integer_operations: 3 + 3,
+        comparisons: 4 + 2 + 1,
+        stream_bytes_read: 4,
+        stream_bytes_written: 8,
+        buffer_bytes_read: 0,
+        uniform_bytes_read: 12,
+    };
+    let mut sum = Work::default();
+    for x in 0..4 {
+        let mut texels = vec![7; interpreter.components()];
+        counter.run(Element { texel: [x, 1], size: [4, 3] }, &mut texels).expect("it ends");
+        sum.add(&by_hand, 1);
+        assert_eq!(counter.work(), sum, "after {} rays", x + 1);
+    }
+    assert_eq!((by_hand.operations(), by_hand.bytes()), (27, 12));
 }

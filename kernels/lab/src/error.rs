@@ -1,5 +1,6 @@
 //! Errors of measurements.
 
+use raystep_kernels::interpret::InterpretError;
 use raystep_kernels::{GpuError, PlanError, RenderError};
 
 use crate::stability::StabilityError;
@@ -14,6 +15,9 @@ pub enum Error {
     /// A run failed.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// A kernel cannot be interpreted.
+    #[error(transparent)]
+    Interpret(#[from] InterpretError),
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),

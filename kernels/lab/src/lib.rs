@@ -14,7 +14,9 @@
 //! | [`compared`], [`built`] | how much a comparison covered, by kernel; a grid that a device has built |
 //! | [`self_test`] | whether raystep works on a GPU: all of this in a minute |
 //! | [`work`], [`structure_stats`] | the cost of rays and use of launched threads; lists of a grid, nodes of a BVH |
+//! | [`intensity`] | operations and bytes of each kernel, and their ratio |
 //! | [`mod@bench`], [`report`], [`stability`] | the measuring commands of the command line |
+//! | [`paper`] | the tables of Mølhave's paper beside ours |
 //! | [`stiff`] | what scenes cost that get harder in one way |
 //! | [`subject`], [`reporter`] | their inputs: a scene with a view, and a receiver of progress |
 //! | [`tidy`] | their CSV files: one name for one thing, and a schema |
@@ -29,11 +31,13 @@ mod error;
 pub mod hash;
 pub mod html;
 mod human;
+pub mod intensity;
 pub mod judge;
 pub mod layer_stats;
 pub mod lockstep;
 pub mod machine;
 pub mod meter;
+pub mod paper;
 pub mod parity;
 pub mod plots;
 pub mod png;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use naga::{Expression, Function, Handle, LocalVariable, Type};
 
+use super::Work;
 use crate::tables::stream::Stream;
 
 /// The type of a scalar, or of a vector's components.
@@ -191,6 +192,8 @@ pub(super) struct Code {
     pub(super) sites: Vec<Site>,
     /// Spans of statements.
     pub(super) statements: Vec<Range<usize>>,
+    /// What each of them takes, without those inside of it.
+    pub(super) costs: Vec<Work>,
 }
 
 /// Number of slots of a type; `None` for one without values.

@@ -1,5 +1,6 @@
 //! Gives every value of a kernel a place, and every condition an index.
 
+mod cost;
 mod flow;
 mod text;
 
@@ -246,7 +247,9 @@ impl Compiler<'_> {
             Statement::Atomic { .. } => (What::Unsupported("an atomic operation"), whole),
             _ => (What::Unsupported("a statement"), whole),
         };
+        let cost = self.cost(frame, &what);
         self.code.statements.push(span);
+        self.code.costs.push(cost);
         Ok(Op { statement: self.code.statements.len() as u32 - 1, what })
     }
 

@@ -41,6 +41,8 @@ pub(super) struct Machine<'a> {
     pub(super) element: Element,
     returned: Vec<Slot>,
     steps: u64,
+    /// How often each statement ran.
+    pub(super) runs: Vec<u64>,
     /// The node of the decision that the current statement was reached by.
     pub(super) control: u32,
     pub(super) recording: Option<Recording>,
@@ -64,6 +66,7 @@ impl<'a> Machine<'a> {
             element: Element { texel: [0; 2], size: [0; 2] },
             returned: Vec::new(),
             steps: 0,
+            runs: vec![0; kernel.code.statements.len()],
             control: KNOWN,
             recording,
             outcomes: Outcomes::default(),
@@ -170,6 +173,7 @@ impl<'a> Machine<'a> {
             if let Some(recording) = &mut self.recording {
                 recording.ran[op.statement as usize] = true;
             }
+            self.runs[op.statement as usize] += 1;
             self.steps += 1;
             if self.steps > MOST_STEPS {
                 return Err(InterpretError::Steps(MOST_STEPS));

@@ -1,8 +1,8 @@
-//! How the conditions of a kernel came out for many rays in one pass.
+//! How the conditions of a kernel came out for many rays in one pass, and what it took.
 
 use std::ops::Range;
 
-use super::{Element, InterpretError, Interpreter, Outcomes};
+use super::{Counter, Element, InterpretError, Interpreter, Outcomes, Work};
 use crate::numbers::parallel::map_ranges;
 use crate::scene_data::SceneData;
 use crate::tables::kernel::Role;
@@ -34,6 +34,37 @@ impl Many<'_> {
     /// # Errors
     /// As [`Interpreter::record`], for the first such ray.
     pub fn outcomes(&self, rays: Range<usize>) -> Result<Vec<Option<Outcomes>>, InterpretError> {
+        let chunks = self.in_chunks(rays, |rays, counter| {
+            let mut texels = vec![0; self.kernel.components()];
+            rays.map(|ray| self.one(ray, counter, &mut texels)).collect::<Result<Vec<_>, _>>()
+        })?;
+        Ok(chunks.concat())
+    }
+
+    /// The number of consecutive rays that the kernel works on, and what they took together, on all cores.
+    ///
+    /// # Errors
+    /// As [`Interpreter::record`], for the first such ray.
+    pub fn work(&self, rays: Range<usize>) -> Result<(u64, Work), InterpretError> {
+        let chunks = self.in_chunks(rays, |rays, counter| {
+            let (mut texels, mut count) = (vec![0; self.kernel.components()], 0);
+            for ray in rays {
+                count += u64::from(self.one(ray, counter, &mut texels)?.is_some());
+            }
+            Ok((count, counter.work()))
+        })?;
+        Ok(chunks.iter().fold((0, Work::default()), |(rays, mut sum), (count, work)| {
+            sum.add(work, 1);
+            (rays + count, sum)
+        }))
+    }
+
+    /// Hands chunks of rays to `each`, on all cores, each with a counter of its own.
+    fn in_chunks<T: Send>(
+        &self,
+        rays: Range<usize>,
+        each: impl Fn(Range<usize>, &mut Counter<'_>) -> Result<T, InterpretError> + Sync,
+    ) -> Result<Vec<T>, InterpretError> {
         let size = self.size();
         let is_complete = self.streams.iter().map(|stream| stream.stream).eq(self.kernel.streams.iter().copied());
         let is_even = self.streams.iter().all(|stream| [stream.width, stream.height] == size);
@@ -43,21 +74,19 @@ impl Many<'_> {
         }
         let count = size[0] as usize * size[1] as usize;
         let rays = rays.start.min(count)..rays.end.min(count);
-        let some = map_ranges(rays.len(), CHUNK, |range| {
-            let mut counter = self.kernel.counter(self.data);
-            let mut texels = vec![0; self.kernel.components()];
-            range.map(|i| self.one(rays.start + i, size, &mut counter, &mut texels)).collect::<Result<Vec<_>, _>>()
+        let chunks = map_ranges(rays.len(), CHUNK, |range| {
+            each(rays.start + range.start..rays.start + range.end, &mut self.kernel.counter(self.data))
         });
-        Ok(some.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+        chunks.into_iter().collect()
     }
 
     fn one(
         &self,
         ray: usize,
-        size: [u32; 2],
-        counter: &mut super::Counter<'_>,
+        counter: &mut Counter<'_>,
         texels: &mut [u32],
     ) -> Result<Option<Outcomes>, InterpretError> {
+        let size = self.size();
         let own = self.streams.iter().flat_map(|data| (0..data.stream.layers()).map(move |layer| data.get(layer, ray)));
         texels.iter_mut().zip(own).for_each(|(texel, bits)| *texel = bits);
         let tag = self.kernel.tag().and_then(|tag| texels.get(tag).copied());

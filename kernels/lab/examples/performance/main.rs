@@ -1,5 +1,5 @@
-//! Measures how fast raystep traces, and generates tables of `docs/performance.md` and `docs/performance-notes.md` from
-//! the results.
+//! Measures how fast raystep traces, and generates tables of `docs/performance.md`, `docs/performance-notes.md` and
+//! `docs/paper-tables.md` from the results.
 //!
 //! ```text
 //! performance measure --adapter gpu|software|cpu -o DIR [--mesh NAME=FILE[:EYE:LOOK_AT:FOV]]… [--only SECTION,…] [--quick]

@@ -63,7 +63,7 @@ impl Measured {
 }
 
 /// The pages with blocks.
-const PAGES: [&str; 2] = ["performance.md", "performance-notes.md"];
+const PAGES: [&str; 3] = ["performance.md", "performance-notes.md", "paper-tables.md"];
 
 /// Reads folders, writes plots and pages.
 pub(crate) fn write(folders: &[PathBuf]) -> Result<(), String> {

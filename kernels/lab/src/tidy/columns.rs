@@ -1,8 +1,10 @@
 //! The columns of all CSV files: one name for one thing, with type, unit and meaning. A file's schema follows from its
 //! columns' names.
 
+mod of_kernels;
 mod of_passes;
 
+use of_kernels::OF_KERNELS;
 use of_passes::OF_PASSES;
 
 /// What a column's fields are.
@@ -57,7 +59,7 @@ pub struct Column {
 /// The column with this name; `None` if no file has one.
 #[must_use]
 pub fn column(name: &str) -> Option<&'static Column> {
-    COLUMNS.iter().chain(OF_PASSES).find(|column| column.name == name)
+    COLUMNS.iter().chain(OF_PASSES).chain(OF_KERNELS).find(|column| column.name == name)
 }
 
 const fn text(name: &'static str, what: &'static str) -> Column {
@@ -76,7 +78,7 @@ const fn truth(name: &'static str, what: &'static str) -> Column {
     Column { name, kind: Kind::Boolean, what }
 }
 
-/// All columns but those that only `passes.csv` has.
+/// All columns but those that only `passes.csv`, or only files about kernels and the paper have.
 const COLUMNS: &[Column] = &[
     // Keys.
     count("schema_version", "version of the columns' meanings; passes.csv has its own, all other files have the same"),
@@ -349,10 +351,11 @@ mod tests {
     use super::*;
     use crate::bench::{runs, summary};
     use crate::report::SECTIONS;
+    use crate::{intensity, paper};
 
     #[test]
     fn names_are_unique_and_fields_have_types() {
-        let all = [COLUMNS, OF_PASSES].concat();
+        let all = [COLUMNS, OF_PASSES, OF_KERNELS].concat();
         for (i, column) in all.iter().enumerate() {
             assert!(all[..i].iter().all(|other| other.name != column.name), "{} twice", column.name);
             assert!(
@@ -369,8 +372,9 @@ mod tests {
         }
         assert_eq!(column("median_ns").map(|c| c.kind), Some(Kind::Number));
         assert_eq!(column("p05_device_ns"), None);
-        let of_bench = [&summary::COLUMNS[..], &runs::COLUMNS, &csv::COLUMNS].concat();
-        let unknown: Vec<_> = of_bench.into_iter().filter(|name| column(name).is_none()).collect();
+        let of_paper = paper::FILES.iter().flat_map(|file| file.columns).copied();
+        let of_bench = [&summary::COLUMNS[..], &runs::COLUMNS, &csv::COLUMNS, intensity::COLUMNS].concat();
+        let unknown: Vec<_> = of_bench.into_iter().chain(of_paper).filter(|name| column(name).is_none()).collect();
         assert!(unknown.is_empty(), "{unknown:?}");
     }
 }

@@ -2,14 +2,12 @@
 
 use std::path::Path;
 
+use raystep_lab::paper::SECONDS as PAPER;
+
 use super::Measured;
 use super::plot::{self, Axes, Series};
 use super::text::{columns, number, or_dash, percent, table, time};
 use crate::row::Row;
-
-/// Side; seconds of First and Second, both with the 20×20×20 grid, and without a grid.
-const PAPER: [(u32, [f64; 3]); 4] =
-    [(100, [5.5, 3.0, 1.3]), (256, [22.0, 12.5, 4.3]), (512, [79.0, 46.0, 15.0]), (756, [170.0, 100.0, 31.0])];
 
 /// Identifies a configuration of the section: accelerator, schedule, numerics, grid, steps per pass.
 type Key = (&'static str, &'static str, &'static str, &'static str, u32);

@@ -1,20 +1,15 @@
 //! The paper's Tables 2 and 3 with its schedules, sizes and numerics, then our schedules on the same rays.
 
 use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip};
+use raystep_lab::paper::{GRID, SECONDS};
 
 use crate::meter::{Counted, Group, Meter, Way};
 use crate::scenes::Viewed;
 
-/// Sides of the paper's square images.
-const SIDES: [u32; 4] = [100, 256, 512, 756];
-
-/// The paper's grid.
-const GRID: GridSize = GridSize::Cells([20; 3]);
-
 pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
     let viewed = Viewed::generated("cornell-box", None)?;
-    let sides = if meter.machine.quick { &SIDES[..2] } else { &SIDES };
-    for &side in sides {
+    let rows = if meter.machine.quick { &SECONDS[..2] } else { &SECONDS[..] };
+    for &(side, _) in rows {
         let size = (side, side);
         let rays = viewed.primary(size);
         let counted: Option<Counted> = Some((rays.clone(), |_| true));
