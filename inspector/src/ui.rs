@@ -281,7 +281,7 @@ impl Inspector {
             self.first_steps(ui);
         }
         self.status_bar(ui);
-        self.shared.hides_next = self.lesson.as_ref().is_some_and(Lesson::is_asking);
+        self.shared.hides_next = self.lesson.as_ref().is_some_and(Lesson::hides_next);
         self.show_lesson(ui);
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.panes(ui));
         self.show_dialog(&ctx);

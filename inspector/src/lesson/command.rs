@@ -39,14 +39,14 @@ pub const WORDS: &[(&str, &str, &str)] = &[
     (
         "measure",
         "NAME KEY=VALUE …",
-        "traces the open scene with other options, on the same device, four times, and keeps the fastest of the last three",
+        "traces the open scene with other options, on the same device, two to four times, and keeps the fastest after the first",
     ),
     ("bars", "NAME …", "shows measured runs next to each other in the lesson"),
     ("candidates", "", "shows the triangles that the ray may hit, in f32 and in f64, in the lesson"),
     (
         "before-after",
         "[axis] [cell] [tmax] [state]",
-        "shows the ray before its next step from cell to cell, or the one just made, in the lesson; and of what comes after it, only the named parts",
+        "shows the ray before its next step from cell to cell, or the one just made, in the lesson; of what comes after a step that is not made yet, only the named parts",
     ),
     (
         "states",

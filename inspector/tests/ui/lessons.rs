@@ -338,7 +338,7 @@ fn a_lesson_covers_no_panel_and_leaves_the_users_own_behind() {
 #[test]
 fn a_lesson_looks_like_this() {
     let mut stage = stage();
-    begin(&mut stage, &LESSONS[0].1.replace("size=256x256", "size=256x256 device=cpu"), 4);
+    begin(&mut stage, &LESSONS[0].1.replace("size=128x128", "size=128x128 device=cpu"), 4);
     stage.snapshot("lesson");
 }
 

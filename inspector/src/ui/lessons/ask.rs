@@ -4,6 +4,7 @@ use egui::{Button, RichText, Ui};
 
 use super::Lesson;
 use super::told::Shown;
+use crate::lesson::{Action, Step};
 use crate::ui::Inspector;
 use crate::ui::command::Command;
 
@@ -29,10 +30,14 @@ impl Lesson {
         self.told.asked.as_ref().filter(|_| is_open).map_or(0, |asked| asked.choices.len())
     }
 
-    /// Whether the reader still has to answer: the views do not show what comes next.
-    pub(in crate::ui) fn is_asking(&self) -> bool {
-        let has_question = self.lesson.steps.get(self.step).is_some_and(|step| step.question.is_some());
-        has_question && !self.is_answered
+    /// Whether the views leave out what comes next: the reader is asked for it, or is to say it before it is played, in
+    /// this step or the next one.
+    pub(in crate::ui) fn hides_next(&self) -> bool {
+        let asks = |step: &Step| step.question.is_some();
+        let plays = |step: &Step| step.first.actions.iter().any(|(_, action)| matches!(action, Action::Play(_)));
+        let step_at = |step: usize| self.lesson.steps.get(step);
+        let is_here = step_at(self.step).is_some_and(|step| plays(step) || asks(step) && !self.is_answered);
+        is_here || step_at(self.step + 1).is_some_and(|step| plays(step) || asks(step))
     }
 
     /// The reader's choice: if it is right, the answer is set up.

@@ -14,6 +14,8 @@ pub(super) struct CellStep<'a> {
     pub(super) from: [i32; 3],
     pub(super) to: [i32; 3],
     pub(super) axis: usize,
+    /// Whether the current row made it.
+    pub(super) is_made: bool,
     data: &'a SceneData,
 }
 
@@ -40,11 +42,12 @@ impl<'a> CellStep<'a> {
         }
         let current = current_row(life, place);
         let is_step = |row: &usize| life.rows.get(*row).and_then(axis_of).is_some();
-        let here = current.filter(is_step).or_else(|| steps_after(life, current.unwrap_or(0)).next());
+        let made = current.filter(is_step);
+        let here = made.or_else(|| steps_after(life, current.unwrap_or(0)).next());
         let found = here.and_then(|row| {
             let (before, row) = (&life.rows.get(row.checked_sub(1)?)?.after, life.rows.get(row)?);
             let (from, to, axis) = (row.cell_before?, row.cell_after?, axis_of(row)?);
-            Some(Self { before, after: &row.after, from, to, axis, data })
+            Some(Self { before, after: &row.after, from, to, axis, is_made: made.is_some(), data })
         });
         found.ok_or_else(|| "no step from cell to cell follows".into())
     }

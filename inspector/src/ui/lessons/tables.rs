@@ -17,11 +17,18 @@ use crate::ui::panels::ray::current_row;
 pub(super) fn before_after(ui: &mut Ui, model: &Model, known: Values) {
     let (Some(life), Some(opened)) = (&model.life, &model.opened) else { return };
     let Ok(step) = CellStep::of(life, &opened.data, model.place) else { return };
+    // Once the step is made, there is nothing to guess.
+    let known = if step.is_made { Values { axis: true, cell: true, tmax: true, state: true } } else { known };
+    let has_after = known != Values::default();
     let short = |t: Option<f32>| t.map_or_else(|| "never".into(), |t| format!("{t:.5}"));
     ui.add_space(6.0);
     Grid::new("before and after").num_columns(6).spacing([9.0, 2.0]).striped(true).show(ui, |ui| {
-        for head in ["", "cell", "after", "tMax", "after", "tDelta"] {
-            ui.small(head);
+        let heads: &[&str] = match has_after {
+            true => &["", "cell", "after", "tMax", "after", "tDelta"],
+            false => &["", "cell", "tMax", "tDelta"],
+        };
+        for head in heads {
+            ui.small(*head);
         }
         ui.end_row();
         for axis in 0..3 {
@@ -33,6 +40,7 @@ pub(super) fn before_after(ui: &mut Ui, model: &Model, known: Values) {
                 ui.label(if is_strong { text.strong() } else { text });
             };
             let after = |ui: &mut Ui, is_known: bool, before: String, after: String| match is_known {
+                _ if !has_after => {}
                 true => number(ui, after.clone(), after != before),
                 false => number(ui, "?".into(), false),
             };
@@ -46,8 +54,12 @@ pub(super) fn before_after(ui: &mut Ui, model: &Model, known: Values) {
             ui.end_row();
         }
     });
-    let next = if known.state { step.after.state } else { "?" };
-    ui.small(format!("state: {}, after: {next}", step.before.state));
+    let next = match (has_after, known.state) {
+        (false, _) => String::new(),
+        (true, false) => ", after: ?".into(),
+        (true, true) => format!(", after: {}", step.after.state),
+    };
+    ui.small(format!("state: {}{next}", step.before.state));
 }
 
 /// Shows every state that the run's kernels take, where they send a ray from there, and how often this ray went there.
@@ -71,7 +83,7 @@ pub(super) fn states(ui: &mut Ui, model: &Model) {
                 told.push(sent.to);
                 let to = opened.plan.program.states.name(sent.to);
                 let count = times(life, info.name, name, to);
-                let text = RichText::new(format!("    {to}: {}", sent.when)).small();
+                let text = RichText::new(format!("    → {to}: {}", sent.when)).small();
                 if count > 0 {
                     ui.label(RichText::new(format!("{} ({count}×)", text.text())).small().strong());
                 } else {

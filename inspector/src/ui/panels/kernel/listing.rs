@@ -92,7 +92,8 @@ impl Listing {
         let mut area = egui::ScrollArea::both().auto_shrink(false);
         if let Some(row) = self.scroll_to.take() {
             // The lines before the branch are visible as well.
-            let above = ui.available_height() * 0.3;
+            let is_marked = self.marked.is_some();
+            let above = if is_marked { 2.0 * height } else { ui.available_height() * 0.3 };
             area = area.vertical_scroll_offset((row as f32 * height - above).max(0.0));
         }
         let digits = self.lines.len().max(1).ilog10() as usize + 1;
