@@ -186,7 +186,7 @@ impl Lesson {
     fn begin_set_up(&mut self) {
         let before = std::mem::replace(&mut self.set_up, self.lesson.set_up(self.step, self.is_answered));
         // The ray that was found stays.
-        if self.is_answered {
+        if self.is_answered && self.set_up.find.is_some() {
             self.set_up.pixel = before.pixel;
         }
         self.phase = Phase::Open;

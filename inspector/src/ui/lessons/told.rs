@@ -129,9 +129,10 @@ impl Inspector {
         if lesson.is_answered {
             // What came before keeps the values of its own place.
             let told = answer(text, step).map(|paragraph| teller.tell(paragraph)).collect();
-            let problems = teller.problems;
+            let new = teller.problems.into_iter().filter(|problem| !lesson.problems.contains(problem));
+            let new: Vec<LessonError> = new.collect();
             lesson.told.answer = told;
-            lesson.problems.extend(problems);
+            lesson.problems.extend(new);
         } else {
             let first = first(text, step).map(|paragraph| teller.tell(paragraph)).collect();
             let question = text.steps.get(step).and_then(|step| step.question.as_ref());
