@@ -63,6 +63,15 @@ pub fn in_composed(variant: &Variant, features: &Features) -> Vec<Option<usize>>
     functions::in_composed(info.wgsl, &marks::marks(info.name, info.wgsl, features), &variant.source)
 }
 
+/// The lines of a function, from its head to its closing brace.
+#[must_use]
+pub fn function(lines: &[Line], name: &str) -> Option<Range<usize>> {
+    let head = format!("fn {name}(");
+    let first = lines.iter().position(|line| line.text.starts_with(&head))?;
+    let length = lines[first..].iter().position(|line| line.text.starts_with('}'))?;
+    Some(first..first + length + 1)
+}
+
 /// Splits text into lines, and each line into words.
 #[must_use]
 pub fn lines(text: &str) -> Vec<Line> {

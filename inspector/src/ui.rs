@@ -281,6 +281,7 @@ impl Inspector {
             self.first_steps(ui);
         }
         self.status_bar(ui);
+        self.shared.hides_next = self.lesson.as_ref().is_some_and(Lesson::hides_next);
         self.show_lesson(ui);
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.panes(ui));
         self.show_dialog(&ctx);
@@ -301,6 +302,7 @@ impl Inspector {
             self.execute(&ctx, command);
         }
         self.set_up_lesson();
+        self.play_lesson(&ctx);
         // What commands have selected.
         self.follow_up();
         self.model.drop_unwanted_glimpse(ctx.input(|input| input.pointer.any_down()));

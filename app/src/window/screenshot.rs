@@ -20,12 +20,12 @@ use crate::error::Error;
 /// How long to wait for work before the screenshot is taken anyway.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// Sets up every step of the lesson that `start` begins, and checks that what it speaks of is on the screen. `tell` gets
-/// each step.
+/// Sets up every step of the lesson that `start` begins, and checks that what it speaks of is on the screen, also once
+/// its question is answered. `tell` gets each step, and the time that a reader waits for it.
 pub(crate) fn check_lesson(
     gpu: &Arc<Gpu>,
     start: Start,
-    mut tell: impl FnMut(&CheckedStep) -> Result<(), Error>,
+    mut tell: impl FnMut(&CheckedStep, Duration) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let (mut stage, _) = Stage::new(gpu, start, 1.0)?;
     let (_, steps) = stage.inspector.lesson_step().unwrap_or_default();
@@ -34,10 +34,15 @@ pub(crate) fn check_lesson(
             // As the reader does, from the step before.
             stage.inspector.perform(Command::NextStep);
         }
+        let begin = Instant::now();
         stage.settle()?;
-        stage.frame(Vec::new());
-        if let Some(checked) = stage.inspector.check_step(&stage.shapes, stage.points.into()) {
-            tell(&checked)?;
+        let waited = begin.elapsed();
+        if let Some(mut checked) = stage.check_step() {
+            while stage.inspector.go_on_with_step() {
+                stage.settle()?;
+                stage.check_step().into_iter().for_each(|more| checked.add(more));
+            }
+            tell(&checked, waited)?;
         }
     }
     Ok(())
@@ -140,6 +145,12 @@ impl Stage {
             }
         }
         Ok(())
+    }
+
+    /// Checks what the lesson's step shows now.
+    fn check_step(&mut self) -> Option<CheckedStep> {
+        self.frame(Vec::new());
+        self.inspector.check_step(&self.shapes, self.points.into())
     }
 
     fn frame(&mut self, events: Vec<egui::Event>) -> Vec<egui::ClippedPrimitive> {

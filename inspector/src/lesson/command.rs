@@ -4,6 +4,8 @@ use super::comparison::Comparison;
 use super::error::Wrong;
 use super::expression::Expression;
 use super::fact::is_label;
+use super::question::{Choice, Question};
+use super::set_up::Values;
 use crate::link::{Link, LinkDevice, LinkStream};
 use crate::ui::command::{COMMANDS, Command};
 use crate::ui::pane::PaneKind;
@@ -37,14 +39,35 @@ pub const WORDS: &[(&str, &str, &str)] = &[
     (
         "measure",
         "NAME KEY=VALUE …",
-        "traces the open scene with other options, on the same device, four times, and keeps the fastest of the last three",
+        "traces the open scene with other options, on the same device, two to four times, and keeps the fastest after the first",
     ),
     ("bars", "NAME …", "shows measured runs next to each other in the lesson"),
     ("candidates", "", "shows the triangles that the ray may hit, in f32 and in f64, in the lesson"),
+    (
+        "before-after",
+        "[axis] [cell] [tmax] [state]",
+        "shows the ray before its next step from cell to cell, or the one just made, in the lesson; of what comes after a step that is not made yet, only the named parts",
+    ),
+    (
+        "states",
+        "",
+        "shows the states of a ray, the kernels between them, and which of them this ray takes, in the lesson",
+    ),
+    ("code", "FUNCTION", "marks a function in the kernel panel"),
+    ("play", "N", "goes on by itself, pass by pass of the ray, until it has made N more steps from cell to cell"),
+    ("question", "\"TEXT\"", "asks the reader a question; the rest of the step is its answer"),
+    (
+        "choice",
+        "\"LABEL\" if VALUE = VALUE, … else \"TEXT\"",
+        "a choice, what holds if it is right, and what a reader is told who chooses it although it is wrong",
+    ),
     ("expect", "panel PANEL", "the panel has to be in view"),
     ("expect", "text \"TEXT\"", "the text has to be readable outside of the lesson"),
     ("expect", "VALUE = VALUE", "values have to compare so; also !=, <, >, and `contains`"),
 ];
+
+/// Most steps from cell to cell that a lesson makes by itself.
+const MOST_PLAYED: usize = 100;
 
 /// What a step sets up.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +96,14 @@ pub enum Action {
     Bars(Vec<String>),
     /// Shows what the ray may hit.
     Candidates,
+    /// Shows a step from cell to cell, before and after.
+    BeforeAfter(Values),
+    /// Shows the states of a ray.
+    States,
+    /// Marks a function in the kernel panel.
+    Code(String),
+    /// Goes on by itself for this many steps from cell to cell.
+    Play(usize),
 }
 
 /// Where to go.
@@ -103,6 +134,10 @@ pub(super) enum Line {
     Action(Action),
     /// To check.
     Expect(Expect),
+    /// A question.
+    Question(Question),
+    /// A choice of the question before.
+    Choice(Choice),
 }
 
 /// The words of all commands, for errors.
@@ -118,8 +153,8 @@ pub fn panel_name(kind: PaneKind) -> String {
     Command::Show(kind).name().to_lowercase().replace(' ', "-")
 }
 
-/// Reads a line.
-pub(super) fn line(text: &str) -> Result<Line, Wrong> {
+/// Reads a line with this number.
+pub(super) fn line(number: usize, text: &str) -> Result<Line, Wrong> {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     let rest = rest.trim();
     let action = match word {
@@ -147,6 +182,19 @@ pub(super) fn line(text: &str) -> Result<Line, Wrong> {
             Action::Bars(names)
         }
         "candidates" => nothing("candidates", rest, Action::Candidates)?,
+        "before-after" => Action::BeforeAfter(Values::parse(rest)?),
+        "states" => nothing("states", rest, Action::States)?,
+        "code" => {
+            let is_name = !rest.is_empty() && rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+            let name = is_name.then(|| rest.to_owned());
+            Action::Code(name.ok_or_else(|| wrong("code", "expected the name of a function, such as cell_exit"))?)
+        }
+        "play" => {
+            let steps = rest.parse().ok().filter(|steps| (1..=MOST_PLAYED).contains(steps));
+            Action::Play(steps.ok_or_else(|| wrong("play", format!("expected 1 to {MOST_PLAYED} steps")))?)
+        }
+        "question" => return Question::parse(number, rest).map(Line::Question),
+        "choice" => return Choice::parse(number, rest).map(Line::Choice),
         "expect" => return expect(rest).map(Line::Expect),
         _ => return Err(Wrong::Command(text.chars().take(40).collect())),
     };
@@ -158,7 +206,7 @@ fn wrong(word: &'static str, wanted: impl Into<String>) -> Wrong {
 }
 
 fn find(rest: &str) -> Result<Action, Wrong> {
-    let all = rest.split(',').map(|part| Comparison::parse("find", part, "")).collect::<Result<Vec<_>, _>>()?;
+    let all = Comparison::parse_all("find", rest)?;
     let mut names = all.iter().flat_map(Comparison::expressions).flat_map(Expression::names);
     if let Some(other) = names.find(|name| !name.is_of_tie()) {
         return Err(wrong("find", format!("{other} is not a value of tie, and only those are known of every ray")));

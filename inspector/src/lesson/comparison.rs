@@ -95,6 +95,16 @@ impl Comparison {
         Ok(Self { first: Expression::parse(first.trim())?, condition, second })
     }
 
+    /// Reads several of them, with commas between them; `word` is the command, for errors.
+    pub(super) fn parse_all(word: &'static str, text: &str) -> Result<Vec<Self>, Wrong> {
+        let mut is_quoted = false;
+        let is_end = |c: char| {
+            is_quoted ^= c == '"';
+            c == ',' && !is_quoted
+        };
+        text.split(is_end).map(|part| Self::parse(word, part, "")).collect()
+    }
+
     /// The values that it compares.
     pub fn expressions(&self) -> impl Iterator<Item = &Expression> {
         let second = match &self.second {
@@ -107,14 +117,27 @@ impl Comparison {
     /// Whether it holds.
     ///
     /// # Errors
-    /// Where it does not, or `value_of` has no value.
-    pub fn check(&self, value_of: impl Fn(&Name) -> Result<Value, Wrong>) -> Result<(), Wrong> {
-        let first = self.first.evaluate(&value_of)?;
+    /// Where `value_of` has no value.
+    pub fn holds(&self, value_of: impl Fn(&Name) -> Result<Value, Wrong>) -> Result<bool, Wrong> {
+        self.values(value_of).map(|[first, second]| self.condition.holds(&first, &second))
+    }
+
+    /// The two values.
+    fn values(&self, value_of: impl Fn(&Name) -> Result<Value, Wrong>) -> Result<[Value; 2], Wrong> {
         let second = match &self.second {
             Operand::Number(number) => Value::double(*number),
             Operand::Text(text) => Value::text(text),
             Operand::Value(second) => second.evaluate(&value_of)?,
         };
+        Ok([self.first.evaluate(&value_of)?, second])
+    }
+
+    /// That it holds.
+    ///
+    /// # Errors
+    /// Where it does not, or `value_of` has no value.
+    pub fn check(&self, value_of: impl Fn(&Name) -> Result<Value, Wrong>) -> Result<(), Wrong> {
+        let [first, second] = self.values(value_of)?;
         if self.condition.holds(&first, &second) {
             return Ok(());
         }

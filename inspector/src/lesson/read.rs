@@ -2,8 +2,9 @@
 
 use super::command::{self, Line};
 use super::error::Wrong;
-use super::prose::{Content, Paragraph, paragraph};
-use super::{Action, Expect, Expression, Lesson, LessonError, MOST_BYTES, MOST_COMMANDS, MOST_STEPS, Name, Step};
+use super::prose::{Paragraph, paragraph};
+use super::question::Question;
+use super::{Action, Lesson, LessonError, MOST_BYTES, MOST_COMMANDS, MOST_STEPS, Name, Step};
 
 /// The fence of a block of commands.
 const BLOCK: &str = "```raystep";
@@ -33,8 +34,7 @@ fn sections(text: &str) -> Result<(String, Vec<Paragraph>, Vec<Step>), Mistake> 
         last = number;
         let is_break = line.is_empty() || line.starts_with('#') || line.starts_with(FENCE) || line.starts_with("- ");
         if is_break {
-            let texts = steps.last_mut().map_or(&mut about, |step| &mut step.text);
-            pending.end(texts)?;
+            pending.end(texts(&mut about, &mut steps))?;
         }
         if line.is_empty() {
             continue;
@@ -62,12 +62,17 @@ fn sections(text: &str) -> Result<(String, Vec<Paragraph>, Vec<Step>), Mistake> 
             pending.lines.push((number, line.strip_prefix("- ").unwrap_or(line)));
         }
     }
-    pending.end(steps.last_mut().map_or(&mut about, |step| &mut step.text))?;
+    pending.end(texts(&mut about, &mut steps))?;
     let title = title.ok_or((1, Wrong::NoTitle))?;
     if steps.is_empty() {
         return Err((last, Wrong::NoSteps));
     }
     Ok((title, about, steps))
+}
+
+/// Where a paragraph belongs.
+fn texts<'a>(about: &'a mut Vec<Paragraph>, steps: &'a mut [Step]) -> &'a mut Vec<Paragraph> {
+    steps.last_mut().map_or(about, |step| &mut step.last_mut().text)
 }
 
 /// The lines of a paragraph so far.
@@ -89,22 +94,39 @@ impl Pending<'_> {
 
 /// The commands up to the end of a block that begins in line `first`.
 fn block<'a>(step: &mut Step, first: usize, lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<(), Mistake> {
+    let mut question = None;
     for (number, line) in lines {
         if line == FENCE {
+            let check = |question: &Question| question.check().map_err(|wrong| (question.line, wrong));
+            question.as_ref().map_or(Ok(()), check)?;
+            step.question = question.or(step.question.take());
             return Ok(());
         }
         if line.is_empty() {
             continue;
         }
-        if step.actions.len() + step.expects.len() == MOST_COMMANDS {
+        let asked = question.as_ref().map_or(0, |question| 1 + question.choices.len());
+        if step.commands() + asked == MOST_COMMANDS {
             return Err((number, Wrong::TooManyCommands));
         }
-        match command::line(line).map_err(|wrong| (number, wrong))? {
-            Line::Action(action) => step.actions.push((number, action)),
-            Line::Expect(expect) => step.expects.push((number, expect)),
-        }
+        add(step, &mut question, number, line).map_err(|wrong| (number, wrong))?;
     }
     Err((first, Wrong::OpenBlock))
+}
+
+/// Adds a line of a block.
+fn add(step: &mut Step, question: &mut Option<Question>, number: usize, line: &str) -> Result<(), Wrong> {
+    match (command::line(number, line)?, question) {
+        (Line::Action(action), _) => step.last_mut().actions.push((number, action)),
+        (Line::Expect(expect), _) => step.last_mut().expects.push((number, expect)),
+        (Line::Question(new), question @ None) if step.question.is_none() => *question = Some(new),
+        (Line::Question(_), _) => return Err(Wrong::Argument("question", "a step asks one question".into())),
+        (Line::Choice(choice), Some(question)) => question.add(choice)?,
+        (Line::Choice(_), None) => {
+            return Err(Wrong::Argument("choice", "ask first: add 'question \"…\"' above it in this block".into()));
+        }
+    }
+    Ok(())
 }
 
 /// What depends on several lines: that a scene is open, and that all names are known.
@@ -114,12 +136,13 @@ fn check(lesson: &Lesson) -> Result<(), Mistake> {
     let is_open = |action: &Action| matches!(action, Action::Open(_));
     let first = lesson.steps.first();
     if let Some(step) = first
-        && !step.actions.first().is_some_and(|(_, action)| is_open(action))
+        && !step.first.actions.first().is_some_and(|(_, action)| is_open(action))
     {
-        return Err((step.actions.first().map_or(step.line, |(line, _)| *line), Wrong::NothingOpen));
+        return Err((step.first.actions.first().map_or(step.line, |(line, _)| *line), Wrong::NothingOpen));
     }
     for step in &lesson.steps {
-        for (line, action) in &step.actions {
+        let actions = || step.sections().into_iter().flat_map(|section| &section.actions);
+        for (line, action) in actions() {
             let fail = |wrong| Err((*line, wrong));
             match action {
                 Action::Open(link) => has_stream = link.stream.is_some(),
@@ -139,8 +162,8 @@ fn check(lesson: &Lesson) -> Result<(), Mistake> {
                 _ => {}
             }
         }
-        let has_candidates = step.actions.iter().any(|(_, action)| *action == Action::Candidates);
-        for (line, expression) in expressions(lesson, step) {
+        let has_candidates = actions().any(|(_, action)| *action == Action::Candidates);
+        for (line, expression) in lesson.expressions(step) {
             for name in expression.names() {
                 match name {
                     Name::Measured(of, _) if !measured.contains(&of.as_str()) => {
@@ -155,22 +178,6 @@ fn check(lesson: &Lesson) -> Result<(), Mistake> {
         }
     }
     Ok(())
-}
-
-/// The values that a step shows or compares, with their lines. What is before the first step belongs to it.
-fn expressions<'a>(lesson: &'a Lesson, step: &'a Step) -> impl Iterator<Item = (usize, &'a Expression)> {
-    let about = lesson.about.iter().filter(|_| lesson.steps.first().is_some_and(|first| std::ptr::eq(first, step)));
-    let parts = about.chain(&step.text).flat_map(|paragraph| &paragraph.parts);
-    let shown = parts.filter_map(|part| match &part.content {
-        Content::Value(expression) => Some((part.line, expression)),
-        Content::Text(_) => None,
-    });
-    let compared = step.expects.iter().filter_map(|(line, expect)| match expect {
-        Expect::Values(comparison) => Some(comparison.expressions().map(|expression| (*line, expression))),
-        Expect::Panel(_) | Expect::Text(_) => None,
-    });
-    let compared = compared.flatten();
-    shown.chain(compared)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The whole set-up of a step, as plain data.
 
-use super::{Action, Comparison, Goal, Lesson};
+use super::error::Wrong;
+use super::{Action, Comparison, Expect, Expression, Goal, Lesson, Name, Step};
 use crate::link::Link;
 use crate::ui::Shown;
 use crate::ui::command::Command;
@@ -15,6 +16,42 @@ pub struct Measurement {
     pub link: Link,
     /// The line of the command.
     pub line: usize,
+}
+
+/// Which values of a step from cell to cell are shown for after it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Values {
+    /// The axis of the step.
+    pub axis: bool,
+    /// The new cell.
+    pub cell: bool,
+    /// The new tMax.
+    pub tmax: bool,
+    /// The new state.
+    pub state: bool,
+}
+
+impl Values {
+    /// Reads their names.
+    pub(super) fn parse(rest: &str) -> Result<Self, Wrong> {
+        let mut values = Self::default();
+        for word in rest.split_whitespace() {
+            let value = match word {
+                "axis" => &mut values.axis,
+                "cell" => &mut values.cell,
+                "tmax" => &mut values.tmax,
+                "state" => &mut values.state,
+                _ => {
+                    return Err(Wrong::Argument(
+                        "before-after",
+                        format!("{word:?}: expected axis, cell, tmax or state"),
+                    ));
+                }
+            };
+            *value = true;
+        }
+        Ok(values)
+    }
 }
 
 /// Everything that a step needs: what its own commands say, and those before it, back to the last `open`.
@@ -38,25 +75,67 @@ pub struct SetUp {
     pub shown: Option<Shown>,
     /// Commands to perform.
     pub commands: Vec<Command>,
-    /// Runs to measure, of all steps so far.
+    /// Runs that the step shows values of, and that were not measured in the run of another scene.
     pub measurements: Vec<Measurement>,
     /// Measured runs that the step shows.
     pub bars: Vec<String>,
     /// Whether the step shows what the ray may hit.
     pub has_candidates: bool,
+    /// Whether it shows a step from cell to cell before and after, and which values of after.
+    pub before_after: Option<Values>,
+    /// Whether it shows the states of a ray.
+    pub has_states: bool,
+    /// The function that is marked in the kernel panel.
+    pub code: Option<String>,
+    /// The steps from cell to cell that it makes by itself.
+    pub play: Option<usize>,
 }
 
 impl Lesson {
-    /// The whole set-up of a step, from 0.
+    /// The whole set-up of a step, from 0; of its answer as well if its question `is_answered`.
     #[must_use]
-    pub fn set_up(&self, step: usize) -> SetUp {
+    pub fn set_up(&self, step: usize, is_answered: bool) -> SetUp {
         let mut all = SetUp::default();
         for (i, step_of) in self.steps.iter().enumerate().take(step.saturating_add(1)) {
-            for (line, action) in &step_of.actions {
+            let sections = step_of.sections();
+            let count = if i < step || is_answered { 2 } else { 1 };
+            for (line, action) in sections.into_iter().take(count).flat_map(|section| &section.actions) {
                 all.add(*line, action, i == step);
             }
         }
+        let wanted = self.steps.get(step).map(|step_of| self.measured_by(step_of)).unwrap_or_default();
+        all.measurements.retain(|known| wanted.contains(&known.name));
         all
+    }
+
+    /// The names of the measured runs that a step shows or compares.
+    fn measured_by(&self, step: &Step) -> Vec<String> {
+        let of_values =
+            self.expressions(step).flat_map(|(_, expression)| expression.names()).filter_map(|name| match name {
+                Name::Measured(of, _) => Some(of.clone()),
+                Name::Fact(_) => None,
+            });
+        let actions = step.sections().into_iter().flat_map(|section| &section.actions);
+        let of_bars = actions.filter_map(|(_, action)| match action {
+            Action::Bars(names) => Some(names.clone()),
+            _ => None,
+        });
+        of_values.chain(of_bars.flatten()).collect()
+    }
+
+    /// The values that a step shows or compares, with their lines. What is before the first step belongs to it.
+    pub(super) fn expressions<'a>(&'a self, step: &'a Step) -> impl Iterator<Item = (usize, &'a Expression)> {
+        let about = self.about.iter().filter(|_| self.steps.first().is_some_and(|first| std::ptr::eq(first, step)));
+        let texts = about.chain(step.sections().into_iter().flat_map(|section| &section.text));
+        let texts = texts.chain(step.question.iter().flat_map(|question| question.texts()));
+        let expects = step.sections().into_iter().flat_map(|section| &section.expects);
+        let expected = expects.filter_map(|(line, expect)| match expect {
+            Expect::Values(comparison) => Some((*line, comparison)),
+            Expect::Panel(_) | Expect::Text(_) => None,
+        });
+        let compared = expected.chain(step.question.iter().flat_map(|question| question.conditions()));
+        let compared = compared.flat_map(|(line, both)| both.expressions().map(move |expression| (line, expression)));
+        texts.flat_map(|text| text.values()).chain(compared)
     }
 }
 
@@ -85,6 +164,7 @@ impl SetUp {
                 (self.panels, self.more) = (Some(panels.clone()), Vec::new());
                 // Many commands show a panel: it would come back.
                 self.commands.clear();
+                self.code = None;
             }
             Action::Show(kind) => self.more.push(*kind),
             Action::Stream(stream) => self.shown = Some(Shown { stream: *stream, zoom: None, pan: None }),
@@ -97,7 +177,11 @@ impl SetUp {
             }
             Action::Bars(names) if is_own => self.bars.clone_from(names),
             Action::Candidates if is_own => self.has_candidates = true,
-            Action::Bars(_) | Action::Candidates => {}
+            Action::BeforeAfter(values) if is_own => self.before_after = Some(*values),
+            Action::States if is_own => self.has_states = true,
+            Action::Code(function) => self.code = Some(function.clone()),
+            Action::Play(steps) if is_own => self.play = Some(*steps),
+            Action::Bars(_) | Action::Candidates | Action::BeforeAfter(_) | Action::States | Action::Play(_) => {}
         }
     }
 }

@@ -190,6 +190,10 @@ pub enum Command {
     PreviousStep,
     /// Sets the step of the lesson up again.
     RepeatStep,
+    /// Chooses an answer to the lesson's question, by its index.
+    Choose(usize),
+    /// Skips what the lesson plays.
+    SkipPlay,
     /// Closes the lesson.
     CloseLesson,
 }
@@ -383,6 +387,11 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::NextStep, "Next step of the lesson", NONE F8;
         C::PreviousStep, "Previous step of the lesson", SHIFT F8;
         C::RepeatStep, "Set up this step again";
+        C::Choose(0), "Choose answer 1", NONE Num1;
+        C::Choose(1), "Choose answer 2", NONE Num2;
+        C::Choose(2), "Choose answer 3", NONE Num3;
+        C::Choose(3), "Choose answer 4", NONE Num4;
+        C::SkipPlay, "Skip what the lesson plays";
         C::CloseLesson, "Close lesson";
     }
 };
@@ -392,6 +401,7 @@ impl Command {
     #[must_use]
     pub fn is_of_lessons(self) -> bool {
         matches!(self, C::Lesson(_) | C::NextStep | C::PreviousStep | C::RepeatStep | C::CloseLesson)
+            || matches!(self, C::Choose(_) | C::SkipPlay)
     }
 
     /// Its row of the table.

@@ -23,7 +23,7 @@ impl Inspector {
             self.shared.watches = watches;
         }
         self.restore_bookmarks(saved.bookmarks.as_deref());
-        self.shared.units = saved.units;
+        *self.own_units_mut() = saved.units;
         self.shared.recent = saved.recent().to_vec();
         self.shared.last_place = saved.link.as_ref().map(ToString::to_string);
         self.saved = saved;
@@ -36,7 +36,7 @@ impl Inspector {
         self.saved.layout = serde_json::to_string(self.own_tree()).ok();
         self.saved.watches = serde_json::to_string(&self.shared.watches).ok();
         self.saved.bookmarks = self.bookmarks_to_save();
-        self.saved.units = self.shared.units;
+        self.saved.units = self.own_units();
         if let Some(link) = self.link() {
             self.saved.link = Some(link);
         }

@@ -4,13 +4,18 @@
 //! panels. So a reader may click around, go back, or press *Next* while the set-up of a step is still in progress.
 
 mod arrange;
+mod ask;
 mod bars;
+mod before;
 mod candidates;
+mod cell_step;
 mod check;
 mod dock;
 mod facts;
 mod measured;
 mod perform;
+mod play;
+mod tables;
 mod told;
 
 use std::sync::Arc;
@@ -20,10 +25,12 @@ use egui_tiles::Tree;
 use super::Inspector;
 use super::pane::Pane;
 use crate::lesson::{self, LessonError, SetUp, built_in};
+use before::Before;
 use candidates::Candidates;
 pub use check::CheckedStep;
 use measured::Measured;
 use perform::Phase;
+use play::Play;
 use told::Told;
 
 /// The open lesson.
@@ -42,8 +49,19 @@ pub(super) struct Lesson {
     candidates: Option<Candidates>,
     /// The text with its values.
     told: Told,
-    /// The panels before the lesson.
-    before: Option<Tree<Pane>>,
+    /// Which choice of the question the reader made last, and whether it was since the last frame.
+    chosen: Option<usize>,
+    is_chosen_now: bool,
+    /// Whether that was the right one: the answer is shown.
+    is_answered: bool,
+    /// What goes on by itself.
+    play: Option<Play>,
+    /// What was there before the lesson.
+    before: Before,
+    /// Whether the step has opened a run.
+    is_opened_now: bool,
+    /// Threads that a GPU would have launched for all that this step has traced so far.
+    work: u64,
     /// Where the lesson was drawn last.
     dock: egui::Rect,
     /// Whether the text is scrolled to its beginning in the next frame.
@@ -55,8 +73,9 @@ impl Inspector {
     pub fn begin_lesson(&mut self, lesson: lesson::Lesson, step: usize) {
         let before = match self.lesson.take() {
             Some(other) => other.before,
-            None => Some(std::mem::replace(&mut self.tree, super::layout::Layout::Simple.tree())),
+            None => Before::take(self),
         };
+        self.cancel_lesson_job();
         let mut open = Lesson {
             lesson: Arc::new(lesson),
             step: 0,
@@ -66,6 +85,12 @@ impl Inspector {
             measured: Vec::new(),
             candidates: None,
             told: Told::default(),
+            chosen: None,
+            is_chosen_now: false,
+            is_answered: false,
+            play: None,
+            is_opened_now: false,
+            work: 0,
             before,
             dock: egui::Rect::NOTHING,
             is_new: true,
@@ -105,26 +130,47 @@ impl Inspector {
 
     /// Goes to a step of the open lesson, counted from 0; the last one if there are fewer.
     pub fn go_to_step(&mut self, step: usize) {
+        self.cancel_lesson_job();
         if let Some(lesson) = &mut self.lesson {
             lesson.go_to(step);
         }
     }
 
-    /// Ends the lesson: the panels are again those of before.
+    /// Ends the lesson: the panels, the scene and its options are again those of before.
     pub(super) fn close_lesson(&mut self) {
-        if let Some(before) = self.lesson.take().and_then(|lesson| lesson.before) {
-            self.tree = before;
+        self.cancel_lesson_job();
+        self.shared.code = None;
+        if let Some(lesson) = self.lesson.take() {
+            lesson.before.restore(self);
+        }
+    }
+
+    /// Does not wait for what the step has measured or looked for so far, and is not needed any more.
+    fn cancel_lesson_job(&mut self) {
+        let is_own = |what: &str| [measured::MEASURING, candidates::FINDING, candidates::SEEKING].contains(&what);
+        if self.model.work.is_some_and(|work| is_own(work.what)) {
+            self.model.cancel();
         }
     }
 
     /// The panels to save: not those of a lesson.
     pub(super) fn own_tree(&self) -> &Tree<Pane> {
-        self.lesson.as_ref().and_then(|lesson| lesson.before.as_ref()).unwrap_or(&self.tree)
+        self.lesson.as_ref().map_or(&self.tree, |lesson| &lesson.before.tree)
     }
 
     /// The same, to restore them.
     pub(super) fn own_tree_mut(&mut self) -> &mut Tree<Pane> {
-        self.lesson.as_mut().and_then(|lesson| lesson.before.as_mut()).unwrap_or(&mut self.tree)
+        self.lesson.as_mut().map_or(&mut self.tree, |lesson| &mut lesson.before.tree)
+    }
+
+    /// The units to save: not those of a lesson.
+    pub(super) fn own_units(&self) -> super::units::Units {
+        self.lesson.as_ref().map_or(self.shared.units, |lesson| lesson.before.units)
+    }
+
+    /// The same, to restore them.
+    pub(super) fn own_units_mut(&mut self) -> &mut super::units::Units {
+        self.lesson.as_mut().map_or(&mut self.shared.units, |lesson| &mut lesson.before.units)
     }
 }
 
@@ -132,11 +178,26 @@ impl Lesson {
     /// Goes to a step. What is in progress for another one ends first.
     fn go_to(&mut self, step: usize) {
         self.step = step.min(self.lesson.steps.len().saturating_sub(1));
-        self.set_up = self.lesson.set_up(self.step);
-        (self.phase, self.is_new) = (Phase::Open, true);
+        (self.is_new, self.is_answered, self.chosen, self.work) = (true, false, None, 0);
         self.problems.clear();
-        self.candidates = None;
         self.told = Told::of(&self.lesson, self.step);
+        self.begin_set_up();
+    }
+
+    /// Sets its step up, with the answer if the question is answered.
+    fn begin_set_up(&mut self) {
+        let before = std::mem::replace(&mut self.set_up, self.lesson.set_up(self.step, self.is_answered));
+        // The ray that was found stays.
+        if self.is_answered && self.set_up.find.is_some() {
+            self.set_up.pixel = before.pixel;
+        }
+        self.phase = Phase::Open;
+        (self.candidates, self.play) = (None, None);
+    }
+
+    /// Whether a run of this name was measured.
+    fn has_measured(&self, name: &str) -> bool {
+        self.measured.iter().any(|run| run.name == name)
     }
 
     /// Stops the set-up of its step.

@@ -4,6 +4,7 @@ use super::Inspector;
 use super::command::Command;
 use super::dialogs::Dialog;
 use super::layout::{self, Layout};
+use super::lessons::Lesson;
 use super::palette::Palette;
 use super::pane::{Context, PaneKind};
 use super::runs::Asked;
@@ -28,6 +29,8 @@ impl Inspector {
             C::Palette | C::Help | C::Lesson(_) => true,
             C::NextStep | C::PreviousStep => self.lesson.as_ref().is_some_and(|l| l.has(command == C::NextStep)),
             C::RepeatStep | C::CloseLesson => self.lesson.is_some(),
+            C::Choose(choice) => self.lesson.as_ref().is_some_and(|lesson| choice < lesson.choices()),
+            C::SkipPlay => self.lesson.as_ref().is_some_and(Lesson::plays),
             C::Cancel => {
                 self.is_busy() || self.is_playing || self.shared.picked.is_some() || self.maximised().is_some()
             }
@@ -79,6 +82,7 @@ impl Inspector {
             C::NextEvent | C::PreviousEvent => self.shared.go_to = self.event(command == C::NextEvent),
             C::ToggleBookmark => self.toggle_bookmark(),
             C::NextBookmark | C::PreviousBookmark => self.visit_bookmark(command == C::NextBookmark),
+            C::Play if self.can(C::SkipPlay) => self.lesson.iter_mut().for_each(Lesson::toggle_play),
             C::Play => {
                 self.is_playing = !self.is_playing;
                 if self.is_playing && self.model.next.is_none() {
@@ -89,7 +93,7 @@ impl Inspector {
             C::Cancel => {
                 self.is_playing = false;
                 self.shared.scrub.stop();
-                self.lesson.iter_mut().for_each(super::lessons::Lesson::stop);
+                self.lesson.iter_mut().for_each(Lesson::stop);
                 self.model.cancel();
                 if let Some(other) = &self.other {
                     other.cancel();
@@ -167,6 +171,8 @@ impl Inspector {
                     self.go_to_step((step + by).saturating_sub(usize::from(command == C::PreviousStep)));
                 }
             }
+            C::Choose(choice) => self.lesson.iter_mut().for_each(|lesson| lesson.choose(choice)),
+            C::SkipPlay => self.skip_lesson_play(),
             C::CloseLesson => self.close_lesson(),
             C::NudgeLeft => self.nudge(-1, 0),
             C::NudgeRight => self.nudge(1, 0),

@@ -131,6 +131,10 @@ pub struct Shared {
     pub began_ns: u64,
     /// The units of lengths and of t.
     pub units: Units,
+    /// The function that is marked in the kernel panel.
+    pub code: Option<String>,
+    /// Whether views of the ray's walk leave out what comes next: the reader of a lesson is asked for it.
+    pub hides_next: bool,
     /// Whether stream views magnify the texels around the cursor.
     pub is_magnified: bool,
     /// Messages, oldest first.
@@ -172,6 +176,8 @@ impl Default for Shared {
             clock: None,
             began_ns: 0,
             units: Units::default(),
+            code: None,
+            hides_next: false,
             is_magnified: false,
             log: Vec::new(),
             dropped: 0,

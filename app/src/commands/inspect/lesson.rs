@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use raystep_inspector::lesson::built_in::{self, PREFIX};
 use raystep_inspector::lesson::{Lesson, LessonError, MOST_BYTES, Wrong};
@@ -81,15 +82,20 @@ fn find_scene(file: &Path, link: &mut Link, read: ReadArgs) -> Result<(), String
     Ok(())
 }
 
-/// Checks the lesson, and prints a line for each step.
+/// A reader should not wait longer than this for a step.
+const LONG: Duration = Duration::from_secs(3);
+
+/// Checks the lesson, and prints a line for each step: what was checked, and how long it takes to set up.
 pub(super) fn check(gpu: &Arc<Gpu>, start: Start) -> Result<(), Error> {
     let mut problems: Vec<LessonError> = Vec::new();
-    window::check_lesson(gpu, start, |step| {
+    window::check_lesson(gpu, start, |step, waited| {
         let result = match step.problems.len() {
             0 => format!("{} checked", counted(step.checked, "thing")),
             wrong => format!("{wrong} wrong"),
         };
-        print(&format!("step {}, {}: {result}\n", step.step + 1, visible(&step.title)))?;
+        let long = if waited > LONG { ", too long for a reader: measure less, or in a smaller scene" } else { "" };
+        let (title, seconds) = (visible(&step.title), waited.as_secs_f64());
+        print(&format!("step {}, {title}: {result}, ready after {seconds:.1} s{long}\n", step.step + 1))?;
         problems.extend(step.problems.iter().cloned());
         Ok(())
     })?;

@@ -18,15 +18,15 @@ fn a_lesson_has_a_title_steps_texts_and_commands() {
     let lesson = Lesson::parse("rays.md", text).expect("a lesson");
     assert_eq!((lesson.title.as_str(), lesson.about.len(), lesson.steps.len()), ("Rays", 1, 2));
     let [one, two] = &lesson.steps[..] else { panic!("{lesson:?}") };
-    assert_eq!((one.line, one.title.as_str(), one.text.len(), one.expects.len()), (6, "One", 3, 3));
-    assert_eq!(one.text.iter().map(|p| p.is_item).collect::<Vec<_>>(), [false, true, true]);
-    assert_eq!(one.actions[1], (14, Action::Go(Goal::Row(2, "outside of".into()))));
-    let (line, Expect::Values(comparison)) = &one.expects[2] else { panic!("{:?}", one.expects) };
+    assert_eq!((one.line, one.title.as_str(), one.first.text.len(), one.first.expects.len()), (6, "One", 3, 3));
+    assert_eq!(one.first.text.iter().map(|p| p.is_item).collect::<Vec<_>>(), [false, true, true]);
+    assert_eq!(one.first.actions[1], (14, Action::Go(Goal::Row(2, "outside of".into()))));
+    let (line, Expect::Values(comparison)) = &one.first.expects[2] else { panic!("{:?}", one.first.expects) };
     assert_eq!((*line, comparison.condition, &comparison.second), (21, Condition::Equal, &Operand::Number(17.0)));
-    assert_eq!((two.text.len(), two.actions.len()), (1, 2));
+    assert_eq!((two.first.text.len(), two.first.actions.len()), (1, 2));
 
     // The second step is the first one with another place and another ray.
-    let (first, second) = (lesson.set_up(0), lesson.set_up(1));
+    let (first, second) = (lesson.set_up(0, false), lesson.set_up(1, false));
     assert_eq!(first.panels, Some(vec![vec![PaneKind::Stream, PaneKind::Ray], vec![PaneKind::Walk3d]]));
     assert_eq!((first.pixel, first.commands.as_slice()), (Some([3, 4]), &[Command::Compare][..]));
     let shown = first.shown.expect("a stream");
@@ -36,14 +36,17 @@ fn a_lesson_has_a_title_steps_texts_and_commands() {
 }
 
 #[test]
-fn opening_a_scene_forgets_all_but_what_was_measured() {
-    let text = "# T\n## One\n```raystep\nopen scene=a.glb\nmeasure slow schedule=second\nbars slow\nonly ray\nend\n\
-                do Judge hits\n```\n## Two\n```raystep\nopen scene=b.glb\n```\n";
+fn opening_a_scene_forgets_all_but_what_was_measured_and_is_shown() {
+    let text = "# T\n## One\n```raystep\nopen scene=a.glb\nmeasure slow schedule=second\nmeasure fast schedule=compact\n\
+                bars slow\nonly ray\nend\ndo Judge hits\n```\n## Two\nIt took {{slow.time}}.\n```raystep\n\
+                open scene=b.glb\n```\n## Three\n```raystep\nend\n```\n";
     let lesson = Lesson::parse("t.md", text).expect("a lesson");
-    assert_eq!(lesson.set_up(0).bars, ["slow"]);
-    let two = lesson.set_up(1);
+    assert_eq!(lesson.set_up(0, false).bars, ["slow"]);
+    let two = lesson.set_up(1, false);
     assert_eq!((two.panels, two.goal, two.commands.len(), two.bars.len()), (None, None, 0, 0));
     assert_eq!(two.measurements.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["slow"]);
+    // Nobody waits for what is not shown.
+    assert_eq!(lesson.set_up(2, false).measurements, []);
 }
 
 #[test]
@@ -51,7 +54,64 @@ fn exact_panels_are_not_joined_by_those_of_earlier_commands() {
     let text = "# T\n## One\n```raystep\nopen scene=a.glb\nonly ray\ndo Judge hits\n```\n## Two\n```raystep\nend\n```\n\
                 ## Three\n```raystep\nonly stream\n```\n";
     let lesson = Lesson::parse("t.md", text).expect("a lesson");
-    assert_eq!([0, 1, 2].map(|step| lesson.set_up(step).commands.len()), [1, 1, 0]);
+    assert_eq!([0, 1, 2].map(|step| lesson.set_up(step, false).commands.len()), [1, 1, 0]);
+}
+
+/// A step that asks, answers and goes on.
+const ASKING: &str = "# T\n## One\nBefore.\n```raystep\nopen scene=a.glb\nstart\n\
+    question \"Which of {{cells}}?\"\nchoice \"x, or {{step.sign}}\" if step.axis = \"x\", step.changed = \"x, y\"\n\
+    choice \"y\" if step.axis = \"y\" else \"It is {{step.axis}}.\"\nbefore-after axis\n```\nThe answer.\n\n```raystep\n\
+    end\nexpect step.axis = \"x\"\n```\nMore.\n## Two\n```raystep\ncode cell_exit\nplay 5\nstates\n```\n";
+
+#[test]
+fn what_follows_a_question_is_its_answer() {
+    let lesson = Lesson::parse("q.md", ASKING).expect("a lesson");
+    let one = &lesson.steps[0];
+    let question = one.question.as_ref().expect("a question");
+    assert_eq!((question.line, question.choices.len()), (7, 2));
+    assert_eq!(question.choices.iter().map(|choice| choice.conditions.len()).collect::<Vec<_>>(), [2, 1]);
+    assert_eq!(question.choices.iter().map(|choice| choice.why_not.is_some()).collect::<Vec<_>>(), [false, true]);
+    assert_eq!((one.first.text.len(), one.first.actions.len()), (1, 3), "all of the block with the question");
+    assert_eq!((one.answer.text.len(), one.answer.actions.len(), one.answer.expects.len()), (2, 1, 1));
+    // The answer is set up only when it is due, and for the steps after it.
+    let goal = |step, is_answered| lesson.set_up(step, is_answered).goal.map(|(_, goal)| goal);
+    assert_eq!(
+        [goal(0, false), goal(0, true), goal(1, false)],
+        [Some(Goal::Passes(0)), Some(Goal::End), Some(Goal::End)]
+    );
+    // A step's own table is not that of the next one.
+    let shown = |step| lesson.set_up(step, false).before_after.map(|values| (values.axis, values.cell));
+    assert_eq!([shown(0), shown(1)], [Some((true, false)), None]);
+    let two = lesson.set_up(1, false);
+    assert_eq!((two.code.as_deref(), two.play, two.has_states), (Some("cell_exit"), Some(5), true));
+}
+
+#[test]
+fn exactly_one_choice_is_right() {
+    use crate::lesson::{Fact, Name, Value};
+    let with = |choices: &str| {
+        let text = format!("# T\n## S\n```raystep\nopen scene=a.glb\nquestion \"Which?\"\n{choices}\n```\n");
+        Lesson::parse("a.md", &text).expect("a lesson").steps.remove(0).question.expect("a question")
+    };
+    let value_of = |name: &Name| match name {
+        Name::Fact(Fact::StepAxis) => Ok(Value::text("y")),
+        Name::Fact(Fact::StepListed) => Ok(Value::count(0)),
+        other => Err(Wrong::Name(other.to_string())),
+    };
+    let right = |choices: &str| with(choices).right(value_of).map_err(|(line, wrong)| (line, wrong.to_string()));
+    let axes = "choice \"x\" if step.axis = \"x\"\nchoice \"y\" if step.axis = \"y\", step.listed = 0";
+    assert_eq!(right(axes), Ok(1));
+    let none = axes.replace("listed = 0", "listed > 0");
+    assert_eq!(right(&none), Err((5, "0 choices are right, expected one".into())));
+    assert_eq!(
+        right(&axes.replace("axis = \"x\"", "axis != \"x\"")),
+        Err((5, "2 choices are right, expected one".into()))
+    );
+    assert_eq!(
+        right(&axes.replace("step.listed = 0", "passes = 0")).map_err(|(line, _)| line),
+        Err(7),
+        "a value that is not there"
+    );
 }
 
 #[test]
@@ -76,6 +136,12 @@ fn mistakes_name_file_line_and_what_is_right() {
         ("# T\n## S\n```raystep\nopen scene=a.glb\n```\n{{a.time}}", 6, "\"a\" was not measured"),
         ("# T\n{{a.time}}\n## S\n```raystep\nopen scene=a.glb\n```", 2, "\"a\" was not measured"),
         ("# T\n## S\n```raystep\nopen scene=a.glb\n```\n{{tie.gap}}", 6, "add the command 'candidates'"),
+        ("# T\n## S\n```raystep\nopen scene=a.glb\nquestion \"A?\"\n```", 5, "0 choices follow; expected 2 to 4"),
+        (
+            "# T\n## S\n```raystep\nopen scene=a.glb\nquestion \"A?\"\nchoice \"x\" if a.time > 3\nchoice \"y\" if passes = 3\n```",
+            6,
+            "\"a\" was not measured",
+        ),
     ];
     for (text, line, wanted) in cases {
         let error = Lesson::parse("a.md", text).expect_err(text).to_string();
@@ -112,6 +178,21 @@ fn mistakes_name_file_line_and_what_is_right() {
         ("measure fast scene=b.glb", "omit scene"),
         ("measure fast\nmeasure fast", "already"),
         ("bars fast", "was not measured"),
+        ("question Which?", "double quotes"),
+        ("choice \"x\" if step.axis = \"x\"", "ask first"),
+        ("question \"A?\"\nchoice x", "expected \"LABEL\" if"),
+        ("question \"A?\"\nchoice \"x\" step.axis = \"x\"", "expected \"LABEL\" if"),
+        ("question \"A?\"\nchoice \"\" if step.axis = \"x\"", "expected \"LABEL\" if"),
+        ("question \"A?\"\nchoice \"x\" if axis", "two values with"),
+        ("question \"A?\"\nchoice \"x\" if step.axis = \"x\" else no", "double quotes"),
+        ("question \"A?\"\nchoice \"x {{speed}}\" if step.axis = \"x\"", "is not a value"),
+        ("question \"A?\"\nquestion \"B?\"", "one question"),
+        ("before-after now", "expected axis, cell, tmax or state"),
+        ("code", "name of a function"),
+        ("code f(x)", "name of a function"),
+        ("play 0", "1 to 100"),
+        ("play 101", "1 to 100"),
+        ("states 3", "takes nothing"),
         ("expect", "expected 'panel NAME'"),
         ("expect panel walk", "is not a panel"),
         ("expect text beyond", "double quotes"),

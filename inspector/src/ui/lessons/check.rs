@@ -6,7 +6,7 @@ use egui::{Rect, Vec2};
 use super::Lesson;
 use super::facts::Facts;
 use crate::lesson::command::panel_name;
-use crate::lesson::{Content, Expect, LessonError, Wrong};
+use crate::lesson::{Expect, LessonError, Paragraph, Wrong};
 use crate::ui::Inspector;
 
 /// A step that was set up and checked.
@@ -20,6 +20,17 @@ pub struct CheckedStep {
     pub checked: usize,
     /// What is wrong.
     pub problems: Vec<LessonError>,
+    /// Threads that a GPU would have launched for all that the step has traced: what the reader waits for.
+    pub work: u64,
+}
+
+impl CheckedStep {
+    /// Adds what a check of the same step found later.
+    pub fn add(&mut self, later: Self) {
+        self.checked += later.checked;
+        self.problems.extend(later.problems);
+        self.work = self.work.max(later.work);
+    }
 }
 
 impl Inspector {
@@ -37,24 +48,29 @@ impl Inspector {
         // A step that is not set up fails for that reason alone.
         if problems.is_empty() {
             let seen = Seen::new(shapes, size, lesson.dock);
-            for paragraph in super::told::paragraphs(&lesson.lesson, lesson.step) {
-                checked += paragraph.parts.iter().filter(|part| matches!(part.content, Content::Value(_))).count();
-            }
-            for code in lesson.told.paragraphs.iter().flat_map(|paragraph| paragraph.codes()) {
+            let section = if lesson.is_answered { &step.answer } else { &step.first };
+            checked += if lesson.is_answered {
+                super::told::answer(&lesson.lesson, lesson.step).flat_map(Paragraph::values).count()
+            } else {
+                super::told::first(&lesson.lesson, lesson.step).flat_map(Paragraph::values).count()
+            };
+            let told = if lesson.is_answered { &lesson.told.answer } else { &lesson.told.first };
+            for code in told.iter().flatten().flat_map(|paragraph| paragraph.codes()) {
                 checked += 1;
                 if !seen.shows(code) {
                     let what = format!("the text refers to `{code}`, which cannot be read outside of the lesson");
                     problems.push(lesson.error(step.line, Wrong::Expected(what)));
                 }
             }
-            for (line, expect) in &step.expects {
+            // What is expected holds once nothing goes on by itself any more.
+            for (line, expect) in section.expects.iter().filter(|_| !lesson.plays()) {
                 checked += 1;
                 if let Err(wrong) = self.expect(lesson, expect, &seen) {
                     problems.push(lesson.error(*line, wrong));
                 }
             }
         }
-        Some(CheckedStep { step: lesson.step, title: step.title.clone(), checked, problems })
+        Some(CheckedStep { step: lesson.step, title: step.title.clone(), checked, problems, work: lesson.work })
     }
 
     fn expect(&self, lesson: &Lesson, expect: &Expect, seen: &Seen) -> Result<(), Wrong> {

@@ -2,9 +2,10 @@
 
 use egui::{Align, Button, Label, Layout, Panel, RichText, ScrollArea, Ui};
 
-use super::candidates::Candidates;
-use super::{Lesson, bars};
-use crate::lesson::Value;
+use raystep_lab::text::counted;
+
+use super::told::Shown;
+use super::{Lesson, bars, tables};
 use crate::ui::Inspector;
 use crate::ui::command::Command;
 
@@ -25,11 +26,12 @@ impl Inspector {
                 ui.strong(RichText::new(&lesson.lesson.title).size(15.0));
             });
             self.steps(ui, &lesson, &mut chosen);
-            self.progress(ui, &lesson, &mut chosen);
+            self.problems(ui, &lesson, &mut chosen);
             ui.separator();
             let area = ScrollArea::vertical().auto_shrink(false).id_salt(("lesson", lesson.step));
             let area = if std::mem::take(&mut lesson.is_new) { area.vertical_scroll_offset(0.0) } else { area };
-            area.show(ui, |ui| contents(ui, &lesson));
+            let is_chosen_now = std::mem::take(&mut lesson.is_chosen_now);
+            area.show(ui, |ui| self.contents(ui, &lesson, is_chosen_now, &mut chosen));
         });
         lesson.dock = shown.response.rect;
         self.lesson = Some(lesson);
@@ -58,18 +60,9 @@ impl Inspector {
         });
     }
 
-    /// What is in progress, and what went wrong.
-    fn progress(&self, ui: &mut Ui, lesson: &Lesson, chosen: &mut Option<Command>) {
-        if lesson.is_waiting() {
-            ui.horizontal_wrapped(|ui| {
-                ui.spinner();
-                let what =
-                    self.model.work.map_or("setting up …".into(), |work| format!("setting up: {} …", work.what));
-                ui.label(what);
-            });
-            return;
-        }
-        if lesson.problems.is_empty() {
+    /// What went wrong.
+    fn problems(&self, ui: &mut Ui, lesson: &Lesson, chosen: &mut Option<Command>) {
+        if lesson.is_waiting() || lesson.problems.is_empty() {
             return;
         }
         for problem in &lesson.problems {
@@ -79,42 +72,66 @@ impl Inspector {
             *chosen = Some(Command::RepeatStep);
         }
     }
+
+    /// The step's title, text, question and answer, and what it shows besides.
+    fn contents(&self, ui: &mut Ui, lesson: &Lesson, is_chosen_now: bool, chosen: &mut Option<Command>) {
+        let Some(step) = lesson.lesson.steps.get(lesson.step) else { return };
+        ui.strong(&step.title);
+        paragraphs(ui, &lesson.told.first);
+        if let Some(known) = lesson.set_up.before_after.filter(|_| !lesson.is_waiting()) {
+            tables::before_after(ui, &self.model, known);
+        }
+        if let Some(command) = lesson.ask(ui, is_chosen_now) {
+            *chosen = Some(command);
+        }
+        paragraphs(ui, &lesson.told.answer);
+        if lesson.is_waiting() {
+            self.progress(ui, lesson);
+        }
+        play(ui, lesson, chosen);
+        if lesson.set_up.has_states && !lesson.is_waiting() {
+            tables::states(ui, &self.model);
+        }
+        bars::show(ui, &lesson.measured, &lesson.set_up.bars);
+        if let Some(candidates) = &lesson.candidates {
+            tables::candidates(ui, candidates);
+        }
+    }
+
+    /// What is in progress, in the place of what is still to come.
+    fn progress(&self, ui: &mut Ui, lesson: &Lesson) {
+        ui.add_space(4.0);
+        ui.horizontal_wrapped(|ui| {
+            ui.spinner();
+            let what = self.model.work.map_or("setting up", |work| work.what);
+            let text =
+                if lesson.told.is_pending() { format!("{what}: the text goes on then") } else { what.to_owned() };
+            ui.label(text);
+        });
+    }
 }
 
-/// The step's title, text, and what it shows besides.
-fn contents(ui: &mut Ui, lesson: &Lesson) {
-    let Some(step) = lesson.lesson.steps.get(lesson.step) else { return };
-    ui.strong(&step.title);
-    for paragraph in &lesson.told.paragraphs {
+/// Paragraphs, without those that wait for values.
+fn paragraphs(ui: &mut Ui, paragraphs: &[Option<Shown>]) {
+    for paragraph in paragraphs.iter().flatten() {
         ui.add_space(4.0);
         let job = paragraph.job(ui);
         ui.add(Label::new(job).wrap());
     }
-    bars::show(ui, &lesson.measured, &lesson.set_up.bars);
-    if let Some(candidates) = &lesson.candidates {
-        table(ui, candidates);
-    }
 }
 
-/// What the ray may hit.
-fn table(ui: &mut Ui, candidates: &Candidates) {
-    for candidate in &candidates.0 {
-        ui.add_space(6.0);
-        ui.strong(format!("triangle {}", candidate.triangle));
-        egui::Grid::new(("candidate", candidate.triangle)).num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
-            let [t, t_bound] = candidate.exact_t;
-            let [weight, weight_bound] = candidate.weight;
-            for (name, text) in [
-                ("t in f32", candidate.t.map_or_else(|| "missed".into(), |t| t.to_string())),
-                ("t in f64", format!("{t:?}")),
-                ("error of f32", format!("up to {}", Value::small(t_bound))),
-                ("smallest weight", Value::small(weight).to_string()),
-                ("error of f32", format!("up to {}", Value::small(weight_bound))),
-            ] {
-                ui.label(name);
-                ui.monospace(text);
-                ui.end_row();
+/// How far what goes on by itself has come, and buttons for it.
+fn play(ui: &mut Ui, lesson: &Lesson, chosen: &mut Option<Command>) {
+    let Some(play) = &lesson.play else { return };
+    ui.add_space(6.0);
+    ui.horizontal_wrapped(|ui| {
+        let [made, all] = play.steps();
+        let name = if play.is_paused { "Play" } else { "Pause" };
+        for (command, name) in [(Command::Play, name), (Command::SkipPlay, "Skip")] {
+            if ui.add_enabled(!play.is_over(), Button::new(name)).clicked() {
+                *chosen = Some(command);
             }
-        });
-    }
+        }
+        ui.label(format!("{made} of {}", counted(all, "iteration")));
+    });
 }

@@ -6,6 +6,7 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::triangle::{Shear, hit_triangle};
 
 use super::candidates::Candidates;
+use super::cell_step::CellStep;
 use super::measured::{Measured, launched, misses};
 use crate::lesson::{Clock, Fact, Field, Name, Value, Wrong};
 use crate::session::Model;
@@ -20,7 +21,7 @@ pub(super) struct Facts<'a> {
     pub(super) candidates: Option<&'a Candidates>,
 }
 
-const AXES: [&str; 3] = ["x", "y", "z"];
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A hit that does not count where it was found.
 struct Beyond {
@@ -46,6 +47,7 @@ impl Facts<'_> {
         match text.split_once('.').map_or("", |(of, _)| of) {
             "ray" => self.of_ray(fact),
             "row" => self.of_row(fact),
+            "step" => CellStep::of(self.life()?, &self.opened()?.data, self.model.place)?.fact(fact),
             "tie" => self.candidates.ok_or("the candidates were not found")?.fact(fact),
             _ => self.of_run(fact),
         }

@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::plan::DrawnPlan;
@@ -10,7 +11,7 @@ use raystep_kernels::shared::constants::{LIST_GROUPS, LIST_SIDE};
 use raystep_kernels::{Options, Pass, Plan, Progress, Renderer};
 use raystep_lab::work::Launch;
 
-use crate::lesson::{Clock, Measurement};
+use crate::lesson::{Clock, Lesson, Measurement};
 use crate::session::request::{Job, JobContext, JobFuture, Request};
 use crate::settings::Settings;
 
@@ -42,6 +43,10 @@ pub(super) struct Measured {
     pub(super) host_ns: Option<u64>,
     /// Why the device's clock is not valid.
     pub(super) why_no_times: Option<String>,
+    /// How often it was traced.
+    runs: u64,
+    /// The lesson that asked for it.
+    lesson: Arc<Lesson>,
 }
 
 /// What the passes of a run of fragment programs drew.
@@ -55,8 +60,19 @@ pub(super) struct Drawn {
 
 impl Measured {
     /// The request of a measurement; the answer is a `Measured`.
-    pub(super) fn request(wanted: &Measurement) -> Request {
-        Request::Job(MEASURING, job(wanted.name.clone(), Settings { counters: false, ..Settings::from(&wanted.link) }))
+    pub(super) fn request(wanted: &Measurement, lesson: &Arc<Lesson>) -> Request {
+        let settings = Settings { counters: false, ..Settings::from(&wanted.link) };
+        Request::Job(MEASURING, job(wanted.name.clone(), settings, lesson.clone()))
+    }
+
+    /// Whether this lesson asked for it.
+    pub(super) fn is_of(&self, lesson: &Arc<Lesson>) -> bool {
+        Arc::ptr_eq(&self.lesson, lesson)
+    }
+
+    /// Threads launched, or fragments drawn, for all of its runs.
+    pub(super) fn work(&self) -> u64 {
+        self.launched * self.runs
     }
 
     /// Its time, by the best valid clock.
@@ -71,25 +87,32 @@ impl Measured {
     }
 }
 
-/// Runs that count; the fastest of them was disturbed least by other work of the machine.
-const RUNS: usize = 3;
+/// Most runs that count; the fastest of them was disturbed least by other work of the machine.
+const RUNS: u64 = 3;
 
-/// Traces the scene once more than that: in the first run, memory is touched and code is loaded for the first time.
-fn job(name: String, settings: Settings) -> Job {
+/// No run begins after this time: the reader waits.
+const ENOUGH_NS: u64 = 300_000_000;
+
+/// Traces the scene once more than that: in the first run, memory is touched and code is loaded for the first time. At
+/// least one run counts.
+fn job(name: String, settings: Settings, lesson: Arc<Lesson>) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let JobContext { scene, device, progress, .. } = context;
             let options = Options { keep_passes: true, ..settings.options(scene) };
             let mut renderer = Renderer::new(scene, &options, &device).await.map_err(|e| e.to_string())?;
             let (mut device_ns, mut host_ns) = (None, None);
-            for run in 0..=RUNS {
+            let (mut runs, mut spent_ns) = (0, 0);
+            while runs < 2 || runs <= RUNS && spent_ns < ENOUGH_NS {
                 renderer.restart();
                 let go_on = |p: &Progress| match progress(p.rays_decided, p.rays) {
                     true => ControlFlow::Continue(()),
                     false => ControlFlow::Break(()),
                 };
                 renderer.run(go_on).await.map_err(|e| e.to_string())?;
-                if run > 0 {
+                spent_ns += renderer.host_ns().unwrap_or(0);
+                runs += 1;
+                if runs > 1 {
                     device_ns = least(device_ns, renderer.device_ns());
                     host_ns = least(host_ns, renderer.host_ns());
                 }
@@ -104,13 +127,15 @@ fn job(name: String, settings: Settings) -> Job {
                 options: options_of(&settings),
                 passes: passes.len(),
                 is_gpu: device.is_gpu(),
-                launched: passes.iter().map(|pass| launched(plan, pass)).sum(),
+                launched: launched_by(plan, passes),
                 useful: passes.iter().map(|pass| useful(plan, pass)).sum(),
                 drawn: plan.drawn.as_ref().map(|drawn| drawn_by(plan, drawn, passes)),
                 misses: misses(plan, passes),
                 device_ns: device_ns.filter(|_| why_no_times.is_none()),
                 host_ns,
                 why_no_times,
+                runs,
+                lesson,
             };
             Ok(Box::new(measured) as Box<dyn Any + Send>)
         })
@@ -146,6 +171,11 @@ fn drawn_by(plan: &Plan, drawn: &DrawnPlan, passes: &[Pass]) -> Drawn {
         draws: passes.iter().map(|pass| draws_of(drawn, pass) + of_depths).sum(),
         copied: passes.iter().map(|pass| drawn.copied_bytes(pass.kernel, plan.size())).sum(),
     }
+}
+
+/// Threads that a GPU launches for these passes.
+pub(super) fn launched_by(plan: &Plan, passes: &[Pass]) -> u64 {
+    passes.iter().map(|pass| launched(plan, pass)).sum()
 }
 
 /// Threads or fragments with a ray to work on: each draw of a kernel works on all of its rays.

@@ -3,7 +3,8 @@
 use super::Lesson;
 use super::arrange::arrange;
 use super::candidates::{Candidates, FINDING, SEEKING, Sought};
-use super::measured::{MEASURING, Measured};
+use super::measured::{MEASURING, Measured, launched_by};
+use super::play::Play;
 use crate::lesson::command::middle_of;
 use crate::lesson::{Goal, Wrong};
 use crate::session::request::Request;
@@ -67,8 +68,19 @@ impl Inspector {
         self.lesson = Some(lesson);
     }
 
+    /// Drops answers that an earlier step did not wait for; what it measured is kept.
+    fn forget_answers(&mut self, lesson: &mut Lesson) {
+        while let Some(measured) = self.model.take_answer::<Measured>(MEASURING) {
+            if measured.is_of(&lesson.lesson) && !lesson.has_measured(&measured.name) {
+                lesson.measured.push(*measured);
+            }
+        }
+        while self.model.take_answer::<Candidates>(FINDING).is_some() {}
+        while self.model.take_answer::<Option<[u32; 2]>>(SEEKING).is_some() {}
+    }
+
     /// Whether nothing is in progress or about to be.
-    fn is_at_rest(&self) -> bool {
+    pub(super) fn is_at_rest(&self) -> bool {
         let is_busy = self.model.is_busy() || self.other.as_ref().is_some_and(Model::is_busy);
         !is_busy
             && self.todo.is_empty()
@@ -84,11 +96,9 @@ impl Inspector {
         let failed = |line: usize, why: &str| Err((line, Wrong::SetUp(why.to_owned())));
         Ok(match lesson.phase {
             Phase::Open => {
-                if self.open_for(lesson) {
-                    Phase::Opening
-                } else {
-                    Phase::Complete
-                }
+                self.forget_answers(lesson);
+                lesson.is_opened_now = self.open_for(lesson);
+                if lesson.is_opened_now { Phase::Opening } else { Phase::Complete }
             }
             Phase::Opening if self.is_open_for(lesson) => Phase::Complete,
             Phase::Opening => return failed(line, self.last_error().unwrap_or("the scene was not opened")),
@@ -102,7 +112,8 @@ impl Inspector {
                 Phase::Completing
             }
             Phase::Completing if self.model.is_complete => match &lesson.set_up.find {
-                Some((_, wanted)) => {
+                // An answer is about the ray of its question.
+                Some((_, wanted)) if !lesson.is_answered => {
                     let row = match &lesson.set_up.goal {
                         Some((_, Goal::Row(number, text))) => Some((*number, text.clone())),
                         _ => None,
@@ -111,7 +122,7 @@ impl Inspector {
                     self.model.ask(sought.request());
                     Phase::Seeking
                 }
-                None => Phase::Selected,
+                _ => Phase::Selected,
             },
             Phase::Seeking => {
                 let line = lesson.set_up.find.as_ref().map_or(line, |(line, _)| *line);
@@ -126,6 +137,10 @@ impl Inspector {
                 }
             }
             Phase::Selected => {
+                if lesson.is_opened_now {
+                    lesson.work +=
+                        self.model.opened.as_ref().map_or(0, |run| launched_by(&run.plan, &self.model.passes));
+                }
                 if let Some([x, y]) = lesson.set_up.pixel.filter(|pixel| self.shared.pixel != Some(*pixel)) {
                     return failed(line, &format!("the image has no pixel {x},{y}"));
                 }
@@ -153,20 +168,21 @@ impl Inspector {
                     Phase::Command(index + 1)
                 }
                 Some(command) => return failed(line, &format!("{:?} cannot be done here", command.name())),
-                None => Phase::Measure(0),
+                None => Phase::Candidates,
             },
             Phase::Measure(index) => match lesson.set_up.measurements.get(index) {
-                Some(wanted) if lesson.measured.iter().any(|known| known.name == wanted.name) => {
-                    Phase::Measure(index + 1)
-                }
+                Some(wanted) if lesson.has_measured(&wanted.name) => Phase::Measure(index + 1),
                 Some(wanted) => {
-                    self.model.ask(Measured::request(wanted));
+                    self.model.ask(Measured::request(wanted, &lesson.lesson));
+                    // What is known by now can be read meanwhile.
+                    self.tell_lesson(lesson, true);
                     Phase::Measuring(index)
                 }
-                None => Phase::Candidates,
+                None => Phase::Tell,
             },
             Phase::Measuring(index) => match self.model.take_answer::<Measured>(MEASURING) {
                 Some(measured) => {
+                    lesson.work += measured.work();
                     lesson.measured.push(*measured);
                     Phase::Measure(index + 1)
                 }
@@ -183,16 +199,21 @@ impl Inspector {
                 }
                 Phase::Finding
             }
-            Phase::Candidates => Phase::Tell,
+            Phase::Candidates => Phase::Measure(0),
             Phase::Finding => {
                 lesson.candidates = self.model.take_answer::<Candidates>(FINDING).map(|found| *found);
                 if lesson.candidates.is_none() {
                     return failed(line, "the search for what the ray may hit was stopped");
                 }
-                Phase::Tell
+                Phase::Measure(0)
             }
             Phase::Tell => {
+                // Nothing is still to come.
+                lesson.phase = Phase::Done;
                 self.tell_lesson(lesson, true);
+                let life = self.model.life.as_ref();
+                let play = lesson.set_up.play.zip(life);
+                lesson.play = play.map(|(steps, life)| Play::of(life, self.model.place, steps));
                 Phase::Done
             }
             Phase::Done => Phase::Done,
@@ -206,7 +227,10 @@ impl Inspector {
         if let Some(other) = self.other.take() {
             other.cancel();
         }
-        self.tree = arrange(set_up.panels.as_deref(), &set_up.more);
+        if !lesson.keeps_panels() {
+            self.tree = arrange(set_up.panels.as_deref(), &set_up.more);
+        }
+        self.shared.code.clone_from(&set_up.code);
         // What an earlier step asked of the stream panel, and was not shown yet, does not matter any more.
         (self.shared.picked, self.shared.show) = (None, set_up.shown);
         if self.is_open_for(lesson) {
@@ -247,5 +271,14 @@ impl Inspector {
                 }
             }
         }
+    }
+}
+
+impl Lesson {
+    /// Whether the answer to a question has the panels that are there already: they stay as the reader left them.
+    fn keeps_panels(&self) -> bool {
+        let asked = self.lesson.set_up(self.step, false);
+        let is_same = (&asked.panels, &asked.more) == (&self.set_up.panels, &self.set_up.more);
+        self.is_answered && is_same && self.set_up.commands.is_empty()
     }
 }

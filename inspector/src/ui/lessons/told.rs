@@ -7,8 +7,9 @@ use egui::{FontSelection, RichText, Ui};
 use raystep_kernels::export::trace::Trace;
 
 use super::Lesson;
+use super::ask::{Asked, Offered};
 use super::facts::Facts;
-use crate::lesson::{self, Content, LessonError, Paragraph, Style};
+use crate::lesson::{self, Content, LessonError, Name, Paragraph, Question, Style};
 use crate::ui::Inspector;
 
 /// A paragraph as it is shown.
@@ -20,23 +21,39 @@ pub(super) struct Shown {
 /// The text of a step as it is shown, and what its values are from.
 #[derive(Default)]
 pub(super) struct Told {
-    pub(super) paragraphs: Vec<Shown>,
+    /// What comes first; `None` for a paragraph whose values are not known yet.
+    pub(super) first: Vec<Option<Shown>>,
+    /// The question.
+    pub(super) asked: Option<Asked>,
+    /// The answer.
+    pub(super) answer: Vec<Option<Shown>>,
     /// The ray's history, the generation, and the place.
     from: Option<(Option<Arc<Trace>>, u64, usize)>,
 }
 
 impl Told {
-    /// The text without values.
+    /// The text as far as it has no values.
     pub(super) fn of(lesson: &lesson::Lesson, step: usize) -> Self {
-        let paragraphs = paragraphs(lesson, step).map(|paragraph| shown(paragraph, |_| "…".into())).collect();
-        Self { paragraphs, from: None }
+        let plain =
+            |paragraph: &Paragraph| paragraph.values().next().is_none().then(|| shown(paragraph, |_| String::new()));
+        Self { first: first(lesson, step).map(plain).collect(), ..Self::default() }
+    }
+
+    /// Whether a paragraph waits for its values.
+    pub(super) fn is_pending(&self) -> bool {
+        self.first.iter().chain(&self.answer).any(Option::is_none)
     }
 }
 
-/// The paragraphs of a step; what the lesson is about comes with the first one.
-pub(super) fn paragraphs(lesson: &lesson::Lesson, step: usize) -> impl Iterator<Item = &Paragraph> {
+/// The paragraphs that come first in a step; what the lesson is about comes with the first step.
+pub(super) fn first(lesson: &lesson::Lesson, step: usize) -> impl Iterator<Item = &Paragraph> {
     let about = lesson.about.iter().filter(move |_| step == 0);
-    about.chain(lesson.steps.get(step).into_iter().flat_map(|step| &step.text))
+    about.chain(lesson.steps.get(step).into_iter().flat_map(|step| &step.first.text))
+}
+
+/// The paragraphs of its answer.
+pub(super) fn answer(lesson: &lesson::Lesson, step: usize) -> impl Iterator<Item = &Paragraph> {
+    lesson.steps.get(step).into_iter().flat_map(|step| &step.answer.text)
 }
 
 fn shown(paragraph: &Paragraph, mut value: impl FnMut(&lesson::Part) -> String) -> Shown {
@@ -45,6 +62,53 @@ fn shown(paragraph: &Paragraph, mut value: impl FnMut(&lesson::Part) -> String) 
         Content::Value(_) => (part.style, true, value(part)),
     });
     Shown { is_item: paragraph.is_item, parts: parts.collect() }
+}
+
+/// Fills in values, and collects what is wrong.
+struct Teller<'a> {
+    lesson: &'a Lesson,
+    facts: Facts<'a>,
+    problems: Vec<LessonError>,
+}
+
+impl Teller<'_> {
+    /// A paragraph; `None` if it has values that are still to be measured.
+    fn tell(&mut self, paragraph: &Paragraph) -> Option<Shown> {
+        let waits = |name: &Name| match name {
+            Name::Measured(of, _) => self.lesson.is_waiting() && !self.lesson.has_measured(of),
+            Name::Fact(_) => false,
+        };
+        if paragraph.values().any(|(_, expression)| expression.names().any(waits)) {
+            return None;
+        }
+        Some(shown(paragraph, |part| {
+            let Content::Value(expression) = &part.content else { return String::new() };
+            expression.evaluate(|name| self.facts.value(name)).map_or_else(
+                |wrong| {
+                    self.problems.push(self.lesson.error(part.line, wrong));
+                    "?".into()
+                },
+                |value| value.to_string(),
+            )
+        }))
+    }
+
+    fn ask(&mut self, question: &Question) -> Option<Asked> {
+        let right = match question.right(|name| self.facts.value(name)) {
+            Ok(right) => right,
+            Err((line, wrong)) => {
+                self.problems.push(self.lesson.error(line, wrong));
+                return None;
+            }
+        };
+        let mut choices = Vec::new();
+        for choice in &question.choices {
+            let label = self.tell(&choice.label)?.plain();
+            let why_not = choice.why_not.as_ref().and_then(|why| self.tell(why));
+            choices.push(Offered { label, why_not });
+        }
+        Some(Asked { text: self.tell(&question.text)?, choices, right })
+    }
 }
 
 impl Inspector {
@@ -60,22 +124,24 @@ impl Inspector {
             return;
         }
         let facts = Facts { model: &self.model, measured: &lesson.measured, candidates: lesson.candidates.as_ref() };
-        let mut problems: Vec<LessonError> = Vec::new();
-        let told = paragraphs(&lesson.lesson, lesson.step).map(|paragraph| {
-            shown(paragraph, |part| {
-                let Content::Value(expression) = &part.content else { return String::new() };
-                expression.evaluate(|name| facts.value(name)).map_or_else(
-                    |wrong| {
-                        problems.push(lesson.error(part.line, wrong));
-                        "?".into()
-                    },
-                    |value| value.to_string(),
-                )
-            })
-        });
-        let paragraphs = told.collect();
-        lesson.told = Told { paragraphs, from: Some(now) };
-        lesson.problems = problems;
+        let mut teller = Teller { lesson, facts, problems: Vec::new() };
+        let (text, step) = (&lesson.lesson, lesson.step);
+        if lesson.is_answered {
+            // What came before keeps the values of its own place.
+            let told = answer(text, step).map(|paragraph| teller.tell(paragraph)).collect();
+            let new = teller.problems.into_iter().filter(|problem| !lesson.problems.contains(problem));
+            let new: Vec<LessonError> = new.collect();
+            lesson.told.answer = told;
+            lesson.problems.extend(new);
+        } else {
+            let first = first(text, step).map(|paragraph| teller.tell(paragraph)).collect();
+            let question = text.steps.get(step).and_then(|step| step.question.as_ref());
+            let asked = question.and_then(|question| teller.ask(question));
+            let problems = teller.problems;
+            lesson.told = Told { first, asked, ..Told::default() };
+            lesson.problems = problems;
+        }
+        lesson.told.from = Some(now);
     }
 }
 
@@ -102,6 +168,11 @@ impl Shown {
             add(words);
         }
         job
+    }
+
+    /// Its words alone.
+    fn plain(&self) -> String {
+        self.parts.iter().map(|(.., text)| text.as_str()).collect()
     }
 
     /// Words in backticks: the screen has to show them.

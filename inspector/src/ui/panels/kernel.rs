@@ -47,6 +47,8 @@ struct Shown {
     /// The ray's history, and the current row.
     row: Option<(Arc<Trace>, usize)>,
     composed: bool,
+    /// The function to mark.
+    code: Option<String>,
 }
 
 impl PartialEq for Shown {
@@ -56,7 +58,7 @@ impl PartialEq for Shown {
             (a, b) => a.is_none() && b.is_none(),
         };
         let key = |shown: &Self| (shown.generation, shown.edition, shown.kernel, shown.composed);
-        same_row && key(self) == key(other)
+        same_row && key(self) == key(other) && self.code == other.code
     }
 }
 
@@ -137,7 +139,7 @@ impl Panel for KernelView {
 impl KernelView {
     /// Brings the lines up to date.
     fn update(&mut self, cx: &mut Context<'_>) -> Option<Shown> {
-        let shown = self.what(cx.model)?;
+        let shown = Shown { code: cx.shared.code.clone(), ..self.what(cx.model)? };
         let has_news = self.runs.listen(cx.model);
         if self.shown.as_ref() != Some(&shown) || has_news || matches!(self.known, Known::Waiting) {
             let is_same_pass =
@@ -169,7 +171,7 @@ impl KernelView {
         let kernel = of_row.or(model.last_pass().map(|pass| pass.kernel)).or(model.next)?;
         let row = row.filter(|_| of_row.is_some());
         let (generation, edition) = (model.generation, model.edition);
-        Some(Shown { generation, edition, kernel, row, composed: self.look.composed })
+        Some(Shown { generation, edition, kernel, row, composed: self.look.composed, code: None })
     }
 
     fn know(&mut self, model: &mut Model, shown: &Shown) -> Known {
@@ -219,8 +221,10 @@ impl KernelView {
             reached.iter().filter(|branch| Some(branch.line) == at).collect::<Vec<&Branch>>()
         });
         let notes: Vec<Vec<&Branch>> = notes.collect();
+        let marked = shown.code.as_ref().and_then(|name| source::function(&lines, name));
         self.listing.set(lines, &notes);
         self.scroll();
+        self.listing.mark(marked);
     }
 
     fn branch(&self) -> Option<&Branch> {

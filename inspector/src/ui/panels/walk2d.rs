@@ -119,21 +119,25 @@ impl Panel for Walk2d {
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         let unit = if self.look.scene_units { life.t_scale } else { 1.0 };
         let (now, picked) = (self.walked.walk.as_ref(), cx.shared.picked);
-        let scene = Scene { walk: &whole.walk, now, progress, visuals: ui.visuals(), unit, picked };
+        let hides_next = cx.shared.hides_next;
+        let scene = Scene { walk: &whole.walk, now, progress, visuals: ui.visuals(), unit, picked, hides_next };
         let cursor = response.hover_pos();
         let mut under = None;
         if let Some((beside, found)) = beside {
             let painter = ui.painter().with_clip_rect(rect);
             under = beside.draw(&painter, rect, [&first, &found.name], &scene, cursor);
         } else {
-            let (upper, lower) = split(rect, whole);
+            // The strip is all about what comes next.
+            let (upper, lower) = if hides_next { (Some(rect), None) } else { split(rect, whole) };
             if let Some(upper) = upper {
                 under = picture::draw(&ui.painter().with_clip_rect(upper), upper, &whole.picture, &scene, cursor)
                     .map(|under| (0, under));
             }
-            let painter = ui.painter().with_clip_rect(lower);
-            let found = strip::draw(&painter, lower, &whole.strip, self.spacing(), &scene, cursor);
-            under = found.map(|found| (0, found)).or(under);
+            if let Some(lower) = lower {
+                let painter = ui.painter().with_clip_rect(lower);
+                let found = strip::draw(&painter, lower, &whole.strip, self.spacing(), &scene, cursor);
+                under = found.map(|found| (0, found)).or(under);
+            }
         }
         let mut what = self.walked.walk.as_ref().map_or_else(|| "No pass has processed this ray yet.".into(), describe);
         if let Some((beside, found)) = beside {
@@ -239,6 +243,8 @@ struct Scene<'a> {
     /// t in the units shown, per t of the streams.
     unit: f64,
     picked: Option<Picked>,
+    /// Whether only what the ray has reached is shown.
+    hides_next: bool,
 }
 
 impl Scene<'_> {
@@ -333,7 +339,7 @@ impl Walk2d {
 }
 
 /// Space for the picture, if there is enough, and for the strip.
-fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Rect) {
+fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Option<Rect>) {
     let wanted = match whole.walk.structure {
         Structure::Grid => 220.0,
         Structure::Tree => strip::TREE_EDGES + 16.0 * whole.strip.lines() as f32,
@@ -341,7 +347,7 @@ fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Rect) {
     };
     let lower = wanted.min(rect.height() * 0.5).max(64.0).min(rect.height());
     let (upper, lower) = rect.split_top_bottom_at_y(rect.bottom() - lower);
-    ((upper.height() >= 40.0).then_some(upper), lower)
+    ((upper.height() >= 40.0).then_some(upper), Some(lower))
 }
 
 #[cfg(test)]

@@ -84,6 +84,8 @@ pub(in crate::ui) struct Walk3d {
     wish: Option<Wish>,
     /// The labels of the picture drawn last, and where it was.
     labels: Option<(Drawn, Rect, Vec<Ready>)>,
+    /// Whether they do not say which plane the ray crosses next.
+    hides_next: bool,
     about: picked::About,
 }
 
@@ -123,6 +125,9 @@ impl Panel for Walk3d {
         });
         let around = Around { marked: marked.map(|(_, marked)| marked), cut: self.framed.front(&traced) };
         self.paint(ui, cx, rect, traced, around);
+        if std::mem::replace(&mut self.hides_next, cx.shared.hides_next) != self.hides_next {
+            self.labels = None;
+        }
         self.annotate(ui, rect, &traced, marked, cx.has_rays());
         if let Some(glanced) = cx.model.glanced() {
             glance::draw(&ui.painter().with_clip_rect(rect), ui.visuals(), rect, glanced, &traced, &traced_bounds);
@@ -273,7 +278,7 @@ impl Walk3d {
             (Some(walk), Some(drawn)) => {
                 let is_known = self.labels.as_ref().is_some_and(|(of, at, _)| (*of, *at) == (drawn, rect));
                 if !is_known {
-                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera);
+                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera, self.hides_next);
                     self.labels = Some((drawn, rect, ready));
                 }
                 let ready = self.labels.as_ref().map_or(&[][..], |(.., ready)| ready);

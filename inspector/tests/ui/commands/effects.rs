@@ -2,6 +2,7 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::lesson::Lesson;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::programs::closest_hit::streams;
@@ -52,6 +53,23 @@ pub(super) fn keep(stage: &mut Stage) -> f64 {
 pub(super) fn begin_lesson(stage: &mut Stage) -> f64 {
     stage.perform(Command::Lesson(0));
     stage.perform(Command::NextStep);
+    0.0
+}
+
+/// A step of a lesson that asks a question with four choices.
+pub(super) fn ask(stage: &mut Stage) -> f64 {
+    let text = "# T\n## S\n```raystep\nopen scene=built-in:cornell-box size=32x32 device=cpu pixel=20,22\nquestion \"How many passes?\"\n\
+                choice \"0\" if passes = 0\nchoice \"1\" if passes = 1\nchoice \"more\" if passes > 1\nchoice \"-1\" if passes < 0\n```\n";
+    stage.inspector().begin_lesson(Lesson::parse("ask.md", text).expect("a lesson"), 0);
+    stage.settle();
+    0.0
+}
+
+/// A step of a lesson that goes on by itself.
+pub(super) fn begin_play(stage: &mut Stage) -> f64 {
+    let text = "# T\n## S\n```raystep\nopen scene=built-in:cornell-box size=32x32 grid=7 device=cpu pixel=13,27\nrow \"starts in\"\nplay 5\n```\n";
+    stage.inspector().begin_lesson(Lesson::parse("play.md", text).expect("a lesson"), 0);
+    stage.settle();
     0.0
 }
 

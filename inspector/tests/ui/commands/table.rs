@@ -8,10 +8,10 @@ use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-    assert_all, begin_lesson, beside, bookmarks_around, choose_cornell, choose_session, event, exposure, focused,
-    is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing, open_session, over_a_texel,
-    pixel_moved, play, range, remove_bookmarks, same_kernel, show_watches, shown, slice, sort_rays, watch_the_ray,
-    zoomed,
+    ask, assert_all, begin_lesson, begin_play, beside, bookmarks_around, choose_cornell, choose_session, event,
+    exposure, focused, is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing,
+    open_session, over_a_texel, pixel_moved, play, range, remove_bookmarks, same_kernel, show_watches, shown, slice,
+    sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -464,6 +464,16 @@ pub(super) fn row(command: Command) -> Row {
         C::RepeatStep => (leave_lesson, |s, was| {
             s.settle();
             assert_ne!(s.harness.state().pixel(), was.pixel, "the ray of the lesson is not selected again");
+        }),
+        C::Choose(_) => (ask, |s, was| {
+            s.settle();
+            let wanted = if was.command == Command::Choose(2) { "Right." } else { "Not right." };
+            assert!(s.reads(wanted), "{:?}\n{}", was.command, s.read_out());
+        }),
+        C::SkipPlay => (begin_play, |s, was| {
+            s.settle();
+            assert!(s.place() > was.place);
+            assert!(s.reads("5 of 5 iterations"), "{}", s.read_out());
         }),
         C::CloseLesson => (begin_lesson, |s, was| {
             s.settle();

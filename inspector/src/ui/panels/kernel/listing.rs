@@ -1,5 +1,7 @@
 //! A source with line numbers and marks, and below a condition's line how it came out. Only visible rows are laid out.
 
+use std::ops::Range;
+
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, TextStyle, vec2};
 
@@ -24,6 +26,8 @@ pub(super) struct Listing {
     longest: usize,
     /// The row to scroll to.
     scroll_to: Option<usize>,
+    /// Lines that are marked, by their indices.
+    marked: Option<Range<usize>>,
 }
 
 impl Listing {
@@ -49,6 +53,13 @@ impl Listing {
         };
         self.longest = self.rows.iter().map(length).max().unwrap_or(0);
         self.lines = lines;
+    }
+
+    /// Marks lines, and scrolls to them.
+    pub(super) fn mark(&mut self, lines: Option<Range<usize>>) {
+        let first = lines.as_ref().map(|lines| lines.start);
+        let row = self.rows.iter().position(|row| matches!(row, Row::Line(at) if Some(*at) == first));
+        (self.marked, self.scroll_to) = (lines, row.or(self.scroll_to));
     }
 
     /// Whether a branch's condition is in the listing.
@@ -81,7 +92,8 @@ impl Listing {
         let mut area = egui::ScrollArea::both().auto_shrink(false);
         if let Some(row) = self.scroll_to.take() {
             // The lines before the branch are visible as well.
-            let above = ui.available_height() * 0.3;
+            let is_marked = self.marked.is_some();
+            let above = if is_marked { 2.0 * height } else { ui.available_height() * 0.3 };
             area = area.vertical_scroll_offset((row as f32 * height - above).max(0.0));
         }
         let digits = self.lines.len().max(1).ilog10() as usize + 1;
@@ -99,6 +111,10 @@ impl Listing {
                     match row {
                         Row::Line(at) => {
                             let Some(line) = self.lines.get(*at) else { return };
+                            if self.marked.as_ref().is_some_and(|marked| marked.contains(at)) {
+                                let color = ui.visuals().selection.bg_fill.gamma_multiply(0.35);
+                                ui.painter().rect_filled(gutter.with_max_x(ui.clip_rect().right()), 0.0, color);
+                            }
                             paint_gutter(ui, gutter, at + 1, line.mark, &font);
                             let job = job(line, &font, ui.visuals(), is_marked);
                             let response = ui.add(egui::Label::new(job).selectable(true).extend());

@@ -93,7 +93,7 @@ pub(super) fn draw(
     ray(&painter, &map, picture, scene);
     painter.rect_stroke(frame, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Inside);
 
-    let at = cursor.filter(|at| frame.contains(*at))?;
+    let at = cursor.filter(|at| frame.contains(*at) && !scene.hides_next)?;
     let square = square_at(&picture.squares, map.back(at))?;
     let visit = chosen(&square.visits, scene.progress.visit)?;
     let outline = map.rect(square.min, square.max);
@@ -146,6 +146,9 @@ fn squares(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scen
     for square in picture.squares.iter().take(MOST) {
         let Some(&first) = square.visits.first() else { continue };
         let has_come = row_of(walk, first).is_some_and(|row| scene.progress.has(row));
+        if scene.hides_next && !has_come {
+            continue;
+        }
         let outline = map.rect(square.min, square.max);
         let color = in_order(first, count);
         let (fill, line) = match (has_come, is_tree) {

@@ -38,8 +38,8 @@ struct Label {
 const MOST_TESTS: usize = 8;
 
 /// The labels of a walk, the most important first: what is tested now or hit, the cell, the tmax of the next step, what
-/// was picked, the other tmax, and earlier tests in this cell.
-fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>) -> Vec<Label> {
+/// was picked, the other tmax, and earlier tests in this cell. `hides_next`: none says which plane is crossed next.
+fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>, hides_next: bool) -> Vec<Label> {
     let mut labels = Vec::new();
     let mut add = |at, text, about| labels.push(Label { at, text, about });
     let tested = walk.tested.last().filter(|tested| Some(tested.row) == walk.row);
@@ -63,7 +63,7 @@ fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>) -> Vec<Label> {
         Structure::Nothing => {}
     }
     let next = if walk.is_over { Vec::new() } else { walk.next_crossings() };
-    let leaves = walk.current_cell().map(|cell| cell.exit_axis);
+    let leaves = walk.current_cell().filter(|_| !hides_next).map(|cell| cell.exit_axis);
     let tmax = |crossing: &Crossing| {
         let name = ["x", "y", "z"][crossing.axis];
         (crossing.point, format!("tmax {name} {}", number(crossing.t)), About::Axis(crossing.axis))
@@ -134,6 +134,7 @@ pub(super) fn arrange(
     walk: &WalkGeometry,
     picked: Option<(Picked, Marked)>,
     camera: &Orbit,
+    hides_next: bool,
 ) -> Vec<Ready> {
     let size = DVec2::new(rect.width().into(), rect.height().into());
     let seen_at = |point: DVec3| {
@@ -141,7 +142,7 @@ pub(super) fn arrange(
         Some(rect.min + vec2(pixel.x as f32, pixel.y as f32))
     };
     let font = FontId::proportional(11.5);
-    let seen: Vec<(Pos2, Arc<Galley>, Color32)> = labels(walk, picked)
+    let seen: Vec<(Pos2, Arc<Galley>, Color32)> = labels(walk, picked, hides_next)
         .into_iter()
         .filter_map(|label| {
             // A tmax along an axis on which the ray hardly moves lies far outside.

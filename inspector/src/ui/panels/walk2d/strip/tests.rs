@@ -25,6 +25,7 @@ fn in_a_frame<T>(whole: &Whole, row: Option<usize>, show: impl Fn(&Painter, &Sce
             visuals: ui.visuals(),
             unit: 1.0,
             picked: None,
+            hides_next: false,
         };
         result = Some(show(ui.painter(), &scene));
     });
