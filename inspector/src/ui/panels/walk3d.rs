@@ -24,9 +24,10 @@ use crate::ui::canvas::Picture;
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::ui::shared::Picked;
+use crate::ui::units::Scale;
 use crate::walk::Aabb;
 use camera::Framed;
-use labels::Ready;
+use labels::{Ready, Told};
 
 /// The saved part of the view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -83,9 +84,7 @@ pub(in crate::ui) struct Walk3d {
     /// What a command asked of the camera.
     wish: Option<Wish>,
     /// The labels of the picture drawn last, and where it was.
-    labels: Option<(Drawn, Rect, Vec<Ready>)>,
-    /// Whether they do not say which plane the ray crosses next.
-    hides_next: bool,
+    labels: Option<(Drawn, Rect, Told, Vec<Ready>)>,
     about: picked::About,
 }
 
@@ -125,10 +124,9 @@ impl Panel for Walk3d {
         });
         let around = Around { marked: marked.map(|(_, marked)| marked), cut: self.framed.front(&traced) };
         self.paint(ui, cx, rect, traced, around);
-        if std::mem::replace(&mut self.hides_next, cx.shared.hides_next) != self.hides_next {
-            self.labels = None;
-        }
-        self.annotate(ui, rect, &traced, marked, cx.has_rays());
+        let scale = self.walked.life.as_ref().map_or(Scale::TRACED, |life| Scale::of(cx.shared.units, life));
+        let told = Told { scale, hides_next: cx.shared.hides_next };
+        self.annotate(ui, rect, &traced, marked, cx.has_rays(), told);
         if let Some(glanced) = cx.model.glanced() {
             glance::draw(&ui.painter().with_clip_rect(rect), ui.visuals(), rect, glanced, &traced, &traced_bounds);
         }
@@ -271,15 +269,17 @@ impl Walk3d {
         camera: &Orbit,
         marked: Option<(Picked, Marked)>,
         has_rays: bool,
+        told: Told,
     ) {
         let painter = ui.painter().with_clip_rect(rect);
         let drawn = self.drawn.filter(|_| self.look.labels);
         match (&self.walked.walk, drawn) {
             (Some(walk), Some(drawn)) => {
-                let is_known = self.labels.as_ref().is_some_and(|(of, at, _)| (*of, *at) == (drawn, rect));
+                let now = (drawn, rect, told);
+                let is_known = self.labels.as_ref().is_some_and(|(of, at, told, _)| (*of, *at, *told) == now);
                 if !is_known {
-                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera, self.hides_next);
-                    self.labels = Some((drawn, rect, ready));
+                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera, told);
+                    self.labels = Some((drawn, rect, told, ready));
                 }
                 let ready = self.labels.as_ref().map_or(&[][..], |(.., ready)| ready);
                 labels::draw(&painter, ui.visuals(), ready);
@@ -303,13 +303,15 @@ impl Walk3d {
                 );
             }
         }
-        if let Some(shown) = self.scene.as_ref().map(|scene| scene.shown().to_string()).filter(|text| !text.is_empty())
-        {
+        let shown = self.scene.as_ref().map(|scene| scene.shown().to_string()).filter(|text| !text.is_empty());
+        let unit = (drawn.is_some() && self.walked.walk.is_some()).then(|| format!("t in {}", told.scale.units.name()));
+        let shown: Vec<String> = shown.into_iter().chain(unit).collect();
+        if !shown.is_empty() {
             let font = egui::TextStyle::Small.resolve(ui.style());
             painter.text(
                 rect.left_bottom() + vec2(6.0, -4.0),
                 egui::Align2::LEFT_BOTTOM,
-                shown,
+                shown.join("; "),
                 font,
                 ui.visuals().weak_text_color(),
             );
