@@ -10,8 +10,8 @@ use raystep_kernels::export::csv::COLUMNS;
 use super::effects::{
     ask, assert_all, begin_lesson, begin_play, beside, bookmarks_around, choose_cornell, choose_session, event,
     exposure, focused, is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing,
-    open_session, over_a_texel, pixel_moved, play, range, remove_bookmarks, same_kernel, show_passes, show_watches, shown, slice,
-    sort_rays, watch_the_ray, zoomed,
+    open_session, over_a_texel, pixel_moved, play, range, remove_bookmarks, same_kernel, show_passes, show_watches,
+    shown, slice, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
