@@ -1,7 +1,7 @@
 #!/bin/sh
 # How long the window takes to respond to clicks and keys, in a real window of 1280x800 under a window manager on a
 # virtual display: a table for each device, for the Cornell box and a scene of 60,000 triangles. Nothing else should run
-# meanwhile. `sh tests/run.sh` installs what it needs.
+# meanwhile. Progress goes to standard error, a line every few seconds. `sh tests/run.sh` installs what it needs.
 set -eu
 cd "$(dirname "$0")/.."
 binary=${1:-}
@@ -26,6 +26,7 @@ until wmctrl -m >/dev/null 2>&1; do kill -0 "$window_manager" && sleep 0.1; done
 "$binary" scene terrain --triangles 60000 --seed 1 -o "$folder/terrain.glb" >/dev/null
 for scene in scenes/cornell-box.gltf "$folder/terrain.glb"; do
     for device in cpu gpu; do
+        echo "$(basename "$scene"), $device" >&2
         "$binary" inspect "$scene" --device "$device" --latency
         echo
     done

@@ -5,6 +5,7 @@ mod files;
 mod host;
 mod last_error;
 mod measure;
+mod opening;
 mod screenshot;
 mod surface;
 
@@ -29,13 +30,16 @@ use winit::event_loop::EventLoop;
 use crate::args::ReadArgs;
 use crate::error::Error;
 pub(crate) use host::SceneChoice;
+pub(crate) use opening::Opening;
 pub(crate) use screenshot::{check_lesson, latency, screenshot};
 
 /// The initial contents.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub(crate) struct Start {
     /// The scene; `None` shows an empty window.
     pub(crate) scene: Option<SceneChoice>,
+    /// That scene, if it is being read already.
+    pub(crate) opening: Option<Opening>,
     /// A session with that scene, and its file; it has settings and place of its own.
     pub(crate) session: Option<(PathBuf, SessionFile)>,
     /// Limits for reading it and each scene opened later.
@@ -51,6 +55,15 @@ pub(crate) struct Start {
     /// When the program began, in nanoseconds, if the window's response times are measured: it drives itself then, does
     /// not restore an earlier state and saves none.
     pub(crate) measured_from: Option<u64>,
+}
+
+impl Start {
+    /// Begins to read the scene, if it is not that of a session, which has settings of its own.
+    pub(crate) fn begin_reading(&mut self) {
+        if let (Some(scene), None) = (&self.scene, &self.session) {
+            self.opening = Some(Opening::begin(scene.clone(), self.read, self.settings.clone()));
+        }
+    }
 }
 
 /// Whether a window can probably be opened.
@@ -124,7 +137,7 @@ pub(crate) fn inspector(
     let wake = Arc::new(move || woken.request_repaint());
     let measure = measure::measure(gpu.info.name.clone());
     let devices = Devices { gpu: gpu.clone(), clock: Some(now_ns), measure, wake };
-    let host = host::Desktop::new(ctx.clone(), gpu.clone(), start.read);
+    let host = host::Desktop::new(ctx.clone(), gpu.clone(), start.read, start.opening);
     let mut inspector = Inspector::new(devices, renderer, Box::new(host));
     if let Some((path, session)) = start.session {
         inspector.open_session(&path.to_string_lossy(), session);

@@ -40,6 +40,7 @@ fn every_value_of_a_row_is_the_streams_after_its_pass() {
     let (rows, table) = (csv_rows(trace("csv").as_bytes()), trace("table"));
     let json: Value = serde_json::from_str(&trace("json")).expect("JSON");
     let mut steps = 0;
+    let json_of_run = &json;
     for ((row, json), line) in rows.iter().zip(json["rows"].as_array().expect("rows")).zip(table.lines().skip(1)) {
         let pass: usize = row["pass"].parse().expect("a number");
         let (state, tmax, hit) =
@@ -55,13 +56,18 @@ fn every_value_of_a_row_is_the_streams_after_its_pass() {
             assert_eq!(to, format!("{}, {}, {}", cell[0], cell[1], cell[2]), "the cell that a step leads to");
             steps += 1;
         }
-        for (name, bits) in ["tmax_after_x", "tmax_after_y", "tmax_after_z"].iter().zip(&tmax) {
+        for (name, bits) in ["tmax_after_x_traced", "tmax_after_y_traced", "tmax_after_z_traced"].iter().zip(&tmax) {
             let written = row[*name].parse::<f32>();
             // A plane that is never reached is empty; the stream has a large finite number there.
             assert!(written.map_or(f32::from_bits(*bits) > 1e30, |t| t.to_bits() == *bits), "{name} of {row:?}");
         }
         assert_eq!(row["item_after"], state[3].to_string());
-        assert_eq!(row["t_after"].parse::<f32>().ok().map(f32::to_bits), (hit[2] != u32::MAX).then_some(state[1]));
+        assert_eq!(
+            row["t_after_traced"].parse::<f32>().ok().map(f32::to_bits),
+            (hit[2] != u32::MAX).then_some(state[1])
+        );
+        let in_scene = |t: f64| t * json_of_run["t_scale"].as_f64().expect("a number");
+        assert_eq!(row["t_after_scene"].parse::<f64>().ok(), row["t_after_traced"].parse().ok().map(in_scene));
         assert_eq!(row["triangle_after"].parse::<u32>().ok(), Some(hit[2]).filter(|&id| id != u32::MAX));
         // JSON has the same, and the cell that a pass works in.
         let after = &json["after"];

@@ -26,7 +26,7 @@ fn a_rays_history_has_control_terms_and_says_how_they_decide() {
     let column = |name: &str| names.iter().position(|n| n == name).expect(name);
     let row = rows.records().map(|row| row.expect("a row")).find(|row| &row[column("kernel")] == "traverse_grid");
     let row = row.expect("a step");
-    assert_eq!((&row[column("tmax_after_x")], &row[column("control_after_z")]), ("", "0"), "{row:?}");
+    assert_eq!((&row[column("tmax_after_x_traced")], &row[column("control_after_z")]), ("", "0"), "{row:?}");
     assert!(row[column("control_after_x")].parse::<f32>().is_ok_and(|term| term.abs() <= 1.0), "{row:?}");
     let json: serde_json::Value = serde_json::from_str(&trace(&["--format", "json"])).expect("JSON");
     assert!(json["rows"][1]["after"]["control"][0].is_number(), "{json}");

@@ -22,6 +22,8 @@ pub const MOST_BYTES: usize = 1 << 20;
 pub struct FirstSteps {
     /// A pixel was clicked.
     pub has_clicked: bool,
+    /// The next or the previous event of the ray was gone to.
+    pub has_followed: bool,
     /// A pass was run.
     pub has_stepped: bool,
     /// The line was dismissed.
@@ -283,7 +285,12 @@ mod tests {
 
     #[test]
     fn the_line_stays_until_both_are_known_or_it_is_dismissed() {
-        let with = |has_clicked, has_stepped, is_dismissed| FirstSteps { has_clicked, has_stepped, is_dismissed };
+        let with = |has_clicked, has_stepped, is_dismissed| FirstSteps {
+            has_clicked,
+            has_stepped,
+            is_dismissed,
+            ..FirstSteps::default()
+        };
         let needed = [with(false, false, false), with(true, false, false), with(false, true, false)];
         assert!(needed.iter().all(|steps| steps.is_needed()));
         let known = [with(true, true, false), with(false, false, true)];

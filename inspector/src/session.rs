@@ -15,6 +15,7 @@ mod history;
 pub mod judged;
 pub mod measure;
 mod model;
+pub mod preview;
 pub mod request;
 mod sketch;
 mod target;

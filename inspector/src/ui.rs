@@ -25,6 +25,7 @@ mod panels;
 mod perform;
 mod picture;
 mod places;
+mod preview;
 pub mod retained;
 mod runs;
 mod scrub;
@@ -87,6 +88,8 @@ pub struct Inspector {
     generation: u64,
     /// What to do once the scene being opened is ready.
     arrival: Option<Arrival>,
+    /// The path of the scene that was opened last, until its run has nothing more to do.
+    opening: Option<String>,
     lesson: Option<Lesson>,
     /// Whether something that Escape leaves had keyboard focus at the end of the last frame.
     had_focus: bool,
@@ -148,6 +151,7 @@ impl Inspector {
             path: None,
             generation: 0,
             arrival: None,
+            opening: None,
             lesson: None,
             had_focus: false,
             focus: focus::Focus::default(),
@@ -166,9 +170,10 @@ impl Inspector {
     pub fn open(&mut self, path: &str, settings: Settings, arrival: Arrival) {
         let load = match path.starts_with(crate::lesson::built_in::PREFIX) {
             true => crate::lesson::built_in::loader(path),
-            false => self.host.loader(path),
+            false => self.host.loader(path, &settings),
         };
         self.arrival = Some(arrival);
+        (self.opening, self.shared.preview) = (Some(path.to_owned()), None);
         self.model.ask(Request::Open { path: path.to_owned(), load, settings: Box::new(settings) });
     }
 
@@ -231,6 +236,12 @@ impl Inspector {
     pub fn panes_in_view(&self) -> Vec<PaneKind> {
         let panes = self.maximised().map_or_else(|| self.active_panes(), |pane| vec![pane]);
         panes.into_iter().filter_map(|id| self.tree.tiles.get_pane(&id)).map(|pane| pane.kind).collect()
+    }
+
+    /// Whether a stream view shows a picture of the scene: a preview, or that of the run.
+    #[must_use]
+    pub fn shows_picture(&self) -> bool {
+        self.shared.preview.is_some() || self.model.opened.is_some() && self.model.next.is_none()
     }
 
     /// Whether the last frame showed the present place in every stream view.

@@ -15,6 +15,7 @@ mod lessons;
 mod mapping;
 mod measured;
 mod names;
+mod opening;
 mod readable;
 mod retained;
 mod runs;

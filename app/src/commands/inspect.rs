@@ -136,7 +136,7 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     }
     let is_check = args.check;
     let session = args.link.scene.clone().filter(|path| session_file::is_session(path));
-    let (args, start) = match (&args.lesson, &session) {
+    let (args, mut start) = match (&args.lesson, &session) {
         (Some(file), _) => lesson::start(file, &args)?,
         (None, Some(path)) => of_session(args, path)?,
         (None, None) => start(args)?,
@@ -161,6 +161,9 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     if let Some(target) = &target {
         let inputs: Vec<PathBuf> = start.scene.iter().map(|scene| scene.path.clone()).chain(session).collect();
         crate::output::refuse_inputs(&[Some(target)], &scene_file::canonical(&inputs))?;
+    }
+    if target.is_none() {
+        start.begin_reading();
     }
     let gpu = device::open(&adapter(&args.device))?;
     if is_measured && !window::has_display() {
@@ -295,6 +298,6 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     let Wanted { scene, run, .. } = wanted;
     let read = scene.read;
     let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });
-    let start = Start { scene, session: None, lesson: None, read, settings, arrival, size: window.0, measured_from };
+    let start = Start { scene, read, settings, arrival, size: window.0, measured_from, ..Start::default() };
     Ok((WindowArgs { screenshot, scale, commands, device: run.device }, start))
 }

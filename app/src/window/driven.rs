@@ -8,7 +8,7 @@ use raystep_inspector::ui::latency::Script;
 use raystep_kernels::Gpu;
 use raystep_lab::machine::now_ns;
 
-use crate::terminal::print;
+use crate::terminal::{print, say};
 
 /// Time limit for drawing a frame.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -37,6 +37,9 @@ impl Driven {
             return;
         }
         wait_until_drawn(gpu);
+        if let Some(progress) = self.script.progress(now_ns()) {
+            say(progress);
+        }
         match self.script.frame(now_ns(), inspector) {
             Some(events) => input.events = events,
             None => {

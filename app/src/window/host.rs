@@ -7,16 +7,17 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
 use raystep_inspector::session::engine::EngineTask;
-use raystep_inspector::session::request::{Loader, at_once};
+use raystep_inspector::session::request::Loader;
 use raystep_inspector::session_file::EXTENSION;
+use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
 use raystep_scenes::ENDINGS;
 
+use super::opening::Opening;
 use super::{files, last_error};
-use crate::args::{ReadArgs, SceneArgs};
+use crate::args::ReadArgs;
 use crate::output::{Target, write};
-use crate::scene_file;
 use crate::session_file;
 use crate::threads;
 
@@ -55,6 +56,8 @@ pub(super) struct Desktop {
     ctx: egui::Context,
     gpu: Arc<Gpu>,
     read: ReadArgs,
+    /// The first scene, if it is on its way.
+    opening: Option<Opening>,
     events: Receiver<HostEvent>,
     tell: Sender<HostEvent>,
     /// The settings that were saved last.
@@ -62,9 +65,9 @@ pub(super) struct Desktop {
 }
 
 impl Desktop {
-    pub(super) fn new(ctx: egui::Context, gpu: Arc<Gpu>, read: ReadArgs) -> Self {
+    pub(super) fn new(ctx: egui::Context, gpu: Arc<Gpu>, read: ReadArgs, opening: Option<Opening>) -> Self {
         let (tell, events) = channel();
-        Self { ctx, gpu, read, events, tell, remembered: String::new() }
+        Self { ctx, gpu, read, opening, events, tell, remembered: String::new() }
     }
 
     /// Runs slow work in a thread, and reports its result.
@@ -94,12 +97,19 @@ impl Host for Desktop {
         SceneChoice { path: scene.into(), index }.to_string()
     }
 
-    fn loader(&mut self, path: &str) -> Loader {
-        let SceneChoice { path, index } = SceneChoice::parse(path);
-        let file = SceneArgs { scene: path, scene_index: index, read: self.read };
-        at_once(move || {
-            let read = scene_file::read(&file).map_err(|e| e.message().to_owned())?;
-            Ok(read.scene)
+    fn loader(&mut self, path: &str, settings: &Settings) -> Loader {
+        let choice = SceneChoice::parse(path);
+        let begun = self.opening.take().filter(|opening| opening.is_of(&choice, settings));
+        let Opening { scene, preview, .. } =
+            begun.unwrap_or_else(|| Opening::begin(choice, self.read, settings.clone()));
+        let of = path.to_owned();
+        self.aside(move || preview.recv().ok().map(|preview| HostEvent::Previewed { path: of, preview }));
+        let path = path.to_owned();
+        Box::new(|_| {
+            Box::pin(async move {
+                // The thread sends one answer, unless it panics.
+                scene.recv().unwrap_or_else(|_| Err(format!("{path}: reading it failed; this is a bug in raystep")))
+            })
         })
     }
 

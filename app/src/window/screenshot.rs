@@ -16,6 +16,7 @@ use raystep_lab::machine::now_ns;
 use super::driven::wait_until_drawn;
 use super::{Start, inspector};
 use crate::error::Error;
+use crate::terminal::say;
 
 /// How long to wait for work before the screenshot is taken anyway.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -72,6 +73,9 @@ pub(crate) fn latency(gpu: &Arc<Gpu>, start: Start) -> Result<String, Error> {
     let (begin, target) = (Instant::now(), picture(&gpu.device, size));
     while let Some(events) = script.frame(now_ns(), &mut stage.inspector) {
         gpu.health()?;
+        if let Some(progress) = script.progress(now_ns()) {
+            say(progress);
+        }
         stage.time = begin.elapsed().as_secs_f64();
         let jobs = stage.frame(events);
         let background = background(&stage.ctx);

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use futures_channel::mpsc::{UnboundedSender, unbounded};
 use futures_channel::oneshot;
@@ -233,7 +234,7 @@ impl Files {
                 loop {
                     match receive.recv().await {
                         Ok(Told::Progress(done, of)) if on_read(done, of) => {}
-                        Ok(Told::Done(fetched)) => return read(&path, scene, &fetched?),
+                        Ok(Told::Done(fetched)) => return read(&path, scene, &fetched?).map(Arc::new),
                         Ok(Told::Progress(..)) | Err(_) => return Err(format!("{path}: cancelled")),
                     }
                 }

@@ -6,6 +6,7 @@ use js_sys::Uint8Array;
 use raystep_inspector::session::engine::EngineTask;
 use raystep_inspector::session::request::Loader;
 use raystep_inspector::session_file::{BUILT_IN, EXTENSION};
+use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 
 use crate::files::{Files, accepted};
@@ -41,7 +42,7 @@ impl Host for Web {
         index.map_or_else(|| scene.to_owned(), |index| format!("{scene}#{index}"))
     }
 
-    fn loader(&mut self, path: &str) -> Loader {
+    fn loader(&mut self, path: &str, _settings: &Settings) -> Loader {
         let (path, scene) = self.scene_of(path);
         self.files.loader(&path, scene)
     }

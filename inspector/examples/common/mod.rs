@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use raystep_inspector::session::engine::EngineTask;
 use raystep_inspector::session::request::{Loader, at_once};
+use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
 use raystep_lab::block_on_shared;
@@ -29,7 +30,7 @@ impl Host for Threads {
         scene.into()
     }
 
-    fn loader(&mut self, _path: &str) -> Loader {
+    fn loader(&mut self, _path: &str, _settings: &Settings) -> Loader {
         let triangles = self.triangles;
         at_once(move || match triangles {
             0 => Ok(raystep_scenes::generate::cornell_box()),

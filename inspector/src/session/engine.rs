@@ -230,7 +230,7 @@ impl Server {
                     Err(_) if self.is_cancelled() => return Err(Trouble::Cancelled),
                     Err(message) => return Err(Trouble::Failed(message)),
                 };
-                self.open(Some(path), Arc::new(scene), *settings, 0).await
+                self.open(Some(path), scene, *settings, 0).await
             }
             Request::Share(scene, settings) => self.open(None, scene, *settings, 0).await,
             Request::Plan(settings) => self.plan(*settings).await,

@@ -17,7 +17,7 @@ use crate::settings::Settings;
 pub type Loader = Box<dyn FnOnce(OnRead) -> Loading + Send>;
 
 /// The future of a [`Loader`].
-pub type Loading = std::pin::Pin<Box<dyn Future<Output = Result<Scene, String>> + Send>>;
+pub type Loading = std::pin::Pin<Box<dyn Future<Output = Result<Arc<Scene>, String>> + Send>>;
 
 /// Called by a loader that takes long: bytes read so far, and in total, 0 if that is not known. It returns whether to go
 /// on.
@@ -25,7 +25,7 @@ pub type OnRead = Box<dyn FnMut(u64, u64) -> bool + Send>;
 
 /// A loader that reads the scene at once, where it may block.
 pub fn at_once(read: impl FnOnce() -> Result<Scene, String> + Send + 'static) -> Loader {
-    Box::new(|_| Box::pin(async { read() }))
+    Box::new(|_| Box::pin(async { read().map(Arc::new) }))
 }
 
 /// A request. Requests are served one after the other.

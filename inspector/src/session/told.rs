@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use raystep_kernels::Accelerator;
 use raystep_kernels::export::trace::{RunSoFar, Trace, TraceRow};
 
 use super::Model;
@@ -42,6 +43,27 @@ impl Model {
             self.followed = Some(pixel);
             self.ask(Request::Follow(pixel));
         }
+    }
+
+    /// A pixel whose ray has a history worth looking at: it goes through some cells or nodes, tests triangles and hits
+    /// one. The nearest to the centre of some; `None` if there is none, or histories are too long to search.
+    #[must_use]
+    pub fn telling_pixel(&self) -> Option<[u32; 2]> {
+        let plan = &self.opened.as_ref().filter(|opened| opened.plan.accelerator != Accelerator::None)?.plan;
+        let mut rows = 0;
+        for [x, y] in from_the_middle() {
+            let [x, y] =
+                [(x, plan.width), (y, plan.height)].map(|(part, side)| (part * side / (2 * ALONG)).min(side - 1));
+            let life = self.reference([x, y])?;
+            if is_telling(&life) {
+                return Some([x, y]);
+            }
+            rows += life.rows.len();
+            if rows > MOST_ROWS {
+                break;
+            }
+        }
+        None
     }
 
     /// The history of the ray under the cursor by the CPU reference kernels, if they can tell it.
@@ -134,6 +156,28 @@ impl Model {
             _ => self.life = Some(Arc::new(fresh)),
         }
     }
+}
+
+/// Pixels along a side that are looked at for a history.
+const ALONG: u32 = 5;
+/// Most rows of all their histories.
+const MOST_ROWS: usize = 20_000;
+/// Fewest cells or nodes of a walk worth looking at.
+const LEAST_PLACES: usize = 4;
+
+/// Odd numerators below twice [`ALONG`], in pairs: the middles of tiles of a picture, the nearest to its centre first.
+fn from_the_middle() -> Vec<[u32; 2]> {
+    let mut tiles: Vec<[u32; 2]> = (0..ALONG).flat_map(|y| (0..ALONG).map(move |x| [2 * x + 1, 2 * y + 1])).collect();
+    tiles.sort_by_key(|tile| tile.iter().map(|&at| at.abs_diff(ALONG).pow(2)).sum::<u32>());
+    tiles
+}
+
+/// Whether a ray goes through some cells or nodes, tests triangles and hits one.
+fn is_telling(life: &Trace) -> bool {
+    let mut places: Vec<_> = life.rows.iter().filter_map(|row| row.index_after).collect();
+    places.dedup();
+    let hits = life.rows.last().is_some_and(|row| row.after.triangle.is_some());
+    hits && places.len() >= LEAST_PLACES && life.rows.iter().any(|row| row.tested.is_some())
 }
 
 /// A row without the number of its pass, with all digits of its floats.

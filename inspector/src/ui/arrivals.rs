@@ -35,6 +35,7 @@ impl Inspector {
         for event in self.host.events() {
             match event {
                 HostEvent::Chosen(path) => self.open_file(&path),
+                HostEvent::Previewed { path, preview } => self.show_preview(ctx, &path, &preview),
                 HostEvent::Read { path, bytes } => self.open_session_bytes(&path, &bytes),
                 HostEvent::Saved { holds, path } => self.note(format!("{holds} written to {path}")),
                 HostEvent::Cancelled(what) => self.note(what),
@@ -56,6 +57,7 @@ impl Inspector {
             // A scene that could not be opened leaves no state behind.
             self.arrival = None;
         }
+        self.drop_preview();
     }
 
     /// A file from a dialog, a drop or the list of recent ones: with the current settings, and the scene's own view.
@@ -85,7 +87,8 @@ impl Inspector {
         self.shared.say(false, text);
         let Arrival { pixel, place, shown, scene_hash } = self.arrival.take().unwrap_or_default();
         let inside = |[x, y]: &[u32; 2]| *x < plan.width && *y < plan.height;
-        let pixel = pixel.or(self.shared.pixel).filter(inside).or(Some([plan.width / 2, plan.height / 2]));
+        let pixel = pixel.or(self.shared.pixel).filter(inside).or_else(|| self.model.telling_pixel());
+        let pixel = pixel.or(Some([plan.width / 2, plan.height / 2]));
         let missing = missing_camera(opened);
         let is_other = |m: &Model| m.opened.as_ref().is_some_and(|b| !Arc::ptr_eq(&b.scene, &opened.scene));
         if self.other.as_ref().is_some_and(is_other)

@@ -1,7 +1,9 @@
 //! What the inspector needs from the program that opened its window: threads, files, dialogs.
 
 use crate::session::engine::EngineTask;
+use crate::session::preview::Preview;
 use crate::session::request::Loader;
+use crate::settings::Settings;
 
 /// Data to be written to a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,6 +26,13 @@ pub enum HostEvent {
         path: String,
         /// Its contents.
         bytes: Vec<u8>,
+    },
+    /// A scene that was to be loaded was traced at a lower resolution.
+    Previewed {
+        /// The path that the loader was made for.
+        path: String,
+        /// The picture.
+        preview: Preview,
     },
     /// A file was written.
     Saved {
@@ -55,8 +64,9 @@ pub trait Host {
     fn scene_of(&self, path: &str) -> (String, Option<usize>);
     /// The inverse of `scene_file`.
     fn path_of(&self, scene: &str, index: Option<usize>) -> String;
-    /// A loader for the scene at a path.
-    fn loader(&mut self, path: &str) -> Loader;
+    /// A loader for the scene at a path. A host with threads to spare also traces a [preview](HostEvent::Previewed) of
+    /// it, with these settings.
+    fn loader(&mut self, path: &str, settings: &Settings) -> Loader;
     /// Asks the user for a scene.
     fn choose_scene(&mut self);
     /// Asks the user for a session.

@@ -7,13 +7,15 @@ mod actions;
 use egui::Event;
 
 use super::Inspector;
-use actions::{ACTIONS, Action};
+use actions::{ACTIONS, Action, OPENING};
 use raystep_lab::statistics::quantile;
 
 /// An action that takes longer is given up, nanoseconds.
 const PATIENCE_NS: u64 = 20_000_000_000;
 /// An action that was given up so often is not tried again.
 const MOST_FAILED: usize = 2;
+/// Most time between two reports of progress, nanoseconds.
+const TELL_EVERY_NS: u64 = 5_000_000_000;
 /// Frames without work before the next action.
 const CALM: u32 = 4;
 
@@ -47,13 +49,15 @@ pub struct Script {
     calm: u32,
     rows: Vec<Row>,
     about: String,
+    /// When it last reported progress.
+    told_ns: u64,
 }
 
 impl Script {
     /// Begins at a time in nanoseconds, with a window that is opening a scene.
     #[must_use]
     pub fn new(begin_ns: u64) -> Self {
-        Self { begin_ns, at: (0, 0), begun: None, calm: 0, rows: Vec::new(), about: String::new() }
+        Self { begin_ns, at: (0, 0), begun: None, calm: 0, rows: Vec::new(), about: String::new(), told_ns: begin_ns }
     }
 
     /// Before a frame, once the frame before is on the screen: its events, or `None` at the end of the script.
@@ -69,7 +73,9 @@ impl Script {
             }
             return Some(Vec::new());
         }
-        if self.at != (0, 0) {
+        // The first actions are to open the scene, which began with the program.
+        let is_opening = self.at.0 < OPENING;
+        if !is_opening {
             self.calm = if inspector.is_busy() { 0 } else { self.calm + 1 };
             if self.calm < CALM {
                 return Some(Vec::new());
@@ -78,8 +84,7 @@ impl Script {
         self.calm = 0;
         let before = actions::Before::of(inspector);
         let events = (action.events)(inspector, self.at.1);
-        // The first action is to open the scene, which began with the program.
-        let ns = if self.at == (0, 0) { self.begin_ns } else { now_ns };
+        let ns = if is_opening { self.begin_ns } else { now_ns };
         self.begun = Some(Begun { ns, before, is_shown: false, frames: 0 });
         Some(events)
     }
@@ -96,6 +101,14 @@ impl Script {
         let is_known = (action.is_shown)(inspector, &begun.before);
         begun.is_shown = is_known && inspector.is_up_to_date();
         is_known
+    }
+
+    /// How far the script has got, in one line, if it is time to say so.
+    pub fn progress(&mut self, now_ns: u64) -> Option<String> {
+        let action = ACTIONS.get(self.at.0).filter(|_| now_ns >= self.told_ns.saturating_add(TELL_EVERY_NS))?;
+        self.told_ns = now_ns;
+        let (number, actions, times) = (self.at.0 + 1, ACTIONS.len(), action.times);
+        Some(format!("action {number} of {actions}: {}, {} of {times} done", action.name, self.at.1))
     }
 
     fn describe(&mut self, inspector: &Inspector) {

@@ -12,7 +12,7 @@ const LEAST: Vec2 = vec2(240.0, 120.0);
 /// Predefined layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layout {
-    /// Passes, one stream, the ray.
+    /// One stream beside the ray's walk and history, with the passes folded to a strip below them.
     Simple,
     /// The panels for daily use.
     Full,
@@ -29,8 +29,12 @@ impl Layout {
         use PaneKind as P;
         let root = match self {
             Self::Simple => {
-                let columns = [&[P::Passes][..], &[P::Stream], &[P::Ray]].map(|kinds| tabs(&mut tiles, kinds));
-                horizontal(&mut tiles, &columns, &[0.6, 1.0, 1.2])
+                let stream = tabs(&mut tiles, &[P::Stream]);
+                let [walk, ray] = [P::Walk2d, P::Ray].map(|kind| tabs(&mut tiles, &[kind]));
+                let right = vertical(&mut tiles, &[walk, ray], &[0.9, 1.1]);
+                let upper = horizontal(&mut tiles, &[stream, right], &[0.85, 1.15]);
+                let strip = tabs(&mut tiles, &[P::Timeline, P::Passes]);
+                vertical(&mut tiles, &[upper, strip], &[1.0, 0.23])
             }
             Self::Full => {
                 let left = tabs(&mut tiles, &[P::Passes, P::Options, P::Watches]);

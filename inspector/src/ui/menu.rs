@@ -8,6 +8,7 @@ use raystep_lab::text::counted;
 
 use super::Inspector;
 use super::command::{COMMANDS, Command, Menu};
+use super::units::{Scale, Units};
 
 /// The window's background is behind it.
 fn frame(ui: &egui::Ui) -> egui::Frame {
@@ -86,7 +87,11 @@ impl Inspector {
                 ui.separator();
                 if let Some([x, y]) = self.shared.hovered.or(self.shared.pixel) {
                     let what = if self.model.has_rays() { "pixel" } else { "element" };
-                    let glanced = self.model.glanced().filter(|_| self.shared.hovered.is_some()).map(|t| outcome(t));
+                    let glanced = self
+                        .model
+                        .glanced()
+                        .filter(|_| self.shared.hovered.is_some())
+                        .map(|t| outcome(t, self.shared.units));
                     ui.label(format!("{what} {x},{y}{}", glanced.unwrap_or_default()));
                     ui.separator();
                 }
@@ -105,12 +110,13 @@ impl Inspector {
 const NO_WEBGPU: &str = "This browser has no WebGPU, so the CPU reference kernels run, on one core.";
 
 /// What becomes of a ray, after the name of its pixel.
-fn outcome(trace: &Trace) -> String {
+fn outcome(trace: &Trace, units: Units) -> String {
+    let scale = Scale::of(units, trace);
     let passes = counted(trace.rows.len(), "pass");
     let last = trace.rows.last().map(|row| (row.after.triangle, row.after.t));
     match last {
         Some((Some(triangle), Some(t))) => {
-            format!(": hits triangle {triangle} at t {:.5}, {passes}", f64::from(t) * trace.t_scale)
+            format!(": hits triangle {triangle} at t {:.5} {}, {passes}", scale.t(t), units.name())
         }
         Some(_) => format!(": hits nothing, {passes}"),
         None => String::new(),

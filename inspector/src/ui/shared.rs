@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::host::FileToSave;
 use super::mask::Mask;
+use super::preview::PreviewTexture;
 use super::runs::KeptRuns;
 use super::scrub::Scrub;
 use super::thumbs::Thumbs;
@@ -89,6 +90,8 @@ pub struct Shared {
     pub scrub: Scrub,
     /// Thumbnails of the stream in view.
     pub thumbs: Thumbs,
+    /// A picture of the scene that is being opened, until the run has its own.
+    pub(super) preview: Option<PreviewTexture>,
     /// Whether a stream view has drawn an earlier place in this frame: the present one's values are on their way.
     pub is_behind: bool,
     /// The panel that the cursor was over last: commands about a view go to it first.
@@ -151,6 +154,7 @@ impl Default for Shared {
             bookmarked: None,
             scrub: Scrub::default(),
             thumbs: Thumbs::default(),
+            preview: None,
             is_behind: false,
             under: None,
             go_to: None,

@@ -4,6 +4,7 @@ mod words;
 
 use egui::Ui;
 use raystep_kernels::export::trace::Trace;
+use raystep_kernels::scene_data::SceneData;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::ui) use words::in_units;
@@ -12,9 +13,9 @@ pub(in crate::ui) use words::in_units;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Units {
     /// Those of the streams and kernels: the scene's longest side is in [1, 2).
-    #[default]
     Traced,
     /// Those of the scene's file.
+    #[default]
     Scene,
 }
 
@@ -40,13 +41,23 @@ pub struct Scale {
 }
 
 impl Scale {
+    /// Traced units.
+    pub const TRACED: Self = Self { units: Units::Traced, length: 1.0, offset: [0.0; 3], t: 1.0 };
+
     /// For lengths and t that are this many times as large in the scene's units, and points that have this offset.
     #[must_use]
     pub fn new(units: Units, length: f64, offset: [f64; 3], t: f64) -> Self {
         match units {
-            Units::Traced => Self { units, length: 1.0, offset: [0.0; 3], t: 1.0 },
+            Units::Traced => Self::TRACED,
             Units::Scene => Self { units, length, offset, t },
         }
+    }
+
+    /// For all rays of a camera.
+    #[must_use]
+    pub fn in_scene(units: Units, data: &SceneData) -> Self {
+        let length = data.units.scene_units_per_stream_unit();
+        Self::new(units, length, data.units.offset.to_array(), length)
     }
 
     /// For a ray.
@@ -59,6 +70,12 @@ impl Scale {
     #[must_use]
     pub fn t(&self, t: f32) -> f64 {
         f64::from(t) * self.t
+    }
+
+    /// A t in traced units, in more digits than a stream has.
+    #[must_use]
+    pub fn t64(&self, t: f64) -> f64 {
+        t * self.t
     }
 
     /// A length of a stream.
@@ -80,12 +97,16 @@ impl Scale {
         [0, 1, 2].map(|axis| format!("{:.digits$}", self.coordinate(axis, point[axis])))
     }
 
-    /// A t with all digits.
+    /// A t with all digits that it has in the stream.
     #[must_use]
     pub fn exact_t(&self, t: f32) -> String {
         match self.units {
             Units::Traced => t.to_string(),
-            Units::Scene => self.t(t).to_string(),
+            // Scaled by a power of two, it is a float again, which fewer digits tell apart from others.
+            Units::Scene => match self.t(t) {
+                scaled if f64::from(scaled as f32) == scaled => (scaled as f32).to_string(),
+                scaled => scaled.to_string(),
+            },
         }
     }
 }
@@ -102,7 +123,7 @@ pub fn decimals(largest: f64) -> usize {
 /// The choice of units. `per_traced` is the number of scene units in a traced unit.
 pub(in crate::ui) fn choose(ui: &mut Ui, units: &mut Units, per_traced: f64) {
     let about = format!("1 traced unit = {per_traced} scene units. Streams and kernels are in traced units.");
-    for choice in [Units::Traced, Units::Scene] {
+    for choice in [Units::Scene, Units::Traced] {
         if ui.selectable_label(*units == choice, choice.name()).on_hover_text(&about).clicked() {
             *units = choice;
         }
@@ -192,6 +213,7 @@ mod tests {
         assert_eq!(traced.point([0.5, 0.1, -0.125]), ["0.500000", "0.100000", "-0.125000"]);
         let scene = Scale::new(Units::Scene, 4.0, offset, 8.0);
         assert_eq!((scene.t(0.5), scene.length(0.5), scene.exact_t(0.5)), (4.0, 2.0, "4".into()));
+        assert_eq!(scene.exact_t(0.1), "0.8", "as many digits as the float has");
         assert_eq!(scene.point([0.5, 0.25, -0.125]), ["10000002.00000", "1.00000", "-4096.50000"]);
     }
 }

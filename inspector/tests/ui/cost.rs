@@ -22,9 +22,7 @@ fn alone(settings: Settings, place: usize, kind: PaneKind) -> Stage {
     let mut stage = Stage::new(Plan { size: [1000.0, 700.0], ..Plan::default() });
     let arrival = Arrival { pixel: Some([40, 44]), place: Some(place), ..Arrival::default() };
     stage.open(CORNELL, settings, arrival);
-    for kind in [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray] {
-        stage.perform(Command::Show(kind));
-    }
+    stage.close_panels();
     stage.perform(Command::Show(kind));
     assert_eq!(stage.harness.state().panes_in_view(), [kind]);
     stage

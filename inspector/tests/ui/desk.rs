@@ -3,7 +3,9 @@
 use std::sync::{Arc, Mutex};
 
 use raystep_inspector::session::engine::EngineTask;
+use raystep_inspector::session::preview::Preview;
 use raystep_inspector::session::request::{Loader, at_once};
+use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
 use raystep_scenes::{LoadOptions, NoFiles, generate, load};
@@ -39,7 +41,9 @@ pub(crate) struct Desk {
     pub(crate) there: Vec<String>,
     /// The saved state.
     pub(crate) remembered: String,
-    events: Vec<HostEvent>,
+    /// Whether a preview of the Cornell box comes before the scene itself.
+    pub(crate) previews: bool,
+    pub(crate) events: Vec<HostEvent>,
 }
 
 /// How the host's dialogs behave.
@@ -80,7 +84,13 @@ impl Host for TestHost {
         scene.into()
     }
 
-    fn loader(&mut self, path: &str) -> Loader {
+    fn loader(&mut self, path: &str, settings: &Settings) -> Loader {
+        if self.desk().previews {
+            let scene = generate::cornell_box();
+            let trace = Preview::trace(&scene, settings, || true);
+            let preview = pollster::block_on(trace).expect("a small scene").expect("a preview");
+            self.desk().events.push(HostEvent::Previewed { path: path.into(), preview });
+        }
         let path = path.to_owned();
         at_once(move || {
             let json = match path.as_str() {

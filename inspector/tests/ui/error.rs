@@ -109,9 +109,7 @@ fn a_small_panel_can_be_read() {
     // A panel of 300 x 200.
     let mut stage = Stage::new(Plan { size: [312.0, 292.0], ..Plan::default() });
     stage.open(CORNELL, settings(Numerics::Paper, LARGE), Arrival::picture());
-    for kind in [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray] {
-        stage.perform(Command::Show(kind));
-    }
+    stage.close_panels();
     stage.perform(Command::Judge);
     stage.snapshot("panel-error-small");
 }

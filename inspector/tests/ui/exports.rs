@@ -138,9 +138,7 @@ fn an_adapter_without_valid_times_has_none_in_any_panel_or_file() {
     let model = stage.inspector().model();
     let why = model.opened.as_ref().and_then(|opened| opened.why_no_times.clone()).expect("a reason");
     assert!(model.passes.iter().all(|pass| pass.duration_ns.is_none() && pass.begin_ns.is_none()));
-    for kind in [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray] {
-        stage.perform(Command::Show(kind));
-    }
+    stage.close_panels();
     let is_time = |text: &String| {
         let units = ["µs", "ms", "s"].map(|unit| format!(" {unit}"));
         let has_number = |before: &str| before.ends_with(|c: char| c.is_ascii_digit());

@@ -110,16 +110,18 @@ fn tab_to(stage: &mut Stage, wanted: Role) {
 #[test]
 fn f6_goes_round_the_panels_and_keys_for_commands_still_work() {
     let mut stage = stage();
-    for name in ["Passes panel", "Stream panel", "Ray panel", "Passes panel"] {
+    for name in ["Stream panel", "Unfolded walk panel", "Ray panel", "Timeline panel", "Stream panel"] {
         stage.key(Modifiers::NONE, Key::F6);
         stage.settle();
         assert_eq!(panel_with_focus(&stage).as_deref(), Some(name));
         let (_, _, rect) = focused(&stage).expect("a panel");
         assert!(is_outlined(&stage, rect.shrink(1.0)), "{name} has no outline");
     }
-    stage.key(Modifiers::SHIFT, Key::F6);
-    stage.settle();
-    assert_eq!(panel_with_focus(&stage).as_deref(), Some("Ray panel"));
+    for name in ["Timeline panel", "Ray panel"] {
+        stage.key(Modifiers::SHIFT, Key::F6);
+        stage.settle();
+        assert_eq!(panel_with_focus(&stage).as_deref(), Some(name));
+    }
     stage.key(Modifiers::NONE, Key::ArrowLeft);
     stage.key(Modifiers::NONE, Key::F10);
     stage.settle();
@@ -196,9 +198,8 @@ fn what_gets_focus_in_a_list_is_scrolled_to() {
     let mut stage = Stage::new(Plan { size: [700.0, 300.0], ..Plan::default() });
     let settings = Settings { size: [32, 32], ..Settings::default() };
     stage.open(CORNELL, settings, Arrival { place: Some(20), ..Arrival::default() });
-    for kind in [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray, PaneKind::Options] {
-        stage.perform(Command::Show(kind));
-    }
+    stage.close_panels();
+    stage.perform(Command::Show(PaneKind::Options));
     let name = "Defaults";
     let window = stage.harness.ctx.content_rect();
     assert!(!window.contains_rect(stage.get(Role::Button, name).rect()), "it is in view from the start");
@@ -313,7 +314,7 @@ fn a_panel_is_maximised_and_restored_in_every_way() {
     stage.key(Modifiers::NONE, Key::F6);
     stage.key(Modifiers::NONE, Key::F12);
     stage.settle();
-    assert!(is_maximised(&stage, PaneKind::Passes));
+    assert!(is_maximised(&stage, PaneKind::Stream));
     stage.click(Role::Button, "Restore layout");
     stage.settle();
     assert_eq!(stage.inspector().panes_in_view(), all);

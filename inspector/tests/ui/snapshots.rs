@@ -21,10 +21,7 @@ fn open(stage: &mut Stage) {
 fn every_panel_alone() {
     let mut stage = Stage::new(Plan { size: [600.0, 400.0], ..Plan::default() });
     open(&mut stage);
-    for kind in [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray] {
-        stage.perform(Command::Show(kind));
-    }
-    assert!(stage.harness.state().panes_in_view().is_empty());
+    stage.close_panels();
     for &kind in PaneKind::ALL {
         match kind {
             PaneKind::Compare => stage.perform(Command::Compare),

@@ -168,6 +168,13 @@ impl Stage {
         self.settle();
     }
 
+    /// Closes all panels, also those behind tabs.
+    pub(crate) fn close_panels(&mut self) {
+        while let Some(&kind) = self.harness.state().panes_in_view().first() {
+            self.perform(Command::Show(kind));
+        }
+    }
+
     /// The same, but goes on at once.
     pub(crate) fn perform_without_waiting(&mut self, command: Command) {
         self.inspector().perform(command);

@@ -16,10 +16,8 @@ fn stage(size: [f32; 2], kinds: &[PaneKind]) -> Stage {
     let settings = Settings { size: [32, 32], device: DeviceKind::Cpu, ..Settings::default() };
     let mut stage = Stage::new(Plan { size, ..Plan::default() });
     stage.open(CORNELL, settings, Arrival { pixel: Some([20, 22]), place: Some(PLACE), ..Arrival::default() });
-    for kind in [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray].iter().filter(|kind| !kinds.contains(kind)) {
-        stage.perform(Command::Show(*kind));
-    }
-    for kind in kinds.iter().filter(|kind| !stage.harness.state().panes_in_view().contains(kind)).collect::<Vec<_>>() {
+    stage.close_panels();
+    for kind in kinds {
         stage.perform(Command::Show(*kind));
     }
     stage

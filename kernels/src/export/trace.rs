@@ -47,7 +47,8 @@ impl Trace {
     }
 
     /// RFC 4180, raw numbers; missing values are empty. A column says in its name whether it is from before or after the
-    /// pass; `tested_triangle` is the one that the pass tested.
+    /// pass, and whether it is in traced or in scene units; `tested_triangle` is the one that the pass tested. `why` quotes
+    /// t in traced units.
     ///
     /// # Errors
     /// If `out` cannot be written.
@@ -63,14 +64,15 @@ impl Trace {
             "cell_after_y",
             "cell_after_z",
             "index_after",
-            "tmax_after_x",
-            "tmax_after_y",
-            "tmax_after_z",
+            "tmax_after_x_traced",
+            "tmax_after_y_traced",
+            "tmax_after_z_traced",
             "control_after_x",
             "control_after_y",
             "control_after_z",
             "item_after",
-            "t_after",
+            "t_after_traced",
+            "t_after_scene",
             "u_after",
             "v_after",
             "triangle_after",
@@ -84,7 +86,7 @@ impl Trace {
             record.push(known(row.index_after));
             record.extend(a.tmax.map(known));
             record.extend((0..3).map(|i| known(a.control.map(|c| c[i]))));
-            record.extend([a.item.to_string(), known(a.t)]);
+            record.extend([a.item.to_string(), known(a.t), known(a.t.map(|t| f64::from(t) * self.t_scale))]);
             record.extend((0..2).map(|i| known(a.barycentric.map(|b| b[i]))));
             record.extend([known(a.triangle), known(row.tested), row.why.clone()]);
             csv.write_record(record)?;

@@ -9,6 +9,9 @@ use crate::ui::pane::PaneKind;
 /// The name of the row that others are compared with.
 pub(super) const REPAINTS: &str = "two idle repaints";
 
+/// So many actions begin with the program.
+pub(super) const OPENING: usize = 2;
+
 /// An action.
 pub(super) struct Action {
     pub(super) name: &'static str,
@@ -40,7 +43,15 @@ impl Before {
 /// All actions, in order.
 pub(super) const ACTIONS: &[Action] = &[
     Action {
-        name: "open, until the picture is there",
+        name: "start, until a picture of the scene is there",
+        limit_ms: 500.0,
+        times: 1,
+        frames: 1,
+        events: none,
+        is_shown: |inspector, _| inspector.shows_picture(),
+    },
+    Action {
+        name: "start, until the run's picture is there",
         limit_ms: 1500.0,
         times: 1,
         frames: 1,

@@ -212,7 +212,7 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
         let hit = life.rows.last().and_then(|row| row.after.triangle.zip(row.after.t));
         let hit = hit.map_or_else(
             || "hits nothing".into(),
-            |(id, t)| format!("hits triangle {id} at t {}", f64::from(t) * life.t_scale),
+            |(id, t)| format!("hits triangle {id} at t {} scene units", f64::from(t) * life.t_scale),
         );
         format!(
             "{}, {} tested, {}: {hit}",

@@ -11,6 +11,7 @@ use super::walked::number;
 use crate::draw::scene3d::Marked;
 use crate::ui::pane::Context;
 use crate::ui::shared::{Picked, Shared};
+use crate::ui::units::{Scale, Units};
 use crate::walk::{Aabb, WalkGeometry, corners, listed};
 
 /// A cell by the coordinates of a walk.
@@ -78,8 +79,9 @@ fn in_grid(at: [u32; 3], data: &SceneData) -> Option<[i32; 3]> {
 }
 
 /// A sentence about what was picked, for a ray with this walk.
-pub(super) fn describe(picked: Picked, data: &SceneData, walk: Option<&WalkGeometry>) -> String {
+pub(super) fn describe(picked: Picked, data: &SceneData, walk: Option<&WalkGeometry>, scale: &Scale) -> String {
     let mut parts = Vec::new();
+    let (t, unit) = (|t| number(scale.t64(t)), scale.units.name());
     let times = |n: usize| match n {
         1 => "once".to_owned(),
         2 => "twice".to_owned(),
@@ -94,7 +96,7 @@ pub(super) fn describe(picked: Picked, data: &SceneData, walk: Option<&WalkGeome
                 let visit = walk.cells.iter().find(|visit| cell(visit.cell) == Some(picked));
                 parts.push(visit.map_or_else(
                     || "not visited by this ray".into(),
-                    |visit| format!("visited by this ray, t {} to {}", number(visit.t_in), number(visit.t_out)),
+                    |visit| format!("visited by this ray, t {} to {} {unit}", t(visit.t_in), t(visit.t_out)),
                 ));
             }
         }
@@ -111,7 +113,7 @@ pub(super) fn describe(picked: Picked, data: &SceneData, walk: Option<&WalkGeome
                 parts.push(match visit.map(|visit| (visit.is_met, visit.inside)) {
                     None => "not tested by this ray".into(),
                     Some((true, Some([near, far]))) => {
-                        format!("entered by this ray, t {} to {}", number(near), number(far))
+                        format!("entered by this ray, t {} to {} {unit}", t(near), t(far))
                     }
                     Some((true, None)) => "entered by this ray".into(),
                     Some((false, Some(_))) => "tested by this ray, not entered: beyond the nearest hit".into(),
@@ -133,7 +135,7 @@ pub(super) fn describe(picked: Picked, data: &SceneData, walk: Option<&WalkGeome
                     tests => format!("tested {} by this ray", times(tests.len())),
                 });
                 if let Some(best) = tests.into_iter().max_by_key(|test| test.outcome) {
-                    let t = best.t.filter(|_| best.outcome.is_hit()).map(|t| format!(", t {}", number(t)));
+                    let t = best.t.filter(|_| best.outcome.is_hit()).map(|at| format!(", t {} {unit}", t(at)));
                     let why = if best.outcome.is_hit() && best.why == crate::walk::Why::Accepted {
                         String::new()
                     } else {
@@ -154,8 +156,8 @@ pub(super) struct About {
     known: Option<(Key, String)>,
 }
 
-/// What was picked, the run, the history, and whether the structure beside it is known.
-type Key = (Picked, u64, usize, usize);
+/// What was picked, the run, the history, whether the structure beside it is known, and the units.
+type Key = (Picked, u64, usize, usize, Units);
 
 impl About {
     /// Shows what is picked, with a button that clears it. Nothing is shown if nothing is picked.
@@ -176,7 +178,7 @@ impl About {
     fn text(&mut self, picked: Picked, cx: &Context<'_>) -> String {
         let at = |life: Option<&Arc<Trace>>| life.map_or(0, |life| Arc::as_ptr(life) as usize);
         let beside = cx.shared.beside.as_ref().map_or(0, |data| Arc::as_ptr(data) as usize);
-        let key = (picked, cx.model.generation, at(cx.model.life.as_ref()), beside);
+        let key = (picked, cx.model.generation, at(cx.model.life.as_ref()), beside, cx.shared.units);
         if let Some((known, text)) = &self.known
             && *known == key
         {
@@ -186,9 +188,10 @@ impl About {
             let walk = cx.model.life.as_ref().map(|life| WalkGeometry::new(life, &opened.data, usize::MAX));
             // A node of the other structure, while this run has the grid.
             let is_here = marked(picked, &opened.data).is_some();
+            let scale = cx.model.life.as_ref().map_or(Scale::TRACED, |life| Scale::of(cx.shared.units, life));
             match cx.shared.beside.as_ref().filter(|_| !is_here) {
-                Some(other) => describe(picked, other, None),
-                None => describe(picked, &opened.data, walk.as_ref()),
+                Some(other) => describe(picked, other, None, &scale),
+                None => describe(picked, &opened.data, walk.as_ref(), &scale),
             }
         });
         self.known = Some((key, text.clone()));
@@ -214,14 +217,14 @@ mod tests {
                 assert!(touches(&life.rows[test.row], picked) && of_row(&life.rows[test.row]) == Some(picked));
                 assert_eq!(rows(picked), walk.tested.iter().filter(|t| t.triangle == test.triangle).count());
                 assert!(marked(picked, &data).is_some());
-                let text = describe(picked, &data, Some(&walk));
+                let text = describe(picked, &data, Some(&walk), &Scale::TRACED);
                 assert!(text.contains("tested ") && text.contains("by this ray"), "{text}");
             }
             for visit in &walk.cells {
                 let picked = cell(visit.cell).expect("in the grid");
                 assert!(rows(picked) > 0, "{picked:?}");
                 assert_eq!(marked(picked, &data), Some(Marked::Box(visit.bounds)));
-                let text = describe(picked, &data, Some(&walk));
+                let text = describe(picked, &data, Some(&walk), &Scale::TRACED);
                 assert!(
                     text.contains(&format!(
                         "{}, visited by this ray",
@@ -251,10 +254,10 @@ mod tests {
         let walk = WalkGeometry::new(&life, &data, usize::MAX);
         let hit = walk.hit.expect("a hit").triangle;
         let lists = data.grid_items.iter().filter(|&&item| item == hit).count();
-        let text = describe(Picked::Triangle(hit), &data, Some(&walk));
+        let text = describe(Picked::Triangle(hit), &data, Some(&walk), &Scale::TRACED);
         assert!(text.starts_with(&format!("triangle {hit}: in {}, tested ", counted(lists, "cell"))), "{text}");
         assert!(text.contains("hit, t "), "{text}");
-        let none = describe(Picked::Triangle(u32::MAX), &data, Some(&walk));
+        let none = describe(Picked::Triangle(u32::MAX), &data, Some(&walk), &Scale::TRACED);
         assert!(none.contains("in 0 cells, not tested by this ray"), "{none}");
     }
 

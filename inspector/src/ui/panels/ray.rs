@@ -14,7 +14,7 @@ use super::picked::of_row;
 use super::table::{Table, View, version};
 use crate::session::{Model, Told};
 use crate::ui::pane::{Context, NO_RAYS, Panel};
-use crate::ui::units::{self, Scale, Units};
+use crate::ui::units::{self, Scale};
 
 /// The ray history.
 #[derive(Default)]
@@ -22,6 +22,8 @@ pub(in crate::ui) struct RayView {
     table: Table,
     /// The decimals of tmax.x, tmax.y, tmax.z and t, and for which history.
     decimals: Option<(usize, Scale, [usize; 4])>,
+    /// The current row of the last frame.
+    current: Option<usize>,
 }
 
 impl Panel for RayView {
@@ -54,11 +56,15 @@ impl Panel for RayView {
         };
         if let Some(row) = history.current.and_then(|i| life.rows.get(i)) {
             let text = format!("pass {}, {}: {}", row.number(), row.kernel, history.why(row));
-            ui.label(RichText::new(text).strong());
+            ui.horizontal_wrapped(|ui| {
+                ui.label(RichText::new(text).strong());
+                if let Some(meaning) = history.meaning(row) {
+                    ui.label(format!("{}: {meaning}", row.after.state));
+                }
+            });
         } else {
             ui.weak("No pass has processed this ray yet.");
         }
-        ui.separator();
         let is_tree = opened.is_some_and(|opened| opened.data.features.bvh);
         let is_dda = opened.is_some_and(|opened| opened.data.features.dda);
         let heads = heads(!is_tree, is_dda);
@@ -73,6 +79,10 @@ impl Panel for RayView {
             told,
         ));
         let view = View { name: "ray", heads: &heads, rows: &history, version, current: history.current };
+        // Before the ray's first pass there is no current row: the table begins at its first one.
+        if std::mem::replace(&mut self.current, history.current) != history.current && history.current.is_none() {
+            self.table.rewind();
+        }
         let mut units = units;
         ui.horizontal_wrapped(|ui| {
             self.table.tools(ui, &view);
@@ -129,7 +139,7 @@ fn summary(ui: &mut Ui, life: &Trace, cx: &Context<'_>) {
                 (Some(triangle), Some(t)) => {
                     let shown = scale.t(t);
                     let digits = units::decimals(shown.abs());
-                    ui.label(format!("hits triangle {triangle} at t {shown:.digits$}"))
+                    ui.label(format!("hits triangle {triangle} at t {shown:.digits$} {unit}"))
                         .on_hover_text(format!("{} {unit}", scale.exact_t(t)));
                 }
                 _ => drop(ui.label("hits nothing")),
@@ -148,8 +158,7 @@ fn summary(ui: &mut Ui, life: &Trace, cx: &Context<'_>) {
         ui.label(format!("origin {}", scale.point(origin).join(" ")))
             .on_hover_text(format!("in {unit}; in traced units {x} {y} {z}\n{}", bits(origin)));
         let [x, y, z] = direction;
-        let plain = Scale::new(Units::Traced, 1.0, [0.0; 3], 1.0);
-        ui.label(format!("direction {}", plain.point(direction).join(" ")))
+        ui.label(format!("direction {}", Scale::TRACED.point(direction).join(" ")))
             .on_hover_text(format!("{x} {y} {z}\n{}", bits(direction)));
     });
 }

@@ -14,7 +14,8 @@ use egui::{Color32, Pos2, Rect, Sense, Vec2, vec2};
 use look::Look;
 use paint::Drawn;
 use raystep_kernels::tables::kernel::Role;
-use raystep_kernels::{Kernel, Plan, Stream};
+use raystep_kernels::tables::stream::Meaning as StreamMeaning;
+use raystep_kernels::{Accelerator, Kernel, Pass, Plan, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others};
 use raystep_lab::text::counted;
 
@@ -28,6 +29,7 @@ use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 use crate::ui::runs::Flipped;
 use crate::ui::take::{EXPORTING, png};
+use crate::ui::units::Scale;
 
 /// A view of a stream.
 #[derive(Default)]
@@ -57,11 +59,18 @@ impl Panel for StreamView {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        // Who has chosen a stream sees no other picture in its place.
+        let may_preview = self.pinned.is_none() && self.look.stream.is_none_or(Stream::is_color);
+        if let Some(preview) = cx.shared.preview.as_ref().filter(|_| may_preview) {
+            preview.show(ui, cx.model);
+            return;
+        }
         let Some(opened) = &cx.model.opened else {
             self.welcome(ui, cx);
             return;
         };
         let (plan, generation) = (opened.plan.clone(), cx.model.generation);
+        let in_units = Scale::in_scene(cx.shared.units, &opened.data);
         if self.pinned.as_ref().is_some_and(|pinned| pinned.generation != generation) {
             self.pinned = None;
         }
@@ -84,11 +93,12 @@ impl Panel for StreamView {
             cx.shared.shown = self.look.stream.map(shown);
         }
         let layer = self.look.layer.filter(|&l| l < stream.layers());
+        let layer = layer.or_else(|| self.telling_layer(&plan, stream, cx.model.last_pass()));
         let meaning = Meaning::of(stream, layer);
         self.tools(ui, &streams, stream, layer, meaning);
         let stats_of = layer.unwrap_or(0);
         self.read_range(cx, stream, stats_of);
-        self.legend(ui, plan.program, (stream, stats_of), meaning);
+        self.legend(ui, plan.program, (stream, stats_of), meaning, &in_units);
         mask::legend(ui, cx);
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
@@ -242,9 +252,19 @@ impl StreamView {
         wanted.filter(|s| streams.contains(s)).unwrap_or(default)
     }
 
+    /// While all rays are in one state, their states are a picture in one colour: if nothing was chosen, their cells or
+    /// nodes are shown instead.
+    fn telling_layer(&self, plan: &Plan, stream: Stream, last: Option<&Pass>) -> Option<usize> {
+        let is_chosen = self.pinned.is_some() || self.look.stream.is_some();
+        let is_alike = last.is_some_and(|pass| pass.counts.iter().filter(|&&rays| rays > 0).count() == 1);
+        let is_walk = plan.program.state_stream() == Some(stream) && plan.accelerator != Accelerator::None;
+        let of_place = || stream.info().meaning.iter().position(|&meaning| meaning == StreamMeaning::Id);
+        (!is_chosen && is_alike && is_walk).then(of_place).flatten()
+    }
+
     fn colors(&self, stream: Stream, layer: usize) -> Colors {
         self.look.colors.unwrap_or(match stream.info().meaning.get(layer) {
-            Some(raystep_kernels::tables::stream::Meaning::Distance) => Colors::Magma,
+            Some(StreamMeaning::Distance) => Colors::Magma,
             _ => Colors::Viridis,
         })
     }

@@ -21,6 +21,7 @@ use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 use crate::ui::shared::{Picked, Shared};
+use crate::ui::units::{Scale, Units};
 
 /// The engine's job, named while it runs.
 const MEASURING: &str = "measuring the structure";
@@ -224,7 +225,7 @@ impl Structure {
             ui.weak("Click a cell to see its list.");
             return;
         };
-        let [x, y, z] = cell;
+        let ([x, y, z], units) = (cell, shared.units);
         let triangles = triangles_in(data, data.grid.cell_index(cell));
         ui.horizontal_wrapped(|ui| {
             ui.strong(format!("cell {x},{y},{z}")).on_hover_text(format!("index {}", data.grid.cell_index(cell)));
@@ -236,7 +237,7 @@ impl Structure {
                 let is_marked = self.slice.triangle() == Some(triangle);
                 let chip = egui::Button::selectable(is_marked, RichText::new(triangle.to_string()).monospace());
                 let chip = ui.add(chip.stroke(ui.visuals().widgets.noninteractive.bg_stroke));
-                if chip.on_hover_ui(|ui| corners(ui, data, triangle)).clicked() {
+                if chip.on_hover_ui(|ui| corners(ui, data, triangle, units)).clicked() {
                     picked::toggle(shared, Picked::Triangle(triangle));
                 }
             }
@@ -265,13 +266,15 @@ fn open(length: usize) -> &'static str {
 }
 
 /// The position of a triangle.
-fn corners(ui: &mut Ui, data: &SceneData, triangle: u32) {
+fn corners(ui: &mut Ui, data: &SceneData, triangle: u32, units: Units) {
+    let scale = Scale::in_scene(units, data);
     ui.strong(format!("triangle {triangle}"));
     let first = triangle as usize * 9;
     for corner in data.vertices.get(first..first + 9).unwrap_or_default().chunks_exact(3) {
-        ui.monospace(format!("{:>10.5} {:>10.5} {:>10.5}", corner[0], corner[1], corner[2]));
+        let [x, y, z] = scale.point([corner[0], corner[1], corner[2]]);
+        ui.monospace(format!("{x:>10} {y:>10} {z:>10}"));
     }
-    ui.weak("traced units; click to mark its cells in the slice");
+    ui.weak(format!("{}; click to mark its cells in the slice", scale.units.name()));
 }
 
 fn irregular_numbers(ui: &mut Ui, summary: &IrregularSummary) {

@@ -62,6 +62,8 @@ pub(super) struct Table {
     layout: Option<Layout>,
     tops: Vec<f32>,
     scroll: Scroll,
+    /// Whether to scroll to the first row.
+    rewinds: bool,
     /// Where it is on the screen: in another place or size, the current row may be out of view.
     seen: Option<(Id, [u32; 2])>,
     /// The current row, and the row that was chosen by a key since: keys may come faster than rows change.
@@ -89,7 +91,10 @@ impl Table {
         }
         let focus = keys::area(ui, id, area, &self.sentence(view));
         let mut chosen = None;
-        let area_of_rows = ScrollArea::both().id_salt(view.name).auto_shrink(false).animated(false);
+        let mut area_of_rows = ScrollArea::both().id_salt(view.name).auto_shrink(false).animated(false);
+        if std::mem::take(&mut self.rewinds) {
+            area_of_rows = area_of_rows.vertical_scroll_offset(0.0);
+        }
         area_of_rows.stick_to_bottom(sticks).show_viewport(ui, |ui, _| {
             let (columns, line) = self.place(ui, view, ui.clip_rect().width() - GAP);
             let head = line + PADDING;
@@ -122,6 +127,11 @@ impl Table {
         let heads = Rect::from_min_size(rect.min, vec2(columns.width, head));
         self.paint_heads(ui, view, &columns, heads);
         chosen
+    }
+
+    /// Scrolls to the first row in the next frame that shows the table.
+    pub(super) fn rewind(&mut self) {
+        self.rewinds = true;
     }
 
     /// The rows that are shown, and how many there are.

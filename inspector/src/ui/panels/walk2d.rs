@@ -21,6 +21,7 @@ use crate::ui::command::Command;
 use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::ui::shared::Picked;
+use crate::ui::units::{self, Scale};
 use crate::walk::{Projected, Spacing, Strip, Structure, SvgOptions, WalkGeometry, walk_svg};
 use beside::Beside;
 use progress::Progress;
@@ -34,8 +35,6 @@ struct Look {
     by_t: bool,
     /// Whether the walk through the other structure is shown as well; `None` shows it while two runs are compared.
     beside: Option<bool>,
-    /// Whether t is shown in scene units, not in those of the streams.
-    scene_units: bool,
 }
 
 /// The ray's whole history: the drawing does not change while stepping.
@@ -117,7 +116,7 @@ impl Panel for Walk2d {
         }
         let size = ui.available_size().max(vec2(32.0, 32.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-        let unit = if self.look.scene_units { life.t_scale } else { 1.0 };
+        let unit = Scale::of(cx.shared.units, &life).t64(1.0);
         let (now, picked) = (self.walked.walk.as_ref(), cx.shared.picked);
         let scene = Scene { walk: &whole.walk, now, progress, visuals: ui.visuals(), unit, picked };
         let cursor = response.hover_pos();
@@ -317,10 +316,8 @@ impl Walk2d {
                     }
                 }
             }
-            let scale = self.walked.life.as_ref().map_or(1.0, |life| life.t_scale);
-            if scale != 1.0 {
-                let text = format!("t in scene units; otherwise in traced units, as in the streams (1 = {scale} scene units)");
-                ui.toggle_value(&mut self.look.scene_units, "scene units").on_hover_text(text);
+            if let Some(life) = &self.walked.life {
+                units::choose(ui, &mut cx.shared.units, life.scene_units_per_stream_unit);
             }
             if ui.button("Export SVG").on_hover_text("save both pictures as SVG, up to this pass").clicked() {
                 cx.todo.push(Command::ExportWalk);
@@ -350,6 +347,13 @@ mod tests {
 
     use super::super::walked::tests::life;
     use super::*;
+
+    #[test]
+    fn what_was_saved_when_the_view_had_units_of_its_own_is_read() {
+        let mut view = Walk2d::default();
+        view.load(r#"{"by_t": true, "beside": false, "scene_units": true}"#);
+        assert_eq!(view.look, Look { by_t: true, beside: Some(false) });
+    }
 
     #[test]
     fn a_drawing_is_of_the_walk_so_far() {

@@ -24,6 +24,7 @@ use crate::ui::canvas::Picture;
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::ui::shared::Picked;
+use crate::ui::units::Scale;
 use crate::walk::Aabb;
 use camera::Framed;
 use labels::Ready;
@@ -83,7 +84,7 @@ pub(in crate::ui) struct Walk3d {
     /// What a command asked of the camera.
     wish: Option<Wish>,
     /// The labels of the picture drawn last, and where it was.
-    labels: Option<(Drawn, Rect, Vec<Ready>)>,
+    labels: Option<(Drawn, Rect, Scale, Vec<Ready>)>,
     about: picked::About,
 }
 
@@ -123,7 +124,8 @@ impl Panel for Walk3d {
         });
         let around = Around { marked: marked.map(|(_, marked)| marked), cut: self.framed.front(&traced) };
         self.paint(ui, cx, rect, traced, around);
-        self.annotate(ui, rect, &traced, marked, cx.has_rays());
+        let shown_in = self.walked.life.as_ref().map_or(Scale::TRACED, |life| Scale::of(cx.shared.units, life));
+        self.annotate(ui, rect, &traced, marked, cx.has_rays(), shown_in);
         if let Some(glanced) = cx.model.glanced() {
             glance::draw(&ui.painter().with_clip_rect(rect), ui.visuals(), rect, glanced, &traced, &traced_bounds);
         }
@@ -266,15 +268,17 @@ impl Walk3d {
         camera: &Orbit,
         marked: Option<(Picked, Marked)>,
         has_rays: bool,
+        scale: Scale,
     ) {
         let painter = ui.painter().with_clip_rect(rect);
         let drawn = self.drawn.filter(|_| self.look.labels);
         match (&self.walked.walk, drawn) {
             (Some(walk), Some(drawn)) => {
-                let is_known = self.labels.as_ref().is_some_and(|(of, at, _)| (*of, *at) == (drawn, rect));
+                let now = (drawn, rect, scale);
+                let is_known = self.labels.as_ref().is_some_and(|(of, at, scale, _)| (*of, *at, *scale) == now);
                 if !is_known {
-                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera);
-                    self.labels = Some((drawn, rect, ready));
+                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera, &scale);
+                    self.labels = Some((drawn, rect, scale, ready));
                 }
                 let ready = self.labels.as_ref().map_or(&[][..], |(.., ready)| ready);
                 labels::draw(&painter, ui.visuals(), ready);
@@ -298,13 +302,15 @@ impl Walk3d {
                 );
             }
         }
-        if let Some(shown) = self.scene.as_ref().map(|scene| scene.shown().to_string()).filter(|text| !text.is_empty())
-        {
+        let shown = self.scene.as_ref().map(|scene| scene.shown().to_string()).filter(|text| !text.is_empty());
+        let unit = (drawn.is_some() && self.walked.walk.is_some()).then(|| format!("t in {}", scale.units.name()));
+        let shown: Vec<String> = shown.into_iter().chain(unit).collect();
+        if !shown.is_empty() {
             let font = egui::TextStyle::Small.resolve(ui.style());
             painter.text(
                 rect.left_bottom() + vec2(6.0, -4.0),
                 egui::Align2::LEFT_BOTTOM,
-                shown,
+                shown.join("; "),
                 font,
                 ui.visuals().weak_text_color(),
             );

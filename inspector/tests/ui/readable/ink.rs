@@ -28,16 +28,34 @@ pub(super) struct Ink {
     pub(super) is_elided: bool,
     /// The colour of copies beneath it that are moved by a point: an outline.
     pub(super) outline: Option<Color32>,
+    /// Its index among all texts of the frame, as they are drawn.
+    pub(super) order: usize,
 }
+
+/// Something that hides the texts beneath it.
+pub(super) struct Cover {
+    pub(super) rect: Rect,
+    /// The number of texts that are drawn before it.
+    pub(super) order: usize,
+}
+
+/// Through a more opaque rectangle, texts are not seen.
+const OPAQUE: u8 = 204;
 
 /// How far the copies of an outline are moved, at most, in points.
 const OUTLINE: f32 = 1.6;
 
 /// All texts of the last frame, without the copies that outline others.
 pub(super) fn inks(stage: &Stage) -> Vec<Ink> {
-    let (mut shapes, window) = (Vec::new(), stage.harness.ctx.content_rect());
+    inks_and_covers(stage).0
+}
+
+/// The same, and what hides some of them.
+pub(super) fn inks_and_covers(stage: &Stage) -> (Vec<Ink>, Vec<Cover>) {
+    let window = stage.harness.ctx.content_rect();
+    let (mut shapes, mut covers) = (Vec::new(), Vec::new());
     for clipped in &stage.harness.output().shapes {
-        flatten(&clipped.shape, clipped.clip_rect, window, &mut shapes);
+        flatten(&clipped.shape, clipped.clip_rect, window, &mut shapes, &mut covers);
     }
     let is_near = |a: &TextShape, b: &TextShape| a.galley.text() == b.galley.text() && a.pos.distance(b.pos) <= OUTLINE;
     let mut inks = Vec::new();
@@ -49,16 +67,28 @@ pub(super) fn inks(stage: &Stage) -> Vec<Ink> {
         }
         let before = shapes[i.saturating_sub(4)..i].iter().filter(|(other, _)| is_near(shape, other));
         let outline = before.map(|(other, _)| color_of(other, Color32::PLACEHOLDER)).next_back();
-        inks.push(ink(shape, *clip, outline));
+        inks.push(Ink { order: i, ..ink(shape, *clip, outline) });
     }
-    inks
+    (inks, covers)
 }
 
-fn flatten<'a>(shape: &'a Shape, clip: Rect, window: Rect, found: &mut Vec<(&'a TextShape, Rect)>) {
+fn flatten<'a>(
+    shape: &'a Shape,
+    clip: Rect,
+    window: Rect,
+    found: &mut Vec<(&'a TextShape, Rect)>,
+    covers: &mut Vec<Cover>,
+) {
     match shape {
-        Shape::Vec(shapes) => shapes.iter().for_each(|shape| flatten(shape, clip, window, found)),
+        Shape::Vec(shapes) => shapes.iter().for_each(|shape| flatten(shape, clip, window, found, covers)),
         // The backdrop of a modal dialog: what is beneath it is disabled.
-        Shape::Rect(rect) if rect.rect.contains_rect(window) && (1..255).contains(&rect.fill.a()) => found.clear(),
+        Shape::Rect(rect) if rect.rect.contains_rect(window) && (1..255).contains(&rect.fill.a()) => {
+            found.clear();
+            covers.clear();
+        }
+        Shape::Rect(rect) if rect.blur_width == 0.0 && (rect.fill.a() >= OPAQUE || rect.brush.is_some()) => {
+            covers.push(Cover { rect: rect.rect.intersect(clip), order: found.len() });
+        }
         Shape::Text(text) if !text.galley.text().trim().is_empty() => found.push((text, clip)),
         _ => {}
     }
@@ -105,7 +135,7 @@ fn ink(shape: &TextShape, clip: Rect, outline: Option<Color32>) -> Ink {
     });
     let size = written.map(|section| section.format.font_id.size).fold(f32::INFINITY, f32::min);
     let is_elided = shape.galley.elided;
-    Ink { text: shape.galley.text().to_owned(), runs, rows, clip, size, is_elided, outline }
+    Ink { text: shape.galley.text().to_owned(), runs, rows, clip, size, is_elided, outline, order: 0 }
 }
 
 /// Relative luminance (WCAG 2.1).

@@ -107,6 +107,11 @@ impl History<'_> {
         cell.or_else(|| row.index_after.map(|index| index.to_string()))
     }
 
+    /// What a ray does in the state after a pass.
+    pub(super) fn meaning(&self, row: &TraceRow) -> Option<&'static str> {
+        self.states.0.get(row.after.tag as usize).map(|state| state.meaning)
+    }
+
     /// The reason, in the panel's units.
     pub(super) fn why(&self, row: &TraceRow) -> String {
         in_units(&row.why, &self.scale)
@@ -183,7 +188,11 @@ impl Rows for History<'_> {
         let after = &row.after;
         match column {
             PASS => self.note(index, row),
-            STATE => Some(format!("{} before the pass, {} after it", row.state_before, after.state)),
+            STATE => {
+                let text = format!("{} before the pass, {} after it", row.state_before, after.state);
+                let meaning = self.meaning(row);
+                Some(meaning.map_or(text.clone(), |meaning| format!("{text}\n{}: {meaning}", after.state)))
+            }
             WHY => Some(self.why(row)),
             CELL => row.cell_after.and(row.index_after).map(|index| format!("cell index {index}")),
             TMAX..T => Some(match after.control.map(|control| control[column - TMAX]) {

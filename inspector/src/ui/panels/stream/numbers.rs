@@ -1,12 +1,13 @@
 //! Values drawn in texels that are large enough.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
-use raystep_kernels::tables::stream::STATE_TAG;
+use raystep_kernels::tables::stream::{Meaning, STATE_TAG};
 use raystep_kernels::{Program, Stream, StreamData};
 
 use crate::session::request::Texels;
 use crate::ui::pane::Context;
 use crate::ui::style::SMALLEST;
+use crate::ui::units::Scale;
 
 /// Points per texel at which values may fit.
 const FROM: f32 = 40.0;
@@ -41,6 +42,7 @@ pub(super) fn draw(
         return;
     }
     let Some(opened) = &cx.model.opened else { return };
+    let in_units = Scale::in_scene(cx.shared.units, &opened.data);
     let is_now = |t: &&Texels| t.stream == stream && t.place == cx.model.place;
     let layers: Vec<&[u32]>;
     let (width, height) = match whose {
@@ -63,7 +65,7 @@ pub(super) fn draw(
     let text_of = |x: u32, y: u32, layer: usize| {
         let at = y as usize * width as usize + x as usize;
         let bits = layers.get(layer).and_then(|values| values.get(at)).copied();
-        bits.map_or_else(String::new, |bits| text(opened.plan.program, stream, layer, bits))
+        bits.map_or_else(String::new, |bits| text(opened.plan.program, stream, layer, bits, &in_units))
     };
     let all = rows.clone().flat_map(|y| columns.clone().map(move |x| [x, y]));
     let texts: Vec<([u32; 2], Vec<String>)> =
@@ -98,14 +100,19 @@ fn size(scale: f32, layers: usize, longest: usize) -> Option<f32> {
 }
 
 /// A component in readable form.
-fn text(program: &Program, stream: Stream, layer: usize, bits: u32) -> String {
+fn text(program: &Program, stream: Stream, layer: usize, bits: u32, in_units: &Scale) -> String {
     if program.state_stream() == Some(stream) && layer == STATE_TAG {
         return program.states.name(bits).into();
     }
     if stream.is_float_layer(layer) {
         let value = f32::from_bits(bits);
         let is_never = value.is_finite() && value >= raystep_kernels::shared::constants::INF;
-        return if is_never { "never".into() } else { format!("{value:.4}") };
+        let is_t = stream.info().meaning.get(layer) == Some(&Meaning::Distance);
+        return match is_never {
+            true => "never".into(),
+            false if is_t => format!("{:.4}", in_units.t(value)),
+            false => format!("{value:.4}"),
+        };
     }
     if bits == u32::MAX { "–".into() } else { bits.to_string() }
 }

@@ -97,7 +97,7 @@ impl StreamView {
             offset: [offset.x, offset.y],
             scale: scale * points,
         };
-        let is_chosen = self.look.stream.is_some() || layer.is_some();
+        let is_chosen = self.look.stream.is_some() || self.look.layer.is_some();
         let view = is_chosen.then_some((stream, layer));
         if self.pinned.is_none() {
             cx.shared.thumbs.look(view);

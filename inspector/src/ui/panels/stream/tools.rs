@@ -1,12 +1,14 @@
 //! The toolbar: stream, component, colours, range, and their legend.
 
 use egui::{Color32, Rect, Sense, pos2, vec2};
+use raystep_kernels::tables::stream::Meaning as StreamMeaning;
 use raystep_kernels::{Program, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others, Span};
 
 use super::super::legend::entry;
 use super::StreamView;
 use crate::draw::stream::{Colors, Meaning};
+use crate::ui::units::Scale;
 
 impl StreamView {
     pub(super) fn tools(
@@ -60,7 +62,8 @@ impl StreamView {
                 for (i, name) in ["from", "to"].into_iter().enumerate() {
                     let label = ui.label(name).id;
                     let value = egui::DragValue::new(&mut range[i]).speed(speed).max_decimals(4);
-                    if ui.add(value).labelled_by(label).changed() {
+                    let value = ui.add(value).labelled_by(label).on_hover_text("in the units of the stream");
+                    if value.changed() {
                         self.look.range = Some(range);
                     }
                 }
@@ -84,6 +87,7 @@ impl StreamView {
         program: &Program,
         (stream, layer): (Stream, usize),
         meaning: Meaning,
+        scale: &Scale,
     ) {
         ui.horizontal_wrapped(|ui| {
             if meaning == Meaning::Tag {
@@ -106,7 +110,12 @@ impl StreamView {
                 if let Some(span) = self.stats.as_ref().and_then(|(.., stats)| stats.span.as_ref()) {
                     response.on_hover_ui(|ui| histogram(ui, span));
                 }
-                ui.small(format!("{lo} … {hi} {}", stream.info().unit));
+                // The unit of the stream is that of all its components.
+                let is_t = stream.info().meaning.get(layer) == Some(&StreamMeaning::Distance);
+                ui.small(match is_t {
+                    true => format!("t {} … {} {}", scale.exact_t(lo), scale.exact_t(hi), scale.units.name()),
+                    false => format!("{lo} … {hi} {}", stream.info().unit),
+                });
             } else {
                 ui.small(stream.info().unit);
             }

@@ -8,6 +8,9 @@ use raystep_kernels::{Program, Stream};
 
 use crate::ui::units::{Scale, Units};
 
+/// How more about a state begins.
+const TAG: &str = "tag ";
+
 /// A component of a texel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Value {
@@ -68,7 +71,8 @@ impl<'a> Reader<'a> {
 
     fn integer(&self, layer: usize, bits: u32) -> (String, Option<String>) {
         if self.program.state_stream() == Some(self.stream) && layer == STATE_TAG {
-            return (self.program.states.name(bits).into(), Some(format!("tag {bits}")));
+            let meaning = self.program.states.0.get(bits as usize).map_or("not a state", |state| state.meaning);
+            return (self.program.states.name(bits).into(), Some(format!("{TAG}{bits}, {meaning}")));
         }
         let is_id = self.stream.info().meaning.get(layer) == Some(&Meaning::Id);
         let text = if is_id && bits == u32::MAX { "none".into() } else { bits.to_string() };
@@ -84,6 +88,7 @@ impl<'a> Reader<'a> {
 pub(super) fn line(values: &[Value], units: Units) -> String {
     let text = |value: &Value| match (&value.more, units) {
         (Some(more), Units::Scene) if more.ends_with(Units::Scene.name()) => format!("{} {more}", value.name),
+        (Some(more), _) if more.starts_with(TAG) => format!("{} {} ({})", value.name, value.text, &more[TAG.len()..]),
         (Some(more), _) if more.starts_with("cell ") => format!("{} {} ({})", value.name, value.text, &more[5..]),
         _ => format!("{} {}", value.name, value.text),
     };
@@ -118,11 +123,16 @@ mod tests {
         assert_eq!(value(RAY_DIRECTION, 0, f32::NEG_INFINITY.to_bits()), ("x", "−Inf".into(), String::new()));
         assert_eq!(value(HIT, HIT_TRIANGLE, u32::MAX), ("triangle", "none".into(), String::new()));
         let tag = plan.program.states.iter().position(|state| state.name == "TRAV").expect("a state");
-        assert_eq!(value(STATE, STATE_TAG, tag as u32), ("tag", "TRAV".into(), format!("tag {tag}")));
+        assert_eq!(
+            value(STATE, STATE_TAG, tag as u32),
+            ("tag", "TRAV".into(), format!("tag {tag}, continues to the next cell or node"))
+        );
         let index = data.grid.cell_index([1, 0, 1]);
         assert_eq!(value(STATE, STATE_CELL, index).2, "cell 1,0,1");
         assert_eq!(value(STATE, STATE_CELL, u32::MAX).2, "");
         let reader = Reader::new(plan.program, &data, STATE, Some(8.0));
+        let state = [reader.value(STATE_TAG, tag as u32)];
+        assert_eq!(line(&state, Units::Scene), format!("tag TRAV ({tag}, continues to the next cell or node)"));
         let values = [reader.value(STATE_T, t), reader.value(STATE_CELL, index)];
         assert_eq!(line(&values, Units::Traced), format!("t 0.75   cell {index} (1,0,1)"));
         assert_eq!(line(&values, Units::Scene), format!("t 6 scene units   cell {index} (1,0,1)"));

@@ -2,6 +2,7 @@
 
 use egui::{Align2, Area, Color32, Frame, Order, Pos2, RichText, Sense, Ui, vec2};
 use raystep_kernels::Pass;
+use raystep_kernels::tables::state::StateInfo;
 use raystep_lab::text::counted;
 
 use crate::ui::pane::Context;
@@ -58,15 +59,19 @@ fn about(ui: &mut Ui, cx: &Context<'_>, place: usize) {
     if let Some(time) = time_of(pass) {
         ui.label(format!("{time} on the device"));
     }
-    if let Some(states) = states(pass) {
-        ui.label(states);
+    for (count, state) in counted_states(pass) {
+        ui.label(format!("{count} {}: {}", state.name, state.meaning));
     }
+}
+
+/// The states that rays are in after a pass, and how many rays.
+fn counted_states(pass: &Pass) -> impl Iterator<Item = (u32, &'static StateInfo)> {
+    let count = |state: &StateInfo| pass.counts.get(state.tag as usize).copied().unwrap_or(0);
+    pass.kernel.program().states.iter().map(move |state| (count(state), state)).filter(|(count, _)| *count > 0)
 }
 
 /// The rays in each state after a pass, in words.
 pub(super) fn states(pass: &Pass) -> Option<String> {
-    let count = |tag: u32| pass.counts.get(tag as usize).copied().unwrap_or(0);
-    let states = pass.kernel.program().states.iter().filter(|state| count(state.tag) > 0);
-    let texts: Vec<String> = states.map(|state| format!("{} {}", count(state.tag), state.name)).collect();
+    let texts: Vec<String> = counted_states(pass).map(|(count, state)| format!("{count} {}", state.name)).collect();
     (!texts.is_empty()).then(|| format!("after it {}", texts.join(", ")))
 }

@@ -11,6 +11,7 @@ use super::super::walked::number;
 use crate::draw::scene3d::Marked;
 use crate::orbit::Orbit;
 use crate::ui::shared::Picked;
+use crate::ui::units::Scale;
 use crate::walk::{Crossing, Outcome, Structure, TestedTriangle, WalkGeometry};
 
 /// The subject of a label.
@@ -39,12 +40,13 @@ const MOST_TESTS: usize = 8;
 
 /// The labels of a walk, the most important first: what is tested now or hit, the cell, the tmax of the next step, what
 /// was picked, the other tmax, and earlier tests in this cell.
-fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>) -> Vec<Label> {
+fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>, scale: &Scale) -> Vec<Label> {
     let mut labels = Vec::new();
+    let number = |t| number(scale.t64(t));
     let mut add = |at, text, about| labels.push(Label { at, text, about });
     let tested = walk.tested.last().filter(|tested| Some(tested.row) == walk.row);
     if let Some(tested) = tested {
-        add(middle_of(walk, tested), words(tested, true), About::Triangle(tested.outcome));
+        add(middle_of(walk, tested), words(tested, true, scale), About::Triangle(tested.outcome));
     } else if let Some(hit) = &walk.hit {
         let text = format!("triangle {}: hit, t {}", hit.triangle, number(hit.t));
         add(hit.point, text, About::Triangle(Outcome::Nearest));
@@ -93,7 +95,7 @@ fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>) -> Vec<Label> {
     };
     let earlier = walk.tested.iter().rev().filter(|test| test.visit == current && Some(test.triangle) != shown);
     for test in earlier.filter(|_| walk.structure != Structure::Nothing).take(MOST_TESTS) {
-        add(middle_of(walk, test), words(test, false), About::Triangle(test.outcome));
+        add(middle_of(walk, test), words(test, false, scale), About::Triangle(test.outcome));
     }
     labels
 }
@@ -105,8 +107,9 @@ fn middle_of(walk: &WalkGeometry, test: &TestedTriangle) -> DVec3 {
 }
 
 /// A test in words: with its reason, or as short as possible.
-fn words(test: &TestedTriangle, is_long: bool) -> String {
-    let t = test.t.filter(|_| test.outcome.is_hit()).map_or_else(String::new, |t| format!(", t {}", number(t)));
+fn words(test: &TestedTriangle, is_long: bool, scale: &Scale) -> String {
+    let t = test.t.filter(|_| test.outcome.is_hit());
+    let t = t.map_or_else(String::new, |t| format!(", t {}", number(scale.t64(t))));
     match (is_long, test.outcome) {
         (true, Outcome::Nearest) => format!("triangle {}: hit{t}", test.triangle),
         (true, Outcome::NotNearest) => format!("triangle {}: hit{t}, {}", test.triangle, test.why),
@@ -134,6 +137,7 @@ pub(super) fn arrange(
     walk: &WalkGeometry,
     picked: Option<(Picked, Marked)>,
     camera: &Orbit,
+    scale: &Scale,
 ) -> Vec<Ready> {
     let size = DVec2::new(rect.width().into(), rect.height().into());
     let seen_at = |point: DVec3| {
@@ -141,7 +145,7 @@ pub(super) fn arrange(
         Some(rect.min + vec2(pixel.x as f32, pixel.y as f32))
     };
     let font = FontId::proportional(11.5);
-    let seen: Vec<(Pos2, Arc<Galley>, Color32)> = labels(walk, picked)
+    let seen: Vec<(Pos2, Arc<Galley>, Color32)> = labels(walk, picked, scale)
         .into_iter()
         .filter_map(|label| {
             // A tmax along an axis on which the ray hardly moves lies far outside.
