@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn the_line_follows_what_was_done() {
         let mut done = FirstSteps::default();
-        assert!(next(done, true).starts_with("Click a pixel"));
+        assert!(next(done, true).starts_with("Click any pixel"));
         done.has_clicked = true;
         assert!(next(done, true).contains("Shift+F11") && next(done, false).contains("F11 goes to its next"));
         done.has_followed = true;

@@ -1,13 +1,10 @@
 //! The arrangement of panels.
 
-use egui::{Vec2, vec2};
+use egui::Vec2;
 use egui_tiles::{Behavior, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
 
 use super::focus::{self, Focus};
 use super::pane::{Context, Pane, PaneKind};
-
-/// Room that a panel needs for its tools and some of its contents. A smaller tile scrolls.
-const LEAST: Vec2 = vec2(240.0, 120.0);
 
 /// Predefined layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,7 +138,7 @@ impl Behavior<Pane> for Panes<'_> {
         ui.scope_builder(own, |ui| {
             egui::Frame::NONE.inner_margin(6.0).show(ui, |ui| {
                 ui.set_min_size(ui.available_size());
-                let (size, wanted) = (ui.available_size(), ui.available_size().max(LEAST));
+                let (size, wanted) = (ui.available_size(), ui.available_size().max(pane.panel.least()));
                 if size == wanted {
                     pane.panel.show(ui, &mut self.cx);
                     return;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use egui::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 use super::canvas::Canvas;
@@ -146,6 +147,10 @@ pub trait Panel {
     }
     /// Restores saved state; ignores what it cannot read.
     fn load(&mut self, _saved: &str) {}
+    /// The room that its tools and some of its contents need. A smaller tile scrolls.
+    fn least(&self) -> Vec2 {
+        vec2(240.0, 120.0)
+    }
     /// Handles a command about a view; returns whether it did.
     fn command(&mut self, _command: Command, _cx: &mut Context<'_>) -> bool {
         false

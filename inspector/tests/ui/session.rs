@@ -101,7 +101,12 @@ fn go_on(mut stage: Stage, settings: Settings) {
     let tree = life(&Settings { accelerator: Accelerator::Bvh, ..settings });
     let hit = tree.rows.last().and_then(|row| row.after.triangle.zip(row.after.t)).expect("a hit");
     let line = format!("B: ray {},{}: ", pixel[0], pixel[1]);
-    let end = format!("{} passes: hits triangle {} at t {}", tree.rows.len(), hit.0, f64::from(hit.1) * tree.t_scale);
+    let end = format!(
+        "{} passes: hits triangle {} at t {} scene units",
+        tree.rows.len(),
+        hit.0,
+        f64::from(hit.1) * tree.t_scale
+    );
     let reads = |part: &str, end: &str| {
         stage.nodes().iter().any(|node| {
             use egui_kittest::kittest::NodeT as _;

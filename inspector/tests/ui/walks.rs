@@ -20,6 +20,12 @@ fn stage(accelerator: Accelerator) -> Stage {
     Stage::with_scene(CORNELL, settings, arrival)
 }
 
+/// Moves the unfolded walk from its own tile to the largest one.
+fn enlarge(stage: &mut Stage) {
+    stage.perform(Command::Show(PaneKind::Walk2d));
+    stage.perform(Command::Show(PaneKind::Walk2d));
+}
+
 fn walk(stage: &Stage) -> WalkGeometry {
     let model = stage.harness.state().model();
     let (life, opened) = (model.life.as_ref().expect("a ray"), model.opened.as_ref().expect("a run"));
@@ -37,7 +43,7 @@ fn cell_at(stage: &Stage, index: usize, count: usize) -> Pos2 {
 #[test]
 fn a_click_on_a_cell_goes_to_its_pass_and_every_panel_shows_it_until_escape() {
     let mut stage = stage(Accelerator::Grid);
-    stage.perform(Command::Show(PaneKind::Walk2d));
+    enlarge(&mut stage);
     let walk = walk(&stage);
     let visit = walk.cells[2];
     let [x, y, z] = visit.cell;
@@ -117,7 +123,7 @@ fn the_camera_frames_each_ray_until_it_is_moved_by_hand() {
 #[test]
 fn the_walk_through_the_other_structure_is_shown_without_a_second_run_and_with_one() {
     let mut stage = stage(Accelerator::Grid);
-    stage.perform(Command::Show(PaneKind::Walk2d));
+    enlarge(&mut stage);
     assert!(stage.find(Role::Button, |name| name == SHOW).is_some(), "{}", stage.read_out());
     stage.click(Role::Button, SHOW);
     stage.settle();

@@ -4,7 +4,7 @@ mod rows;
 
 use std::sync::Arc;
 
-use egui::{Color32, RichText, Ui};
+use egui::{Color32, RichText, Ui, Vec2, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
@@ -29,6 +29,11 @@ pub(in crate::ui) struct RayView {
 impl Panel for RayView {
     fn title(&self) -> String {
         "Ray".into()
+    }
+
+    fn least(&self) -> Vec2 {
+        // Some rows below what is said of the ray and of its current row.
+        vec2(240.0, 220.0)
     }
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {

@@ -11,7 +11,7 @@ mod ticks;
 
 use axis::{Axis, Scale};
 use columns::Columns;
-use egui::{EventFilter, FontId, Key, Modifiers, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
+use egui::{EventFilter, FontId, Key, Modifiers, Rect, Response, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use flags::Flags;
 use raystep_lab::text::counted;
 use serde::{Deserialize, Serialize};
@@ -67,6 +67,11 @@ struct Lanes {
 impl Panel for Timeline {
     fn title(&self) -> String {
         "Timeline".into()
+    }
+
+    fn least(&self) -> Vec2 {
+        // A strip below other panels: the chart needs little height.
+        vec2(240.0, 96.0)
     }
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {

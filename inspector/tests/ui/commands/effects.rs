@@ -89,6 +89,11 @@ pub(super) fn show_watches(stage: &mut Stage) -> f64 {
     f64::from(is_ray_watched(stage))
 }
 
+pub(super) fn show_passes(stage: &mut Stage) -> f64 {
+    stage.perform(Command::Show(PaneKind::Passes));
+    0.0
+}
+
 pub(super) fn watch_the_ray(stage: &mut Stage) -> f64 {
     show_watches(stage);
     if !is_ray_watched(stage) {

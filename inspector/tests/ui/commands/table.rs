@@ -10,8 +10,8 @@ use raystep_kernels::export::csv::COLUMNS;
 use super::effects::{
     assert_all, begin_lesson, beside, bookmarks_around, choose_cornell, choose_session, event, exposure, focused,
     is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing, open_session, over_a_texel,
-    pixel_moved, play, range, remove_bookmarks, same_kernel, show_watches, shown, slice, sort_rays, watch_the_ray,
-    zoomed,
+    pixel_moved, play, range, remove_bookmarks, same_kernel, show_passes, show_watches, shown, slice, sort_rays,
+    watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -141,7 +141,7 @@ pub(super) fn row(command: Command) -> Row {
             assert_eq!(is_ray_watched(s), was.number == 0.0);
             s.perform(Command::ToggleWatch);
         }),
-        C::ToggleBookmark => (nothing, |s, was| {
+        C::ToggleBookmark => (show_passes, |s, was| {
             s.settle();
             let flag = format!("{} •", was.place - 1);
             assert!(s.paints(&flag), "{:?}", s.painted());

@@ -22,7 +22,7 @@ impl Table {
             if width <= 0.0 {
                 continue;
             }
-            if is_cut(ui, rect.left(), [x, width]) {
+            if is_cut(ui, rect.left(), [x, width], columns) {
                 more(ui, rect);
                 break;
             }
@@ -109,7 +109,7 @@ impl Table {
         let clip = ui.clip_rect();
         let mut left = rect.left() + x;
         let is_out = left + width < clip.left() || left > clip.right();
-        if !is_below && (is_out || is_cut(ui, rect.left(), [x, width])) {
+        if !is_below && (is_out || is_cut(ui, rect.left(), [x, width], columns)) {
             return;
         }
         let look = view.rows.look(ui, row, column);
@@ -177,11 +177,16 @@ impl Table {
     }
 }
 
+/// Width of the sign of more columns.
+const SIGN: f32 = 10.0;
+
 /// Whether a column does not fit into the panel: part of a number would be a wrong one. Once the user scrolls to the
 /// right, all are shown.
-fn is_cut(ui: &Ui, left: f32, [x, width]: [f32; 2]) -> bool {
+fn is_cut(ui: &Ui, left: f32, [x, width]: [f32; 2], columns: &Columns) -> bool {
     let clip = ui.clip_rect();
-    clip.left() <= left + 1.0 && left + x + width > clip.right() + 0.5
+    // Where a column is cut, the sign of more columns needs room.
+    let sign = if left + columns.width > clip.right() + 0.5 { SIGN } else { 0.0 };
+    clip.left() <= left + 1.0 && left + x + width > clip.right() - sign + 0.5
 }
 
 /// The sign of more columns at the end of the heads.

@@ -169,13 +169,8 @@ fn squares(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scen
             let more = if square.visits.len() > 1 && has_room { "…" } else { "" };
             let color = if has_come { scene.visuals.strong_text_color() } else { scene.visuals.weak_text_color() };
             let text = format!("{}{more}", square.letters);
-            painter.text(
-                outline.left_top() + vec2(3.0, 1.0),
-                Align2::LEFT_TOP,
-                text,
-                FontId::proportional(11.0),
-                color,
-            );
+            let at = outline.left_top() + vec2(3.0, 1.0);
+            outlined(painter, at, Align2::LEFT_TOP, &text, color, scene.visuals);
         }
     }
     // In a BVH, the current node may still have to be visited.
@@ -188,6 +183,23 @@ fn squares(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scen
     if let Some(outline) = marked {
         painter.rect_stroke(outline, 0.0, Stroke::new(2.0, picked::color(scene.visuals)), StrokeKind::Outside);
     }
+}
+
+/// A letter in a coloured square, with an outline in the background's colour.
+pub(super) fn outlined(
+    painter: &egui::Painter,
+    at: Pos2,
+    align: Align2,
+    text: &str,
+    color: Color32,
+    visuals: &egui::Visuals,
+) {
+    let font = FontId::proportional(11.0);
+    let outline = visuals.panel_fill.gamma_multiply(0.75);
+    for by in [vec2(-1.0, 0.0), vec2(1.0, 0.0), vec2(0.0, -1.0), vec2(0.0, 1.0)] {
+        painter.text(at + by, align, text, font.clone(), outline);
+    }
+    painter.text(at, align, text, font, color);
 }
 
 fn triangles(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scene<'_>) {

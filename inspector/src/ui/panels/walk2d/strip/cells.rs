@@ -3,7 +3,7 @@
 use egui::{Align2, Rect, Stroke, StrokeKind, pos2, vec2};
 
 use super::super::Under;
-use super::super::picture::{current_color, in_order, ray_color};
+use super::super::picture::{current_color, in_order, outlined, ray_color};
 use super::super::progress::row_of;
 use super::dots::Note;
 use super::words::{cell_words, leap_words};
@@ -90,7 +90,14 @@ impl Pen<'_> {
         }
         if column.width() >= 12.0 {
             let at = column.center_top() + vec2(0.0, 1.0);
-            self.text(at, Align2::CENTER_TOP, &cell.letters, self.text_color(has_come));
+            outlined(
+                self.painter,
+                at,
+                Align2::CENTER_TOP,
+                &cell.letters,
+                self.text_color(has_come),
+                self.scene.visuals,
+            );
         }
         let row = row_of(self.scene.walk, cell.visit).filter(|_| self.is_over(above.union(column)))?;
         Some(Under { text: cell_words(cell, self.scene), row, what })

@@ -98,7 +98,8 @@ impl Pen<'_> {
         let wanted: Vec<Wanted> =
             notes.iter().zip(&galleys).map(|(n, g)| Wanted { at: n.at, size: g.size() + 2.0 * margin }).collect();
         let places = places(room, &wanted, &Avoid::default());
-        let background = self.scene.visuals.panel_fill.gamma_multiply(0.9);
+        // Opaque: bars beneath it would take contrast from the text.
+        let background = self.scene.visuals.panel_fill;
         for (note, place) in notes.iter().zip(&places) {
             if let Some(line) = place.and_then(|place| place.leader) {
                 self.painter.line_segment(line, Stroke::new(1.0, note.color.gamma_multiply(0.6)));
