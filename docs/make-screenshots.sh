@@ -19,14 +19,14 @@ shot ../walk scenes/cornell-box.gltf --grid 5 --pixel 360,180 --window 1080x400 
 shot full $box --pass 35 --window 1600x1000 --do "Full layout"
 shot walk $box --pass 35 --window 1600x900 --do "Full layout" --do "Unfolded walk" --do "Kernel"
 shot tree scenes/teapot.glb --size 256x256 --accelerator bvh --pass 60 --window 1600x1000 --do "Full layout"
-shot compare scenes/teapot.glb --size 256x256 --window 1500x760 --do "Compare with BVH"
+shot compare scenes/teapot.glb --size 256x256 --window 1500x760 --do "Compare with BVH" --do "Maximise panel"
 shot runs docs/cornell-box.raystep-session --window 1600x900 --do "Run kept runs again" --do "Runs"
-shot divergence scenes/terrain.glb --size 256x256 --window 1280x760 --do "Map GPU/CPU differences"
+shot divergence scenes/terrain.glb --size 256x256 --window 1280x760 --do "Map GPU/CPU differences" --do "Maximise panel"
 shot error scenes/cornell-box.gltf --numerics paper --grid 20 --window 1000x600 --do "Judge hits"
 shot cost scenes/terrain.glb --size 256x256 --window 1280x760 --do "Cost"
 shot structure scenes/sphere-flake.glb --size 256x256 --window 1280x760 --do "Grid and BVH"
 shot timings scenes/terrain.glb --size 256x256 --window 1280x760 --do "Timings"
-shot dataflow $box --pass 35 --window 1280x760 --do "Data flow"
+shot dataflow $box --pass 35 --window 1280x760 --do "Data flow" --do "Maximise panel"
 shot plan $box --window 1280x760 --do "Plan" --do "Toggle light/dark theme"
 shot lesson --lesson inspector/lessons/crack.md --step 3 --window 1280x760
 shot texels --link "raystep:1?scene=scenes/cornell-box.gltf&size=256x256&pixel=96,180&pass=35&stream=state&zoom=96&pan=96,180" \

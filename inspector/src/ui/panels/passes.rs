@@ -1,6 +1,6 @@
 //! The list of passes: kernel, duration, rays. A click goes there.
 
-use egui::Ui;
+use egui::{Ui, Vec2, vec2};
 use raystep_kernels::{Pass, Rounding};
 use raystep_lab::text::counted;
 
@@ -22,6 +22,11 @@ pub(in crate::ui) struct Passes {
 impl Panel for Passes {
     fn title(&self) -> String {
         "Passes".into()
+    }
+
+    fn least(&self) -> Vec2 {
+        // A strip below other panels has room for the current row.
+        vec2(240.0, 84.0)
     }
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
