@@ -302,14 +302,14 @@ pub(super) fn row(command: Command) -> Row {
         ),
         C::Maximise => (nothing, |s, was| {
             s.settle();
-            assert_eq!((was.panes.len(), s.harness.state().panes_in_view().len()), (3, 1));
+            assert_eq!((was.panes.len(), s.harness.state().panes_in_view().len()), (4, 1));
             s.get(Role::Button, "Restore layout");
             s.perform(Command::Maximise);
             assert_eq!(s.harness.state().panes_in_view(), was.panes);
         }),
         C::NextPanel => (nothing, |s, _| {
             s.settle();
-            assert_eq!(focused(s).as_deref(), Some("Passes panel"));
+            assert_eq!(focused(s).as_deref(), Some("Stream panel"));
         }),
         C::PreviousPanel => (nothing, |s, _| {
             s.settle();
@@ -327,8 +327,9 @@ pub(super) fn row(command: Command) -> Row {
             },
             |s, _| {
                 s.settle();
-                assert_eq!(s.harness.state().panes_in_view().len(), 3);
-                [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray].into_iter().for_each(|kind| is_shown(s, kind));
+                assert_eq!(s.harness.state().panes_in_view().len(), 4);
+                let all = [PaneKind::Stream, PaneKind::Walk2d, PaneKind::Ray, PaneKind::Timeline];
+                all.into_iter().for_each(|kind| is_shown(s, kind));
             },
         ),
         C::FullLayout => (nothing, |s, _| {
