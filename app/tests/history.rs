@@ -66,8 +66,8 @@ fn every_value_of_a_row_is_the_streams_after_its_pass() {
             row["t_after_traced"].parse::<f32>().ok().map(f32::to_bits),
             (hit[2] != u32::MAX).then_some(state[1])
         );
-        let in_scene = |t: f64| t * json_of_run["t_scale"].as_f64().expect("a number");
-        assert_eq!(row["t_after_scene"].parse::<f64>().ok(), row["t_after_traced"].parse().ok().map(in_scene));
+        let in_scene = |t: f32| f64::from(t) * json_of_run["t_scale"].as_f64().expect("a number");
+        assert_eq!(row["t_after_scene"].parse().ok(), row["t_after_traced"].parse().ok().map(in_scene));
         assert_eq!(row["triangle_after"].parse::<u32>().ok(), Some(hit[2]).filter(|&id| id != u32::MAX));
         // JSON has the same, and the cell that a pass works in.
         let after = &json["after"];

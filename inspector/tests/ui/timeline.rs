@@ -126,6 +126,9 @@ fn passes_that_were_never_shown_have_thumbnails() {
         let small = texels(&s.harness.render().expect("it can be drawn"), thumb);
         let mut other = stage(settings(device), places[2]);
         let end = format!("after {} passes", places[2]);
+        // Thumbnails are of states, also where the stream shows cells as all rays are in one state.
+        other.click(Role::Button, "tag");
+        other.settle();
         let rect = other.find(Role::Image, |name| name.contains(&end)).expect("the stream").rect();
         let large = texels(&other.harness.render().expect("it can be drawn"), rect);
         let off = |a: [u8; 4], b: [u8; 4]| a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max();

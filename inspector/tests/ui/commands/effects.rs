@@ -183,7 +183,8 @@ pub(super) fn moved_view(stage: &mut Stage) -> f64 {
 
 /// A second tab beside the passes, with keyboard focus.
 pub(super) fn beside(stage: &mut Stage) -> f64 {
-    for kind in [PaneKind::Stream, PaneKind::Ray, PaneKind::Log] {
+    stage.close_panels();
+    for kind in [PaneKind::Passes, PaneKind::Log] {
         stage.perform(Command::Show(kind));
     }
     stage.perform(Command::NextPanel);

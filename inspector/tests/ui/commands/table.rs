@@ -8,10 +8,17 @@ use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
+<<<<<<< ours
     ask, assert_all, begin_lesson, begin_play, beside, bookmarks_around, choose_cornell, choose_session, event,
     exposure, focused, is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing,
     open_session, over_a_texel, pixel_moved, play, range, remove_bookmarks, same_kernel, show_passes, show_watches,
     shown, slice, sort_rays, watch_the_ray, zoomed,
+=======
+    assert_all, begin_lesson, beside, bookmarks_around, choose_cornell, choose_session, event, exposure, focused,
+    is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing, open_session, over_a_texel,
+    pixel_moved, play, range, remove_bookmarks, same_kernel, show_passes, show_watches, shown, slice, sort_rays,
+    watch_the_ray, zoomed,
+>>>>>>> theirs
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -302,14 +309,14 @@ pub(super) fn row(command: Command) -> Row {
         ),
         C::Maximise => (nothing, |s, was| {
             s.settle();
-            assert_eq!((was.panes.len(), s.harness.state().panes_in_view().len()), (3, 1));
+            assert_eq!((was.panes.len(), s.harness.state().panes_in_view().len()), (4, 1));
             s.get(Role::Button, "Restore layout");
             s.perform(Command::Maximise);
             assert_eq!(s.harness.state().panes_in_view(), was.panes);
         }),
         C::NextPanel => (nothing, |s, _| {
             s.settle();
-            assert_eq!(focused(s).as_deref(), Some("Passes panel"));
+            assert_eq!(focused(s).as_deref(), Some("Stream panel"));
         }),
         C::PreviousPanel => (nothing, |s, _| {
             s.settle();
@@ -327,8 +334,9 @@ pub(super) fn row(command: Command) -> Row {
             },
             |s, _| {
                 s.settle();
-                assert_eq!(s.harness.state().panes_in_view().len(), 3);
-                [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray].into_iter().for_each(|kind| is_shown(s, kind));
+                assert_eq!(s.harness.state().panes_in_view().len(), 4);
+                let all = [PaneKind::Stream, PaneKind::Walk2d, PaneKind::Ray, PaneKind::Timeline];
+                all.into_iter().for_each(|kind| is_shown(s, kind));
             },
         ),
         C::FullLayout => (nothing, |s, _| {
