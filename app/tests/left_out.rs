@@ -194,7 +194,7 @@ fn a_plan_is_measured_on_an_adapter() {
 
     let text = place.ok(&plan).stdout;
     let line = |name: &str| text.lines().find(|line| line.trim_start().starts_with(name)).expect("a line");
-    assert!(line("item ").contains("time with it / without [95%]  memory") && line("item ").contains("start-up"));
+    assert!(line("item ").contains("time with it / without [95%]") && line("item ").contains("start-up"));
     assert!(line("all ").contains('['), "{text}");
     assert!(line("textures ").contains("no base colour texture"), "{text}");
 
