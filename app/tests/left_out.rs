@@ -119,7 +119,7 @@ fn an_adapter_tells_what_putting_back_each_item_costs() {
         assert!(number(&way[0], "buffer_bytes_with") > number(&way[0], "buffer_bytes"));
     }
     assert!(page.contains("spot-lights (no spot light)") && page.contains("times as long"), "{page}");
-    assert!(place.path("out/cornell-box-left-out-time.svg").exists());
+    assert!(place.path("out/cornell-box-left-out-time-one-column.pdf").exists());
 }
 
 #[test]

@@ -69,11 +69,13 @@ pub(crate) fn check_page(place: &Place, folder: &str, tables: &Tables) {
             assert!(fields.contains(value.as_str()) || about.contains(value.as_str()), "{value} is not in {file}");
         }
     }
-    let links = between(&page, "<a href=\"", "\"").into_iter();
-    let figures: Vec<&str> = links.filter(|name| name.ends_with(".svg")).collect();
-    assert_eq!(figures.len(), page.matches("<svg").count(), "every figure is linked");
-    for name in figures {
-        assert!(place.read(&format!("{folder}/{name}")).starts_with(b"<svg"), "{name}");
+    let links = between(&page, "<a href=\"", "\"");
+    for (kind, begin) in [(".svg", &b"<svg"[..]), (".pdf", b"%PDF-")] {
+        let figures: Vec<&&str> = links.iter().filter(|name| name.ends_with(kind)).collect();
+        assert_eq!(figures.len(), 2 * page.matches("<svg").count(), "every figure is linked, for one and two columns");
+        for name in figures {
+            assert!(place.read(&format!("{folder}/{name}")).starts_with(begin), "{name}");
+        }
     }
 }
 

@@ -30,14 +30,16 @@ use crate::scene_file::read_file;
 use crate::session::run_id;
 use crate::terminal::{Progress, print};
 
-/// Report error against run time: CSV files, plots and a page
+/// Report error against run time: CSV files, figures and a page
 ///
 /// Measures how fast rays are resolved, and how many wrongly, by accelerator and schedule; the cost and benefit of each
 /// numerical rule; errors far from the origin and at tiny and huge scales; effects of grid resolution and samples per
 /// pixel; and what omitting unneeded work saves. Every ray, or in large scenes a sample of them, is compared with f64
 /// brute force. Takes one to three minutes per scene on two cores; --quick takes less.
 ///
-/// DIR/index.html is self-contained; all its numbers are also in CSV files, and all its plots are also SVG files. The
+/// DIR/index.html is self-contained; all its numbers are also in CSV files. Each of its figures is there for a paper, too,
+/// as PDF and SVG of one column's width (84 mm) and of two columns' (178 mm), such as
+/// DIR/cornell-box-choices-precision-one-column.pdf: \\includegraphics takes it as it is. The
 /// same command on the same machine finds the same errors; times differ. The first sentences of the page are also
 /// printed.
 #[derive(Args, Debug)]
@@ -174,7 +176,10 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
             let (_, lead) = report(args, &progress)?;
             progress.finish();
             let page = args.output.iter().map(|output| output.join(report::PAGE)).next().unwrap_or_default();
-            progress.say(format_args!("wrote {} with its CSV files and plots", page.display()));
+            progress.say(format_args!(
+                "wrote {}, its CSV files, and its figures for papers, *-one-column.pdf, *-two-columns.pdf and .svg",
+                page.display()
+            ));
             if args.quiet.quiet { Ok(()) } else { print(&lead.iter().map(|s| format!("{s}\n")).collect::<String>()) }
         }
     }

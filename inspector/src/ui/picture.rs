@@ -1,19 +1,14 @@
 //! Paints the plots of the lab in the colours of the window.
 
-use egui::epaint::{CircleShape, PathShape, RectShape, TextShape};
-use egui::{
-    Align, Align2, Color32, CornerRadius, FontId, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, pos2, vec2,
-};
-use raystep_lab::plots::Ink;
+use egui::epaint::{CircleShape, PathShape, TextShape};
+use egui::{Align, Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, vec2};
 use raystep_lab::plots::picture::{Element, Form, Picture, Point, Side};
+use raystep_lab::plots::{Ink, font};
 
 use super::style::SMALLEST;
 
 /// Largest magnification.
 const MOST: f32 = 1.6;
-
-/// Size of a font in an SVG file in relation to that of the same font here.
-const FONT: f64 = 1.24;
 
 /// Shows a plot as wide as there is room, with a name for screen readers.
 pub(super) fn show(ui: &mut Ui, picture: &Picture, name: &str) {
@@ -56,22 +51,20 @@ impl Paint<'_> {
 
     fn shape(&self, element: &Element) -> Shape {
         let color = self.color(element);
-        let stroke = |width: u32| Stroke::new(width as f32, color);
+        let stroke = |width: f64| Stroke::new(width as f32, color);
+        let all = |points: &[Point]| points.iter().map(|&point| self.at(point)).collect::<Vec<Pos2>>();
         match &element.form {
-            Form::Line { points, width } => {
-                Shape::line(points.iter().map(|&point| self.at(point)).collect(), stroke(*width))
+            Form::Line { points, width, dashes: [] } => Shape::line(all(points), stroke(*width)),
+            Form::Line { points, width, dashes } => {
+                let lengths =
+                    |first: usize| dashes.iter().skip(first).step_by(2).map(|part| part * self.scale).collect();
+                let [on, off]: [Vec<f32>; 2] = [lengths(0), lengths(1)];
+                Shape::Vec(Shape::dashed_line_with_offset(&all(points), stroke(*width), &on, &off, 0.0))
             }
-            Form::Polygon(points) => {
-                let points = points.iter().map(|&point| self.at(point)).collect();
-                PathShape::convex_polygon(points, color, Stroke::NONE).into()
+            Form::Polygon { points, outline: None } => {
+                PathShape::convex_polygon(all(points), color, Stroke::NONE).into()
             }
-            Form::Rectangle { corners: [from, to], is_filled } => {
-                let rect = Rect::from_two_pos(self.at(*from), self.at(*to));
-                match is_filled {
-                    true => RectShape::filled(rect, CornerRadius::ZERO, color).into(),
-                    false => RectShape::stroke(rect, CornerRadius::ZERO, stroke(1), StrokeKind::Middle).into(),
-                }
-            }
+            Form::Polygon { points, outline: Some(width) } => Shape::closed_line(all(points), stroke(*width)),
             Form::Circle { center, radius, outline } => {
                 let (center, radius) = (self.at(*center), *radius as f32 * self.scale);
                 match outline {
@@ -79,20 +72,21 @@ impl Paint<'_> {
                     Some(width) => CircleShape::stroke(center, radius, stroke(*width)).into(),
                 }
             }
-            Form::Text { text, at, size, align, is_vertical } => {
-                let size = ((size / FONT) as f32 * self.scale).max(SMALLEST);
-                self.text(text, self.at(*at), size, align.map(align_of), *is_vertical, color)
+            Form::Text { text, at, size, align } => {
+                let width = font::width(text, *size) as f32 * self.scale;
+                self.text(text, self.at(*at), *size as f32 * self.scale, width, align.map(align_of), color)
             }
         }
     }
 
-    fn text(&self, text: &str, at: Pos2, size: f32, align: [Align; 2], is_vertical: bool, color: Color32) -> Shape {
-        let galley = self.ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(size), color);
-        let [across, down] = align.map(Align::to_factor);
-        if is_vertical {
-            let corner = pos2(at.x - down * galley.size().y, at.y + across * galley.size().x);
-            return TextShape::new(corner, galley, color).with_angle(-std::f32::consts::FRAC_PI_2).into();
-        }
+    /// No wider than the plot was laid out for: the window's font is not that of the files.
+    fn text(&self, text: &str, at: Pos2, size: f32, width: f32, align: [Align; 2], color: Color32) -> Shape {
+        let layout = |size: f32| {
+            let font = FontId::proportional(size.max(SMALLEST));
+            self.ui.painter().layout_no_wrap(text.to_owned(), font, color)
+        };
+        let galley = layout(size);
+        let galley = if galley.size().x > width { layout(size * width / galley.size().x) } else { galley };
         let rect = Align2(align).anchor_size(at, galley.size());
         TextShape::new(rect.min, galley, color).into()
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use raystep_inspector::session::measure::{Measure, Measurement};
 use raystep_kernels::let_others_run;
 use raystep_lab::plots::precision::{Choice, Precision};
-use raystep_lab::plots::{Axis, Scale, Shape};
+use raystep_lab::plots::{Axis, Draw as _, Format, Mark, Scale};
 use raystep_lab::report::Answer;
 use raystep_lab::reporter::Reporter;
 
@@ -36,7 +36,7 @@ async fn answer(measurement: Measurement, reporter: &dyn Reporter) -> Result<Ans
         wrong_ends: Some((0.5 * wrong, 2.0 * wrong + 81.0)),
         undecided: 30.0,
         color,
-        shape: Shape::Disc,
+        shape: Mark::Dot,
         is_hollow: wrong > 0.0,
         is_front: true,
     };
@@ -46,11 +46,11 @@ async fn answer(measurement: Measurement, reporter: &dyn Reporter) -> Result<Ans
             x: Axis::new("time a ray, ns", Scale::Log),
             y: Axis::new("wrong rays per million", Scale::Log),
             at_most: Some(81.0),
-            legend: vec![("grid".into(), Some(0), Shape::Disc, false)],
+            legend: vec![("grid".into(), Some(0), Mark::Dot, false)],
             from,
             choices: vec![choice("bvh, fused", 120.0, 0.0, 1), choice("grid, fused, paper", 90.0, 300.0, 0)],
         };
-        diagram.picture().ok().flatten().expect("it has choices")
+        diagram.picture(Format::Screen).expect("it has choices")
     };
     let name = measurement.subject.scene.name;
     let rows = [["bvh, fused, robust", "120 ns", "0 of 4,096"], ["grid, fused, paper", "90 ns", "12 of 4,096"]];

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::shared::grid_walk::{Grid, WalkRules};
-use raystep_lab::plots::{Axis, Mark, Plot, Scale, Series};
+use raystep_lab::plots::{Axis, Draw as _, Format, Mark, Plot, Scale, Series};
 use raystep_lab::rays::Random;
 use raystep_lab::statistics::median;
 
@@ -126,6 +126,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         places: Vec::new(),
     };
     std::fs::write(folder.join("traversals.csv"), csv)?;
-    std::fs::write(folder.join("traversals.svg"), plot.svg()?.ok_or("nothing to plot")?)?;
+    std::fs::write(folder.join("traversals.svg"), plot.picture(Format::Screen).ok_or("nothing to plot")?.svg())?;
     Ok(())
 }

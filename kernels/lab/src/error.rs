@@ -53,9 +53,6 @@ pub enum Error {
     /// No scene has a ray of the kinds that were asked for.
     #[error("nothing to measure: no pixel has a ray of the requested kinds")]
     NoRays,
-    /// A plot could not be drawn.
-    #[error("cannot draw a plot: {0}")]
-    Plot(String),
     /// A picture could not be encoded.
     #[error("cannot encode a picture: {0}")]
     Picture(#[from] image::ImageError),

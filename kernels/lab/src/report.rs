@@ -259,7 +259,7 @@ impl Report {
         let mut files = vec![(ABOUT.to_owned(), self.about(about)?)];
         let page = page::html(about, &self.scenes, self.record.seed);
         for scene in &self.scenes {
-            files.extend(scene.svgs().map(|(name, svg)| (name, svg.as_bytes().to_vec())));
+            files.extend(scene.figures());
         }
         let of_sections = self.tables.into_iter().map(|(section, table)| (section.file, section.row, table));
         let tables: Vec<_> = of_sections.chain(self.record.into_tables()).collect();
@@ -306,8 +306,10 @@ const ABOUT_COLUMNS: &[&str] = &["schema_version", "run_id", "scene", "name", "v
 /// Whether a report may contain a file with this name.
 #[must_use]
 pub fn is_ours(name: &str) -> bool {
-    let is_figure =
-        name.strip_suffix(".svg").is_some_and(|stem| SECTIONS.iter().any(|s| stem.contains(&format!("-{}-", s.name))));
+    let is_figure = [".pdf", ".svg"]
+        .into_iter()
+        .filter_map(|kind| name.strip_suffix(kind))
+        .any(|stem| SECTIONS.iter().any(|section| stem.contains(&format!("-{}-", section.name))));
     let tables = [PAGE, ABOUT, package::FILE, record::RUNS, record::RAYS];
     tables.contains(&name) || SECTIONS.iter().any(|s| s.file == name) || is_figure
 }
@@ -325,7 +327,14 @@ mod tests {
 
     #[test]
     fn our_names_are_known_and_others_are_not() {
-        for name in ["index.html", "about.csv", "runs.csv", "left_out.csv", "a-b-grid-time.svg", "datapackage.json"] {
+        for name in [
+            "index.html",
+            "about.csv",
+            "runs.csv",
+            "left_out.csv",
+            "a-b-grid-time-one-column.svg",
+            "a-grid-time-two-columns.pdf",
+        ] {
             assert!(is_ours(name), "{name}");
         }
         for name in ["plot-1.svg", "grid.svg", "notes.csv", "index.htm"] {

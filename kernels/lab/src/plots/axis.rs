@@ -11,8 +11,6 @@ pub enum Scale {
     Log,
     /// Logarithmic, with a place for 0 below the lowest decade.
     LogWithZero,
-    /// Categories: value 1 is the first of these names, and so on.
-    Names(&'static [&'static str]),
 }
 
 impl Scale {
@@ -20,7 +18,7 @@ impl Scale {
     pub(super) fn has(self, value: f64) -> bool {
         value.is_finite()
             && match self {
-                Self::Linear | Self::Ratio | Self::Names(_) => true,
+                Self::Linear | Self::Ratio => true,
                 Self::Log => value > 0.0,
                 Self::LogWithZero => value >= 0.0,
             }
@@ -65,8 +63,8 @@ impl Axis {
         let span = |values: &mut dyn Iterator<Item = f64>| {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (f64::min(l, v), f64::max(h, v)))
         };
-        if let Scale::Names(names) = scale {
-            return Ranged { scale, text, low: 0.5, high: names.len() as f64 + 0.5 };
+        if values.is_empty() {
+            return Ranged { scale, text, low: 0.0, high: 1.0 };
         }
         if scale == Scale::Ratio {
             let (low, high) = span(&mut values.into_iter());
@@ -96,37 +94,38 @@ impl Ranged {
     /// The position of a value, from 0 to 1.
     pub(super) fn part(&self, value: f64) -> f64 {
         let value = match self.scale {
-            Scale::Linear | Scale::Ratio | Scale::Names(_) => value,
+            Scale::Linear | Scale::Ratio => value,
             Scale::LogWithZero if value <= 0.0 => self.low,
             Scale::Log | Scale::LogWithZero => value.max(f64::MIN_POSITIVE).log10(),
         };
         ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
     }
 
-    /// Values with their labels.
-    pub(super) fn ticks(&self) -> Vec<(f64, String)> {
-        let mut values = match self.scale {
-            Scale::Names(names) => return (1..).map(f64::from).zip(names.iter().map(|&n| n.to_owned())).collect(),
-            Scale::Linear | Scale::Ratio => self.even(),
+    /// Values with their labels: as many as fit.
+    pub(super) fn ticks(&self, do_fit: impl Fn(&[(f64, String)]) -> bool) -> Vec<(f64, String)> {
+        let labelled = |values: Vec<f64>| -> Vec<(f64, String)> {
+            let zero = (self.scale == Scale::LogWithZero).then_some(0.0);
+            zero.into_iter().chain(values).map(|v| (v, (self.text)(v))).collect()
+        };
+        let sets = match self.scale {
+            Scale::Linear | Scale::Ratio => even([self.low, self.high]),
             Scale::Log | Scale::LogWithZero => self.decades(),
         };
-        if self.scale == Scale::LogWithZero {
-            values.insert(0, 0.0);
+        let mut ticks = Vec::new();
+        for set in sets {
+            ticks = labelled(set);
+            if ticks.len() <= MOST && do_fit(&ticks) {
+                return ticks;
+            }
         }
-        values.into_iter().map(|v| (v, (self.text)(v))).collect()
+        while ticks.len() > 1 && !do_fit(&ticks) {
+            ticks = ticks.into_iter().step_by(2).collect();
+        }
+        ticks
     }
 
-    /// Multiples of 1, 2 or 5 times a power of ten.
-    fn even(&self) -> Vec<f64> {
-        let rough = (self.high - self.low) / 6.0;
-        let power = 10f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&s| s >= rough).unwrap_or(rough);
-        let (first, last) = ((self.low / step - 1e-9).ceil() as i64, (self.high / step + 1e-9).floor() as i64);
-        (first..=last).map(|i| i as f64 * step).collect()
-    }
-
-    /// Powers of ten; with 2 and 5 times these if there are few, with some omitted if there are many.
-    fn decades(&self) -> Vec<f64> {
+    /// Powers of ten, with some multiples of them, the most first; at last powers with some omitted.
+    fn decades(&self) -> Vec<Vec<f64>> {
         // The lowest decade is the place for 0.
         let low = if self.scale == Scale::LogWithZero { self.low + 1.0 } else { self.low };
         let is_in = |v: &f64| (low - 1e-9..=self.high + 1e-9).contains(&v.log10());
@@ -135,17 +134,39 @@ impl Ranged {
             let power = |k: i32| multiples.iter().map(move |m| m * 10f64.powi(k));
             (first..=last).flat_map(power).filter(is_in).collect()
         };
-        for multiples in [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0][..], &[1.0, 2.0, 5.0], &[1.0, 3.0]] {
-            let ticks = of(multiples);
-            if ticks.len() <= MOST {
-                return ticks;
-            }
-        }
-        let powers = of(&[1.0]);
-        let every = powers.len().div_ceil(MOST);
+        let multiples = [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0][..], &[1.0, 2.0, 5.0], &[1.0, 3.0], &[1.0]].map(of);
+        let [.., powers] = &multiples;
         // Multiples that include 10⁰, so that 1 is labelled.
-        powers.into_iter().filter(|v| v.log10().round() as i64 % every as i64 == 0).collect()
+        let every = |step: i64| powers.iter().copied().filter(|v| v.log10().round() as i64 % step == 0).collect();
+        let fewer: Vec<Vec<f64>> = [2, 3, 5, 10, 20, 50, 100].map(every).into();
+        // With 0, one more is enough.
+        let is_useful = |set: &Vec<f64>| set.len() > usize::from(self.scale == Scale::Log);
+        let mut sets: Vec<Vec<f64>> = multiples.into_iter().chain(fewer).filter(is_useful).collect();
+        // Within a decade there may be one of them or none.
+        if self.high - low < 1.0 {
+            sets.extend(even([low, self.high].map(|power| 10f64.powf(power))).into_iter().filter(is_useful));
+        }
+        sets
     }
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten, the most first.
+fn even([low, high]: [f64; 2]) -> Vec<Vec<f64>> {
+    // More are not read.
+    const MOST_STEPS: f64 = 50.0;
+    let of = |parts: f64| -> Vec<f64> {
+        let rough = (high - low) / parts;
+        let power = 10f64.powf(rough.log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&s| s >= rough).unwrap_or(rough);
+        let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
+        let count = last - first;
+        // Neither where the range is as large as numbers get.
+        if !(0.0..=MOST_STEPS).contains(&count) {
+            return Vec::new();
+        }
+        (0..=count as u32).map(|i| (first + f64::from(i)) * step).collect()
+    };
+    [6.0, 4.0, 3.0, 2.0].map(of).into_iter().filter(|set| !set.is_empty()).collect()
 }
 
 /// A number written as short as possible.
@@ -155,7 +176,8 @@ fn short(value: f64) -> String {
     let rounded = format!("{value:.3e}").parse().unwrap_or(value);
     match magnitude {
         0.0 => "0".into(),
-        m if !(1e-4..1e6).contains(&m) => format!("{rounded:e}"),
+        m if !(1e-4..1e9).contains(&m) => format!("{rounded:e}"),
+        m if m >= 1e6 => format!("{}M", rounded / 1e6),
         m if m >= 1e4 => format!("{}k", rounded / 1e3),
         _ => format!("{rounded}"),
     }
@@ -167,7 +189,7 @@ mod tests {
 
     fn labels(scale: Scale, values: &[f64]) -> Vec<String> {
         let axis = Axis::new("", scale);
-        axis.over(values.iter().copied()).ticks().into_iter().map(|t| t.1).collect()
+        axis.over(values.iter().copied()).ticks(|_| true).into_iter().map(|t| t.1).collect()
     }
 
     #[test]
@@ -178,7 +200,6 @@ mod tests {
         assert!(wide.len() <= MOST && wide.contains(&"1".into()) && wide.contains(&"1e-20".into()), "{wide:?}");
         const LONG: [&str; 9] = ["0", "100", "200", "500", "1000", "2000", "5000", "10k", "20k"];
         assert_eq!(labels(Scale::LogWithZero, &[0.0, 0.0]), ["0", "1"]);
-        assert_eq!(labels(Scale::Names(&["a", "b"]), &[1.0]), ["a", "b"]);
         assert_eq!(labels(Scale::LogWithZero, &[0.0, 150.0, 20_000.0]), LONG);
         for (scale, values) in [(Scale::Linear, [0.0, 0.0]), (Scale::Log, [7.0, 7.0]), (Scale::Log, [1.3, 1.9])] {
             let labels = labels(scale, &values);

@@ -1,137 +1,285 @@
-//! Elements of plots: text, frame, legend, lines and marks.
+//! What all plots consist of: heading, legend, axes, lines and marks.
 
-use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{BLACK, Color as _, FontTransform, IntoFont as _, IntoTextStyle as _, RGBColor, ShapeStyle};
-
-use super::picture::{Area, Picture};
-use super::{Mark, Series, Stroke};
-use crate::Error;
+use super::axis::Ranged;
+use super::font::{self, wrapped};
+use super::frame::Frame;
+use super::picture::{BLACK, Color, Dashes, Form, GRID, LINE, Picture, Point, SIZE, Side, THICK, THIN};
+use super::{Dash, Mark, Series, Stroke};
 
 /// Okabe and Ito's palette, distinguishable with colour vision deficiency.
-pub(super) const PALETTE: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(150, 130, 20),
-    RGBColor(0, 0, 0),
-];
+pub(super) const PALETTE: [Color; 7] =
+    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [150, 130, 20], [0, 0, 0]];
 
-/// Colour of grid lines behind the data.
-pub(super) const GRID: RGBColor = RGBColor(230, 230, 230);
-
-/// A rectangle of the image, in pixels.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
-    pub(super) left: i32,
-    pub(super) right: i32,
-    pub(super) top: i32,
-    pub(super) bottom: i32,
+pub(super) fn color(index: usize) -> Color {
+    PALETTE[index % PALETTE.len()]
 }
 
-pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
+/// Between a picture's edge and what is drawn.
+pub(super) const MARGIN: f64 = 8.0;
 
-pub(super) const SIZE: (u32, u32) = (860, 400);
-pub(super) const FRAME: Frame = Frame { left: 92, right: 600, top: 40, bottom: 340 };
-pub(super) const LEGEND: i32 = 622;
+/// Size of headings, which only screens have: on paper the caption says it.
+const HEADING: f64 = 15.0;
 
-/// An SVG drawn by `draw`, without what only a standalone file needs.
-pub(super) fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, Error> {
-    Picture::drawn(size, draw)?.svg()
+/// What a legend's entry shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Symbol {
+    /// A line with a mark.
+    Line(Stroke, Mark, bool),
+    /// An area.
+    Area,
+    /// A line at a value.
+    Place(Dashes),
 }
 
-pub(super) fn text_at(area: &Area<'_>, text: &str, at: (i32, i32), size: i32, (h, v): (HPos, VPos)) -> Drawn {
-    let style = ("sans-serif", size).into_font().color(&BLACK).pos(Pos::new(h, v));
-    area.draw(&Text::new(text.to_owned(), at, style))?;
-    Ok(())
+/// A legend's entry.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) name: String,
+    pub(super) color: Color,
+    pub(super) symbol: Symbol,
 }
 
-pub(super) fn frame(area: &Area<'_>, title: &str, x: &str, y: &str) -> Drawn {
-    text_at(area, title, (FRAME.left, 14), 16, (HPos::Left, VPos::Center))?;
-    text_at(area, x, ((FRAME.left + FRAME.right) / 2, FRAME.bottom + 34), 14, (HPos::Center, VPos::Top))?;
-    let font = ("sans-serif", 14).into_font().transform(FontTransform::Rotate270);
-    let style = font.into_text_style(area).color(&BLACK).pos(Pos::new(HPos::Center, VPos::Center));
-    area.draw(&Text::new(y.to_owned(), (16, (FRAME.top + FRAME.bottom) / 2), style))?;
-    Ok(())
-}
+impl Entry {
+    pub(super) fn mark(name: &str, color: Color, mark: Mark, is_hollow: bool) -> Self {
+        Self { name: name.to_owned(), color, symbol: Symbol::Line(Stroke::None, mark, is_hollow) }
+    }
 
-pub(super) fn border(area: &Area<'_>) -> Drawn {
-    area.draw(&Rectangle::new([(FRAME.left, FRAME.top), (FRAME.right, FRAME.bottom)], BLACK.stroke_width(1)))?;
-    Ok(())
-}
-
-pub(super) fn legend(area: &Area<'_>, series: &[Series]) -> Drawn {
-    // Series with the same name share one entry.
-    let mut named: Vec<&Series> = Vec::new();
-    for s in series.iter().filter(|s| !s.name.is_empty()) {
-        if !named.iter().any(|n| n.name == s.name) {
-            named.push(s);
+    /// Room for its symbol.
+    fn symbol_width(&self) -> f64 {
+        match self.symbol {
+            Symbol::Line(Stroke::None, ..) | Symbol::Place(_) => 10.0,
+            Symbol::Line(..) => 30.0,
+            Symbol::Area => 18.0,
         }
     }
-    let step = (300 / named.len().max(1) as i32).min(24);
-    for (i, s) in named.iter().enumerate() {
-        let (y, color) = (FRAME.top + 12 + step * i as i32, PALETTE[s.color % PALETTE.len()]);
-        let line = if s.stroke == Stroke::Steps { Stroke::Solid } else { s.stroke };
-        stroke(area, line, &[(LEGEND, y), (LEGEND + 28, y)], color)?;
-        mark(area, s.mark, (LEGEND + 14, y), color)?;
-        text_at(area, &s.name, (LEGEND + 36, y), 13, (HPos::Left, VPos::Center))?;
+
+    /// As a line at a place across, between two heights.
+    pub(super) fn draw_along(&self, picture: &mut Picture, x: f64, [top, bottom]: [f64; 2]) {
+        if let Symbol::Place(dashes) = self.symbol {
+            picture.line(self.color, THIN, dashes, &[(x, top), (x, bottom)]);
+        }
     }
-    Ok(())
+
+    fn draw(&self, picture: &mut Picture, (x, y): Point) {
+        let end = x + self.symbol_width();
+        let middle = (x + end) / 2.0;
+        match self.symbol {
+            Symbol::Line(stroke, mark, is_hollow) => {
+                line(picture, stroke, &[(x, y), (end, y)], self.color);
+                draw_mark(picture, mark, is_hollow, (middle, y), self.color);
+            }
+            Symbol::Area => {
+                picture.filled(self.color, 1.0, Frame { left: x, right: end, top: y - 5.0, bottom: y + 5.0 });
+            }
+            Symbol::Place(dashes) => {
+                picture.line(self.color, THIN, dashes, &[(middle, y - 7.0), (middle, y + 7.0)]);
+            }
+        }
+    }
 }
 
-pub(super) fn stroke(area: &Area<'_>, stroke: Stroke, points: &[(i32, i32)], color: RGBColor) -> Drawn {
-    let style = color.stroke_width(2);
-    let pairs = || points.windows(2).map(|pair| [pair[0], pair[1]]);
+/// One entry for each name.
+pub(super) fn entries<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for s in series.filter(|s| !s.name.is_empty()) {
+        if !entries.iter().any(|entry| entry.name == s.name) {
+            let symbol = Symbol::Line(s.stroke, s.mark.of(s.color), false);
+            entries.push(Entry { name: s.name.clone(), color: color(s.color), symbol });
+        }
+    }
+    entries
+}
+
+/// Lines at named values, told apart by their dashes, as legend entries.
+pub(super) fn places(places: &[(f64, String)]) -> impl Iterator<Item = (f64, Entry)> {
+    const DASHES: [Dashes; 4] = [&[6.0, 4.0], &[1.5, 2.5], &[7.0, 3.0, 1.5, 3.0], &[12.0, 4.0]];
+    places.iter().zip(DASHES.into_iter().cycle()).map(|((value, name), dashes)| {
+        (*value, Entry { name: name.clone(), color: BLACK, symbol: Symbol::Place(dashes) })
+    })
+}
+
+/// The heading, on screens, and the legend, in rows; returns where they end.
+pub(super) fn head(picture: &mut Picture, title: &str, entries: &[Entry]) -> f64 {
+    let mut y = 4.0;
+    if picture.is_screen() {
+        for line in wrapped(title, HEADING, picture.width() - 2.0 * MARGIN) {
+            picture.sized(&line, (MARGIN, y), HEADING, [Side::Start, Side::Start]);
+            y += LINE + 4.0;
+        }
+    }
+    rows(picture, entries, y)
+}
+
+/// Entries in rows of the picture's width, from a height on; returns where they end.
+pub(super) fn rows(picture: &mut Picture, entries: &[Entry], from: f64) -> f64 {
+    const GAP: f64 = 6.0;
+    const APART: f64 = 16.0;
+    let (mut x, mut y, mut lines) = (MARGIN, from, 0);
+    for entry in entries {
+        let begin = entry.symbol_width() + GAP;
+        let name = wrapped(&entry.name, SIZE, picture.width() - 2.0 * MARGIN - begin);
+        let wide = begin + widest(&name);
+        if x > MARGIN && x + wide > picture.width() - MARGIN {
+            (x, y, lines) = (MARGIN, y + LINE * lines as f64, 0);
+        }
+        entry.draw(picture, (x, y + LINE / 2.0));
+        picture.lines(&name, (x + begin, y + LINE / 2.0), [Side::Start, Side::Middle]);
+        (x, lines) = (x + wide + APART, lines.max(name.len()));
+    }
+    y + LINE * lines as f64 + if entries.is_empty() { 0.0 } else { 3.0 }
+}
+
+/// Width of the widest line.
+pub(super) fn widest(lines: &[String]) -> f64 {
+    lines.iter().map(|line| font::width(line, SIZE)).fold(0.0, f64::max)
+}
+
+/// The name of a vertical axis above it, at the picture's left side; returns where the plot begins.
+pub(super) fn above(picture: &mut Picture, label: &str, y: f64) -> f64 {
+    if label.is_empty() {
+        return y + 4.0;
+    }
+    let lines = wrapped(label, SIZE, picture.width() - 2.0 * MARGIN);
+    picture.lines(&lines, (MARGIN, y + LINE / 2.0), [Side::Start, Side::Middle]);
+    y + LINE * lines.len() as f64 + 6.0
+}
+
+/// Values of a vertical axis, of which a unit is so high, with their labels, and the left side of the plot beside them.
+pub(super) fn left_of(y: &Ranged, height: f64) -> (Vec<(f64, String)>, f64) {
+    let is_apart =
+        |ticks: &[(f64, String)]| ticks.windows(2).all(|pair| height * (y.part(pair[1].0) - y.part(pair[0].0)) >= SIZE);
+    let ticks = y.ticks(is_apart);
+    let labels: Vec<String> = ticks.iter().map(|tick| tick.1.clone()).collect();
+    (ticks, MARGIN + widest(&labels) + 6.0)
+}
+
+/// A value's height.
+pub(super) fn up(frame: Frame, y: &Ranged, value: f64) -> f64 {
+    frame.bottom - (frame.bottom - frame.top) * y.part(value)
+}
+
+/// A value's place across.
+pub(super) fn across(frame: Frame, x: &Ranged, value: f64) -> f64 {
+    frame.left + (frame.right - frame.left) * x.part(value)
+}
+
+/// Lines behind the data at values of the vertical axis, and their labels.
+pub(super) fn beside(picture: &mut Picture, frame: Frame, y: &Ranged, ticks: &[(f64, String)]) {
+    for (value, text) in ticks {
+        let at = up(frame, y, *value);
+        picture.thin(GRID, (frame.left, at), (frame.right, at));
+        picture.text(text, (frame.left - 6.0, at), [Side::End, Side::Middle]);
+    }
+}
+
+/// The values of a horizontal axis that have labels: as many as do not touch.
+pub(super) fn columns(picture: &Picture, frame: Frame, x: &Ranged) -> Vec<(f64, String)> {
+    const APART: f64 = 8.0;
+    let reach = |(value, text): &(f64, String)| {
+        let (at, half) = (across(frame, x, *value), font::width(text, SIZE) / 2.0);
+        [at - half, at + half]
+    };
+    let is_free = |ticks: &[(f64, String)]| {
+        let is_inside = |[low, high]: [f64; 2]| low > 1.0 && high < picture.width() - 1.0;
+        ticks.iter().all(|tick| is_inside(reach(tick)))
+            && ticks.windows(2).all(|pair| reach(&pair[0])[1] + APART <= reach(&pair[1])[0])
+    };
+    x.ticks(is_free)
+}
+
+/// Lines behind the data at values of the horizontal axis.
+pub(super) fn upright(picture: &mut Picture, frame: Frame, x: &Ranged, ticks: &[(f64, String)]) {
+    for (value, _) in ticks {
+        let at = across(frame, x, *value);
+        picture.thin(GRID, (at, frame.top), (at, frame.bottom));
+    }
+}
+
+/// Labels of the horizontal axis and its name; returns where they end.
+pub(super) fn below(picture: &mut Picture, frame: Frame, x: &Ranged, ticks: &[(f64, String)], label: &str) -> f64 {
+    for (value, text) in ticks {
+        picture.text(text, (across(frame, x, *value), frame.bottom + 8.0), [Side::Middle, Side::Start]);
+    }
+    let lines = wrapped(label, SIZE, picture.width() - 2.0 * MARGIN);
+    let half = widest(&lines) / 2.0;
+    let middle = ((frame.left + frame.right) / 2.0).min(picture.width() - MARGIN - half).max(MARGIN + half);
+    picture.lines(&lines, (middle, frame.bottom + 24.0), [Side::Middle, Side::Start]);
+    frame.bottom + 24.0 + LINE * lines.len() as f64 + 2.0
+}
+
+/// A line along points.
+pub(super) fn line(picture: &mut Picture, stroke: Stroke, points: &[Point], color: Color) {
     match stroke {
         Stroke::None => {}
-        Stroke::Dashed => dashes(area, points, style)?,
-        // One segment at a time: some viewers fill longer lines like shapes.
-        Stroke::Solid => pairs().try_for_each(|pair| area.draw(&PathElement::new(pair, style)))?,
-        Stroke::Steps => {
-            for [from, to] in pairs().filter(|[from, to]| from != to) {
-                let corner = (to.0, from.1);
-                area.draw(&PathElement::new([from, corner], style))?;
-                area.draw(&PathElement::new([corner, to], style))?;
-            }
+        Stroke::Line(dash) => picture.line(color, THICK, dash.lengths(), points),
+        Stroke::Steps(dash) => {
+            let corners = points.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
+            let corners: Vec<Point> = corners.chain(points.last().copied()).collect();
+            picture.line(color, THICK, dash.lengths(), &corners);
         }
     }
-    Ok(())
 }
 
-/// Dashes along a line; their pattern continues across points.
-pub(super) fn dashes(area: &Area<'_>, points: &[(i32, i32)], style: ShapeStyle) -> Drawn {
-    const ON: f64 = 7.0;
-    const PERIOD: f64 = 11.0;
-    let mut walked = 0.0;
-    for pair in points.windows(2) {
-        let [from, to] = [pair[0], pair[1]].map(|(x, y)| (f64::from(x), f64::from(y)));
-        let length = (to.0 - from.0).hypot(to.1 - from.1);
-        let at = |along: f64| {
-            let share = (along / length).clamp(0.0, 1.0);
-            let (x, y) = (from.0 + (to.0 - from.0) * share, from.1 + (to.1 - from.1) * share);
-            (x.round() as i32, y.round() as i32)
-        };
-        let mut begin = -(walked % PERIOD);
-        while length > 0.0 && begin < length {
-            if begin + ON > 0.0 {
-                area.draw(&PathElement::new([at(begin), at(begin + ON)], style))?;
-            }
-            begin += PERIOD;
+impl Dash {
+    fn lengths(self) -> Dashes {
+        match self {
+            Self::Solid => &[],
+            Self::Dashed => &[7.0, 4.0],
+            Self::Dotted => &[1.8, 2.6],
+            Self::DashDot => &[8.0, 3.0, 1.8, 3.0],
         }
-        walked += length;
     }
-    Ok(())
 }
 
-pub(super) fn mark(area: &Area<'_>, mark: Mark, (x, y): (i32, i32), color: RGBColor) -> Drawn {
-    let style = color.filled();
+/// The points of a series, and whiskers from each along y, at their places.
+pub(super) fn points(picture: &mut Picture, s: &Series, at: &[Point], whiskers: &[[Point; 2]]) {
+    let color = color(s.color);
+    for &[from, to] in whiskers {
+        picture.thin(color, from, to);
+        // Ends across the whisker.
+        let (dx, dy) = if from.1 == to.1 { (0.0, 3.0) } else { (3.0, 0.0) };
+        for (x, y) in [from, to] {
+            picture.thin(color, (x - dx, y - dy), (x + dx, y + dy));
+        }
+    }
+    line(picture, s.stroke, at, color);
+    // Steps are many: the last point tells which curve it is.
+    let marked = if matches!(s.stroke, Stroke::Steps(_)) { at.len().saturating_sub(1) } else { 0 };
+    at.iter().skip(marked).for_each(|&point| draw_mark(picture, s.mark.of(s.color), false, point, color));
+}
+
+/// Half the size of a mark.
+pub(super) const HALF_MARK: f64 = 5.0;
+
+pub(super) fn draw_mark(picture: &mut Picture, mark: Mark, is_hollow: bool, (x, y): Point, color: Color) {
+    let outline = is_hollow.then_some(1.5);
+    let at = |(dx, dy): (f64, f64)| (x + dx, y + dy);
+    let mut polygon = |corners: &[Point]| {
+        let points = corners.iter().copied().map(at).collect();
+        picture.add(color, 1.0, Form::Polygon { points, outline });
+    };
     match mark {
-        Mark::None => {}
-        Mark::Dot => area.draw(&Circle::new((x, y), 4, style))?,
-        Mark::Triangle => area.draw(&Polygon::new([(x, y - 5), (x + 5, y + 4), (x - 5, y + 4)], style))?,
-        Mark::Square => area.draw(&Rectangle::new([(x - 4, y - 4), (x + 4, y + 4)], style))?,
+        Mark::None | Mark::Own => {}
+        Mark::Dot => picture.add(color, 1.0, Form::Circle { center: (x, y), radius: 4.0, outline }),
+        Mark::Square => polygon(&[(-3.7, -3.7), (3.7, -3.7), (3.7, 3.7), (-3.7, 3.7)]),
+        Mark::Triangle => polygon(&[(0.0, -5.0), (5.0, 4.0), (-5.0, 4.0)]),
+        Mark::Down => polygon(&[(0.0, 5.0), (5.0, -4.0), (-5.0, -4.0)]),
+        Mark::Diamond => polygon(&[(0.0, -5.0), (5.0, 0.0), (0.0, 5.0), (-5.0, 0.0)]),
+        Mark::Cross | Mark::Plus => {
+            let arms: [[Point; 2]; 2] = match mark {
+                Mark::Cross => [[(-3.7, -3.7), (3.7, 3.7)], [(-3.7, 3.7), (3.7, -3.7)]],
+                _ => [[(-5.0, 0.0), (5.0, 0.0)], [(0.0, -5.0), (0.0, 5.0)]],
+            };
+            arms.iter().for_each(|arm| picture.line(color, THICK, &[], &arm.map(at)));
+        }
     }
-    Ok(())
+}
+
+impl Mark {
+    /// What is drawn in a colour.
+    pub(super) fn of(self, color: usize) -> Self {
+        // A mark for each colour, as colours are alike in greyscale.
+        const OWN: [Mark; 7] = [Mark::Dot, Mark::Square, Mark::Diamond, Mark::Down, Mark::Cross, Mark::Plus, Mark::Dot];
+        if self == Self::Own { OWN[color % OWN.len()] } else { self }
+    }
 }

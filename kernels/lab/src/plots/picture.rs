@@ -1,22 +1,17 @@
-//! What a plot is made of: recorded while plotters draws it, then written as SVG or painted in a window.
+//! What a plot is made of, for files and for windows.
 
-use std::convert::Infallible;
+use super::Format;
+use super::font::{self, MIDDLE, REACH};
+use super::frame::Frame;
+use crate::text::visible;
 
-use plotters::backend::{DrawingBackend, SVGBackend};
-use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, IntoDrawingArea as _};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color as _, FontTransform, IntoFont as _, RGBColor, ShapeStyle, WHITE};
-use plotters_backend::{BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingErrorKind};
-
-use super::draw::Drawn;
-use crate::Error;
-
-/// A plot, in pixels from its top left corner. It has no background: an SVG file's is white, a window has its own.
+/// A plot, in units from its top left corner. It has no background: an SVG file's is white, a window has its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Width and height.
-    pub size: (u32, u32),
+    pub size: (f64, f64),
+    /// Points (1/72 inch) of a unit.
+    pub point: f64,
     /// What is drawn, the farthest first.
     pub elements: Vec<Element>,
 }
@@ -25,15 +20,21 @@ pub struct Picture {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Element {
     /// Red, green and blue.
-    pub color: [u8; 3],
+    pub color: Color,
     /// From 0 to 1.
     pub opacity: f64,
     /// The form.
     pub form: Form,
 }
 
+/// Red, green and blue.
+pub type Color = [u8; 3];
+
 /// A place in a picture.
-pub type Point = (i32, i32);
+pub type Point = (f64, f64);
+
+/// Lengths of dashes and gaps in turn; none for a solid line.
+pub type Dashes = &'static [f32];
 
 /// A form.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,27 +44,27 @@ pub enum Form {
         /// Their ends.
         points: Vec<Point>,
         /// Width of the line.
-        width: u32,
+        width: f64,
+        /// Its dashes.
+        dashes: Dashes,
     },
-    /// A filled polygon.
-    Polygon(Vec<Point>),
-    /// A rectangle.
-    Rectangle {
-        /// The upper left and the lower right corner.
-        corners: [Point; 2],
-        /// Whether it is filled, or only its outline drawn.
-        is_filled: bool,
+    /// A convex polygon.
+    Polygon {
+        /// Its corners.
+        points: Vec<Point>,
+        /// Width of the outline; `None` if the polygon is filled.
+        outline: Option<f64>,
     },
     /// A circle.
     Circle {
         /// Its centre.
         center: Point,
         /// Its radius.
-        radius: u32,
+        radius: f64,
         /// Width of the outline; `None` if the circle is filled.
-        outline: Option<u32>,
+        outline: Option<f64>,
     },
-    /// Text without serifs.
+    /// A line of text without serifs.
     Text {
         /// The text.
         text: String,
@@ -73,8 +74,6 @@ pub enum Form {
         size: f64,
         /// The side of the text that lies at the place, across and down.
         align: [Side; 2],
-        /// Whether it reads upwards.
-        is_vertical: bool,
     },
 }
 
@@ -89,144 +88,99 @@ pub enum Side {
     End,
 }
 
-pub(super) type Area<'a> = DrawingArea<Recorder<'a>, Shift>;
+/// Size of most texts.
+pub(super) const SIZE: f64 = 12.0;
+/// Between baselines.
+pub(super) const LINE: f64 = 15.0;
+/// Width of thin and of thick lines.
+pub(super) const THIN: f64 = 1.0;
+pub(super) const THICK: f64 = 1.8;
+
+pub(super) const BLACK: Color = [0, 0, 0];
+pub(super) const WHITE: Color = [255, 255, 255];
+/// Of lines behind the data.
+pub(super) const GRID: Color = [230, 230, 230];
 
 impl Picture {
-    /// What `draw` draws.
-    pub(super) fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<Self, Error> {
-        let mut elements = Vec::new();
-        let area = Recorder { size, elements: &mut elements }.into_drawing_area();
-        let result = draw(&area);
-        drop(area);
-        result.map_err(|e| Error::Plot(e.to_string()))?;
-        Ok(Self { size, elements })
+    /// An empty picture of a width; its height is set when everything is drawn.
+    pub(super) fn new(format: Format, screen: f64) -> Self {
+        Self { size: (format.width(screen), 0.0), point: format.point(), elements: Vec::new() }
     }
 
-    /// As an SVG element.
-    ///
-    /// # Errors
-    /// If it cannot be drawn.
-    pub fn svg(&self) -> Result<String, Error> {
-        let mut svg = String::new();
-        let mut backend = SVGBackend::with_string(&mut svg, self.size);
-        let corner = (self.size.0 as i32, self.size.1 as i32);
-        let mut drawn = backend.draw_rect((0, 0), corner, &WHITE.to_backend_color(), true);
-        for element in &self.elements {
-            drawn = drawn.and_then(|()| element.draw(&mut backend));
-        }
-        drawn.and_then(|()| backend.present()).map_err(|e| Error::Plot(e.to_string()))?;
-        drop(backend);
-        Ok(svg)
+    pub(super) fn width(&self) -> f64 {
+        self.size.0
     }
-}
 
-impl Element {
-    fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Result<(), DrawingErrorKind<B::ErrorType>> {
-        let [red, green, blue] = self.color;
-        let color = RGBColor(red, green, blue);
-        let style = |width: u32| ShapeStyle { color: color.mix(self.opacity), filled: true, stroke_width: width };
-        match &self.form {
-            Form::Line { points, width } => match points[..] {
-                [from, to] => backend.draw_line(from, to, &style(*width)),
-                _ => backend.draw_path(points.iter().copied(), &style(*width)),
-            },
-            Form::Polygon(points) => backend.fill_polygon(points.iter().copied(), &style(1)),
-            Form::Rectangle { corners: [from, to], is_filled } => backend.draw_rect(*from, *to, &style(1), *is_filled),
-            Form::Circle { center, radius, outline } => {
-                backend.draw_circle(*center, *radius, &style(outline.unwrap_or(1)), outline.is_none())
-            }
-            Form::Text { text, at, size, align: [across, down], is_vertical } => {
-                let h = [HPos::Left, HPos::Center, HPos::Right][*across as usize];
-                let v = [VPos::Top, VPos::Center, VPos::Bottom][*down as usize];
-                let turn = if *is_vertical { FontTransform::Rotate270 } else { FontTransform::None };
-                let font = ("sans-serif", *size).into_font().transform(turn);
-                backend.draw_text(text, &font.color(&color).pos(Pos::new(h, v)), *at)
-            }
+    /// Whether it is for a screen.
+    pub(super) fn is_screen(&self) -> bool {
+        self.point == Format::Screen.point()
+    }
+
+    /// Draws the next form.
+    pub(super) fn add(&mut self, color: Color, opacity: f64, form: Form) {
+        self.elements.push(Element { color, opacity, form });
+    }
+
+    pub(super) fn line(&mut self, color: Color, width: f64, dashes: Dashes, points: &[Point]) {
+        if points.len() > 1 {
+            self.add(color, 1.0, Form::Line { points: points.to_vec(), width, dashes });
         }
     }
-}
 
-/// Records what plotters draws.
-pub(super) struct Recorder<'a> {
-    size: (u32, u32),
-    elements: &'a mut Vec<Element>,
-}
+    pub(super) fn thin(&mut self, color: Color, from: Point, to: Point) {
+        self.line(color, THIN, &[], &[from, to]);
+    }
 
-type Recorded = Result<(), DrawingErrorKind<Infallible>>;
+    pub(super) fn filled(&mut self, color: Color, opacity: f64, frame: Frame) {
+        self.add(color, opacity, Form::Polygon { points: frame.corners().to_vec(), outline: None });
+    }
 
-impl Recorder<'_> {
-    fn add(&mut self, color: BackendColor, form: Form) -> Recorded {
-        let (red, green, blue) = color.rgb;
-        self.elements.push(Element { color: [red, green, blue], opacity: color.alpha, form });
-        Ok(())
+    /// The outline of a plot.
+    pub(super) fn border(&mut self, frame: Frame) {
+        self.add(BLACK, 1.0, Form::Polygon { points: frame.corners().to_vec(), outline: Some(THIN) });
+    }
+
+    pub(super) fn text(&mut self, text: &str, at: Point, align: [Side; 2]) {
+        self.sized(text, at, SIZE, align);
+    }
+
+    pub(super) fn sized(&mut self, text: &str, at: Point, size: f64, align: [Side; 2]) {
+        if !text.is_empty() {
+            self.add(BLACK, 1.0, Form::Text { text: visible(text).into_owned(), at, size, align });
+        }
+    }
+
+    /// Lines one below the other, the first at this place.
+    pub(super) fn lines(&mut self, lines: &[String], at: Point, align: [Side; 2]) {
+        for (line, i) in lines.iter().zip(0_u8..) {
+            self.text(line, (at.0, at.1 + LINE * f64::from(i)), align);
+        }
     }
 }
 
-impl DrawingBackend for Recorder<'_> {
-    type ErrorType = Infallible;
+/// The left end of a text and its baseline.
+pub(super) fn begin(text: &str, at: Point, size: f64, [across, down]: [Side; 2]) -> Point {
+    let width = font::width(text, size);
+    let x = match across {
+        Side::Start => at.0,
+        Side::Middle => at.0 - width / 2.0,
+        Side::End => at.0 - width,
+    };
+    let y = match down {
+        Side::Start => at.1 + REACH[0] * size,
+        Side::Middle => at.1 + MIDDLE * size,
+        Side::End => at.1 - REACH[1] * size,
+    };
+    (x, y)
+}
 
-    fn get_size(&self) -> (u32, u32) {
-        self.size
-    }
-
-    fn ensure_prepared(&mut self) -> Recorded {
-        Ok(())
-    }
-
-    fn present(&mut self) -> Recorded {
-        Ok(())
-    }
-
-    fn draw_pixel(&mut self, (x, y): BackendCoord, color: BackendColor) -> Recorded {
-        self.add(color, Form::Rectangle { corners: [(x, y), (x + 1, y + 1)], is_filled: true })
-    }
-
-    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Recorded {
-        self.draw_path([from, to], style)
-    }
-
-    fn draw_rect<S: BackendStyle>(
-        &mut self,
-        from: BackendCoord,
-        to: BackendCoord,
-        style: &S,
-        is_filled: bool,
-    ) -> Recorded {
-        self.add(style.color(), Form::Rectangle { corners: [from, to], is_filled })
-    }
-
-    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Recorded {
-        self.add(style.color(), Form::Line { points: path.into_iter().collect(), width: style.stroke_width() })
-    }
-
-    fn draw_circle<S: BackendStyle>(
-        &mut self,
-        center: BackendCoord,
-        radius: u32,
-        style: &S,
-        is_filled: bool,
-    ) -> Recorded {
-        let outline = (!is_filled).then(|| style.stroke_width());
-        self.add(style.color(), Form::Circle { center, radius, outline })
-    }
-
-    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Recorded {
-        self.add(style.color(), Form::Polygon(path.into_iter().collect()))
-    }
-
-    fn draw_text<T: BackendTextStyle>(&mut self, text: &str, style: &T, at: BackendCoord) -> Recorded {
-        let across = match style.anchor().h_pos {
-            HPos::Left => Side::Start,
-            HPos::Center => Side::Middle,
-            HPos::Right => Side::End,
-        };
-        let down = match style.anchor().v_pos {
-            VPos::Top => Side::Start,
-            VPos::Center => Side::Middle,
-            VPos::Bottom => Side::End,
-        };
-        let is_vertical = matches!(style.transform(), FontTransform::Rotate270);
-        let form = Form::Text { text: text.to_owned(), at, size: style.size(), align: [across, down], is_vertical };
-        self.add(style.color(), form)
+impl Form {
+    /// What a text covers; `None` of other forms.
+    #[must_use]
+    pub fn text_box(&self) -> Option<Frame> {
+        let Self::Text { text, at, size, align } = self else { return None };
+        let (left, baseline) = begin(text, *at, *size, *align);
+        let [above, below] = REACH.map(|reach| reach * size);
+        Some(Frame { left, right: left + font::width(text, *size), top: baseline - above, bottom: baseline + below })
     }
 }

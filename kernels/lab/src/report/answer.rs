@@ -7,6 +7,7 @@ use raystep_kernels::GridSize;
 use super::{Report, SECTIONS, SEED, SEEDS, Wanted, measure};
 use crate::html::{plain, spans};
 use crate::meter::Meter;
+use crate::plots::Format;
 use crate::plots::picture::Picture;
 use crate::reporter::Reporter;
 use crate::stiff::{self, Start};
@@ -32,7 +33,7 @@ pub struct Answer {
     pub rows: Vec<Vec<String>>,
     /// What readers of the table need to know, and missing results with reasons.
     pub notes: Vec<String>,
-    /// The tables behind it, as CSV, and the diagrams as SVG: names with contents.
+    /// The tables behind it, as CSV, and the diagrams as PDF and SVG: names with contents.
     pub files: Vec<(String, Vec<u8>)>,
 }
 
@@ -71,7 +72,9 @@ pub async fn answer(
     for (_, part) in report.scenes.iter().flat_map(|scene| &scene.parts) {
         answer.sentences.extend(part.lead.iter().map(|sentence| spans(sentence)));
         let caption = |text: &str| format!("{text} {}, {adapter}; seed {SEED}.", subject.scene.name);
-        answer.figures.extend(part.lead_figures.iter().map(|(f, picture)| (picture.clone(), caption(&f.caption))));
+        answer.figures.extend(
+            part.lead_figures.iter().filter_map(|f| Some((f.plot.picture(Format::Screen)?, caption(&f.caption)))),
+        );
         if let Some(table) = &part.lead_table {
             answer.columns.clone_from(&table.names);
             answer.rows = table.rows.iter().map(|row| row.iter().map(|cell| plain(cell)).collect()).collect();
@@ -86,7 +89,9 @@ pub async fn answer(
 /// The CSV files and plots of a report.
 fn files(report: Report) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let mut files = report.files(&Vec::new())?;
-    files.retain(|(name, _)| (name.ends_with(".csv") && name != super::ABOUT) || name.ends_with(".svg"));
+    files.retain(|(name, _)| {
+        (name.ends_with(".csv") && name != super::ABOUT) || name.ends_with(".svg") || name.ends_with(".pdf")
+    });
     Ok(files)
 }
 
@@ -149,7 +154,12 @@ mod tests {
         );
         assert!(answer.rows.iter().flatten().all(|cell| !cell.contains('<')), "{:?}", answer.rows);
         let names: Vec<&str> = answer.files.iter().map(|(name, _)| name.as_str()).collect();
-        let expected = ["cornell-box-choices-precision.svg", "cornell-box-rules-rules.svg", "choices.csv", "rules.csv"];
+        let expected = [
+            "cornell-box-choices-precision-one-column.svg",
+            "cornell-box-rules-rules-two-columns.pdf",
+            "choices.csv",
+            "rules.csv",
+        ];
         assert!(expected.iter().all(|name| names.contains(name)) && names.contains(&"runs.csv"), "{names:?}");
     }
 

@@ -213,7 +213,7 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     let (rows, of_strata) = (&table.rows[first..last], &table.rows[last..]);
     words::say(work, rows, outside, &mut part);
     let is_file = work.rays.is_some();
-    part.lead_figure("precision", figure::of(rows, is_file).picture()?, figure::caption(rows, is_file))?;
+    part.lead_figure("precision", figure::of(rows, is_file), figure::caption(rows, is_file));
     table::add(rows, is_halved(&measured), &mut part);
     part.table(rows, SHOWN);
     part.table(of_strata, SHOWN_STRATA);

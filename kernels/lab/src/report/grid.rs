@@ -164,11 +164,11 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         let (of, rays) = (judge.sample().len(), ready.renderer.plan().rays as usize);
         rows.push(judged.fill(row, Drawn::of_pixels(of, rays)));
     }
-    part.figure("time", plots::times(&rows).svg()?, plots::times_caption(&rows));
-    part.figure("build", plots::builds(&rows).svg()?, plots::builds_caption(&rows, true));
-    part.figure("bytes", plots::bytes(&rows).svg()?, "Memory of the grid: cells and lists of triangles.");
-    part.figure("structures", plots::structure_times(&rows).svg()?, plots::structures_caption(&rows));
-    part.figure("structures-build", plots::structure_builds(&rows).svg()?, plots::builds_caption(&rows, false));
+    part.figure("time", plots::times(&rows), plots::times_caption(&rows));
+    part.figure("build", plots::builds(&rows), plots::builds_caption(&rows, true));
+    part.figure("bytes", plots::bytes(&rows), "Memory of the grid: cells and lists of triangles.");
+    part.figure("structures", plots::structure_times(&rows), plots::structures_caption(&rows));
+    part.figure("structures-build", plots::structure_builds(&rows), plots::builds_caption(&rows, false));
     part.table(&rows, SHOWN);
     words::say(work, &rows, &mut part);
     table.rows.extend(rows);

@@ -148,7 +148,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
     }
     part.figure(
         "time",
-        plot(rows).svg()?,
+        plot(rows),
         format!(
             "Time with an item that the scene does not need, relative to the plan as it is. Bars are intervals of the \
              median ratio of runs of the same round, in random order; they are not corrected for their number. Times \
@@ -300,7 +300,11 @@ fn plot(rows: &[Row]) -> Forest {
             points: Vec::new(),
             whiskers: Vec::new(),
             color: usize::from(accelerator == Accelerator::Bvh),
-            mark: if schedule == ScheduleKind::Fused { Mark::Triangle } else { Mark::Dot },
+            mark: match (accelerator, schedule) {
+                (Accelerator::Bvh, ScheduleKind::Fused) => Mark::Down,
+                (_, ScheduleKind::Fused) => Mark::Triangle,
+                _ => Mark::Own,
+            },
             stroke: Stroke::None,
         };
         for row in rows.iter().filter(|row| row.is(&wanted)) {

@@ -120,10 +120,10 @@ fn run(work: &Work<'_>, table: &mut Table, column: &'static str, places: &[Place
         }
     }
     let rows = &table.rows[first..];
-    part.figure("error", plots::errors(column, rows).svg()?, words::errors_caption(rows));
-    part.figure("bound", plots::by_bound(column, rows).svg()?, words::bound_caption(rows));
-    part.figure("wrong", plots::wrong(column, rows).svg()?, words::wrong_caption(column, rows));
-    part.figure("changed", plots::changed(column, rows).svg()?, words::changed_caption(column, rows));
+    part.figure("error", plots::errors(column, rows), words::errors_caption(rows));
+    part.figure("bound", plots::by_bound(column, rows), words::bound_caption(rows));
+    part.figure("wrong", plots::wrong(column, rows), words::wrong_caption(column, rows));
+    part.figure("changed", plots::changed(column, rows), words::changed_caption(column, rows));
     let is_shown = |c: &&str| !KEYS.contains(c) && *c != "at_bound";
     let columns: Vec<&str> = table.columns.iter().copied().filter(is_shown).collect();
     part.table(rows, &columns);

@@ -2,22 +2,22 @@
 //! fields of the CSV files, in units for people.
 
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 use super::section::SECTIONS;
 use crate::html::{self, escaped};
 use crate::human::{cell, data};
-use crate::plots::picture::Picture;
+use crate::plots::{self, Draw, Format};
 use crate::subject::Size;
 use crate::tidy::Row;
-use crate::{Error, plots};
 
 /// A section's results for one scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     /// Sentences for the top of the scene, as HTML.
     pub(super) lead: Vec<String>,
-    /// Figures for the top of the scene, side by side, with what they are made of.
-    pub(super) lead_figures: Vec<(Figure, Picture)>,
+    /// Figures for the top of the scene, side by side.
+    pub(super) lead_figures: Vec<Figure>,
     /// A table for the top of the scene.
     pub(super) lead_table: Option<LeadTable>,
     /// Paragraphs, as HTML.
@@ -47,28 +47,39 @@ pub(super) struct LeadTable {
 pub(super) struct Figure {
     /// Part of its file's name.
     name: &'static str,
-    svg: String,
+    pub(super) plot: Arc<dyn Draw + Send + Sync>,
+    /// As an element of the page.
+    inline: String,
     pub(super) caption: String,
+}
+
+impl Figure {
+    /// `None` if there is nothing to show.
+    fn new(name: &'static str, plot: impl Draw + Send + Sync + 'static, caption: impl Into<String>) -> Option<Self> {
+        Some(Self { name, inline: plot.inline()?, plot: Arc::new(plot), caption: caption.into() })
+    }
 }
 
 impl Part {
     /// Adds a plot, if there is one. The caption says what is shown, of how many measurements, and by which method; the
     /// page adds scene, adapter and seed.
-    pub(super) fn figure(&mut self, name: &'static str, svg: Option<String>, caption: impl Into<String>) {
-        self.figures.extend(svg.map(|svg| Figure { name, svg, caption: caption.into() }));
+    pub(super) fn figure(
+        &mut self,
+        name: &'static str,
+        plot: impl Draw + Send + Sync + 'static,
+        caption: impl Into<String>,
+    ) {
+        self.figures.extend(Figure::new(name, plot, caption));
     }
 
     /// Adds a plot to the top of the scene.
     pub(super) fn lead_figure(
         &mut self,
         name: &'static str,
-        picture: Option<Picture>,
+        plot: impl Draw + Send + Sync + 'static,
         caption: impl Into<String>,
-    ) -> Result<(), Error> {
-        if let Some(picture) = picture {
-            self.lead_figures.push((Figure { name, svg: picture.svg()?, caption: caption.into() }, picture));
-        }
-        Ok(())
+    ) {
+        self.lead_figures.extend(Figure::new(name, plot, caption));
     }
 
     /// Adds a folded table with some of the columns.
@@ -86,12 +97,6 @@ impl Part {
         let count = crate::text::counted(rows.len(), "row");
         self.tables
             .push(format!("<details><summary>Table, {count}</summary>{}</details>\n", table(&names, &cells, "")));
-    }
-
-    /// The plots, to be written to files, with the parts of their names.
-    pub(super) fn svgs(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        let lead = self.lead_figures.iter().map(|(figure, _)| figure);
-        lead.chain(&self.figures).map(|f| (f.name, f.svg.as_str()))
     }
 }
 
@@ -158,17 +163,18 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// The figures' files.
-    pub(super) fn svgs(&self) -> impl Iterator<Item = (String, &str)> {
+    /// The figures' files, for papers.
+    pub(super) fn figures(&self) -> impl Iterator<Item = (String, Vec<u8>)> {
         self.parts.iter().flat_map(move |(section, part)| {
-            part.svgs().map(move |(name, svg)| (svg_name(&self.slug, section, name), svg))
+            let figures = part.lead_figures.iter().chain(&part.figures);
+            figures.flat_map(move |figure| figure.plot.files(&stem(&self.slug, section, figure.name)))
         })
     }
 }
 
-/// A figure's file: the same in every report of the same scenes.
-fn svg_name(slug: &str, section: &str, name: &str) -> String {
-    format!("{slug}-{section}-{name}.svg")
+/// The start of the names of a figure's files: the same in every report of the same scenes.
+fn stem(slug: &str, section: &str, name: &str) -> String {
+    format!("{slug}-{section}-{name}")
 }
 
 /// Machine and command: names with values.
@@ -221,7 +227,7 @@ fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
     let caption = |figure: &Figure| format!("{} {}, {common}", figure.caption, escaped(&scene.name));
     *page += "<div class=\"pair\">";
     for (key, part) in &scene.parts {
-        part.lead_figures.iter().for_each(|(figure, _)| drawn(page, &scene.slug, key, figure, &caption(figure)));
+        part.lead_figures.iter().for_each(|figure| drawn(page, &scene.slug, key, figure, &caption(figure)));
     }
     *page += "</div>\n";
     for lead in parts().filter_map(|part| part.lead_table.as_ref()) {
@@ -264,11 +270,17 @@ fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
 }
 
 fn drawn(page: &mut String, slug: &str, section: &str, figure: &Figure, caption: &str) {
-    let file = svg_name(slug, section, figure.name);
+    let stem = stem(slug, section, figure.name);
+    let links = Format::PAPER.map(|format| {
+        let name = format.name();
+        let link = |kind: &str| format!("<a href=\"{stem}-{name}.{kind}\">{}</a>", kind.to_uppercase());
+        format!("{}: {} {}", name.replace('-', " "), link("pdf"), link("svg"))
+    });
     let _ = writeln!(
         page,
-        "<figure>{}<figcaption>{caption} <a href=\"{file}\">SVG</a></figcaption></figure>",
-        plots::inline(&figure.svg),
+        "<figure>{}<figcaption>{caption} For a paper, {}.</figcaption></figure>",
+        figure.inline,
+        links.join(", "),
     );
 }
 

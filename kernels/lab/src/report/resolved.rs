@@ -112,10 +112,10 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     }
     let rows = &table.rows[first..];
     for (accelerator, _) in STRUCTURES {
-        part.figure(accelerator, plots::resolved(accelerator, rows).svg()?, plots::resolved_caption(accelerator, rows));
+        part.figure(accelerator, plots::resolved(accelerator, rows), plots::resolved_caption(accelerator, rows));
     }
     if rows.iter().any(|r| r.number("resolved_wrong_rays").is_some_and(|n| n > 0.0)) {
-        part.figure("wrong", plots::wrong(rows).svg()?, plots::wrong_caption(rows));
+        part.figure("wrong", plots::wrong(rows), plots::wrong_caption(rows));
     }
     let last = || rows.iter().filter(|r| r.get("is_last") == "true");
     part.table(last(), SHOWN);

@@ -190,7 +190,7 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     }
     adjust(&mut table.rows[first..]);
     let rows = &table.rows[first..];
-    part.lead_figure("rules", figure::of(rows).picture()?, figure::caption(rows))?;
+    part.lead_figure("rules", figure::of(rows), figure::caption(rows));
     words::say(rows, &mut part);
     part.table(rows, SHOWN);
     Ok(part)

@@ -129,9 +129,9 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     rows.extend(found);
     rows.extend(timed(work, &mut part)?);
     for of in Of::BOTH {
-        part.figure(of.name(), plots::errors(of, &rows).svg()?, plots::error_caption(of, &rows));
+        part.figure(of.name(), plots::errors(of, &rows), plots::error_caption(of, &rows));
     }
-    part.figure("slopes", plots::local_slopes(&rows).svg()?, plots::slope_caption(&rows));
+    part.figure("slopes", plots::local_slopes(&rows), plots::slope_caption(&rows));
     part.table(rows.iter().filter(|row| row.get("seed").is_empty()), SHOWN);
     say(work, &rows, &mut part);
     table.rows.extend(rows);

@@ -36,11 +36,11 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     }
     part.prose.push(escaped(&stiff::correlation_text(rows)));
     let numbers = stiff::own_numbers(own_rows);
-    part.figure("stiffness", stiff::stiffness_figure(rows, &numbers)?, "Time of a ray over the stiffness number.");
-    for family in stiff::parts(rows, &numbers)? {
+    part.figure("stiffness", stiff::over_stiffness(rows, &numbers), "Time of a ray over the stiffness number.");
+    for family in stiff::parts(rows, &numbers) {
         part.prose.extend(family.sentences.iter().map(|sentence| escaped(sentence)));
         let caption = format!("{}: {}. {}", family.family.title, family.family.what, stiff::CAPTION);
-        part.figure(family.family.name, Some(family.svg), caption);
+        part.figure(family.family.name, family.curves, caption);
     }
     part.table(own_rows, SHOWN);
     table.rows.extend(own.rows.rows);

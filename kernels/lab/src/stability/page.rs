@@ -10,7 +10,7 @@ use super::picture::{LEGEND, Picture};
 use super::{Outcome, Report, Row, drift, probe, table};
 use crate::Error;
 use crate::html::{self, escaped};
-use crate::plots::{self, Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::plots::{self, Axis, Dash, Draw as _, Mark, Plot, Scale, Series, Stroke};
 use crate::stiff;
 
 /// Columns of a case's table, with headings.
@@ -68,14 +68,14 @@ pub(super) fn html(report: &Report) -> Result<String, Error> {
     summary(&mut page, outcomes);
     if let Some(cost) = &report.cost {
         page += "<h2 id=\"cost\">What stiff scenes cost</h2>\n";
-        page += &stiff::html(cost)?;
+        page += &stiff::html(cost);
     }
     pictures(&mut page, outcomes)?;
     page += "<h2 id=\"cases\">Every run</h2>\n<p class=\"note\">Errors of t, u and v are the largest among hits of the \
              exact triangle: relative to the exact value, and in units in the last place of what the arithmetic rounds. \
              </p>\n";
     outcomes.iter().for_each(|outcome| section(&mut page, outcome));
-    walks(&mut page, &report.walks)?;
+    walks(&mut page, &report.walks);
     pipelines(&mut page, &report.pipelines);
     Ok(html::page("raystep: stability", &(STYLE.to_owned() + stiff::STYLE + &plots::style()), &page))
 }
@@ -163,9 +163,9 @@ fn section(page: &mut String, outcome: &Outcome) {
     *page += "</table></div></details>\n";
 }
 
-fn walks(page: &mut String, walks: &[drift::Walked]) -> Result<(), Error> {
+fn walks(page: &mut String, walks: &[drift::Walked]) {
     if walks.is_empty() {
-        return Ok(());
+        return;
     }
     *page += "<details><summary>tMax along a walk</summary><p id=\"tmax\">The error of tMax over the cells of a walk, in units of \
               2<sup>-24</sup> max(|plane|, |origin|) / |direction|. Robust numerics compute it from the cell each \
@@ -187,11 +187,10 @@ fn walks(page: &mut String, walks: &[drift::Walked]) -> Result<(), Error> {
         );
     }
     *page += "</table>\n";
-    if let Some(svg) = walks_plot(walks).svg()? {
-        let _ = writeln!(page, "<figure class=\"plot\">{}</figure>", plots::inline(&svg));
+    if let Some(svg) = walks_plot(walks).inline() {
+        let _ = writeln!(page, "<figure class=\"plot\">{svg}</figure>");
     }
     *page += "</details>\n";
-    Ok(())
 }
 
 /// Walks on the first device; CPU walks are the same anyway.
@@ -205,7 +204,7 @@ fn walks_plot(walks: &[drift::Walked]) -> Plot {
         })
         .collect();
     // Some curves coincide: dashes show both.
-    series.iter_mut().skip(2).for_each(|s| s.stroke = Stroke::Dashed);
+    series.iter_mut().skip(2).for_each(|s| s.stroke = Stroke::Line(Dash::Dashed));
     let ends = series.first().map(|s| s.points.clone()).unwrap_or_default();
     series.push(Series::dashed("bound with robust numerics", 6, ends.iter().map(|p| (p.0, drift::BOUND)).collect()));
     Plot {

@@ -49,7 +49,7 @@ pub(super) fn curves(rows: &[Row], family: &Family, own: &[(String, f64)]) -> Pa
             wrong.push(Series { mark: Mark::Triangle, ..line });
         }
         let errors = rows_of.iter().filter_map(|row| point(row, "wrong_per_million")).collect();
-        wrong.push(Series { mark: Mark::Dot, ..Series::line("", color, errors) });
+        wrong.push(Series::line("", color, errors));
     }
     let of_rule = Series { mark: Mark::Triangle, ..Series::dashed("the rule that loses most left out", 6, Vec::new()) };
     wrong.push(of_rule);
@@ -57,8 +57,8 @@ pub(super) fn curves(rows: &[Row], family: &Family, own: &[(String, f64)]) -> Pa
         title: family.title.into(),
         x: Axis::new(family.parameter, Scale::Log),
         panels: vec![
-            Panel { y: Axis::new("ns per ray", Scale::Log), height: 190, series: times },
-            Panel { y: Axis::new("wrong rays per million", Scale::LogWithZero), height: 100, series: wrong },
+            Panel { y: Axis::new("ns per ray", Scale::Log), height: 190.0, series: times },
+            Panel { y: Axis::new("wrong rays per million", Scale::LogWithZero), height: 100.0, series: wrong },
         ],
         places: places(rows, family, own),
     }
@@ -135,7 +135,7 @@ fn crossing(curve: &[(f64, f64)], value: f64) -> Option<f64> {
 }
 
 /// Times over the stiffness number, all families.
-pub(super) fn over_stiffness(rows: &[Row], own: &[(String, f64)]) -> Plot {
+pub(crate) fn over_stiffness(rows: &[Row], own: &[(String, f64)]) -> Plot {
     let mut series = Vec::new();
     for (structure, color) in STRUCTURES {
         let is_wanted = |row: &&Row| row.is(&[("accelerator", structure), ("rule", "")]);

@@ -5,10 +5,9 @@ use std::fmt::Write as _;
 use super::figures::{correlations, curves, over_stiffness};
 use super::words::{TIMES_THE_BEST, sentences};
 use super::{CSV, Cost, FAMILIES, Family, OWN, RUNS};
-use crate::Error;
 use crate::html::escaped;
 use crate::human::time;
-use crate::plots;
+use crate::plots::{Draw as _, Format, Panels};
 use crate::structures::accelerating;
 use crate::tidy::Row;
 
@@ -20,7 +19,7 @@ pub const STYLE: &str = "\
 /// A family's figure with what it says.
 pub(crate) struct FamilyPart {
     pub(crate) family: &'static Family,
-    pub(crate) svg: String,
+    pub(crate) curves: Panels,
     pub(crate) sentences: Vec<String>,
 }
 
@@ -31,26 +30,15 @@ pub(crate) fn own_numbers(rows: &[Row]) -> Vec<(String, f64)> {
 }
 
 /// The measured families.
-///
-/// # Errors
-/// If a figure cannot be drawn.
-pub(crate) fn parts(rows: &[Row], own: &[(String, f64)]) -> Result<Vec<FamilyPart>, Error> {
+pub(crate) fn parts(rows: &[Row], own: &[(String, f64)]) -> Vec<FamilyPart> {
     let said = sentences(rows);
-    let mut parts = Vec::new();
-    for family in FAMILIES {
-        let Some(svg) = curves(rows, family, own).svg()? else { continue };
+    let part = |family: &'static Family| {
+        let curves = curves(rows, family, own);
         let of_family = said.iter().filter(|(f, _)| f.name == family.name);
-        parts.push(FamilyPart { family, svg, sentences: of_family.map(|(_, text)| text.clone()).collect() });
-    }
-    Ok(parts)
-}
-
-/// Time over the stiffness number.
-///
-/// # Errors
-/// If the figure cannot be drawn.
-pub(crate) fn stiffness_figure(rows: &[Row], own: &[(String, f64)]) -> Result<Option<String>, Error> {
-    over_stiffness(rows, own).svg()
+        let sentences = of_family.map(|(_, text)| text.clone()).collect();
+        curves.picture(Format::Screen).map(|_| FamilyPart { family, curves, sentences })
+    };
+    FAMILIES.iter().filter_map(part).collect()
 }
 
 /// How well the stiffness number predicts cost, as a paragraph.
@@ -79,10 +67,8 @@ pub(crate) const CAPTION: &str = "Above, the median time of a ray with all rules
                                   most.";
 
 /// Curves, words and a table for a page.
-///
-/// # Errors
-/// If a figure cannot be drawn.
-pub fn html(cost: &Cost) -> Result<String, Error> {
+#[must_use]
+pub fn html(cost: &Cost) -> String {
     let rows = &cost.rows.rows;
     let mut page = String::new();
     let said = sentences(rows);
@@ -107,17 +93,17 @@ pub fn html(cost: &Cost) -> Result<String, Error> {
         let _ = writeln!(page, "<p class=\"note\">{}</p>", escaped(note));
     }
     page += "<div class=\"curves\">\n";
-    for FamilyPart { family, svg, .. } in parts(rows, &[])? {
-        let (what, inline) = (escaped(family.what), plots::inline(&svg));
+    for FamilyPart { family, curves, .. } in parts(rows, &[]) {
+        let (what, inline) = (escaped(family.what), curves.inline().unwrap_or_default());
         let _ = writeln!(page, "<figure>{inline}<figcaption>{what}; rays to: {}</figcaption></figure>", family.stratum);
     }
     page += "</div>\n";
     let _ = writeln!(page, "<p>{}</p>", escaped(&correlation_text(rows)));
-    if let Some(svg) = stiffness_figure(rows, &[])? {
-        let _ = writeln!(page, "<figure class=\"plot\">{}</figure>", plots::inline(&svg));
+    if let Some(svg) = over_stiffness(rows, &[]).inline() {
+        let _ = writeln!(page, "<figure class=\"plot\">{svg}</figure>");
     }
     table(&mut page, rows);
-    Ok(page)
+    page
 }
 
 /// All points with all rules, folded.

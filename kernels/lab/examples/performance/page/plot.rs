@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use raystep_lab::plots::{self, Axis, Mark, Plot, Scale, Stroke};
+use raystep_lab::plots::{self, Axis, Dash, Draw as _, Format, Mark, Plot, Scale, Stroke};
 
 use super::text;
 
@@ -33,14 +33,13 @@ pub(super) fn write(path: &Path, axes: &Axes, series: &[Series]) -> Result<(), S
     if points().count() < 2 {
         return Ok(());
     }
-    let wrong = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
     let drawn = |s: &Series| plots::Series {
         name: s.name.clone(),
         points: s.points.clone(),
         whiskers: Vec::new(),
         color: COLORS[s.color % COLORS.len()],
-        mark: Mark::Dot,
-        stroke: if s.is_dashed { Stroke::Dashed } else { Stroke::Solid },
+        mark: Mark::Own,
+        stroke: Stroke::Line(if s.is_dashed { Dash::Dashed } else { Dash::Solid }),
     };
     let plot = Plot {
         title: axes.title.clone(),
@@ -49,8 +48,6 @@ pub(super) fn write(path: &Path, axes: &Axes, series: &[Series]) -> Result<(), S
         series: series.iter().map(drawn).collect(),
         places: Vec::new(),
     };
-    match plot.svg().map_err(|e| wrong(&e))? {
-        Some(svg) => std::fs::write(path, svg).map_err(|e| wrong(&e)),
-        None => Ok(()),
-    }
+    let Some(picture) = plot.picture(Format::TwoColumns) else { return Ok(()) };
+    std::fs::write(path, picture.svg()).map_err(|e| format!("{}: {e}", path.display()))
 }

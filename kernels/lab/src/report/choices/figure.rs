@@ -2,19 +2,19 @@
 
 use crate::human::digits;
 use crate::plots::precision::{Choice, Precision};
-use crate::plots::{Axis, Scale, Shape};
+use crate::plots::{Axis, Mark, Scale};
 use crate::structures::{STRUCTURES, color};
 use crate::tidy::Row;
 
 /// Colour of other programs' methods.
 const OWN: usize = 3;
 
-fn shape(schedule: &str) -> Shape {
+fn shape(schedule: &str) -> Mark {
     match schedule {
-        "fused" => Shape::Disc,
-        "compact" => Shape::Square,
-        "second" => Shape::Up,
-        _ => Shape::Down,
+        "fused" => Mark::Dot,
+        "compact" => Mark::Square,
+        "second" => Mark::Triangle,
+        _ => Mark::Down,
     }
 }
 
@@ -34,30 +34,46 @@ fn choice(row: &Row) -> Option<Choice> {
         wrong_ends: ends("wrong_per_million_low", "wrong_per_million_high"),
         undecided: row.number("undecided_per_million").unwrap_or(0.0),
         color: if is_own { OWN } else { color(accelerator) },
-        shape: if is_own { Shape::Disc } else { shape(schedule) },
+        shape: if is_own { Mark::Dot } else { shape(schedule) },
         is_hollow: numerics == "paper",
         is_front: row.get("is_front") == "true",
     })
 }
 
+/// The most choices in a diagram: more than raystep has, so that only other programs' methods can be too many.
+const MOST: usize = 60;
+
+/// The rows that are drawn: all, or those that no other beats and the fastest of the rest.
+fn shown(rows: &[Row]) -> impl Iterator<Item = &Row> {
+    let mut rows: Vec<&Row> = rows.iter().filter(|row| choice(row).is_some()).collect();
+    let time = |row: &Row| row.number("ns_per_ray").unwrap_or(f64::INFINITY);
+    rows.sort_by(|a, b| {
+        let is_beaten = |row: &Row| row.get("is_front") != "true";
+        is_beaten(a).cmp(&is_beaten(b)).then(time(a).total_cmp(&time(b)))
+    });
+    rows.into_iter().take(MOST)
+}
+
 /// The diagram, of rays from a file or of the view.
 pub(super) fn of(rows: &[Row], is_file: bool) -> Precision {
-    let mut choices: Vec<Choice> = rows.iter().filter_map(choice).collect();
+    let mut choices: Vec<Choice> = shown(rows).filter_map(choice).collect();
     choices.sort_by(|a, b| a.x.total_cmp(&b.x));
     let bound_of_none = |row: &Row| row.number("wrong_per_million_high").filter(|_| row.get("wrong_rays") == "0");
     let entry = |name: &str, color, shape, is_hollow| (name.to_owned(), color, shape, is_hollow);
     let mut legend = Vec::new();
     for (name, color) in STRUCTURES.into_iter().filter(|(name, _)| rows.iter().any(|r| r.get("accelerator") == *name)) {
-        legend.push(entry(name, Some(color), Shape::Disc, false));
+        legend.push(entry(name, Some(color), Mark::Dot, false));
     }
     for name in ["first", "second", "compact", "fused"] {
         if rows.iter().any(|r| r.get("schedule") == name) {
             legend.push(entry(name, None, shape(name), false));
         }
     }
-    legend.push(entry("paper", None, Shape::Disc, true));
+    if rows.iter().any(|r| r.get("numerics") == "paper") {
+        legend.push(entry("paper", None, Mark::Dot, true));
+    }
     if rows.iter().any(|r| !r.get("method").is_empty()) {
-        legend.push(entry("other", Some(OWN), Shape::Disc, false));
+        legend.push(entry("other", Some(OWN), Mark::Dot, false));
     }
     Precision {
         title: "Time against wrong rays".into(),
@@ -81,12 +97,24 @@ pub(super) fn caption(rows: &[Row], is_file: bool) -> String {
     methods.sort_unstable();
     methods.dedup();
     let method = methods.join(" or ").replace('_', " ");
-    format!(
-        "Median of {} interleaved runs, 95% interval ({}). Wrong of {} judged rays, exact 95% interval. Pale: undecided \
-         rays. Dashed: nothing is faster and less often wrong.{}",
+    let mut caption = format!(
+        "Median of {} interleaved runs, 95% interval ({}). Wrong of {} judged rays, exact 95% interval.",
         ends("runs"),
         if method.is_empty() { "none: too few runs" } else { &method },
         ends("judged_rays"),
-        if is_file { " Rays from a file, taken as a random sample." } else { "" },
-    )
+    );
+    let shown: Vec<&Row> = shown(rows).collect();
+    let is_drawn = |of: fn(&Choice) -> bool| shown.iter().filter_map(|row| choice(row)).filter(of).count();
+    let mut explain = |is_drawn: bool, what: &str| {
+        if is_drawn {
+            caption += what
+        }
+    };
+    explain(is_drawn(|c| c.undecided > 0.0) > 0, " Pale: undecided rays.");
+    // Of a single choice there is no line.
+    explain(is_drawn(|c| c.is_front) > 1, " Dashed line: choices that no other choice beats in both time and errors.");
+    explain(is_file, " Rays from a file, taken as a random sample.");
+    let slower = rows.iter().filter_map(choice).count() - shown.len();
+    explain(slower > 0, &format!(" Not drawn: the {slower} slowest of the others."));
+    caption
 }

@@ -1,6 +1,6 @@
 //! The plots of offset and scale.
 
-use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::plots::{Axis, Dash, Plot, Scale, Series, Stroke};
 use crate::tidy::Row;
 
 fn axis_of(column: &str) -> Axis {
@@ -26,8 +26,9 @@ pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
         Series::line("forward", 1, of("forward_error_by_bound_largest")),
     ];
     let ends = of("arithmetic_error_by_bound_largest");
-    for (name, color, at) in [("the bound", 6, 1.0), ("tenth (below: too loose)", 4, 0.1)] {
-        series.push(Series::dashed(name, color, ends.iter().map(|p| (p.0, at)).collect()));
+    for (name, dash, at) in [("the bound", Dash::Dashed, 1.0), ("tenth (below: too loose)", Dash::Dotted, 0.1)] {
+        let line = Series::dashed(name, 6, ends.iter().map(|p| (p.0, at)).collect());
+        series.push(Series { stroke: Stroke::Line(dash), ..line });
     }
     Plot {
         title: "Largest error of t relative to the same ray's bound".into(),
@@ -49,7 +50,9 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
         // Relative to the extent, the prediction is the same at every scale, so it is not plotted.
         if of == "forward" && column != "scale" {
             let predicted = points(&format!("{of}_bound_extents_{which}"));
-            series.push(Series::dashed(format!("forward bound, {which}"), color, predicted));
+            let dash = if which == "largest" { Dash::DashDot } else { Dash::Dotted };
+            let line = Series::dashed(format!("forward bound, {which}"), color, predicted);
+            series.push(Series { stroke: Stroke::Line(dash), ..line });
         }
     }
     series.push(Series::dashed("one rounding of the depth", 6, points("depth_rounding_extents_largest")));
@@ -73,12 +76,12 @@ fn per_million(column: &str, count: &str, rows: &[&Row], series: Series) -> Seri
     Series { points, whiskers: rows.iter().filter_map(ends).collect(), ..series }
 }
 
-/// Colour, stratum, its name in the legend, and mark.
-const STRATA: [(usize, &str, &str, Mark); 4] = [
-    (1, "corners", "corners", Mark::Dot),
-    (3, "edge_middles", "middles of edges", Mark::Triangle),
-    (5, "along_edges", "along edges", Mark::Square),
-    (0, "anywhere", "any direction", Mark::Dot),
+/// Colour, stratum, and its name in the legend.
+const STRATA: [(usize, &str, &str); 4] = [
+    (1, "corners", "corners"),
+    (3, "edge_middles", "middles of edges"),
+    (5, "along_edges", "along edges"),
+    (0, "anywhere", "any direction"),
 ];
 
 /// The rows of a stratum with a set of rules.
@@ -94,8 +97,8 @@ fn has_wrong(rows: &[&Row]) -> bool {
 pub(super) fn without_wrong(rows: &[Row]) -> Vec<String> {
     let name = |numerics: &str| {
         let of = |stratum: &str| of_stratum(rows, numerics, stratum);
-        let none = STRATA.iter().filter(|(_, stratum, ..)| !of(stratum).is_empty() && !has_wrong(&of(stratum)));
-        let none: Vec<&str> = none.map(|(_, _, words, _)| *words).collect();
+        let none = STRATA.iter().filter(|(_, stratum, _)| !of(stratum).is_empty() && !has_wrong(&of(stratum)));
+        let none: Vec<&str> = none.map(|(_, _, words)| *words).collect();
         (!none.is_empty()).then(|| format!("{numerics} ({})", none.join(", ")))
     };
     ["paper", "robust"].into_iter().filter_map(name).collect()
@@ -104,12 +107,12 @@ pub(super) fn without_wrong(rows: &[Row]) -> Vec<String> {
 /// Wrong rays of both sets of rules, a line for each stratum in which any ray is wrong. The truth is the rounded scene.
 pub(super) fn wrong(column: &str, rows: &[Row]) -> Plot {
     let mut series = Vec::new();
-    for (numerics, stroke) in [("paper", Stroke::Solid), ("robust", Stroke::Dashed)] {
-        for (color, stratum, words, mark) in STRATA {
+    for (numerics, dash) in [("paper", Dash::Solid), ("robust", Dash::Dotted)] {
+        for (color, stratum, words) in STRATA {
             let of = of_stratum(rows, numerics, stratum);
             if has_wrong(&of) {
                 let line = Series::line(format!("{numerics}: {words}"), color, Vec::new());
-                series.push(per_million(column, "wrong", &of, Series { mark, stroke, ..line }));
+                series.push(per_million(column, "wrong", &of, Series { stroke: Stroke::Line(dash), ..line }));
             }
         }
     }
@@ -135,12 +138,11 @@ fn bound_of_none(column: &str, count: &str, name: &str, rows: &[Row]) -> Series 
 
 /// Rays that hit something else than before the scene was rounded.
 pub(super) fn changed(column: &str, rows: &[Row]) -> Plot {
-    let of = |(numerics, color, mark, stroke): (&str, usize, Mark, Stroke)| {
+    let of = |(numerics, color): (&str, usize)| {
         let of: Vec<&Row> = rows.iter().filter(|r| r.is(&[("numerics", numerics), ("stratum", "anywhere")])).collect();
-        per_million(column, "changed", &of, Series { mark, stroke, ..Series::line(numerics, color, Vec::new()) })
+        per_million(column, "changed", &of, Series::line(numerics, color, Vec::new()))
     };
-    let mut series: Vec<Series> =
-        [("robust", 0, Mark::Dot, Stroke::Solid), ("paper", 1, Mark::Triangle, Stroke::Dashed)].map(of).into();
+    let mut series: Vec<Series> = [("robust", 0), ("paper", 1)].map(of).into();
     series.push(bound_of_none(column, "changed", "95% bound, no hit differs", rows));
     Plot {
         title: "Hits that differ from those before rounding".into(),

@@ -1,18 +1,18 @@
 //! The plots of resolved rays.
 
-use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::plots::{Axis, Dash, Mark, Plot, Scale, Series, Stroke};
 use crate::report::page::number;
 use crate::structures::STRUCTURES;
 use crate::tidy::Row;
 
-/// Schedules and numerics, with their colours.
-const WAYS: [(&str, &str, usize); 6] = [
-    ("first", "robust", 0),
-    ("second", "robust", 4),
-    ("compact", "robust", 2),
-    ("fused", "robust", 3),
-    ("first", "paper", 1),
-    ("second", "paper", 1),
+/// Schedules and numerics, with their colours and dashes.
+const WAYS: [(&str, &str, usize, Dash); 6] = [
+    ("first", "robust", 0, Dash::Solid),
+    ("second", "robust", 4, Dash::DashDot),
+    ("compact", "robust", 2, Dash::Dashed),
+    ("fused", "robust", 3, Dash::Solid),
+    ("first", "paper", 1, Dash::Dotted),
+    ("second", "paper", 1, Dash::Dashed),
 ];
 
 /// Milliseconds from the first to the last pass of all configurations: the time axis of all plots. The left end is half
@@ -50,7 +50,7 @@ pub(super) fn resolved(accelerator: &str, rows: &[Row]) -> Plot {
     let share = |r: &Row| Some(100.0 * r.number("resolved_rays")? / r.number("rays").filter(|&n| n > 0.0)?);
     let range = range(rows);
     let mut series = Vec::new();
-    for (schedule, numerics, color) in WAYS {
+    for (schedule, numerics, color, dash) in WAYS {
         let of = rows_of(rows, &[("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)]);
         let points = curve(&of, range.map_or(0.0, |r| r[0]), share);
         let Some(&last) = points.last() else { continue };
@@ -64,9 +64,9 @@ pub(super) fn resolved(accelerator: &str, rows: &[Row]) -> Plot {
         series.push(match schedule {
             "fused" => {
                 let points = points.into_iter().filter(|p| p.1 > 0.0).take(1).collect();
-                Series { mark: Mark::Square, stroke: Stroke::None, ..Series::line(name, color, points) }
+                Series { stroke: Stroke::None, ..Series::line(name, color, points) }
             }
-            _ => Series { mark: Mark::None, stroke: Stroke::Steps, ..Series::line(name, color, points) },
+            _ => Series { mark: Mark::None, stroke: Stroke::Steps(dash), ..Series::line(name, color, points) },
         });
     }
     // Nothing is drawn for a structure without curves.
@@ -85,16 +85,14 @@ pub(super) fn wrong(rows: &[Row]) -> Plot {
     let range = range(rows);
     let mut series = Vec::new();
     for (accelerator, color) in STRUCTURES {
-        for (numerics, schedules, stroke) in
-            [("paper", &["first", "second"][..], Stroke::Steps), ("robust", &["compact"], Stroke::Dashed)]
-        {
-            for schedule in schedules {
-                let of = rows_of(rows, &[("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)]);
-                let points = curve(&of, range.map_or(0.0, |r| r[0]), wrong);
-                let name = format!("{accelerator} {schedule}, {numerics}");
-                if !points.is_empty() {
-                    series.push(Series { mark: Mark::None, stroke, ..Series::line(name, color, points) });
-                }
+        let ways =
+            [("paper", "first", Dash::Solid), ("paper", "second", Dash::DashDot), ("robust", "compact", Dash::Dotted)];
+        for (numerics, schedule, dash) in ways {
+            let of = rows_of(rows, &[("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)]);
+            let points = curve(&of, range.map_or(0.0, |r| r[0]), wrong);
+            let name = format!("{accelerator} {schedule}, {numerics}");
+            if !points.is_empty() {
+                series.push(Series { stroke: Stroke::Steps(dash), ..Series::line(name, color, points) });
             }
         }
     }

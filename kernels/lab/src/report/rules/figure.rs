@@ -3,7 +3,7 @@
 use super::ALL;
 use crate::human::digits;
 use crate::plots::precision::{Choice, Precision};
-use crate::plots::{Axis, Scale, Shape};
+use crate::plots::{Axis, Mark, Scale};
 use crate::structures::{STRUCTURES, color};
 use crate::tidy::Row;
 
@@ -29,7 +29,7 @@ fn choice(row: &Row) -> Option<Choice> {
         // Most are aimed where f32 cannot decide: in the table.
         undecided: 0.0,
         color: color(row.get("accelerator")),
-        shape: Shape::Disc,
+        shape: Mark::Dot,
         is_hollow: row.get("numerics") == "paper",
         is_front: false,
     })
@@ -41,7 +41,7 @@ pub(super) fn of(rows: &[Row]) -> Precision {
     choices.sort_by(|a, b| a.color.cmp(&b.color).then(a.x.total_cmp(&b.x)));
     let bound = |row: &Row| row.number("wrong_per_million_high").filter(|_| row.get("wrong_rays") == "0");
     let has = |(name, _): &(&str, usize)| compared_rows(rows).any(|row| row.get("accelerator") == *name);
-    let entry = |(name, color): (&str, usize)| (name.to_owned(), Some(color), Shape::Disc, false);
+    let entry = |(name, color): (&str, usize)| (name.to_owned(), Some(color), Mark::Dot, false);
     Precision {
         title: "Without one rule, relative to robust".into(),
         x: Axis::new("ratio of times to robust", Scale::Ratio),

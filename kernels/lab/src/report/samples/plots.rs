@@ -5,10 +5,10 @@ use raystep_kernels::Sampler;
 use super::super::page::number;
 use super::slopes::{Of, of_quantity};
 use crate::human;
-use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::plots::{Axis, Dash, Plot, Scale, Series, Stroke};
 use crate::tidy::Row;
 
-const SAMPLERS: [(usize, Sampler, Mark); 2] = [(0, Sampler::Sobol, Mark::Dot), (1, Sampler::Random, Mark::Triangle)];
+const SAMPLERS: [(usize, Sampler); 2] = [(0, Sampler::Sobol), (1, Sampler::Random)];
 
 /// x and y, or two ends.
 type Point = (f64, f64);
@@ -28,24 +28,26 @@ fn over_samples(rows: &[&Row], column: &str) -> (Vec<Point>, Vec<Point>) {
 
 pub(super) fn errors(of: Of, rows: &[Row]) -> Plot {
     let mut series = Vec::new();
-    for (color, sampler, mark) in SAMPLERS {
+    for (color, sampler) in SAMPLERS {
         let medians: Vec<&Row> =
             medians(rows, sampler, of).into_iter().filter(|r| r.get("is_fitted") == "true").collect();
         let (points, whiskers) = over_samples(&medians, "error");
         let wanted = [("sampler", sampler.name()), ("pixels", of.name())];
         let slope = of_quantity(rows, "median_slope").find(|row| row.is(&wanted));
         let line = slope.and_then(|row| Some((row, through_middle(&points, row.number("slope")?)?)));
-        series.push(Series { mark, whiskers, stroke: Stroke::None, ..Series::line(sampler.name(), color, points) });
+        series.push(Series { whiskers, stroke: Stroke::None, ..Series::line(sampler.name(), color, points) });
         if let Some((row, ends)) = line {
             let slope = human::field("slope", row.get("slope"));
-            series.push(Series::dashed(format!("{sampler}: slope {slope}"), color, ends));
+            let stroke = Stroke::Line(if sampler == Sampler::Sobol { Dash::Dashed } else { Dash::DashDot });
+            series.push(Series { stroke, ..Series::dashed(format!("{sampler}: slope {slope}"), color, ends) });
         }
     }
     let of_pixels: Vec<&Row> = of_quantity(rows, "median_error").filter(|r| r.get("pixels") == of.name()).collect();
     let own = of_pixels.iter().find_map(|r| r.number("reference_rmse"));
     let samples: Vec<f64> = of_pixels.iter().filter_map(|r| r.number("samples")).collect();
     if let (Some(own), [first, .., last]) = (own, &samples[..]) {
-        series.push(Series::dashed("the reference's own", 6, vec![(*first, own), (*last, own)]));
+        let stroke = Stroke::Line(Dash::Dotted);
+        series.push(Series { stroke, ..Series::dashed("the reference's own", 6, vec![(*first, own), (*last, own)]) });
     }
     Plot {
         title: format!("Error of the image, {}", of.words()),
@@ -66,11 +68,12 @@ fn through_middle(points: &[(f64, f64)], slope: f64) -> Option<Vec<(f64, f64)>> 
 
 pub(super) fn local_slopes(rows: &[Row]) -> Plot {
     let mut series = Vec::new();
-    for (color, sampler, mark) in SAMPLERS {
-        for (of, stroke) in [(Of::All, Stroke::Solid), (Of::Edges, Stroke::Dashed)] {
+    for (color, sampler) in SAMPLERS {
+        for (of, dash) in [(Of::All, Dash::Solid), (Of::Edges, Dash::Dotted)] {
             let (points, whiskers) = over_samples(&medians(rows, sampler, of), "local_slope");
             let name = format!("{sampler}, {}", of.words());
-            series.push(Series { mark, whiskers, stroke, ..Series::line(name, color, points) });
+            let stroke = Stroke::Line(dash);
+            series.push(Series { whiskers, stroke, ..Series::line(name, color, points) });
         }
     }
     let samples: Vec<f64> = series.iter().flat_map(|s| &s.points).map(|p| p.0).collect();

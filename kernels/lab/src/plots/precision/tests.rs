@@ -1,0 +1,76 @@
+use super::*;
+use crate::plots::Scale;
+use crate::plots::picture::Element;
+
+fn choice(x: f64, wrong: f64) -> Choice {
+    Choice {
+        label: format!("<{x}>"),
+        x,
+        x_ends: Some((0.9 * x, 1.1 * x)),
+        wrong,
+        wrong_ends: (wrong > 0.0).then_some((0.5 * wrong, 2.0 * wrong)),
+        undecided: 3.0,
+        color: 0,
+        shape: Mark::Dot,
+        is_hollow: false,
+        is_front: true,
+    }
+}
+
+fn of(choices: Vec<Choice>) -> Precision {
+    Precision {
+        title: "time & wrong".into(),
+        x: Axis::new("ns per ray", Scale::Log),
+        y: Axis::new("wrong per million", Scale::Log),
+        at_most: Some(81.26),
+        legend: vec![("grid".into(), Some(0), Mark::Dot, false)],
+        from: None,
+        choices,
+    }
+}
+
+fn drawn(diagram: &Precision, format: Format) -> Picture {
+    diagram.picture(format).expect("a diagram")
+}
+
+#[test]
+fn none_wrong_has_a_line_of_its_own_and_every_choice_a_name() {
+    assert_eq!(of(Vec::new()).picture(Format::Screen), None);
+    let choices = of(vec![choice(100.0, 0.0), choice(50.0, 30.0), choice(200.0, 0.0)]);
+    let text = drawn(&choices, Format::Screen).svg();
+    assert!(text.contains("&lt;100&gt;") && text.contains("&lt;50&gt;") && text.contains("at most 81 per million"));
+    assert!(text.contains("wrong per million"));
+    // Three choices and the legend's mark.
+    assert_eq!(text.matches("<circle").count(), 4);
+    let arrows = Precision { from: Some(1.0), ..of(vec![choice(2.0, 0.0)]) };
+    let heads = |diagram: &Precision| drawn(diagram, Format::Screen).svg().matches("<polygon").count();
+    assert_eq!(heads(&arrows), heads(&Precision { from: None, ..arrows.clone() }) + 1);
+}
+
+fn texts(picture: &Picture) -> Vec<&str> {
+    fn text(element: &Element) -> Option<&str> {
+        if let Form::Text { text, .. } = &element.form { Some(text) } else { None }
+    }
+    picture.elements.iter().filter_map(text).collect()
+}
+
+#[test]
+fn names_that_have_no_room_have_numbers_with_a_key() {
+    let long = |x: f64, wrong: f64| Choice { label: format!("a rather long name, {x}"), ..choice(x, wrong) };
+    // Intervals from one side to the other leave no room beside the mark.
+    let wide = |x: f64, wrong: f64| Choice { x_ends: Some((20.0, 900.0)), ..long(x, wrong) };
+    let all = vec![long(100.0, 1e6), long(100.5, 1e6), wide(101.0, 9e5), wide(880.0, 1e6), wide(50.0, 0.0)];
+    let diagram = of(all);
+    for format in [Format::Screen, Format::OneColumn, Format::TwoColumns] {
+        let picture = drawn(&diagram, format);
+        for choice in &diagram.choices {
+            let has_name = texts(&picture).iter().any(|text| text.ends_with(&choice.label));
+            assert!(has_name, "{}: {:?}", choice.label, texts(&picture));
+        }
+        let count = |wanted: &str| texts(&picture).iter().filter(|text| **text == wanted).count();
+        assert_eq!((count("1M"), count("1e6"), count("2M")), (1, 0, 0), "no more than all rays are wrong");
+    }
+    let numbered = drawn(&of(vec![Choice { label: "x".repeat(80), ..choice(3.0, 7.0) }]), Format::OneColumn);
+    let key = format!("1 {}", "x".repeat(80));
+    assert!(texts(&numbered).contains(&"1") && texts(&numbered).concat().ends_with(&key.replace(' ', "")));
+}
