@@ -8,17 +8,10 @@ use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-<<<<<<< ours
     ask, assert_all, begin_lesson, begin_play, beside, bookmarks_around, choose_cornell, choose_session, event,
     exposure, focused, is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing,
     open_session, over_a_texel, pixel_moved, play, range, remove_bookmarks, same_kernel, show_passes, show_watches,
     shown, slice, sort_rays, watch_the_ray, zoomed,
-=======
-    assert_all, begin_lesson, beside, bookmarks_around, choose_cornell, choose_session, event, exposure, focused,
-    is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing, open_session, over_a_texel,
-    pixel_moved, play, range, remove_bookmarks, same_kernel, show_passes, show_watches, shown, slice, sort_rays,
-    watch_the_ray, zoomed,
->>>>>>> theirs
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};

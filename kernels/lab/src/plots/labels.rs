@@ -15,6 +15,9 @@ const STEP: f64 = 3.0;
 /// How often each label is placed: from the second time on, all others are known.
 const ROUNDS: usize = 3;
 
+/// How many of the nearest places are tried before all others.
+const NEAREST: usize = 1000;
+
 /// What is covered costs more than any distance.
 const LABEL: f64 = 3000.0;
 const COVERED: f64 = 1000.0;
@@ -69,9 +72,33 @@ pub(super) fn places(room: Frame, wanted: &[Wanted], obstacles: &Obstacles) -> V
 fn best(room: Frame, own: usize, wanted: &[Wanted], obstacles: &Obstacles, others: &[Place]) -> Option<Place> {
     let mut places: Vec<(f64, Place)> =
         candidates(room, wanted[own]).into_iter().map(|place| (place.distance_cost(wanted[own].at), place)).collect();
-    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Mostly one of the nearest is taken, so the others need no order.
+    let near = places.len().min(NEAREST);
+    let by_distance = |a: &(f64, Place), b: &(f64, Place)| a.0.total_cmp(&b.0);
+    if near < places.len() {
+        places.select_nth_unstable_by(near, by_distance);
+    }
+    let (nearest, others_away) = places.split_at_mut(near);
+    nearest.sort_by(by_distance);
+    let found = least_of(nearest, own, wanted, obstacles, others);
+    if found.is_some_and(|(cost, _)| cost < COVERED) {
+        return found.map(|(_, place)| place);
+    }
+    others_away.sort_by(by_distance);
+    let farther = least_of(others_away, own, wanted, obstacles, others);
+    found.into_iter().chain(farther).min_by(by_distance).map(|(_, place)| place)
+}
+
+/// The place of least cost of places in the order of their distance.
+fn least_of(
+    places: &[(f64, Place)],
+    own: usize,
+    wanted: &[Wanted],
+    obstacles: &Obstacles,
+    others: &[Place],
+) -> Option<(f64, Place)> {
     let mut least: Option<(f64, Place)> = None;
-    for (distance, place) in places {
+    for &(distance, place) in places {
         if least.is_some_and(|(cost, _)| cost <= distance) {
             break;
         }
@@ -80,7 +107,7 @@ fn best(room: Frame, own: usize, wanted: &[Wanted], obstacles: &Obstacles, other
             least = Some((cost, place));
         }
     }
-    least.map(|(_, place)| place)
+    least
 }
 
 /// Every place that is tried.
