@@ -1,5 +1,5 @@
 use super::*;
-use crate::lesson::{Condition, Goal, Operand};
+use crate::lesson::{Condition, Expect, Goal, Operand};
 use crate::ui::command::Command;
 use crate::ui::pane::PaneKind;
 

@@ -83,7 +83,7 @@ pub(super) fn states(ui: &mut Ui, model: &Model) {
                 told.push(sent.to);
                 let to = opened.plan.program.states.name(sent.to);
                 let count = times(life, info.name, name, to);
-                let text = RichText::new(format!("    → {to}: {}", sent.when)).small();
+                let text = RichText::new(format!("    to {to}: {}", sent.when)).small();
                 if count > 0 {
                     ui.label(RichText::new(format!("{} ({count}×)", text.text())).small().strong());
                 } else {
