@@ -131,6 +131,10 @@ fn the_name_of_a_file_is_shown_in_lines_tables_and_pages() {
     let html = "&lt;b&gt;&quot;x&quot;,&#39;y&#39;&amp;";
     for file in fs::read_dir(place.path("report")).expect("the folder") {
         let path = file.expect("an entry").path();
+        // Figures as PDF are compressed.
+        if path.extension().is_some_and(|extension| extension == "pdf") {
+            continue;
+        }
         let text = fs::read_to_string(&path).expect("text");
         assert_tame(&text, &path.display().to_string());
         assert!(!text.contains("<b>\"x\"") || path.extension().is_some_and(|e| e == "csv"), "{}", path.display());

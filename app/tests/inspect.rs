@@ -41,18 +41,16 @@ fn the_window_is_drawn_without_a_display_and_shows_what_it_is_asked_to() {
     assert_eq!(shot("large.png", &["--scale", "2"]).dimensions(), (1280, 800));
 }
 
-/// Columns with start times of passes, which differ from run to run.
-const TIMES: std::ops::RangeInclusive<u32> = 119..=135;
 /// The stream panel, with its tab.
-const STREAM: [std::ops::Range<u32>; 2] = [138..368, 75..374];
+const STREAM: [std::ops::Range<u32>; 2] = [0..273, 75..318];
 /// In it, the image of 32 x 32 texels: its corner and side length, in pixels.
-const TEXELS: ([f32; 2], f32) = ([185.0, 210.0], 159.0);
+const TEXELS: ([f32; 2], f32) = ([85.0, 210.0], 100.0);
 
-/// Where two images differ, apart from times.
+/// Where two images differ.
 fn differences(a: &RgbaImage, b: &RgbaImage) -> Vec<[u32; 2]> {
     assert_eq!(a.dimensions(), b.dimensions());
     let pairs = a.enumerate_pixels().zip(b.pixels());
-    pairs.filter(|((x, _, a), b)| a != b && !TIMES.contains(x)).map(|((x, y, _), _)| [x, y]).collect()
+    pairs.filter(|((_, _, a), b)| a != b).map(|((x, y, _), _)| [x, y]).collect()
 }
 
 #[test]
@@ -75,7 +73,7 @@ fn a_link_says_where_to_go() {
     let tmax = shot("tmax.png", &["--link", &link("pixel=12,20&pass=20&stream=tmax.z")]);
     let is_inside = |[x, y]: &[u32; 2]| STREAM[0].contains(x) && STREAM[1].contains(y);
     let changed = differences(&linked, &tmax);
-    assert!(changed.len() > 10_000 && changed.iter().all(is_inside), "{:?}", changed.iter().find(|p| !is_inside(p)));
+    assert!(changed.len() > 5_000 && changed.iter().all(is_inside), "{:?}", changed.iter().find(|p| !is_inside(p)));
     // It shows that stream and layer: larger values after that pass have brighter texels.
     let dump = ["dump", &file, "--size", "32x32", "--stream", "tmax", "--pass", "19", "--device", "gpu", "-o", "dump"];
     place.ok(&dump);
@@ -85,7 +83,7 @@ fn a_link_says_where_to_go() {
     for (i, bytes) in z.chunks_exact(4).enumerate() {
         let (x, y) = (i % 32, i / 32);
         // The marker of the selected ray covers adjacent texels.
-        if x.abs_diff(12) <= 2 && y.abs_diff(20) <= 2 {
+        if x.abs_diff(12) <= 3 && y.abs_diff(20) <= 3 {
             continue;
         }
         let at = |corner: f32, texel: usize| (corner + TEXELS.1 * (texel as f32 + 0.5) / 32.0) as u32;

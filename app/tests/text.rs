@@ -96,7 +96,7 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
 
     let csv = place.ok(&[&trace[..], &common[..], &["--format", "csv"]].concat()).stdout;
     let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(csv.as_bytes());
-    assert_eq!(reader.records().filter(|r| r.as_ref().is_ok_and(|r| r.len() == 21)).count(), rows.len());
+    assert_eq!(reader.records().filter(|r| r.as_ref().is_ok_and(|r| r.len() == 22)).count(), rows.len());
     let table = place.ok(&[&trace[..], &common[..]].concat()).stdout;
     assert!(table.starts_with("pass ") && table.contains("TRAV_SETUP"), "{table}");
     assert!(

@@ -229,6 +229,6 @@ impl Counter<'_> {
     /// What all elements so far took together.
     #[must_use]
     pub fn work(&self) -> Work {
-        Work::of(&self.machine.kernel.code, &self.machine.runs)
+        Work::of(&self.machine.kernel.code.costs, &self.machine.runs)
     }
 }

@@ -10,17 +10,21 @@ use super::style::SMALLEST;
 /// Largest magnification.
 const MOST: f32 = 1.6;
 
-/// Shows a plot as wide as there is room, with a name for screen readers.
+/// Shows a plot as wide as there is room, but with texts that can be read, and with a name for screen readers.
 pub(super) fn show(ui: &mut Ui, picture: &Picture, name: &str) {
     let (width, height) = (picture.size.0 as f32, picture.size.1 as f32);
-    let scale = (ui.available_width() / width.max(1.0)).clamp(0.5, MOST);
+    let sizes = picture.elements.iter().filter_map(|element| match element.form {
+        Form::Text { size, .. } => Some(size as f32),
+        _ => None,
+    });
+    let least = (SMALLEST / sizes.fold(f32::INFINITY, f32::min)).min(MOST);
+    let scale = (ui.available_width() / width.max(1.0)).clamp(least, MOST);
     let (rect, response) = ui.allocate_exact_size(vec2(width, height) * scale, Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
     if ui.is_rect_visible(rect) {
         let paint = Paint { ui, rect, scale };
         let shapes: Vec<Shape> = picture.elements.iter().map(|element| paint.shape(element)).collect();
-        // In a small picture, texts at the edge are larger than their room.
-        ui.painter_at(rect.expand(SMALLEST)).extend(shapes);
+        ui.painter_at(rect).extend(shapes);
     }
 }
 
@@ -82,7 +86,7 @@ impl Paint<'_> {
     /// No wider than the plot was laid out for: the window's font is not that of the files.
     fn text(&self, text: &str, at: Pos2, size: f32, width: f32, align: [Align; 2], color: Color32) -> Shape {
         let layout = |size: f32| {
-            let font = FontId::proportional(size.max(SMALLEST));
+            let font = FontId::proportional(size);
             self.ui.painter().layout_no_wrap(text.to_owned(), font, color)
         };
         let galley = layout(size);

@@ -55,7 +55,7 @@ async fn answer(measurement: Measurement, reporter: &dyn Reporter) -> Result<Ans
             from,
             choices: vec![choice("bvh, fused", 120.0, 0.0, 1), choice("grid, fused, paper", 90.0, 300.0, 0)],
         };
-        diagram.picture(Format::Screen).expect("it has choices")
+        diagram.picture(Format::OneColumn).expect("it has choices")
     };
     let name = measurement.subject.scene.name;
     let rows = [["bvh, fused, robust", "120 ns", "0 of 4,096"], ["grid, fused, paper", "90 ns", "12 of 4,096"]];

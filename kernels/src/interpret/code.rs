@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use naga::{Expression, Function, Handle, LocalVariable, Type};
 
-use super::Work;
+use super::work::Work;
 use crate::tables::stream::Stream;
 
 /// The type of a scalar, or of a vector's components.

@@ -1,7 +1,5 @@
 //! Operations and bytes of a kernel.
 
-use super::code::Code;
-
 /// What elements took: operations as the source states them, and bytes moved to and from memory.
 ///
 /// - An operation is one operator, conversion or built-in function on one component: a sum of two `vec3f` is three.
@@ -55,9 +53,9 @@ impl Work {
     }
 
     /// Of statements that ran so often.
-    pub(super) fn of(code: &Code, runs: &[u64]) -> Self {
+    pub(super) fn of(costs: &[Self], runs: &[u64]) -> Self {
         let mut sum = Self::default();
-        code.costs.iter().zip(runs).for_each(|(cost, &times)| sum.add(cost, times));
+        costs.iter().zip(runs).for_each(|(cost, &times)| sum.add(cost, times));
         sum
     }
 }

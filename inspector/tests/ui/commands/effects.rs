@@ -69,7 +69,8 @@ pub(super) fn ask(stage: &mut Stage) -> f64 {
 pub(super) fn begin_play(stage: &mut Stage) -> f64 {
     let text = "# T\n## S\n```raystep\nopen scene=built-in:cornell-box size=32x32 grid=7 device=cpu pixel=13,27\nrow \"starts in\"\nplay 5\n```\n";
     stage.inspector().begin_lesson(Lesson::parse("play.md", text).expect("a lesson"), 0);
-    stage.settle();
+    // Not until it has settled: it would have ended by then.
+    stage.until("the first iteration", |stage| stage.reads("0 of 5 iterations"));
     0.0
 }
 

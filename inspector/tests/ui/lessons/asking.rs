@@ -81,9 +81,10 @@ fn a_question_without_one_right_choice_is_found() {
 fn what_a_lesson_plays_can_be_paused_and_skipped() {
     let text = one("Iterations.", "row \"starts in\"\nplay 3\nexpect ray.cells > 3").replace("32x32", "32x32 grid=7");
     let mut stage = stage();
-    begin(&mut stage, &text, 0);
+    // Not until it has settled: it would have ended by then.
+    stage.inspector().begin_lesson(Lesson::parse("test.md", &text).expect("a lesson"), 0);
+    stage.until("the first iteration", |stage| stage.reads("0 of 3 iterations"));
     let start = stage.place();
-    assert!(stage.reads("0 of 3 iterations"), "{}", stage.read_out());
     stage.until("a pass", |stage| stage.place() > start);
     stage.key(Modifiers::NONE, Key::Space);
     stage.settle();
@@ -148,17 +149,22 @@ fn closing_a_lesson_brings_back_the_scene_its_options_and_the_place() {
     let arrival = Arrival { pixel: Some([7, 9]), place: Some(5), ..Arrival::default() };
     let mut stage = Stage::with_scene(CORNELL, settings, arrival);
     stage.perform(Command::Show(PaneKind::Plan));
-    let before = view(&stage);
+    // Not how far tables are scrolled.
+    let state = |stage: &Stage| {
+        let (place, pixel, panes, settings, _) = view(stage);
+        (place, pixel, panes, settings)
+    };
+    let before = state(&stage);
     // Two lessons one after the other, and one that is closed before its scene is open.
     begin(&mut stage, THREE, 1);
     stage.perform(Command::NudgeLeft);
     begin(&mut stage, ASKING, 0);
     stage.perform(Command::CloseLesson);
     stage.settle();
-    assert_eq!(view(&stage), before);
+    assert_eq!(state(&stage), before);
     stage.inspector().begin_lesson(Lesson::parse("test.md", THREE).expect("a lesson"), 0);
     stage.frame();
     stage.perform(Command::CloseLesson);
     stage.settle();
-    assert_eq!(view(&stage), before);
+    assert_eq!(state(&stage), before);
 }

@@ -135,7 +135,7 @@ fn of_report(report: &Report, subject: &Subject, meter: &Meter) -> Result<Answer
         answer.sentences.extend(part.lead.iter().map(|sentence| spans(sentence)));
         let caption = |text: &str| format!("{text} {}, {adapter}; seed {SEED}.", subject.scene.name);
         answer.figures.extend(
-            part.lead_figures.iter().filter_map(|f| Some((f.plot.picture(Format::Screen)?, caption(&f.caption)))),
+            part.lead_figures.iter().filter_map(|f| Some((f.plot.picture(Format::OneColumn)?, caption(&f.caption)))),
         );
         if let Some(table) = &part.lead_table {
             answer.columns.clone_from(&table.names);
