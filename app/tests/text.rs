@@ -119,7 +119,7 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     whole["rows"][last]["pass"] = Value::Null;
     assert_eq!(whole["rows"], life["rows"]);
     let table = place.ok(&[&trace[..], &common[..], &["--all-rays"]].concat()).stdout;
-    assert!(table.contains(&format!("\n{} passes. Missing pass numbers are ", whole["passes"])), "{table}");
+    assert!(table.contains(&format!("\n{} passes. This ray waited in ", whole["passes"])), "{table}");
     let first = place.ok(&[&trace[..], &common[..4], &["--schedule", "first"]].concat());
     assert!(first.stderr.contains("note: a ray's passes depend on the other rays here (--schedule first"), "{first:?}");
     assert!(first.stdout.contains(" passes. Missing ") && !first.stdout.contains("last "), "{first:?}");

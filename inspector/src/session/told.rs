@@ -46,24 +46,27 @@ impl Model {
     }
 
     /// A pixel whose ray has a history worth looking at: it goes through some cells or nodes, tests triangles and hits
-    /// one. The nearest to the centre of some; `None` if there is none, or histories are too long to search.
+    /// one. The nearest to the centre of some, if possible of those that step along several axes and start on no plane;
+    /// `None` if there is none, or histories are too long to search.
     #[must_use]
     pub fn telling_pixel(&self) -> Option<[u32; 2]> {
         let plan = &self.opened.as_ref().filter(|opened| opened.plan.accelerator != Accelerator::None)?.plan;
-        let mut rows = 0;
+        let (mut rows, mut plain) = (0, None);
         for [x, y] in from_the_middle() {
             let [x, y] =
                 [(x, plan.width), (y, plan.height)].map(|(part, side)| (part * side / (2 * ALONG)).min(side - 1));
             let life = self.reference([x, y])?;
-            if is_telling(&life) {
-                return Some([x, y]);
+            match is_telling(&life) {
+                true if shows_the_loop(&life) => return Some([x, y]),
+                true => plain = plain.or(Some([x, y])),
+                false => {}
             }
             rows += life.rows.len();
             if rows > MOST_ROWS {
                 break;
             }
         }
-        None
+        plain
     }
 
     /// The history of the ray under the cursor by the CPU reference kernels, if they can tell it.
@@ -178,6 +181,15 @@ fn is_telling(life: &Trace) -> bool {
     places.dedup();
     let hits = life.rows.last().is_some_and(|row| row.after.triangle.is_some());
     hits && places.len() >= LEAST_PLACES && life.rows.iter().any(|row| row.tested.is_some())
+}
+
+/// Whether a ray in a grid steps along several axes, and does not start on a plane of the grid, where it leaves its cell
+/// at once. In other structures, any does.
+fn shows_the_loop(life: &Trace) -> bool {
+    let cells: Vec<_> = life.rows.iter().filter_map(|row| row.cell_after).collect();
+    let Some(first) = life.rows.iter().find(|row| row.cell_after.is_some()) else { return true };
+    let steps = |axis: usize| cells.windows(2).any(|pair| pair[0][axis] != pair[1][axis]);
+    first.after.tmax.iter().flatten().all(|&t| t > 0.0) && (0..3).filter(|&axis| steps(axis)).count() > 1
 }
 
 /// A row without the number of its pass, with all digits of its floats.

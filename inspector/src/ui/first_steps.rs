@@ -28,7 +28,13 @@ impl Inspector {
     /// Shows the line while a scene with rays is open.
     pub(super) fn first_steps(&mut self, ui: &mut egui::Ui) {
         let has_room = ui.ctx().content_rect().height() >= LEAST_HEIGHT;
-        if !self.saved.first_steps.is_needed() || self.model.opened.is_none() || !self.model.has_rays() || !has_room {
+        // A lesson says itself what to do.
+        if self.lesson.is_some()
+            || !self.saved.first_steps.is_needed()
+            || self.model.opened.is_none()
+            || !self.model.has_rays()
+            || !has_room
+        {
             return;
         }
         let text = next(self.saved.first_steps, self.model.next.is_none());

@@ -49,6 +49,20 @@ pub(crate) fn bytes(count: f64) -> String {
     format!("{} {unit}", digits(count / scale))
 }
 
+/// Two significant digits: an upper bound is rounded up, a lower one down.
+fn two_digits(column: &str, value: f64) -> f64 {
+    // What is left of rounding in a quotient that is whole.
+    const SLACK: f64 = 1e-9;
+    let unit = 10_f64.powf(value.log10().floor() - 1.0);
+    let units = value / unit;
+    let units = match column {
+        c if c.ends_with("_high") || c.starts_with("most_") => (units - SLACK).ceil(),
+        c if c.ends_with("_low") => (units + SLACK).floor(),
+        _ => units.round(),
+    };
+    units * unit
+}
+
 /// A field in the form that its column's name asks for.
 pub(crate) fn field(column: &str, text: &str) -> String {
     let Ok(value) = text.parse::<f64>() else { return text.to_owned() };
@@ -56,7 +70,7 @@ pub(crate) fn field(column: &str, text: &str) -> String {
         c if c.ends_with("_ns") || c.starts_with("ns_") => time(value),
         c if c.ends_with("_s") => time(value * 1e9),
         c if c.ends_with("_bytes") || c.contains("_bytes_") => bytes(value),
-        c if c.contains("per_million") && value > 0.0 => digits(format!("{value:.1e}").parse().unwrap_or(value)),
+        c if c.contains("per_million") && value > 0.0 => digits(two_digits(c, value)),
         _ if text.bytes().all(|b| b.is_ascii_digit()) => thousands(value),
         _ => digits(value),
     }
@@ -78,6 +92,14 @@ pub(crate) fn data(text: &str, shown: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bounds_are_rounded_outwards() {
+        let shown = ["wrong_per_million", "wrong_per_million_low", "wrong_per_million_high", "most_wrong_per_million"];
+        assert_eq!(shown.map(|column| field(column, "182.828")), ["180", "180", "190", "190"]);
+        assert_eq!(shown.map(|column| field(column, "2970")), ["3,000", "2,900", "3,000", "3,000"]);
+        assert_eq!(shown.map(|column| field(column, "81")), ["81"; 4]);
+    }
 
     #[test]
     fn numbers_have_few_digits_and_the_unit_that_suits_them() {

@@ -225,7 +225,7 @@ pub const MISSES_ALL: &str = "the paper's rules require the eye to be inside the
                               move the eye inside, or use --numerics robust";
 
 /// The same in a report, whose choices are not the reader's.
-pub const ALL_MISS: &str = "with the paper's rules and a grid, all rays miss, because the eye is outside the grid";
+pub const ALL_MISS: &str = "with the paper's rules and a grid, rays are lost, because the eye is outside the grid";
 
 /// Whether the paper's numerics, which do not clip rays to the grid, start a camera's rays outside the grid.
 #[must_use]
@@ -239,7 +239,7 @@ pub fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
 }
 
 /// Why the paper's numerics lose rays of other programs.
-pub const MISSES_OUTSIDE: &str = "with a grid, the paper's rules miss every ray that starts outside it";
+pub const MISSES_OUTSIDE: &str = "with a grid, the paper's rules lose rays that start outside it";
 
 /// How many rays start outside the grid, to which the paper's numerics do not clip them; 0 with other numerics.
 #[must_use]

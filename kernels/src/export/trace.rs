@@ -32,21 +32,20 @@ impl Trace {
         let _ = match self.passes {
             Some(passes) => {
                 let waited = passes.saturating_sub(self.rows.len());
-                writeln!(
-                    out,
-                    "\n{passes} passes. Missing pass numbers are the {waited} passes in which this ray waited."
-                )
+                writeln!(out, "\n{passes} passes. This ray waited in {waited} of them, whose numbers are missing here.")
             }
             None => writeln!(
                 out,
-                "\nOnly this ray was traced (use --all-rays for the total number of passes). Missing pass numbers are passes in \
-                 which this ray waited."
+                "\nOnly this ray was traced (use --all-rays for the total number of passes). Passes whose numbers are missing \
+                 run kernels for which this ray is not ready."
             ),
         };
         let (unit, t) = (self.scene_units_per_stream_unit, self.t_scale);
         let _ = writeln!(out, "{place}, {per_axis}, item, t and hit are those after the pass");
-        let _ =
-            writeln!(out, "lengths are in traced units, of {unit} scene units each; {t} times t is the ray's own t");
+        let _ = writeln!(
+            out,
+            "lengths are in traced units, of {unit} scene units each; multiply t by {t} for t in scene units"
+        );
         out
     }
 

@@ -31,13 +31,13 @@ impl Lesson {
     }
 
     /// Whether the views leave out what comes next: the reader is asked for it, or is to say it before it is played, in
-    /// this step or the next one.
+    /// this step or a later one.
     pub(in crate::ui) fn hides_next(&self) -> bool {
         let asks = |step: &Step| step.question.is_some();
         let plays = |step: &Step| step.first.actions.iter().any(|(_, action)| matches!(action, Action::Play(_)));
-        let step_at = |step: usize| self.lesson.steps.get(step);
-        let is_here = step_at(self.step).is_some_and(|step| plays(step) || asks(step) && !self.is_answered);
-        is_here || step_at(self.step + 1).is_some_and(|step| plays(step) || asks(step))
+        let mut steps = self.lesson.steps.iter().skip(self.step);
+        let is_here = steps.next().is_some_and(|step| plays(step) || asks(step) && !self.is_answered);
+        is_here || steps.any(|step| plays(step) || asks(step))
     }
 
     /// The reader's choice: if it is right, the answer is set up.

@@ -54,12 +54,10 @@ pub(super) fn before_after(ui: &mut Ui, model: &Model, known: Values) {
             ui.end_row();
         }
     });
-    let next = match (has_after, known.state) {
-        (false, _) => String::new(),
-        (true, false) => ", after: ?".into(),
-        (true, true) => format!(", after: {}", step.after.state),
-    };
-    ui.small(format!("state: {}{next}", step.before.state));
+    // Before that, the ray may still have another state.
+    if known.state {
+        ui.small(format!("state: {}, after: {}", step.before.state, step.after.state));
+    }
 }
 
 /// Shows every state that the run's kernels take, where they send a ray from there, and how often this ray went there.

@@ -50,13 +50,19 @@ impl Panel for RayView {
         let (units, model) = (cx.shared.units, &*cx.model);
         let scale = Scale::of(units, &life);
         let opened = model.opened.as_ref();
+        let current = current_row(&life, model.place);
+        let shown = match cx.shared.hides_next {
+            true => current.map_or(0, |row| row + 1),
+            false => life.rows.len(),
+        };
         let history = History {
             life: &life,
             model,
             states: opened.map_or(States(&[]), |opened| opened.plan.program.states),
             scale,
             decimals: self.decimals(&life, scale),
-            current: current_row(&life, model.place),
+            current,
+            shown,
             picked: cx.shared.picked,
         };
         if let Some(row) = history.current.and_then(|i| life.rows.get(i)) {
@@ -74,15 +80,8 @@ impl Panel for RayView {
         let is_dda = opened.is_some_and(|opened| opened.data.features.dda);
         let heads = heads(!is_tree, is_dda);
         let told = matches!(model.told, Told::Compared { .. });
-        let version = version((
-            Arc::as_ptr(&life) as usize,
-            model.edition,
-            life.pixel,
-            life.rows.len(),
-            units,
-            (is_tree, is_dda),
-            told,
-        ));
+        let version =
+            version((Arc::as_ptr(&life) as usize, model.edition, life.pixel, shown, units, (is_tree, is_dda), told));
         let view = View { name: "ray", heads: &heads, rows: &history, version, current: history.current };
         // Before the ray's first pass there is no current row: the table begins at its first one.
         if std::mem::replace(&mut self.current, history.current) != history.current && history.current.is_none() {

@@ -88,6 +88,14 @@ pub fn times(
     Ok(Times { device: meter.machine.name(), rows: rows.collect() })
 }
 
+/// Why the numbers differ, and which of them are comparable.
+const WHY: &str = "\
+Times differ by device; the ratios are what the paper concludes from. Both strategies launch a thread for every ray in
+every pass, so a GPU pays for idle rays; a CPU hardly does, and its ratios are smaller. The lesson 'grid-2004' shows the
+idle threads: raystep inspect --lesson grid-2004. A note on different hits is expected: in the grid, the paper's rules
+lose rays at voxel faces.
+";
+
 impl Times {
     fn row(&self, side: u32, strategy: usize) -> Option<&SummaryRow> {
         self.rows.iter().find(|(of, which, _)| (*of, *which) == (side, strategy)).map(|(_, _, row)| row)
@@ -112,7 +120,7 @@ impl Times {
         let second = format!("Table 2: render times, grid of 20x20x20 cells; here on {device}: {about}");
         let third = format!("Table 3: render times without a grid; here on {device}");
         format!(
-            "{}\n{}\n{}",
+            "{}\n{}\n{}\n{WHY}",
             titled(&second, &table(&[0, 1], true), 2),
             titled(&third, &table(&[2], false), 1),
             titled("Ratios of these times", &self.ratios(), 2)

@@ -72,6 +72,8 @@ pub(super) struct History<'a> {
     /// Decimals of tmax.x, tmax.y, tmax.z and t; all digits are in the tooltips.
     pub(super) decimals: [usize; 4],
     pub(super) current: Option<usize>,
+    /// How many rows are shown: while a lesson asks what comes next, only what has come.
+    pub(super) shown: usize,
     /// What is selected in any panel.
     pub(super) picked: Option<Picked>,
 }
@@ -159,7 +161,7 @@ impl History<'_> {
 
 impl Rows for History<'_> {
     fn count(&self) -> usize {
-        self.life.rows.len()
+        self.shown
     }
 
     fn text(&self, index: usize, column: usize) -> String {
