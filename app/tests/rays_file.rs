@@ -74,7 +74,7 @@ fn a_report_says_why_the_papers_rules_miss_rays_from_outside() {
     assert!(said.contains(&format!("note: cornell-box, choices: {why} all rays do")), "{said}");
     let page = String::from_utf8(place.read("out/index.html")).expect("UTF-8");
     assert!(page.contains(" With a grid, the paper's rules lose rays that start outside it; here all rays do."));
-    assert!(page.contains(" judged rays cannot show less)."), "the limit is raised for so few rays");
+    assert!(page.contains(" judged rays cannot show less."), "the limit is raised for so few rays");
     check_page(&place, "out", &tables(&place, "out"));
 }
 

@@ -47,6 +47,9 @@ pub(crate) fn way(options: &Options, plan: &Plan) -> String {
     let chosen = match options.accelerator {
         Accelerator::Auto if schedule == ScheduleKind::Fused => ": chosen for this scene",
         Accelerator::Auto => ": structure chosen for this scene",
+        Accelerator::Grid if options.timings && schedule == ScheduleKind::Compact => {
+            ": passes are recorded; --accelerator auto --schedule fused is faster"
+        }
         _ => "",
     };
     format!("{accelerator}, {schedule}{chosen}")

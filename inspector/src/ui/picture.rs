@@ -8,7 +8,7 @@ use raystep_lab::plots::{Ink, font};
 use super::style::SMALLEST;
 
 /// Largest magnification.
-const MOST: f32 = 1.6;
+const MOST: f32 = 1.2;
 
 /// Shows a plot as wide as there is room, but with texts that can be read, and with a name for screen readers.
 pub(super) fn show(ui: &mut Ui, picture: &Picture, name: &str) {
