@@ -254,7 +254,16 @@ mod tests {
         std::mem::forget(task);
         let scale = Scale::of(units, &life);
         let current = Some(life.rows.len());
-        look(&History { life: &life, model: &model, states: STATES, scale, decimals: [5; 4], current, picked: None });
+        look(&History {
+            life: &life,
+            model: &model,
+            states: STATES,
+            scale,
+            decimals: [5; 4],
+            current,
+            shown: life.rows.len(),
+            picked: None,
+        });
     }
 
     #[test]
