@@ -114,7 +114,7 @@ fn a_lost_device() {
     stage.frames(5);
     assert!(gpu.health().is_err());
     assert!(stage.reads("the GPU device was lost"), "{}", stage.read_out());
-    let link = format!("raystep:1?scene=cornell-box&scene-hash={hash}&size=32x32&device=gpu&pixel=16,16&pass=9");
+    let link = format!("raystep:1?scene=cornell-box&scene-hash={hash}&size=32x32&device=gpu&pixel=16,9&pass=9");
     assert_eq!(stage.inspector().how_to_go_on(), format!("; to resume: raystep inspect --link \"{link}\""));
     tour_without_drawing(&mut stage);
 }
