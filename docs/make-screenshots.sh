@@ -28,6 +28,6 @@ shot structure scenes/sphere-flake.glb --size 256x256 --window 1280x760 --do "Gr
 shot timings scenes/terrain.glb --size 256x256 --window 1280x760 --do "Timings"
 shot dataflow $box --pass 35 --window 1280x760 --do "Data flow" --do "Maximise panel"
 shot plan $box --window 1280x760 --do "Plan" --do "Toggle light/dark theme"
-shot lesson --lesson inspector/lessons/crack.md --step 3 --window 1280x760
+shot lesson --lesson one-ray --step 5 --window 1280x760
 shot texels --link "raystep:1?scene=scenes/cornell-box.gltf&size=256x256&pixel=96,180&pass=35&stream=state&zoom=96&pan=96,180" \
     --window 1280x760

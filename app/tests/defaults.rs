@@ -7,6 +7,9 @@ use crate::common::{Place, scene};
 const SMALL: [&str; 4] = ["--size", "8x8", "--device", "cpu"];
 const DRAWN: [&str; 6] = ["--size", "8x8", "--device", "gpu", "--mapping", "fragment"];
 
+/// The steps that readers of the paper expect, which are not the fastest.
+const RECORDED: &str = "grid, compact: passes are recorded; --accelerator auto --schedule fused is faster";
+
 fn cornell_box() -> String {
     scene("cornell-box.gltf").display().to_string()
 }
@@ -27,8 +30,8 @@ fn an_image_is_traced_by_what_is_fastest_unless_passes_or_a_grid_are_asked_for()
         (&["--schedule", "auto"], "bvh, fused: chosen for this scene"),
         (&["--accelerator", "auto", "--schedule", "second"], "bvh, second: structure chosen for this scene"),
         (&["--accelerator", "irregular"], "irregular, fused"),
-        (&["--passes-csv", "p.csv"], "grid, compact"),
-        (&["--trace-json", "t.json"], "grid, compact"),
+        (&["--passes-csv", "p.csv"], RECORDED),
+        (&["--trace-json", "t.json"], RECORDED),
         (&["--passes-csv", "p.csv", "--accelerator", "bvh"], "bvh, compact"),
         (&["--passes-csv", "p.csv", "--schedule", "fused"], "bvh, fused: chosen for this scene"),
         (&["--schedule", "first"], "grid, first"),
