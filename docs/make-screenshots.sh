@@ -14,8 +14,8 @@ shot() {
 
 box="scenes/cornell-box.gltf --size 256x256 --pixel 96,180"
 shot first scenes/cornell-box.gltf --window 1280x760
-shot ../walk scenes/cornell-box.gltf --grid 5 --pixel 360,180 --window 1080x400 --scale 1.5 --do "Simple layout" \
-    --do "Toolbar words" --do "Unfolded walk" --do "Maximise panel" --do "Toggle light/dark theme"
+shot ../walk scenes/cornell-box.gltf --grid 5 --pixel 360,180 --window 1080x400 --scale 1.5 --do "Toolbar words" \
+    --do "Maximise panel" --do "Unfolded walk" --do "Toggle light/dark theme"
 shot full $box --pass 35 --window 1600x1000 --do "Full layout"
 shot walk $box --pass 35 --window 1600x900 --do "Full layout" --do "Unfolded walk" --do "Kernel"
 shot tree scenes/teapot.glb --size 256x256 --accelerator bvh --pass 60 --window 1600x1000 --do "Full layout"

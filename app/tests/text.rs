@@ -122,11 +122,11 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     assert!(table.contains(&format!("\n{} passes. This ray waited in ", whole["passes"])), "{table}");
     let first = place.ok(&[&trace[..], &common[..4], &["--schedule", "first"]].concat());
     assert!(first.stderr.contains("note: a ray's passes depend on the other rays here (--schedule first"), "{first:?}");
-    assert!(first.stdout.contains(" passes. Missing ") && !first.stdout.contains("last "), "{first:?}");
+    assert!(first.stdout.contains(" passes. This ray waited in ") && !first.stdout.contains("last "), "{first:?}");
     let typed = ["trace", &cornell_box(), "--ray", "0,0,5,0,0,-1"];
     let whole = place.ok(&[&typed[..], &common[2..]].concat()).stdout;
     // If the run has a single ray, its passes are known, including those in which it waits for its kernel.
-    assert!(whole.contains(" passes. Missing ") && !whole.contains("Only this ray was traced"), "{whole}");
+    assert!(whole.contains(" passes. This ray waited in ") && !whole.contains("Only this ray was traced"), "{whole}");
     place.fails(2, "--ray is a single ray: omit one of them", &[&typed[..], &["--all-rays"]].concat());
 }
 
