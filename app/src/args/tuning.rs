@@ -28,7 +28,7 @@ pub(crate) struct TuningArgs {
     /// result is the same. auto uses a GPU for irregular grids of at least 200,000 triangles, otherwise the host
     #[arg(long, default_value = "auto", value_parser = named(BuiltBy::ALL, BuiltBy::name))]
     pub(crate) build: BuiltBy,
-    /// Omit nothing from the plan, to measure what omitting saves
+    /// Include everything in the plan, to measure what omitting saves
     #[arg(long)]
     pub(crate) keep_all: bool,
 }

@@ -32,7 +32,7 @@ use pipeline::{Counts, Pipeline};
 /// Rays are an npy array of float32 or float64, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max; t_max
 /// may be infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). Origins are in the
 /// coordinates of the scene's file; for a scene far from its origin (see 'raystep info'), use float64. t is in multiples
-/// of the direction vector, which may have any length but 0: where f32 cannot hold t, it is f32's largest number, or
+/// of the direction vector, whose length must not be 0: where f32 cannot hold t, it is f32's largest number, or
 /// rounded up to the next number above 0. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0.
 ///
 /// The result has one element per ray: t (infinite without a hit), u, v (weights of the triangle's vertices 1 and 2),

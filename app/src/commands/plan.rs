@@ -42,7 +42,7 @@ pub(crate) struct PlanArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Also measure what each unneeded item would cost: memory and, on a GPU, run time and start-up
+    /// Also measure what each item that the scene does not need would cost: memory and, on a GPU, run time and start-up
     #[arg(long, conflicts_with = "keep_all")]
     measure: bool,
     /// About how long to measure on a GPU; what does not fit is not measured [default: 25]

@@ -45,7 +45,7 @@ use crate::terminal::{Progress, print};
 ///
 /// DIR/index.html is self-contained; all its numbers are also in CSV files. Each of its figures is there for a paper, too,
 /// as PDF and SVG of one column's width (84 mm) and of two columns' (178 mm), such as
-/// DIR/cornell-box-choices-precision-one-column.pdf: \\includegraphics takes it as it is. The
+/// DIR/cornell-box-choices-precision-one-column.pdf: \includegraphics takes it as it is. The
 /// same command on the same machine finds the same errors; times differ. The first sentences of the page are also
 /// printed.
 #[derive(Args, Debug)]

@@ -33,7 +33,7 @@ use crate::usage::did_you_mean;
 /// The error of tMax (where a ray leaves its cell) along a walk of 3,000 cells is measured for each way to compute it,
 /// and pairs of rays and triangles are tested by every pipeline that includes the triangle test.
 ///
-/// With --cost, families of stiff scenes are traced, too: scenes that a structure handles ever worse as one parameter
+/// With --cost, families of stiff scenes are traced, too: scenes in which a structure gets slower as one parameter
 /// grows, such as a small object in an ever larger room, slivers or coincident layers. For every structure, with all
 /// rules and without each, this measures time, cells and tests per ray, building and memory, and wrong rays. It takes up
 /// to 20 minutes. If it is interrupted, the same command continues from DIR.stiff.csv.part.

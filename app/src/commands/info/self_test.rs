@@ -30,10 +30,10 @@ pub(super) struct SelfTestArgs {
     /// Name of the GPU adapter to test, or part of it
     #[arg(long, value_name = "NAME", requires = "self_test")]
     adapter: Option<String>,
-    /// Write everything that is known into a ZIP file, to send to us
+    /// Write all results into a ZIP file, to send to us
     #[arg(long, value_name = "F.zip", requires = "self_test")]
     bundle: Option<PathBuf>,
-    /// Time that the test may take, in seconds; what does not fit is listed as not run
+    /// Time limit in seconds; checks that do not fit are listed as not run
     #[arg(long, value_name = "N", default_value_t = 60, requires = "self_test", value_parser = whole::<u32>(1, 86_400),
           allow_negative_numbers = true)]
     seconds: u32,

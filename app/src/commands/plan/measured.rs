@@ -53,7 +53,7 @@ impl Measured {
         let (is_timed, seconds) = (self.machine.gpu().is_some(), self.seconds);
         let late = format!("not measured: limit of {seconds} s reached (--seconds N)");
         let mut text =
-            format!("\nnot needed by the scene, and what putting it back costs on {}\n", self.machine.name());
+            format!("\nnot needed by the scene, and what including it would cost on {}\n", self.machine.name());
         // Writing to a string cannot fail.
         if let Some(note) = self.note() {
             let _ = writeln!(text, "  on the CPU, {note}");

@@ -73,7 +73,7 @@ impl Panel for Watches {
             });
             ui.separator();
             ui.strong("CPU reference first")
-                .on_hover_text("To find a faulty kernel, look for the smallest number that makes the image correct: it runs in the last of these passes.");
+                .on_hover_text("To find a faulty kernel, increase this number until the image is right: the kernel of the last replaced pass is at fault.");
             ui.horizontal_wrapped(|ui| {
                 let label = ui.label("passes run on the CPU reference, the rest on the device");
                 ui.add(DragValue::new(&mut self.until).range(0..=cx.model.passes.len().max(1))).labelled_by(label.id);

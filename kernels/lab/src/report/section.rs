@@ -178,10 +178,10 @@ pub const SECTIONS: &[Section] = &[
     },
     Section {
         name: "stiff",
-        help: "What scenes cost that get harder in one way; up to 20 minutes whatever --seconds says, and only if it is named",
+        help: "Time and tests in scenes that get harder in one way; up to 20 minutes whatever --seconds says, and only if it is named",
         title: "Stiffness",
         is_default: false,
-        what: "What scenes cost that get harder in one way, for every structure with and without each rule, and where \
+        what: "Time and tests in scenes that get harder in one way, for every structure with and without each rule, and where \
                this scene stands among them by its stiffness number.",
         file: crate::stiff::CSV,
         row: "a structure with or without a rule, at a point of a family or in the scene",
