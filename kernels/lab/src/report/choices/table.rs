@@ -109,7 +109,7 @@ mod tests {
                 .set("wrong_per_million_high", high)
         };
         let none = cells(&row(0, [0.0, 0.0, 81.2611]));
-        assert_eq!([0, 3, 4].map(|i| plain(&none[i])), ["grid, compact, robust (default)", "0 of 36,864", "≤ 81"]);
+        assert_eq!([0, 3, 4].map(|i| plain(&none[i])), ["grid, compact, robust (default)", "0 of 36,864", "≤ 82"]);
         let some = cells(&row(13_167, [357_178.0, 352_284.0, 362_094.0]));
         assert_eq!([2, 4].map(|i| plain(&some[i])), ["", "357,000 (352,000 to 362,000)"]);
     }
