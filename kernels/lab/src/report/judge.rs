@@ -224,29 +224,9 @@ mod tests {
         let scene = generate::cornell_box();
         let subject = Subject { camera: scene.cameras[0].clone(), scene, hash: Hash::default(), file: String::new() };
         let meter = Meter::new(Machine { device: Device::Cpu(Some(now_ns)), reason: String::new() });
-        let (subject, meter, size) = (&subject, &meter, Size { width: 16, height: 16 });
         let record = Record::new("test".into(), 1, false);
-        let (section, record) = ("test", &record);
-        let (grid, is_quick, seeds, reporter) = (GridSize::Auto, true, 1, &Silent);
-        let (methods, rays, stiff) = (&[][..], None, None);
-        let (time, begin, only) = (None, web_time::Instant::now(), &super::super::work::Only::default());
-        let work = Work {
-            subject,
-            meter,
-            size,
-            grid,
-            is_quick,
-            time,
-            begin,
-            only,
-            seeds,
-            reporter,
-            section,
-            record,
-            methods,
-            rays,
-            stiff,
-        };
+        let size = Size { width: 16, height: 16 };
+        let work = Work { size, is_quick: true, ..Work::alone(&subject, &meter, "test", &record, &Silent) };
         let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
         let mut renderer = work.wait(work.build(&options)).expect("a plan").renderer;
         let mut judge = Judge::default();

@@ -113,28 +113,7 @@ pub fn costs(
     reporter: &dyn Reporter,
 ) -> Result<Costs, Error> {
     let record = Record::new(String::new(), seed, false);
-    let (size, grid, section) = (Size { width: 0, height: 0 }, options.grid, "left-out");
-    let (methods, rays, stiff) = (&[][..], None, None);
-    let record = &record;
-    let (is_quick, seeds) = (false, 1);
-    let (begin, only) = (Instant::now(), &Only::default());
-    let work = Work {
-        subject,
-        meter,
-        size,
-        grid,
-        is_quick,
-        time: None,
-        begin,
-        only,
-        seeds,
-        reporter,
-        section,
-        record,
-        methods,
-        rays,
-        stiff,
-    };
+    let work = Work { grid: options.grid, ..Work::alone(subject, meter, "left-out", &record, reporter) };
     measure::costs(&work, options, time)
 }
 

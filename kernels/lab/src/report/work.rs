@@ -85,6 +85,38 @@ impl Only {
     }
 }
 
+/// Everything is measured.
+static ALL: Only = Only { accelerators: Vec::new(), schedules: Vec::new() };
+
+impl<'a> Work<'a> {
+    /// A scene without a report around it: no limit, nothing from other programs, and no image.
+    pub(super) fn alone(
+        subject: &'a Subject,
+        meter: &'a Meter,
+        section: &'static str,
+        record: &'a Record,
+        reporter: &'a dyn Reporter,
+    ) -> Self {
+        Self {
+            subject,
+            meter,
+            size: Size { width: 0, height: 0 },
+            grid: GridSize::Auto,
+            is_quick: false,
+            time: None,
+            begin: Instant::now(),
+            only: &ALL,
+            seeds: 1,
+            reporter,
+            section,
+            record,
+            methods: &[],
+            rays: None,
+            stiff: None,
+        }
+    }
+}
+
 /// A plan that can be started many times.
 pub(super) struct Planned {
     pub(super) plan: Arc<Plan>,
