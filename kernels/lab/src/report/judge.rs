@@ -208,7 +208,7 @@ impl Judged {
 mod tests {
     use std::ops::ControlFlow;
 
-    use raystep_kernels::{Device, GridSize, Options};
+    use raystep_kernels::{Device, Options};
     use raystep_scenes::generate;
 
     use super::super::record::Record;

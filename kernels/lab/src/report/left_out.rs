@@ -6,21 +6,20 @@ use std::cmp::Ordering;
 use std::time::Duration;
 
 use raystep_kernels::{Accelerator, Options, ScheduleKind};
-use web_time::Instant;
 
 pub use measure::{Cost, Costs, Measured, Ratio, Sizes};
 
 use super::page::{Part, number};
 use super::record::Record;
 use super::words::compared;
-use super::work::{Only, Work};
+use super::work::Work;
 use crate::Error;
 use crate::human::{self, data};
 use crate::meter::Meter;
 use crate::plots::{Axis, Forest, Mark, Scale, Series, Stroke};
 use crate::reporter::Reporter;
 use crate::statistics::Compared;
-use crate::subject::{Size, Subject};
+use crate::subject::Subject;
 use crate::tidy::{KEYS, Row, count, joined};
 
 const GROUPS: &[&[&str]] = &[

@@ -39,7 +39,13 @@ pub(super) fn is_halved(measured: &[Measured]) -> bool {
 }
 
 /// The rows, with their comparisons.
-pub(super) async fn all_rows(work: &Work<'_>, rays: &[Ray], judge: &Judge, measured: &[Measured], limit: f64) -> Vec<Row> {
+pub(super) async fn all_rows(
+    work: &Work<'_>,
+    rays: &[Ray],
+    judge: &Judge,
+    measured: &[Measured],
+    limit: f64,
+) -> Vec<Row> {
     let mut rows = Vec::new();
     for m in measured {
         rows.push(row(work, rays, judge, m, limit).await);
