@@ -98,7 +98,7 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(csv.as_bytes());
     assert_eq!(reader.records().filter(|r| r.as_ref().is_ok_and(|r| r.len() == 22)).count(), rows.len());
     let table = place.ok(&[&trace[..], &common[..]].concat()).stdout;
-    assert!(table.starts_with("pass ") && table.contains("TRAV_SETUP"), "{table}");
+    assert!(table.starts_with("ray ") && table.contains("\npass ") && table.contains("TRAV_SETUP"), "{table}");
     assert!(
         table.contains("\nlast  shade ") && table.contains("\nOnly this ray was traced (use --all-rays "),
         "{table}"

@@ -9,6 +9,7 @@ use raystep_inspector::ray_text::GivenRay;
 use raystep_inspector::runs::scene_hash;
 use raystep_kernels::RaySource;
 use raystep_kernels::export::trace::{Rays, trace};
+use raystep_kernels::history::units::Units;
 
 use crate::args::{QuietArgs, RunArgs, ViewArgs};
 use crate::error::Error;
@@ -21,7 +22,8 @@ use crate::terminal::{Progress, print, say};
 /// Prints one row for every pass that processed the ray, from the executor's streams: kernel, state, cell, tmax, item,
 /// triangle tested, hit, and the reason. All values are those after the pass, except the state, which is shown before
 /// and after if it changes; columns of CSV and fields of JSON say which in their names. t is a multiple of the ray's direction; a camera's rays have length 1 along the view axis, so
-/// there t is depth. Lengths are in traced units, as in the streams; the footer has the conversion factors.
+/// there t is depth. The table is in scene units. CSV and JSON have the streams' own numbers, in traced units; CSV has t
+/// in scene units, too, and JSON the factors.
 ///
 /// Only this ray is traced, unless --all-rays is used. Without it, the total number of passes is not known, and the final
 /// shading pass is shown as 'last'.
@@ -160,7 +162,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
         say(format_args!("open in the inspector: raystep inspect --link \"{link}\""));
     }
     match args.format {
-        Format::Table => print(&life.table()),
+        Format::Table => print(&life.table(Units::Scene)),
         Format::Json => print(&super::json_text(&life)?),
         Format::Csv => {
             let mut text = Vec::new();

@@ -4,19 +4,22 @@ use std::fmt::Write as _;
 
 #[cfg(feature = "serde")]
 use super::csv::known;
+use crate::history::units::{Scale, Units, exact};
 pub use crate::history::*;
 
 impl Trace {
-    /// A table for people: one line per row.
+    /// A table for people: the ray and its grid, then one line per row.
     #[must_use]
-    pub fn table(&self) -> String {
-        let mut out = String::new();
+    pub fn table(&self, units: Units) -> String {
+        let scale = Scale::of(units, self);
+        let decimals = scale.decimals(self);
+        let mut out = self.head(&scale);
         let is_dda = self.rows.iter().any(|row| row.after.control.is_some());
         let per_axis = if is_dda { "control" } else { "tmax" };
         // Only with a BVH is there a previous node.
         let place = if self.rows.iter().any(|row| row.after.previous.is_some()) { "node" } else { "cell" };
         let header = ["pass", "kernel", "state", place, per_axis, "item", "t", "hit"];
-        let rows: Vec<[String; 8]> = self.rows.iter().map(cells).collect();
+        let rows: Vec<[String; 8]> = self.rows.iter().map(|row| cells(row, &scale, decimals)).collect();
         let width = |c: usize| rows.iter().map(|r| r[c].len()).chain([header[c].len()]).max().unwrap_or(0);
         let widths: Vec<usize> = (0..8).map(width).collect();
         let mut line = |cells: [&str; 8], why: &str| {
@@ -27,7 +30,7 @@ impl Trace {
         };
         line(header, "why");
         for (row, cells) in self.rows.iter().zip(&rows) {
-            line(cells.each_ref().map(String::as_str), &row.why);
+            line(cells.each_ref().map(String::as_str), &scale.reason(&row.why));
         }
         let _ = match self.passes {
             Some(passes) => {
@@ -40,12 +43,52 @@ impl Trace {
                  run kernels for which this ray is not ready."
             ),
         };
-        let (unit, t) = (self.scene_units_per_stream_unit, self.t_scale);
         let _ = writeln!(out, "{place}, {per_axis}, item, t and hit are those after the pass");
-        let _ = writeln!(
-            out,
-            "lengths are in traced units, of {unit} scene units each; multiply t by {t} for t in scene units"
-        );
+        let traced = self.scene_units_per_stream_unit;
+        let _ = match units {
+            Units::Scene => {
+                writeln!(
+                    out,
+                    "lengths and t are in scene units; the streams' traced units are {traced} scene units each"
+                )
+            }
+            Units::Traced => writeln!(
+                out,
+                "lengths are in traced units, of {traced} scene units each; multiply t by {} for t in scene units",
+                self.t_scale
+            ),
+        };
+        out
+    }
+
+    /// What the first rows are computed from.
+    fn head(&self, scale: &Scale) -> String {
+        let mut out = String::new();
+        let mut line = |name: &str, what: String| out.push_str(&format!("{name:7} {what}\n"));
+        let all = |numbers: [f64; 3]| numbers.map(exact).join(" ");
+        let ray = self.rows.first().map(|row| row.after);
+        // With several samples there are several rays.
+        let ray = ray.filter(|ray| self.rows.iter().all(|row| row.after.direction == ray.direction));
+        if let Some(RayState { origin, direction, .. }) = ray {
+            let origin = scale.point(origin).join(" ");
+            line("ray", format!("origin {origin}, direction {}", all(direction.map(|d| scale.direction(d)))));
+        }
+        if let Some(grid) = self.grid {
+            let [x, y, z] = grid.cells;
+            let corner = [0, 1, 2].map(|axis| scale.coordinate(axis, grid.corner[axis]));
+            let width = all(grid.width.map(|w| scale.length(w)));
+            line("grid", format!("{x} x {y} x {z} cells from corner {}, each of size {width}", all(corner)));
+            if let Some(ray) = ray {
+                let step = |axis: usize| {
+                    let t = (grid.width[axis] / ray.direction[axis]).abs();
+                    if t.is_finite() { scale.exact_t(t) } else { "-".into() }
+                };
+                line("tdelta", [0, 1, 2].map(step).join(" "));
+            }
+        }
+        if !out.is_empty() {
+            out.push('\n');
+        }
         out
     }
 
@@ -108,18 +151,61 @@ fn place(row: &TraceRow) -> String {
     }
 }
 
-fn cells(row: &TraceRow) -> [String; 8] {
+/// The texts of a row but the reason.
+fn cells(row: &TraceRow, scale: &Scale, decimals: [usize; 4]) -> [String; 8] {
     let a = &row.after;
-    let short = |t: Option<f32>| t.map_or_else(|| "-".into(), |t| format!("{t:.5}"));
-    let [x, y, z] = a.per_axis();
+    let numbers = scale.numbers(a);
+    let short = |i: usize| numbers[i].map_or_else(|| "-".into(), |number| format!("{number:.0$}", decimals[i]));
     [
         row.number(),
         row.kernel.into(),
         if row.state_before == a.state { a.state.into() } else { format!("{} > {}", row.state_before, a.state) },
         place(row),
-        format!("{} {} {}", short(x), short(y), short(z)),
+        format!("{} {} {}", short(0), short(1), short(2)),
         a.item.to_string(),
-        short(a.t),
+        short(3),
         a.triangle.map_or_else(|| "-".into(), |t| t.to_string()),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_scenes::generate;
+
+    use super::*;
+    use crate::plan::Plan;
+    use crate::{Accelerator, GridSize, Limits, Options, RaySource, ScheduleKind};
+
+    /// The numbers in a line of a table that begins with this word.
+    fn numbers(table: &str, word: &str) -> Vec<f64> {
+        let line = table.lines().find(|line| line.starts_with(word)).unwrap_or_default();
+        line.split([' ', ',']).filter_map(|word| word.parse().ok()).collect()
+    }
+
+    #[test]
+    fn the_first_tmax_follows_from_the_ray_and_the_grid_above_the_rows_in_either_unit() {
+        let scene = generate::cornell_box();
+        let camera = scene.cameras[0].clone();
+        let source = RaySource::Camera { camera, width: 512, height: 512 };
+        let schedule = ScheduleKind::Second;
+        let (accelerator, grid) = (Accelerator::Grid, GridSize::Cells([5; 3]));
+        let options = Options { accelerator, grid, schedule, ..Options::new(source) };
+        let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a small scene");
+        let run = RunSoFar { plan: &plan, data: &data, passes: &[], is_complete: false };
+        let life = run.follow::<f32>([360, 180]).expect("a ray");
+        for (units, distance) in [(Units::Traced, 0.825), (Units::Scene, 3.3)] {
+            let table = life.table(units);
+            let (ray, grid) = (numbers(&table, "ray"), numbers(&table, "grid"));
+            let (tdelta, setup) = (numbers(&table, "tdelta"), numbers(&table, "1 "));
+            assert_eq!((ray[2], &grid[..3]), (distance, &[5.0; 3][..]), "{table}");
+            for axis in 0..3 {
+                let (origin, direction, corner, width) = (ray[axis], ray[3 + axis], grid[3 + axis], grid[6 + axis]);
+                let cell = ((origin - corner) / width).floor() + f64::from(u8::from(direction > 0.0));
+                let tmax = (corner + cell * width - origin) / direction;
+                // After the pass's number and the cell.
+                assert!((tmax - setup[4 + axis]).abs() < 1e-5 * distance, "{tmax}: {table}");
+                assert!((width / direction.abs() - tdelta[axis]).abs() < 1e-6 * distance, "{table}");
+            }
+        }
+    }
 }

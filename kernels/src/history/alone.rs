@@ -1,7 +1,7 @@
 //! One ray on the CPU reference kernels, without the others: its history along the passes of a run, at a microsecond or
 //! so per pass, without a device and without moving the run.
 
-use super::{RayState, Trace, TraceRow, after_all};
+use super::{RayState, Trace, TraceGrid, TraceRow, after_all};
 use crate::executor::cpu::{from_stream_bits, to_stream_bits};
 use crate::plan::Plan;
 use crate::program::kernel::Precision;
@@ -72,6 +72,7 @@ impl RunSoFar<'_> {
             t_scale: self.data.units.scene_units_per_stream_unit(),
             rays: self.plan.rays,
             passes: self.is_complete.then_some(self.passes.len()),
+            grid: TraceGrid::of(self.data),
             rows,
         })
     }

@@ -2,6 +2,7 @@
 //! reason for what it did in words and numbers.
 
 mod alone;
+pub mod units;
 
 use std::ops::ControlFlow;
 
@@ -13,6 +14,7 @@ use crate::programs::closest_hit::explain::explain;
 pub use crate::programs::closest_hit::ray_state::RayState;
 use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
+use crate::shared::grid_walk::Grid;
 use crate::tables::stream::Stream;
 
 /// The effect of one pass on the ray.
@@ -56,8 +58,23 @@ pub struct Trace {
     pub rays: u64,
     /// Number of passes of the run of all rays, if all were traced; the ray waited in those that have no row.
     pub passes: Option<usize>,
+    /// The uniform grid that the ray walks through, if there is one.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub grid: Option<TraceGrid>,
     /// The rows.
     pub rows: Vec<TraceRow>,
+}
+
+/// What initial tMax and tDelta are computed from, in traced units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct TraceGrid {
+    /// Lower corner of cell (0, 0, 0).
+    pub corner: [f32; 3],
+    /// Cells along each axis.
+    pub cells: [i32; 3],
+    /// Size of a cell.
+    pub width: [f32; 3],
 }
 
 /// Which rays to trace for the history of one ray.
@@ -203,6 +220,13 @@ impl TraceRow {
     }
 }
 
+impl TraceGrid {
+    fn of(data: &SceneData) -> Option<Self> {
+        let Grid { corner, cells, width, .. } = data.grid;
+        data.features.grid.then_some(Self { corner, cells, width })
+    }
+}
+
 impl Trace {
     /// The rows of a ray, from a run that is complete.
     #[must_use]
@@ -212,6 +236,7 @@ impl Trace {
         let t_scale = renderer.t_scale(y as usize * renderer.plan().width as usize + x as usize);
         let (rays, passes) = (renderer.plan().rays, Some(renderer.pass_count()));
         let scene_offset = units.offset.to_array();
-        Self { pixel: [x, y], scene_units_per_stream_unit, scene_offset, t_scale, rays, passes, rows }
+        let grid = TraceGrid::of(renderer.data());
+        Self { pixel: [x, y], scene_units_per_stream_unit, scene_offset, t_scale, rays, passes, grid, rows }
     }
 }

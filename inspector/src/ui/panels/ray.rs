@@ -108,16 +108,8 @@ impl RayView {
         {
             return decimals;
         }
-        let mut largest = [0.0; 4];
-        for after in life.rows.iter().map(|row| &row.after) {
-            let [x, y, z] = after.tmax.map(|t| t.map(|t| scale.t(t)));
-            let [x, y, z] = after.control.map_or([x, y, z], |control| control.map(|term| Some(f64::from(term))));
-            for (largest, number) in largest.iter_mut().zip([x, y, z, after.t.map(|t| scale.t(t))]) {
-                *largest = number.map_or(*largest, |number| number.abs().max(*largest));
-            }
-        }
         // One digit less than elsewhere: ten columns have to fit.
-        let decimals = largest.map(|largest| units::decimals(largest).saturating_sub(1));
+        let decimals = scale.decimals(life).map(|decimals| decimals.saturating_sub(1));
         self.decimals = Some((of, scale, decimals));
         decimals
     }
@@ -150,7 +142,7 @@ fn summary(ui: &mut Ui, life: &Trace, cx: &Context<'_>) {
             }
         }
         if ui.button("Copy as text").clicked() {
-            ui.ctx().copy_text(life.table());
+            ui.ctx().copy_text(life.table(cx.shared.units));
         }
         source(ui, cx.model);
     });

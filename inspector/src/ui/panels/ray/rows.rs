@@ -10,7 +10,7 @@ use crate::draw::stream::state_color;
 use crate::session::{Model, Told};
 use crate::ui::panels::table::{Head, Look, Rows};
 use crate::ui::shared::Picked;
-use crate::ui::units::{Scale, in_units};
+use crate::ui::units::Scale;
 
 const PASS: usize = 0;
 const STATE: usize = 2;
@@ -116,7 +116,7 @@ impl History<'_> {
 
     /// The reason, in the panel's units.
     pub(super) fn why(&self, row: &TraceRow) -> String {
-        in_units(&row.why, &self.scale)
+        self.scale.reason(&row.why)
     }
 
     fn of(&self, row: &TraceRow, column: usize) -> String {
