@@ -224,7 +224,7 @@ fn what_cannot_be_cast_is_told_by_number_and_leaves_nothing() {
         ("infinite.npy", with(6 * 2 + 4, f32::INFINITY), "ray 2 (counted from 0, of 10): a component is not finite"),
         ("still.npy", npy("(10, 6)", &still), "ray 4 (counted from 0, of 10): its direction is 0"),
         ("far.npy", with(6 * 9, 1e20), "ray 9 (counted from 0, of 10): its origin is too far"),
-        ("short.npy", wide[..wide.len() - 30].to_vec(), "ends in ray 8 of 10, after 18 bytes"),
+        ("short.npy", wide[..wide.len() - 30].to_vec(), "ends 18 bytes into ray 8 (counted from 0, of 10)"),
         ("long.npy", [&wide[..], &[0]].concat(), "goes on after its 10 rays"),
         ("text.npy", b"these are no rays".to_vec(), "does not begin with"),
         ("empty.npy", Vec::new(), "does not begin with"),
@@ -248,7 +248,7 @@ fn what_cannot_be_cast_is_told_by_number_and_leaves_nothing() {
             .collect::<Vec<_>>()
     };
     for (code, wanted, arguments) in [
-        (2, "--rays-file rays: its name does not tell the format", cast("rays", &["-o", "h.npy"])),
+        (2, "--rays-file rays: expected a name that ends in .npy or .f32", cast("rays", &["-o", "h.npy"])),
         (1, "nothing.npy: No such file", cast("nothing.npy", &["-o", "h.npy"])),
         (1, "folder.npy: it is a folder", cast("folder.npy", &["-o", "h.npy"])),
         (2, "--output h.csv: expected a name that ends in .npy", cast("rays.npy", &["-o", "h.csv"])),
@@ -267,7 +267,7 @@ fn what_cannot_be_cast_is_told_by_number_and_leaves_nothing() {
     write(&place, "ten.f32", &raw);
     place.fails(
         1,
-        "ends in ray 10 of 11, after 0 bytes",
+        "ends 0 bytes into ray 10 (counted from 0, of 11)",
         &["cast", &file, "--rays-file", "ten.f32", "--count", "11", "-o", "h.npy", "--device", "cpu"],
     );
     place.fails(

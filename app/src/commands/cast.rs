@@ -231,7 +231,7 @@ fn told_format(args: &CastArgs) -> Result<RaysFormat, Error> {
         (None, _) => {
             let at = path.display();
             Err(Error::usage(format!(
-                "--rays-file {at}: its name does not tell the format; use a name that ends in .npy or .f32, or --format"
+                "--rays-file {at}: expected a name that ends in .npy or .f32, or --format; rays as text are not read"
             )))
         }
     }

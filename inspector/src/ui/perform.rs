@@ -82,7 +82,10 @@ impl Inspector {
             C::NextEvent | C::PreviousEvent => self.shared.go_to = self.event(command == C::NextEvent),
             C::ToggleBookmark => self.toggle_bookmark(),
             C::NextBookmark | C::PreviousBookmark => self.visit_bookmark(command == C::NextBookmark),
-            C::Play if self.can(C::SkipPlay) => self.lesson.iter_mut().for_each(Lesson::toggle_play),
+            // Not beyond the end of what a lesson plays: the next step may ask what comes then.
+            C::Play if self.lesson.as_ref().is_some_and(Lesson::has_play) => {
+                self.lesson.iter_mut().for_each(Lesson::toggle_play);
+            }
             C::Play => {
                 self.is_playing = !self.is_playing;
                 if self.is_playing && self.model.next.is_none() {

@@ -1,7 +1,7 @@
 //! The units that lengths, t and times are shown in.
 
 use egui::Ui;
-pub use raystep_kernels::history::units::{Scale, Units, decimals};
+pub use raystep_kernels::history::units::{Scale, Units, decimals, exact};
 
 /// The choice of units. `per_traced` is the number of scene units in a traced unit.
 pub(in crate::ui) fn choose(ui: &mut Ui, units: &mut Units, per_traced: f64) {

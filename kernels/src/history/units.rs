@@ -28,6 +28,15 @@ impl Units {
             Self::Scene => "scene units",
         }
     }
+
+    /// What a t in them is called.
+    #[must_use]
+    pub fn t_name(self) -> &'static str {
+        match self {
+            Self::Traced => "t in traced units",
+            Self::Scene => "t in scene units",
+        }
+    }
 }
 
 /// Converts the streams' lengths and t for display.

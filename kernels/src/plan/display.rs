@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Plan;
-use super::omitted::Omitted;
+use super::omitted::{NotNeeded, Omitted};
 use super::structure::Structure;
 use crate::fragment::depth_of;
 use crate::numbers::bytes::Bytes;
@@ -97,6 +97,7 @@ impl Plan {
     }
 
     fn write_tables(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", NotNeeded(&self.left_out))?;
         writeln!(f, "\nkernels")?;
         for variant in &self.variants {
             let info = variant.kernel.info();

@@ -1,5 +1,5 @@
-//! What a plan leaves out, as `raystep plan` prints it: first what the scene does not need, a row each with the reason; then
-//! the rest, of which each line names what would need it.
+//! What a plan leaves out, as `raystep plan` prints it: first of all what the scene does not need, a row each with the
+//! reason; at the end the rest, of which each line names what would need it.
 
 use std::fmt;
 
@@ -8,22 +8,28 @@ use super::{Because, LeftOut};
 /// Most characters of a line, unless one name is longer.
 const MOST_CHARS: usize = 100;
 
-/// What is left out.
+/// What the scene does not need.
+pub(super) struct NotNeeded<'a>(pub(super) &'a [LeftOut]);
+
+impl fmt::Display for NotNeeded<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let items: Vec<&LeftOut> = of(self.0, Because::Scene).collect();
+        if !items.is_empty() {
+            writeln!(f, "\nomitted, as the scene does not need it")?;
+        }
+        items.iter().try_for_each(|item| writeln!(f, "  {:<34} {}", item.what, item.reason))
+    }
+}
+
+/// What else is left out.
 pub(super) struct Omitted<'a>(pub(super) &'a [LeftOut]);
 
 impl fmt::Display for Omitted<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let of = |because| self.0.iter().filter(move |item| item.because == because);
-        if of(Because::Scene).next().is_some() {
-            writeln!(f, "\nomitted, as the scene does not need it")?;
-        }
-        for item in of(Because::Scene) {
-            writeln!(f, "  {:<34} {}", item.what, item.reason)?;
-        }
         for (because, title) in
             [(Because::Options, "omitted with these options"), (Because::View, "omitted for this result")]
         {
-            let groups = groups(of(because));
+            let groups = groups(of(self.0, because));
             if !groups.is_empty() {
                 writeln!(f, "\n{title}")?;
             }
@@ -33,6 +39,10 @@ impl fmt::Display for Omitted<'_> {
         }
         Ok(())
     }
+}
+
+fn of(items: &[LeftOut], because: Because) -> impl Iterator<Item = &LeftOut> {
+    items.iter().filter(move |item| item.because == because)
 }
 
 /// The things that are left out for the same reason, in order of first occurrence.
@@ -86,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_scene_does_not_need_comes_first_and_the_rest_by_what_would_need_it() {
+    fn what_the_scene_does_not_need_has_a_row_each_and_the_rest_is_grouped_by_what_would_need_it() {
         let all = [
             out("kernel b", Because::Options, "needed only with --b"),
             out("stream c", Because::Options, "needed only with --c"),
@@ -97,12 +107,15 @@ mod tests {
             out("kernel shade", Because::View, "the result is hits"),
         ];
         assert_eq!(
+            NotNeeded(&all).to_string(),
+            "\nomitted, as the scene does not need it\n  buffer normals                     no vertex normals\n"
+        );
+        assert_eq!(
             Omitted(&all).to_string(),
-            "\nomitted, as the scene does not need it\n  buffer normals                     no vertex normals\n\
-             \nomitted with these options\n  kernel b; stream b; buffers b, bb: needed only with --b\n  stream c: needed \
+            "\nomitted with these options\n  kernel b; stream b; buffers b, bb: needed only with --b\n  stream c: needed \
              only with --c\n\nomitted for this result\n  kernel shade: the result is hits\n"
         );
-        assert_eq!(Omitted(&[]).to_string(), "");
+        assert_eq!(format!("{}{}", NotNeeded(&[]), Omitted(&[])), "");
     }
 
     #[test]

@@ -159,7 +159,7 @@ impl Row<'_> {
         Ok(vec![kind])
     }
 
-    /// `36 cells around: leaps over 70 empty cells (x -16, y -18, z -37), leaving the empty ones through -z at t 1.5,
+    /// `36 cells around: leaps by x -16, y -18, z -37, over 70 empty cells, leaving the empty ones through -z at t 1.5,
     /// to `
     fn leapt(&self, words: &mut Scan<'_>, far: i32) -> Result<(Kind, bool), String> {
         let data = self.data;
@@ -169,11 +169,7 @@ impl Row<'_> {
         let is_out = words.is("out of the grid, ");
         let moved = [0, 1, 2].map(|a| to[a] - from[a]);
         if !is_out {
-            words.literal("over ")?;
-            let passed = words.number::<i32>()?;
-            same("the cells between", passed, moved.iter().map(|n| n.abs()).sum::<i32>() - 1)?;
-            words.literal(if passed == 1 { " empty cell (" } else { " empty cells (" })?;
-            let mut comma = "";
+            let mut comma = "by ";
             for axis in (0..3).filter(|&axis| moved[axis] != 0) {
                 words.literal(comma)?;
                 same("the axis", words.axis()?, axis)?;
@@ -181,7 +177,10 @@ impl Row<'_> {
                 same("the leap", words.number::<i32>()?, moved[axis])?;
                 comma = ", ";
             }
-            words.literal("), ")?;
+            words.literal(", over ")?;
+            let passed = words.number::<i32>()?;
+            same("the cells between", passed, moved.iter().map(|n| n.abs()).sum::<i32>() - 1)?;
+            words.literal(if passed == 1 { " empty cell, " } else { " empty cells, " })?;
         }
         words.literal("leaving the empty ones through ")?;
         let (sign, axis) = words.way()?;
@@ -247,6 +246,10 @@ impl Row<'_> {
             words.literal(" ")?;
             same("the other tmax", words.number::<f32>()?, tmax[other].ok_or("no tmax")?)?;
             but_for = 4.0 * f32::EPSILON * t.abs();
+        } else if words.is(", as is tmax.") {
+            same("the equal tmax", tmax[words.axis()?], Some(t))?;
+        } else {
+            same("how many are smallest", tmax.iter().filter(|other| **other == Some(t)).count(), 1)?;
         }
         if t > least + but_for {
             return Err(format!("tmax {t}, and the smallest is {least}"));

@@ -34,7 +34,10 @@ impl Lesson {
     /// this step or a later one.
     pub(in crate::ui) fn hides_next(&self) -> bool {
         let asks = |step: &Step| step.question.is_some();
-        let plays = |step: &Step| step.first.actions.iter().any(|(_, action)| matches!(action, Action::Play(_)));
+        let plays = |step: &Step| {
+            let mut actions = step.sections().into_iter().flat_map(|section| &section.actions);
+            actions.any(|(_, action)| matches!(action, Action::Play(_)))
+        };
         let mut steps = self.lesson.steps.iter().skip(self.step);
         let is_here = steps.next().is_some_and(|step| plays(step) || asks(step) && !self.is_answered);
         is_here || steps.any(|step| plays(step) || asks(step))

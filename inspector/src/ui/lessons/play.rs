@@ -93,9 +93,14 @@ impl Lesson {
         !self.is_waiting() && self.play.as_ref().is_some_and(|play| !play.is_over())
     }
 
+    /// Whether its step has something to play, also once it is over.
+    pub(in crate::ui) fn has_play(&self) -> bool {
+        self.play.is_some()
+    }
+
     /// Stops what it plays, or goes on.
     pub(in crate::ui) fn toggle_play(&mut self) {
-        if let Some(play) = &mut self.play {
+        if let Some(play) = self.play.as_mut().filter(|play| !play.is_over()) {
             (play.is_paused, play.due) = (!play.is_paused, None);
         }
     }

@@ -3,6 +3,7 @@
 
 use egui::{Grid, RichText, Ui};
 use raystep_kernels::export::trace::Trace;
+use raystep_kernels::program::KernelInfo;
 use raystep_kernels::tables::kernel::Transition;
 
 use super::candidates::Candidates;
@@ -24,7 +25,7 @@ pub(super) fn before_after(ui: &mut Ui, model: &Model, known: Values) {
     ui.add_space(6.0);
     Grid::new("before and after").num_columns(6).spacing([9.0, 2.0]).striped(true).show(ui, |ui| {
         let heads: &[&str] = match has_after {
-            true => &["", "cell", "after", "tMax", "after", "tDelta"],
+            true => &["", "cell", "new cell", "tMax", "new tMax", "tDelta"],
             false => &["", "cell", "tMax", "tDelta"],
         };
         for head in heads {
@@ -74,7 +75,7 @@ pub(super) fn states(ui: &mut Ui, model: &Model) {
             let text = RichText::new(format!("{name}: {}", info.name)).strong();
             ui.label(if current == Some(name) { text.background_color(ui.visuals().selection.bg_fill) } else { text });
             let mut told = Vec::new();
-            for sent in info.sends.iter().filter(|sent| sent.from == state && is_possible(sent, opened)) {
+            for sent in info.sends.iter().filter(|sent| sent.from == state && is_possible(sent, info, opened)) {
                 if told.contains(&sent.to) {
                     continue;
                 }
@@ -100,11 +101,13 @@ fn times(life: &Trace, kernel: &str, from: &str, to: &str) -> usize {
     life.rows.iter().filter(is_it).count()
 }
 
-/// Whether a run with this structure has a transition.
-fn is_possible(sent: &Transition, opened: &Opened) -> bool {
+/// Whether a run with this structure has a transition of a kernel.
+fn is_possible(sent: &Transition, kernel: &KernelInfo, opened: &Opened) -> bool {
     let features = &opened.data.features;
     let has_grid = features.grid || features.irregular;
-    !(sent.when.starts_with("with a BVH") && !features.bvh || sent.when.starts_with("without a grid") && has_grid)
+    !(sent.when.starts_with("with a BVH") && !features.bvh
+        || sent.when.starts_with("without a grid") && has_grid
+        || sent.when.starts_with("loop turns spent") && !(kernel.resumes)(features))
 }
 
 /// Shows what the ray may hit.

@@ -95,7 +95,7 @@ impl Panel for StreamView {
         let layer = self.look.layer.filter(|&l| l < stream.layers());
         let layer = layer.or_else(|| self.telling_layer(&plan, stream, cx.model.last_pass()));
         let meaning = Meaning::of(stream, layer);
-        self.tools(ui, &streams, stream, layer, meaning);
+        self.tools(ui, &streams, stream, layer, meaning, &in_units);
         let stats_of = layer.unwrap_or(0);
         self.read_range(cx, stream, stats_of);
         self.legend(ui, plan.program, (stream, stats_of), meaning, &in_units);

@@ -121,7 +121,7 @@ pub enum RaysError {
         expected: String,
     },
     /// It ends too early.
-    #[error("it ends in ray {after} of {}, after {bytes} bytes of it", of(*rays))]
+    #[error("it ends {bytes} bytes into ray {after} (counted from 0, of {})", of(*rays))]
     Truncated {
         /// The ray, numbered from 0.
         after: u64,

@@ -8,7 +8,7 @@ use raystep_lab::layer_stats::{LayerStats, Others, Span};
 use super::super::legend::entry;
 use super::StreamView;
 use crate::draw::stream::{Colors, Meaning};
-use crate::ui::units::Scale;
+use crate::ui::units::{Scale, exact};
 
 impl StreamView {
     pub(super) fn tools(
@@ -18,6 +18,7 @@ impl StreamView {
         stream: Stream,
         layer: Option<usize>,
         meaning: Meaning,
+        scale: &Scale,
     ) {
         ui.horizontal_wrapped(|ui| {
             if self.pinned.is_none() {
@@ -57,16 +58,7 @@ impl StreamView {
                     })
                     .response
                     .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "colours"));
-                let mut range = self.range();
-                let speed = f64::from((range[1] - range[0]).abs().max(1e-6)) / 100.0;
-                for (i, name) in ["from", "to"].into_iter().enumerate() {
-                    let label = ui.label(name).id;
-                    let value = egui::DragValue::new(&mut range[i]).speed(speed).max_decimals(4);
-                    let value = ui.add(value).labelled_by(label).on_hover_text("in the units of the stream");
-                    if value.changed() {
-                        self.look.range = Some(range);
-                    }
-                }
+                self.range_fields(ui, in_units(stream, layer.unwrap_or(0), scale));
             }
             if meaning == Meaning::Color {
                 let label = ui.label("exposure").id;
@@ -78,6 +70,26 @@ impl StreamView {
                 self.look.scale = None;
             }
         });
+    }
+
+    /// The ends of the range, as multiples of a unit.
+    fn range_fields(&mut self, ui: &mut egui::Ui, (unit, name): (f64, &str)) {
+        let mut range = self.range();
+        let speed = unit * f64::from((range[1] - range[0]).abs().max(1e-6)) / 100.0;
+        for (i, label) in ["from", "to"].into_iter().enumerate() {
+            let label = ui.label(label).id;
+            let end = &mut range[i];
+            let value = egui::DragValue::from_get_set(|new| {
+                if let Some(new) = new {
+                    *end = (new / unit) as f32;
+                }
+                unit * f64::from(*end)
+            });
+            let value = ui.add(value.speed(speed).max_decimals(4)).labelled_by(label).on_hover_text(name);
+            if value.changed() {
+                self.look.range = Some(range);
+            }
+        }
     }
 
     /// Legend of the colours, and counts of special values.
@@ -107,15 +119,12 @@ impl StreamView {
                     ui.painter().rect_filled(bar, 0.0, Color32::from_rgb(r, g, b));
                 }
                 let [lo, hi] = self.range();
+                let (unit, name) = in_units(stream, layer, scale);
                 if let Some(span) = self.stats.as_ref().and_then(|(.., stats)| stats.span.as_ref()) {
-                    response.on_hover_ui(|ui| histogram(ui, span));
+                    response.on_hover_ui(|ui| histogram(ui, span, unit));
                 }
-                // The unit of the stream is that of all its components.
-                let is_t = stream.info().meaning.get(layer) == Some(&StreamMeaning::Distance);
-                ui.small(match is_t {
-                    true => format!("t {} … {} {}", scale.exact_t(lo), scale.exact_t(hi), scale.units.name()),
-                    false => format!("{lo} … {hi} {}", stream.info().unit),
-                });
+                let [lo, hi] = [lo, hi].map(|end| exact(unit * f64::from(end)));
+                ui.small(format!("{lo} … {hi} {name}"));
             } else {
                 ui.small(stream.info().unit);
             }
@@ -125,6 +134,17 @@ impl StreamView {
                 }
             }
         });
+    }
+}
+
+/// What a component is a multiple of, and its name.
+fn in_units(stream: Stream, layer: usize, scale: &Scale) -> (f64, &'static str) {
+    let (info, unit) = (stream.info(), stream.info().unit);
+    // A unit for each component, or one for all of them.
+    let own = unit.split(", ").nth(layer).filter(|_| unit.split(", ").count() == info.layers.len());
+    match info.meaning.get(layer) {
+        Some(StreamMeaning::Distance) => (scale.t64(1.0), scale.units.t_name()),
+        _ => (1.0, own.unwrap_or(unit)),
     }
 }
 
@@ -140,7 +160,7 @@ fn out_of_the_ordinary(stats: &LayerStats) -> Vec<String> {
 }
 
 /// Histogram of the values.
-fn histogram(ui: &mut egui::Ui, span: &Span) {
+fn histogram(ui: &mut egui::Ui, span: &Span, unit: f64) {
     let (rect, _) = ui.allocate_exact_size(vec2(256.0, 72.0), Sense::hover());
     let most = span.histogram.iter().copied().max().unwrap_or(0).max(1) as f32;
     let width = rect.width() / span.histogram.len().max(1) as f32;
@@ -151,11 +171,7 @@ fn histogram(ui: &mut egui::Ui, span: &Span) {
         let bar = Rect::from_min_max(pos2(left, rect.bottom() - height), pos2(left + width, rect.bottom()));
         ui.painter().rect_filled(bar, 0.0, ui.visuals().text_color());
     }
-    // Show no more digits than f32 has.
-    let number = |value: f64| {
-        let single = value as f32;
-        if f64::from(single) == value { single.to_string() } else { value.to_string() }
-    };
+    let number = |value: f64| exact(unit * value);
     let [first, median, last] = span.percentiles.map(number);
     ui.small(format!("from {} to {}", number(span.min), number(span.max)));
     ui.small(format!("1% up to {first}, median {median}, 99% up to {last}"));

@@ -143,8 +143,8 @@ fn what_is_wrong_with_a_file_is_said() {
         (npy("'<f4'", "False", "(1, 2, 6)", &good), "shape is (1, 2, 6)"),
         (npy("'<f4'", "False", "(2, 7)", &good), "shape is (2, 7)"),
         (npy("'<f4'", "False", "()", &good), "shape is ()"),
-        (npy("'<f4'", "False", "(2, 6)", &good[..47]), "ends in ray 1 of 2, after 23 bytes"),
-        (npy("'<f4'", "False", "(2, 6)", &good[..24]), "ends in ray 1 of 2, after 0 bytes"),
+        (npy("'<f4'", "False", "(2, 6)", &good[..47]), "ends 23 bytes into ray 1 (counted from 0, of 2)"),
+        (npy("'<f4'", "False", "(2, 6)", &good[..24]), "ends 0 bytes into ray 1 (counted from 0, of 2)"),
         (npy("'<f4'", "False", "(1, 6)", &good), "goes on after its 1 rays"),
         (npy("'<f4'", "False", "(1001, 6)", &good), "has 1001, at most 1000"),
         (changed(7, f32::NAN), "ray 1 (counted from 0, of 2): a component is not finite"),
@@ -160,7 +160,7 @@ fn what_is_wrong_with_a_file_is_said() {
         assert!(error.contains("ray 0 (counted from 0, of 1)") && error.contains(wanted), "{error}");
     }
     let error = all(&floats(&SIX), RaysFormat::F32).expect_err("one ray and a half");
-    assert!(error.contains("ends in ray 1 of an unknown number, after 16 bytes"), "{error}");
+    assert!(error.contains("ends 16 bytes into ray 1 (counted from 0, of an unknown number)"), "{error}");
     let many = floats(&[1.0; 8 * 1001]);
     assert!(all(&many, RaysFormat::F32).expect_err("too many").contains("at most 1000"));
 }
@@ -189,7 +189,7 @@ fn strata_are_integers_of_any_type_as_many_as_rays() {
         (npy("'<f4'", "False", "(2,)", &[0; 8]), "strata: its numbers are of type '<f4': expected an integer"),
         (npy("'|u1'", "False", "(3,)", &[1, 2, 3]), "shape is (3,): expected (2,), one for each ray"),
         (npy("'|u1'", "False", "(2, 1)", &[1, 2]), "shape is (2, 1)"),
-        (npy("'<u2'", "False", "(2,)", &[1, 2, 3]), "ends in ray 1 of 2, after 1 bytes"),
+        (npy("'<u2'", "False", "(2,)", &[1, 2, 3]), "ends 1 bytes into ray 1 (counted from 0, of 2)"),
         (npy("'|u1'", "False", "(2,)", &[1, 2, 3]), "goes on after its 2 rays"),
     ] {
         let error = with(file).expect_err(wanted);

@@ -87,7 +87,11 @@ fn why_by_tmax(tmax: [Option<f32>; 3], axis: usize, smallest: usize) -> Option<S
     let (t, name) = (tmax[axis]?, AXES[axis]);
     Some(match tmax[smallest].filter(|_| axis != smallest) {
         Some(other) => format!("tmax.{name} {t} is smallest but for rounding, as is tmax.{} {other}", AXES[smallest]),
-        None => format!("tmax.{name} {t} is smallest"),
+        None => {
+            let equal = (0..3).find(|&other| other != axis && tmax[other] == Some(t));
+            let too = equal.map_or_else(String::new, |other| format!(", as is tmax.{}", AXES[other]));
+            format!("tmax.{name} {t} is smallest{too}")
+        }
     })
 }
 
@@ -137,7 +141,7 @@ fn leap(data: &SceneData, before: &RayState, after: &RayState, distance: i32) ->
     let along = (0..3).filter(|&axis| moved[axis] != 0).map(|axis| format!("{} {:+}", AXES[axis], moved[axis]));
     let along = along.collect::<Vec<_>>().join(", ");
     let to = cell_name(data, after.cell_index);
-    format!("{empty}: leaps over {passed} empty {cells} ({along}), {leaves}, to {to}")
+    format!("{empty}: leaps by {along}, over {passed} empty {cells}, {leaves}, to {to}")
 }
 
 fn has_left(after: &RayState) -> bool {
