@@ -7,6 +7,7 @@ use super::{GRID, cells, file, no_rays, titled};
 use crate::bench::{self, SEED, SummaryRow, Wanted};
 use crate::meter::Meter;
 use crate::reporter::Reporter;
+use crate::statistics::Compared;
 use crate::tidy::{Row, Table};
 use crate::{Error, RayKind, Size, Subject};
 
@@ -88,6 +89,9 @@ pub fn times(
     Ok(Times { device: meter.machine.name(), rows: rows.collect() })
 }
 
+/// What the paper concludes from: the ratios of two strategies' times.
+const RATIOS: [(&str, usize, usize); 2] = [("first / second", 0, 1), ("second / no grid", 1, 2)];
+
 /// Why the numbers differ, and which of them are comparable.
 const WHY: &str = "\
 Times differ by device; the ratios are what the paper concludes from. Both strategies launch a thread for every ray in
@@ -123,15 +127,32 @@ impl Times {
             "{}\n{}\n{}\n{WHY}",
             titled(&second, &table(&[0, 1], true), 2),
             titled(&third, &table(&[2], false), 1),
-            titled("Ratios of these times", &self.ratios(), 2)
+            titled("Ratios of these times", &self.ratios(), 2) + &self.not_told_apart()
         )
+    }
+
+    /// The ratios by which neither time is told to be shorter: for each, the intervals of its times overlap.
+    fn not_told_apart(&self) -> String {
+        let is_open = |side, of, to| {
+            let ends = |strategy| self.row(side, strategy).and_then(|row| row.low_ns.zip(row.high_ns));
+            let ends = ends(of).zip(ends(to)).map(|((low, high), (least, most))| [low / most, high / least]);
+            matches!(Compared::of(ends), Compared::NotDistinguishable | Compared::AsFast)
+        };
+        let all = RATIOS.iter().flat_map(|&(name, of, to)| SECONDS.iter().map(move |&(side, _)| (name, side, of, to)));
+        let open = all.filter(|&(_, side, of, to)| is_open(side, of, to));
+        let open: Vec<String> = open.map(|(name, side, ..)| format!("{name} at {side}x{side}")).collect();
+        if open.is_empty() {
+            String::new()
+        } else {
+            format!("  Not distinguishable from 1 here: {}.\n", open.join(", "))
+        }
     }
 
     /// First to second, and second to none: in the paper, and here.
     fn ratios(&self) -> Vec<Vec<String>> {
         let sides = SECONDS.iter().map(|(side, _)| format!("{side}x{side}"));
         let mut lines = vec![["", ""].map(str::to_owned).into_iter().chain(sides).collect::<Vec<_>>()];
-        for (name, of, to) in [("first / second", 0, 1), ("second / no grid", 1, 2)] {
+        for (name, of, to) in RATIOS {
             let paper = SECONDS.iter().map(|(_, seconds)| format!("{:.2}", seconds[of] / seconds[to]));
             lines.push(cells([name, "2004"]).into_iter().chain(paper).collect());
             let here = SECONDS.iter().map(|&(side, _)| {
@@ -197,4 +218,26 @@ fn line(side: u32, paper_s: f64, row: Option<&SummaryRow>) -> Vec<String> {
         ratio.map_or("-".into(), |ratio| format!("{ratio:.0}")),
         row.map_or("-".into(), |row| row.passes.to_string()),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_whose_intervals_overlap_are_named_and_no_others() {
+        let row = |low_ns, high_ns| SummaryRow {
+            median_ns: Some(f64::midpoint(low_ns, high_ns)),
+            low_ns: Some(low_ns),
+            high_ns: Some(high_ns),
+            ..SummaryRow::default()
+        };
+        let times = |second| Times {
+            device: String::new(),
+            rows: vec![(512, 0, row(10.0, 12.0)), (512, 1, second), (512, 2, row(30.0, 31.0))],
+        };
+        let said = "Not distinguishable from 1 here: first / second at 512x512.\n";
+        assert!(times(row(11.0, 14.0)).text().contains(said));
+        assert!(!times(row(12.5, 14.0)).text().contains("distinguishable"));
+    }
 }
