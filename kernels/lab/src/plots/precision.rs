@@ -7,10 +7,9 @@ mod layout;
 mod tests;
 
 use super::axis::Axis;
-use super::draw::{
-    Entry, Group, HALF_MARK, Symbol, above, below, color, columns, draw_mark, groups, heading, ring, rows, upright,
-};
+use super::draw::{HALF_MARK, above, below, color, columns, draw_mark, heading, ring, upright};
 use super::frame::Frame;
+use super::legend::{Entry, Group, Symbol, groups, rows};
 use super::picture::{BLACK, Color, Form, Picture, Point, Side, THIN, WHITE};
 use super::{Draw, Format, Mark};
 use layout::{Label, Layout};

@@ -2,10 +2,11 @@
 
 use super::{Choice, Precision};
 use crate::plots::axis::Ranged;
-use crate::plots::draw::{Entry, HALF_MARK, RING, across, beside, color, left_of, up, widest};
+use crate::plots::draw::{HALF_MARK, RING, across, beside, color, left_of, up, widest};
 use crate::plots::font::{width, wrapped};
 use crate::plots::frame::Frame;
 use crate::plots::labels::{HALF, Obstacles, Place, Wanted, distance, places};
+use crate::plots::legend::Entry;
 use crate::plots::lines::RIGHT;
 use crate::plots::picture::{BLACK, LINE, Picture, Point, SIZE};
 use crate::text::visible;
