@@ -105,8 +105,9 @@ impl Progress {
         if self.bar.length() != Some(of) {
             self.bar.set_length(of);
             self.style("{msg:<24} [{bar:30}] {human_pos} of {human_len}, {elapsed}");
-            self.bar.set_message(visible(what).into_owned());
         }
+        // It may say how much time is left.
+        self.bar.set_message(visible(what).into_owned());
         self.bar.set_position(done);
     }
 
@@ -239,6 +240,15 @@ mod tests {
         let lines = lines(Duration::ZERO, |progress| progress.part("measuring", 1_234, 20_000));
         assert!(lines.iter().any(|line| line.starts_with("progress: measuring: 1,234 of 20,000, ")), "{lines:?}");
         assert!(lines.iter().all(|line| !line.contains('[') && line.trim_end() == line), "{lines:?}");
+    }
+
+    #[test]
+    fn what_is_done_may_change_with_every_part() {
+        let lines = lines(Duration::ZERO, |progress| {
+            progress.part("10 s to go", 1, 3);
+            progress.part("5 s to go", 2, 3);
+        });
+        assert!(lines.iter().any(|line| line.starts_with("progress: 5 s to go: 2 of 3, ")), "{lines:?}");
     }
 
     #[test]

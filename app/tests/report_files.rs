@@ -69,12 +69,16 @@ pub(crate) fn check_page(place: &Place, folder: &str, tables: &Tables) {
             assert!(fields.contains(value.as_str()) || about.contains(value.as_str()), "{value} is not in {file}");
         }
     }
+    let captions = String::from_utf8(place.read(&format!("{folder}/captions.tex"))).expect("UTF-8");
     let links = between(&page, "<a href=\"", "\"");
     for (kind, begin) in [(".svg", &b"<svg"[..]), (".pdf", b"%PDF-")] {
         let figures: Vec<&&str> = links.iter().filter(|name| name.ends_with(kind)).collect();
         assert_eq!(figures.len(), 2 * page.matches("<svg").count(), "every figure is linked, for one and two columns");
         for name in figures {
             assert!(place.read(&format!("{folder}/{name}")).starts_with(begin), "{name}");
+            let stem = name.split("-one-column").next().and_then(|name| name.split("-two-columns").next());
+            let caption = format!("\\csname raystep-{}\\endcsname{{", stem.expect("a name"));
+            assert!(captions.contains(&caption), "{name} has a caption for LaTeX");
         }
     }
 }
@@ -112,8 +116,8 @@ pub(crate) fn check_intervals(tables: &Tables) -> [usize; 3] {
             }
             if has(row, "time_ratio_low") && has(row, "ratio_to") {
                 let (own, to) = (of(&row["configuration"]).expect("runs"), of(&row["ratio_to"]).expect("runs"));
-                // The fastest choice is found in two of four rounds, and compared in the others, if there are twelve.
-                let has_halves = name == "choices.csv" && to.len() >= 12;
+                // The fastest choice is found in two of four rounds, and compared in the others, if both have twelve.
+                let has_halves = name == "choices.csv" && own.len().min(to.len()) >= 12;
                 let is_compared = |round: usize| !has_halves || round % 4 >= 2;
                 let pairs = own.iter().filter(|(round, _)| is_compared(**round));
                 let pairs: Vec<(f64, f64)> = pairs.filter_map(|(round, ns)| Some((*ns, *to.get(round)?))).collect();

@@ -45,9 +45,9 @@ use crate::terminal::{Progress, print};
 ///
 /// DIR/index.html is self-contained; all its numbers are also in CSV files. Each of its figures is there for a paper, too,
 /// as PDF and SVG of one column's width (84 mm) and of two columns' (178 mm), such as
-/// DIR/cornell-box-choices-precision-one-column.pdf: \includegraphics takes it as it is. The
-/// same command on the same machine finds the same errors; times differ. The first sentences of the page are also
-/// printed.
+/// DIR/cornell-box-choices-precision-one-column.pdf: \includegraphics takes it as it is. DIR/captions.tex has their
+/// captions for LaTeX, and says how to use them. The same command on the same machine finds the same errors; times
+/// differ. The first sentences of the page are also printed.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -210,7 +210,8 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
             progress.finish();
             let page = args.output.iter().map(|output| output.join(report::PAGE)).next().unwrap_or_default();
             progress.say(format_args!(
-                "wrote {}, its CSV files, and its figures for papers, *-one-column.pdf, *-two-columns.pdf and .svg",
+                "wrote {}, its CSV files, and its figures for papers, *-one-column.pdf, *-two-columns.pdf and .svg, \
+                 with captions.tex",
                 page.display()
             ));
             if args.quiet.quiet { Ok(()) } else { print(&lead.iter().map(|s| format!("{s}\n")).collect::<String>()) }

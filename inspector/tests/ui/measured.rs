@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use raystep_inspector::session::measure::{Measure, Measurement};
 use raystep_kernels::let_others_run;
-use raystep_lab::plots::precision::{Choice, Precision};
+use raystep_lab::plots::precision::{Choice, Legend, Precision, Sign};
 use raystep_lab::plots::{Axis, Draw as _, Format, Mark, Scale};
 use raystep_lab::report::Answer;
 use raystep_lab::reporter::Reporter;
@@ -44,6 +44,7 @@ async fn answer(measurement: Measurement, reporter: &dyn Reporter) -> Result<Ans
         shape: Mark::Dot,
         is_hollow: wrong > 0.0,
         is_front: true,
+        is_recommended: wrong <= 0.0,
     };
     let diagram = |title: &str, from| {
         let diagram = Precision {
@@ -51,7 +52,10 @@ async fn answer(measurement: Measurement, reporter: &dyn Reporter) -> Result<Ans
             x: Axis::new("time a ray, ns", Scale::Log),
             y: Axis::new("wrong rays per million", Scale::Log),
             at_most: Some(81.0),
-            legend: vec![("grid".into(), Some(0), Mark::Dot, false)],
+            legend: vec![Legend {
+                heading: "structure".into(),
+                signs: vec![Sign { name: "grid".into(), color: Some(0), shape: Mark::Dot, is_hollow: false }],
+            }],
             from,
             choices: vec![choice("bvh, fused", 120.0, 0.0, 1), choice("grid, fused, paper", 90.0, 300.0, 0)],
         };

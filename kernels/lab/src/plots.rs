@@ -11,6 +11,7 @@ pub mod font;
 mod forest;
 mod frame;
 mod labels;
+mod legend;
 mod lines;
 mod panels;
 mod pdf;

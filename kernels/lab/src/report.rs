@@ -4,6 +4,7 @@
 //! consists of those that do not, for a window.
 
 mod answer;
+mod captions;
 mod choices;
 mod grid;
 mod judge;
@@ -132,7 +133,7 @@ pub async fn measure<E: From<Error>>(
         for index in 0..sections.len() {
             let Report { tables, scenes, record } = &mut report;
             let Some(((section, table), scene)) = tables.get_mut(index).zip(scenes.last_mut()) else { continue };
-            let reporter = &Ahead { reporter, text: left.text() };
+            let ahead = &Ahead { reporter, left: &left, section };
             let work = Work {
                 subject,
                 meter,
@@ -143,7 +144,7 @@ pub async fn measure<E: From<Error>>(
                 begin: Instant::now(),
                 only,
                 seeds: *seeds,
-                reporter,
+                reporter: ahead,
                 section: section.name,
                 record,
                 methods,
@@ -188,7 +189,8 @@ pub async fn measure<E: From<Error>>(
 
 /// How much is left to measure.
 struct Left {
-    begin: Instant,
+    /// When everything began, and the section that runs.
+    begin: [Instant; 2],
     done: usize,
     count: usize,
     /// Typical seconds of what is done, and of everything.
@@ -200,39 +202,49 @@ struct Left {
 impl Left {
     fn new(sections: &[&Section], scenes: usize, time: Duration) -> Self {
         let all = sections.iter().map(|s| s.seconds_within(time)).sum::<f64>() * scenes as f64;
-        Self { begin: Instant::now(), done: 0, count: sections.len() * scenes, seconds: [0.0, all], time }
+        let begin = [Instant::now(); 2];
+        Self { begin, done: 0, count: sections.len() * scenes, seconds: [0.0, all], time }
     }
 
     fn finish(&mut self, section: &Section) {
+        self.begin[1] = Instant::now();
         self.done += 1;
         self.seconds[0] += section.seconds_within(self.time);
     }
 
-    /// Position and time to go, for the next section.
-    fn text(&self) -> String {
-        let [done, all] = self.seconds;
+    /// Position and time to go, in a section.
+    fn text(&self, section: &Section) -> String {
         let place = format!("{} of {}", self.done + 1, self.count);
-        let to_go = match done <= 0.0 {
-            true => all,
-            false => self.begin.elapsed().as_secs_f64() / done * (all - done),
-        };
-        format!("{place}, about {:.0} s to go", (to_go / 5.0).ceil() * 5.0)
+        let spent = [(self.begin[1] - self.begin[0]).as_secs_f64(), self.begin[1].elapsed().as_secs_f64()];
+        match to_go(self.seconds, section.seconds_within(self.time), spent) {
+            Some(seconds) => format!("{place}, about {seconds:.0} s to go"),
+            None => place,
+        }
     }
+}
+
+/// Seconds to go, rounded up to five: of typical seconds of what is `done` and of everything, those of the section that
+/// runs, and the seconds that were spent before it and in it. `None` if it is the last one and should be over.
+fn to_go([done, all]: [f64; 2], section: f64, [before, here]: [f64; 2]) -> Option<f64> {
+    let pace = if done > 0.0 { before / done } else { 1.0 };
+    let left = (pace * section - here).max(0.0) + pace * (all - done - section).max(0.0);
+    (left > 0.0).then(|| (left / 5.0).ceil() * 5.0)
 }
 
 /// Tells stages with how much is left.
 struct Ahead<'a> {
     reporter: &'a dyn Reporter,
-    text: String,
+    left: &'a Left,
+    section: &'a Section,
 }
 
 impl Reporter for Ahead<'_> {
     fn stage(&self, name: &str) {
-        self.reporter.stage(&format!("[{}] {name}", self.text));
+        self.reporter.stage(&format!("[{}] {name}", self.left.text(self.section)));
     }
 
     fn part(&self, what: &str, done: u64, of: u64) {
-        self.reporter.part(&format!("[{}] {what}", self.text), done, of);
+        self.reporter.part(&format!("[{}] {what}", self.left.text(self.section)), done, of);
     }
 
     fn note(&self, text: &str) {
@@ -284,6 +296,7 @@ impl Report {
         for scene in &self.scenes {
             files.extend(scene.figures());
         }
+        files.extend(captions::tex(about, &self.scenes, self.record.seed));
         let recorded = self.record.tables();
         let of_sections = self.tables.iter().map(|(section, table)| (section.file, section.row, table));
         let of_record = recorded.iter().map(|(file, what, table)| (*file, *what, table));
@@ -333,8 +346,8 @@ pub fn is_ours(name: &str) -> bool {
         .into_iter()
         .filter_map(|kind| name.strip_suffix(kind))
         .any(|stem| SECTIONS.iter().any(|section| stem.contains(&format!("-{}-", section.name))));
-    let tables = [PAGE, ABOUT, package::FILE, record::RUNS, record::RAYS];
-    tables.contains(&name) || SECTIONS.iter().any(|s| s.file == name) || is_figure
+    let others = [PAGE, ABOUT, captions::FILE, package::FILE, record::RUNS, record::RAYS];
+    others.contains(&name) || SECTIONS.iter().any(|s| s.file == name) || is_figure
 }
 
 /// Whether a [page](PAGE) belongs to a report.
@@ -349,6 +362,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_time_to_go_falls_while_a_section_runs() {
+        // The first of three sections of 30 s, 20 s and 10 s.
+        let first = |here: u32| to_go([0.0, 60.0], 30.0, [0.0, f64::from(here)]);
+        let told: Vec<f64> = (0..=30).filter_map(first).collect();
+        assert_eq!((told.len(), told[0], told[30]), (31, 60.0, 30.0));
+        assert!(told.windows(6).all(|of| of[0] - of[5] == 5.0), "{told:?}");
+        assert_eq!(first(90), Some(30.0), "what is late leaves the others");
+        // The second one, after a first one that took half of its time.
+        assert_eq!([0.0, 4.0, 99.0].map(|here| to_go([30.0, 60.0], 20.0, [15.0, here])), [15.0, 15.0, 5.0].map(Some));
+        assert_eq!([4.0, 5.5].map(|here| to_go([50.0, 60.0], 10.0, [25.0, here])), [Some(5.0), None]);
+    }
+
+    #[test]
     fn our_names_are_known_and_others_are_not() {
         for name in [
             "index.html",
@@ -357,6 +383,7 @@ mod tests {
             "left_out.csv",
             "a-b-grid-time-one-column.svg",
             "a-grid-time-two-columns.pdf",
+            "captions.tex",
         ] {
             assert!(is_ours(name), "{name}");
         }

@@ -48,6 +48,8 @@ pub struct Rounds {
     start: Instant,
     times: Vec<Times>,
     spent: Vec<Duration>,
+    /// Whether a subject runs no more.
+    has_left: Vec<bool>,
 }
 
 impl Rounds {
@@ -65,6 +67,7 @@ impl Rounds {
             start: now,
             times: vec![Times::default(); subjects],
             spent: vec![Duration::ZERO; subjects],
+            has_left: vec![false; subjects],
         }
     }
 
@@ -77,7 +80,7 @@ impl Rounds {
             let Some(&subject) = self.order.get(self.place) else { continue };
             self.place += 1;
             let is_late = self.is_extra() && self.turns.each.is_some_and(|each| self.spent[subject] > each);
-            if !self.times[subject].is_given_up && !is_late {
+            if !self.times[subject].is_given_up && !is_late && !self.has_left[subject] {
                 self.start = Instant::now();
                 return Some(subject);
             }
@@ -96,6 +99,30 @@ impl Rounds {
         if counting.is_some() {
             self.spent[subject] += self.start.elapsed();
         }
+    }
+
+    /// A subject keeps its times, and runs no more.
+    pub fn leave(&mut self, subject: usize) {
+        self.has_left.get_mut(subject).into_iter().for_each(|has_left| *has_left = true);
+    }
+
+    /// Whether all subjects had their turn in the current round.
+    #[must_use]
+    pub fn is_round_over(&self) -> bool {
+        let is_out = |subject: &usize| self.has_left[*subject] || self.times[*subject].is_given_up;
+        self.order[self.place..].iter().all(is_out)
+    }
+
+    /// Rounds that have begun, those of warm-ups included.
+    #[must_use]
+    pub fn begun(&self) -> usize {
+        self.begun
+    }
+
+    /// The times of each subject so far.
+    #[must_use]
+    pub fn times(&self) -> &[Times] {
+        &self.times
     }
 
     /// The times of each subject.
@@ -209,6 +236,22 @@ mod tests {
         let times = times.expect("no error");
         assert_eq!((runs, times[0].runs.len(), times[1].runs.len()), ([2, 4], 0, 3));
         assert!(times[0].is_given_up && !times[1].is_given_up);
+    }
+
+    #[test]
+    fn who_leaves_keeps_its_times_and_holds_up_nobody() {
+        let mut rounds = Rounds::new(3, Turns::of(0, 4));
+        let mut over = Vec::new();
+        while let Some(subject) = rounds.next_subject() {
+            rounds.ended(done(subject as u64).expect("a time"));
+            over.extend(rounds.is_round_over().then(|| rounds.begun()));
+            if rounds.begun() == 2 && rounds.is_round_over() {
+                rounds.leave(1);
+            }
+        }
+        assert_eq!(over, [1, 2, 3, 4]);
+        let runs = |times: &[Times]| times.iter().map(|times| times.runs.len()).collect::<Vec<_>>();
+        assert_eq!((runs(rounds.times()), runs(&rounds.into_times())), (vec![4, 2, 4], vec![4, 2, 4]));
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! A bar chart.
 
-use super::draw::{Entry, MARGIN, Symbol, across, below, color, columns, head, upright, widest};
+use super::draw::{MARGIN, across, below, color, columns, upright, widest};
 use super::font::wrapped;
 use super::frame::Frame;
+use super::legend::{Entry, Symbol, head};
 use super::lines::{RIGHT, WIDTH};
 use super::picture::{LINE, Picture, SIZE, Side};
 use super::{Axis, Draw, Format, Scale};

@@ -1,9 +1,9 @@
-//! What all plots consist of: heading, legend, axes, lines and marks.
+//! What all plots consist of: heading, axes, lines and marks.
 
 use super::axis::Ranged;
 use super::font::{self, wrapped};
 use super::frame::Frame;
-use super::picture::{BLACK, Color, Dashes, Form, GRID, LINE, Picture, Point, SIZE, Side, THICK, THIN};
+use super::picture::{BLACK, Color, Dashes, Form, GRID, LINE, Picture, Point, SIZE, Side, THICK};
 use super::{Dash, Mark, Series, Stroke};
 
 /// Okabe and Ito's palette, distinguishable with colour vision deficiency.
@@ -20,86 +20,8 @@ pub(super) const MARGIN: f64 = 8.0;
 /// Size of headings, which only screens have: on paper the caption says it.
 const HEADING: f64 = 15.0;
 
-/// What a legend's entry shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Symbol {
-    /// A line with a mark.
-    Line(Stroke, Mark, bool),
-    /// An area.
-    Area,
-    /// A line at a value.
-    Place(Dashes),
-}
-
-/// A legend's entry.
-#[derive(Clone, Debug)]
-pub(super) struct Entry {
-    pub(super) name: String,
-    pub(super) color: Color,
-    pub(super) symbol: Symbol,
-}
-
-impl Entry {
-    pub(super) fn mark(name: &str, color: Color, mark: Mark, is_hollow: bool) -> Self {
-        Self { name: name.to_owned(), color, symbol: Symbol::Line(Stroke::None, mark, is_hollow) }
-    }
-
-    /// Room for its symbol.
-    fn symbol_width(&self) -> f64 {
-        match self.symbol {
-            Symbol::Line(Stroke::None, ..) | Symbol::Place(_) => 10.0,
-            Symbol::Line(..) => 30.0,
-            Symbol::Area => 18.0,
-        }
-    }
-
-    /// As a line at a place across, between two heights.
-    pub(super) fn draw_along(&self, picture: &mut Picture, x: f64, [top, bottom]: [f64; 2]) {
-        if let Symbol::Place(dashes) = self.symbol {
-            picture.line(self.color, THIN, dashes, &[(x, top), (x, bottom)]);
-        }
-    }
-
-    fn draw(&self, picture: &mut Picture, (x, y): Point) {
-        let end = x + self.symbol_width();
-        let middle = (x + end) / 2.0;
-        match self.symbol {
-            Symbol::Line(stroke, mark, is_hollow) => {
-                line(picture, stroke, &[(x, y), (end, y)], self.color);
-                draw_mark(picture, mark, is_hollow, (middle, y), self.color);
-            }
-            Symbol::Area => {
-                picture.filled(self.color, 1.0, Frame { left: x, right: end, top: y - 5.0, bottom: y + 5.0 });
-            }
-            Symbol::Place(dashes) => {
-                picture.line(self.color, THIN, dashes, &[(middle, y - 7.0), (middle, y + 7.0)]);
-            }
-        }
-    }
-}
-
-/// One entry for each name.
-pub(super) fn entries<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<Entry> {
-    let mut entries: Vec<Entry> = Vec::new();
-    for s in series.filter(|s| !s.name.is_empty()) {
-        if !entries.iter().any(|entry| entry.name == s.name) {
-            let symbol = Symbol::Line(s.stroke, s.mark.of(s.color), false);
-            entries.push(Entry { name: s.name.clone(), color: color(s.color), symbol });
-        }
-    }
-    entries
-}
-
-/// Lines at named values, told apart by their dashes, as legend entries.
-pub(super) fn places(places: &[(f64, String)]) -> impl Iterator<Item = (f64, Entry)> {
-    const DASHES: [Dashes; 4] = [&[6.0, 4.0], &[1.5, 2.5], &[7.0, 3.0, 1.5, 3.0], &[12.0, 4.0]];
-    places.iter().zip(DASHES.into_iter().cycle()).map(|((value, name), dashes)| {
-        (*value, Entry { name: name.clone(), color: BLACK, symbol: Symbol::Place(dashes) })
-    })
-}
-
-/// The heading, on screens, and the legend, in rows; returns where they end.
-pub(super) fn head(picture: &mut Picture, title: &str, entries: &[Entry]) -> f64 {
+/// The heading, on screens; returns where it ends.
+pub(super) fn heading(picture: &mut Picture, title: &str) -> f64 {
     let mut y = 4.0;
     if picture.is_screen() {
         for line in wrapped(title, HEADING, picture.width() - 2.0 * MARGIN) {
@@ -107,26 +29,7 @@ pub(super) fn head(picture: &mut Picture, title: &str, entries: &[Entry]) -> f64
             y += LINE + 4.0;
         }
     }
-    rows(picture, entries, y)
-}
-
-/// Entries in rows of the picture's width, from a height on; returns where they end.
-pub(super) fn rows(picture: &mut Picture, entries: &[Entry], from: f64) -> f64 {
-    const GAP: f64 = 6.0;
-    const APART: f64 = 16.0;
-    let (mut x, mut y, mut lines) = (MARGIN, from, 0);
-    for entry in entries {
-        let begin = entry.symbol_width() + GAP;
-        let name = wrapped(&entry.name, SIZE, picture.width() - 2.0 * MARGIN - begin);
-        let wide = begin + widest(&name);
-        if x > MARGIN && x + wide > picture.width() - MARGIN {
-            (x, y, lines) = (MARGIN, y + LINE * lines as f64, 0);
-        }
-        entry.draw(picture, (x, y + LINE / 2.0));
-        picture.lines(&name, (x + begin, y + LINE / 2.0), [Side::Start, Side::Middle]);
-        (x, lines) = (x + wide + APART, lines.max(name.len()));
-    }
-    y + LINE * lines as f64 + if entries.is_empty() { 0.0 } else { 3.0 }
+    y
 }
 
 /// Width of the widest line.
@@ -250,6 +153,14 @@ pub(super) fn points(picture: &mut Picture, s: &Series, at: &[Point], whiskers: 
 
 /// Half the size of a mark.
 pub(super) const HALF_MARK: f64 = 5.0;
+
+/// Radius of a ring around a mark: no larger than a line of text is high.
+pub(super) const RING: f64 = 7.0;
+
+/// A ring around a mark.
+pub(super) fn ring(picture: &mut Picture, center: Point) {
+    picture.add(BLACK, 1.0, Form::Circle { center, radius: RING, outline: Some(1.2) });
+}
 
 pub(super) fn draw_mark(picture: &mut Picture, mark: Mark, is_hollow: bool, (x, y): Point, color: Color) {
     let outline = is_hollow.then_some(1.5);

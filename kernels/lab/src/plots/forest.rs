@@ -2,8 +2,9 @@
 
 use super::axis::Axis;
 use super::bars::{heights, name, names};
-use super::draw::{across, below, columns, entries, head, points, upright};
+use super::draw::{across, below, columns, points, upright};
 use super::frame::Frame;
+use super::legend::{entries, head};
 use super::lines::{RIGHT, WIDTH};
 use super::picture::{BLACK, GRID, Picture, Point, THIN};
 use super::{Draw, Format, Series};

@@ -1,7 +1,8 @@
 //! Series of points over an axis.
 
-use super::draw::{above, across, below, beside, columns, entries, head, left_of, places, points, up, upright};
+use super::draw::{above, across, below, beside, columns, left_of, points, up, upright};
 use super::frame::Frame;
+use super::legend::{entries, head, places};
 use super::picture::{Picture, Point};
 use super::{Axis, Draw, Format, Series};
 

@@ -1,8 +1,9 @@
 //! Small plots, one above the other, over a common horizontal axis.
 
 use super::axis::Ranged;
-use super::draw::{Entry, above, across, below, beside, columns, entries, head, left_of, places, points, up, upright};
+use super::draw::{above, across, below, beside, columns, left_of, points, up, upright};
 use super::frame::Frame;
+use super::legend::{Entry, entries, head, places};
 use super::lines::RIGHT;
 use super::picture::{Picture, Point};
 use super::{Axis, Draw, Format, Series};

@@ -7,8 +7,9 @@ mod layout;
 mod tests;
 
 use super::axis::Axis;
-use super::draw::{Entry, HALF_MARK, above, below, color, columns, draw_mark, head, rows, upright};
+use super::draw::{HALF_MARK, above, below, color, columns, draw_mark, heading, ring, upright};
 use super::frame::Frame;
+use super::legend::{Entry, Group, Symbol, groups, rows};
 use super::picture::{BLACK, Color, Form, Picture, Point, Side, THIN, WHITE};
 use super::{Draw, Format, Mark};
 use layout::{Label, Layout};
@@ -39,6 +40,30 @@ pub struct Choice {
     pub is_hollow: bool,
     /// Whether nothing is both faster and less often wrong.
     pub is_front: bool,
+    /// Whether it is the one to use: it has a ring.
+    pub is_recommended: bool,
+}
+
+/// What one means of telling choices apart stands for, such as their colours.
+#[derive(Clone, Debug)]
+pub struct Legend {
+    /// Its heading.
+    pub heading: String,
+    /// Its entries; without any, the heading is left out, too.
+    pub signs: Vec<Sign>,
+}
+
+/// What a colour, a shape or a filling stands for.
+#[derive(Clone, Debug)]
+pub struct Sign {
+    /// Its meaning.
+    pub name: String,
+    /// Index into the palette; `None` where the colour has no meaning.
+    pub color: Option<usize>,
+    /// The mark.
+    pub shape: Mark,
+    /// Whether only its outline is drawn.
+    pub is_hollow: bool,
 }
 
 /// The diagram.
@@ -52,8 +77,8 @@ pub struct Precision {
     pub y: Axis,
     /// The largest share of wrong rays, per million, that is possible where none was seen.
     pub at_most: Option<f64>,
-    /// Names of colours, shapes and fillings.
-    pub legend: Vec<(String, Option<usize>, Mark, bool)>,
+    /// Names of colours, shapes and fillings. That of the ring follows.
+    pub legend: Vec<Legend>,
     /// Start of arrows to every choice; and a line there.
     pub from: Option<f64>,
     /// The choices, fastest first.
@@ -70,10 +95,8 @@ impl Draw for Precision {
             return None;
         }
         let mut picture = Picture::new(format, WIDTH);
-        let entry = |(name, of, mark, is_hollow): &(String, Option<usize>, Mark, bool)| {
-            Entry::mark(name, of.map_or(BLACK, color), *mark, *is_hollow)
-        };
-        let mut top = head(&mut picture, &self.title, &self.legend.iter().map(entry).collect::<Vec<_>>());
+        let mut top = heading(&mut picture, &self.title);
+        top = groups(&mut picture, &self.groups(), top);
         let has_log = self.choices.iter().any(|choice| choice.wrong > 0.0 || choice.undecided > 0.0);
         top = above(&mut picture, if has_log { &self.y.label } else { "" }, top);
         let layout = Layout::new(self, picture.width(), top);
@@ -90,6 +113,22 @@ impl Draw for Precision {
 }
 
 impl Precision {
+    /// The legend, with the recommended choice's mark as it is drawn.
+    fn groups(&self) -> Vec<Group> {
+        let entry = |sign: &Sign| Entry::mark(&sign.name, sign.color.map_or(BLACK, color), sign.shape, sign.is_hollow);
+        let group = |legend: &Legend| Group {
+            heading: legend.heading.clone(),
+            entries: legend.signs.iter().map(entry).collect(),
+        };
+        let recommended = self.choices.iter().find(|choice| choice.is_recommended).map(|choice| Entry {
+            name: "recommended".into(),
+            color: color(choice.color),
+            symbol: Symbol::Ring(choice.shape, choice.is_hollow),
+        });
+        let last = Group { heading: String::new(), entries: recommended.into_iter().collect() };
+        self.legend.iter().map(group).chain([last]).collect()
+    }
+
     /// The title of the strip.
     fn strip(&self) -> String {
         let bound = self.at_most.map_or(String::new(), |most| format!(": at most {} per million (95%)", round(most)));
@@ -134,6 +173,9 @@ impl Precision {
             arrow(picture, (layout.across(from), at.1), at, color);
         }
         draw_mark(picture, c.shape, c.is_hollow, at, color);
+        if c.is_recommended {
+            ring(picture, at);
+        }
     }
 }
 

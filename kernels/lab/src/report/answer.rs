@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use raystep_kernels::GridSize;
 
-use super::{Only, Report, SECTIONS, SEED, SEEDS, Wanted, measure};
+use super::{About, Only, Report, SECTIONS, SEED, SEEDS, Wanted, measure};
 use crate::html::{plain, spans};
 use crate::meter::Meter;
 use crate::plots::Format;
@@ -34,7 +34,8 @@ pub struct Answer {
     pub rows: Vec<Vec<String>>,
     /// What readers of the table need to know, and missing results with reasons.
     pub notes: Vec<String>,
-    /// The tables behind it, as CSV, and the diagrams as PDF and SVG: names with contents.
+    /// The tables behind it, as CSV, and the diagrams as PDF and SVG with their captions for LaTeX: names with
+    /// contents.
     pub files: Vec<(String, Vec<u8>)>,
 }
 
@@ -144,16 +145,15 @@ fn of_report(report: &Report, subject: &Subject, meter: &Meter) -> Result<Answer
         }
         answer.notes.extend(part.notes.iter().cloned());
     }
-    answer.files = files(report)?;
+    answer.files = files(report, &vec![("adapter", adapter)])?;
     Ok(answer)
 }
 
-/// The CSV files and plots of a report.
-fn files(report: &Report) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    let mut files = report.files(&Vec::new())?;
-    files.retain(|(name, _)| {
-        (name.ends_with(".csv") && name != super::ABOUT) || name.ends_with(".svg") || name.ends_with(".pdf")
-    });
+/// The CSV files of a report, and its plots with their captions.
+fn files(report: &Report, about: &About) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let mut files = report.files(about)?;
+    let is_kept = |name: &str| [".csv", ".svg", ".pdf", ".tex"].iter().any(|kind| name.ends_with(kind));
+    files.retain(|(name, _)| is_kept(name) && name != super::ABOUT);
     Ok(files)
 }
 
@@ -235,6 +235,7 @@ mod tests {
         let expected = [
             "cornell-box-choices-precision-one-column.svg",
             "cornell-box-rules-rules-two-columns.pdf",
+            "captions.tex",
             "choices.csv",
             "rules.csv",
         ];

@@ -3,7 +3,8 @@
 //! The rays are a random sample of what the camera sees, so that shares of wrong rays have exact bounds. Runs are
 //! interleaved. Recommended is the fastest of the robust choices that are accurate. It is found in half of the rounds and
 //! compared with the others in the other half, so that luck which made it the fastest does not enter the comparison; with
-//! fewer than twelve rounds, all of them serve both.
+//! fewer than twelve rounds, all of them serve both. Where time is short, what is clearly slower than the fastest robust
+//! choice gets fewer rounds, so that those that are close can be told apart.
 
 mod figure;
 mod rows;
@@ -14,13 +15,13 @@ mod words;
 
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Numerics, Ray, Renderer};
-use rows::{all_rows, compare_own, is_halved, limit, mark, own_row};
+use rows::{FEWEST_TO_HALVE, all_rows, compare_own, is_halved, limit, mark, own_row};
 use strata::Strata;
 use way::{Way, ways};
 
 use super::judge::{Judge, Judged};
 use super::page::Part;
-use super::times::{self, First, Times};
+use super::times::{self, Amount, First, Race, Times};
 use super::work::{Built, Work};
 use crate::Error;
 use crate::html::escaped;
@@ -132,14 +133,17 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     work.stage("timing choices");
     let names: Vec<String> = ready.iter().map(|one| one.way.id(work)).collect();
     let firsts: Vec<First> = ready.iter().map(|one| one.first).collect();
+    let can_win: Vec<bool> = ready.iter().map(|one| one.way.numerics == Numerics::Robust).collect();
     let mut renderers: Vec<&mut Renderer> = ready.iter_mut().map(|one| &mut one.built.renderer).collect();
-    let repeats = work.either(12, 24);
-    let times = work.time_after(&firsts, &names, &mut renderers, interval::FEWEST, repeats).await?;
+    let race = Some(Race { can_win: &can_win, fewest: FEWEST_TO_HALVE });
+    let amount = Amount { fewest: interval::FEWEST, repeats: work.either(12, 24), race };
+    let times = work.time_after(&firsts, &names, &mut renderers, amount).await?;
     part.notes.extend(times::notes(work, ready.iter().map(|one| one.way.to_string()).zip(&times)));
     work.stage("judging choices");
     let mut judge = Judge::default();
-    let mut measured = Vec::new();
+    let (mut measured, of) = (Vec::new(), ready.len() as u64);
     for (Ready { way, built, .. }, times) in ready.into_iter().zip(times) {
+        work.reporter.part("choices judged", measured.len() as u64, of);
         let judged = judge.judge(work, &built.renderer).await?;
         part.notes.extend(times.is_given_up().then(|| format!("{way}: {}", judged.given_up())));
         judge.record(work, &built.renderer, &judged, &way.id(work), |ray| strata.of(ray));
@@ -160,7 +164,7 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     words::say(work, rows, outside, &mut part);
     let is_file = work.rays.is_some();
     part.lead_figure("precision", figure::of(rows, is_file), figure::caption(rows, is_file));
-    table::add(rows, is_halved(&measured), &mut part);
+    table::add(rows, measured.iter().any(is_halved), &mut part);
     part.table(rows, SHOWN);
     part.table(of_strata, SHOWN_STRATA);
     Ok(part)

@@ -163,12 +163,22 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// The figures' files, for papers.
-    pub(super) fn figures(&self) -> impl Iterator<Item = (String, Vec<u8>)> {
+    /// The figures, each with the start of its files' names.
+    pub(super) fn named_figures(&self) -> impl Iterator<Item = (String, &Figure)> {
         self.parts.iter().flat_map(move |(section, part)| {
             let figures = part.lead_figures.iter().chain(&part.figures);
-            figures.flat_map(move |figure| figure.plot.files(&stem(&self.slug, section, figure.name)))
+            figures.map(move |figure| (stem(&self.slug, section, figure.name), figure))
         })
+    }
+
+    /// The figures' files, for papers.
+    pub(super) fn figures(&self) -> impl Iterator<Item = (String, Vec<u8>)> {
+        self.named_figures().flat_map(|(stem, figure)| figure.plot.files(&stem))
+    }
+
+    /// A figure's caption, as HTML.
+    pub(super) fn caption(&self, figure: &Figure, common: &str) -> String {
+        format!("{} {}, {common}", figure.caption, escaped(&self.name))
     }
 }
 
@@ -180,10 +190,15 @@ fn stem(slug: &str, section: &str, name: &str) -> String {
 /// Machine and command: names with values.
 pub type About = Vec<(&'static str, String)>;
 
+/// What the captions of all figures end with, as HTML: adapter and seed.
+pub(super) fn common(about: &About, seed: u32) -> String {
+    let value = |wanted: &str| about.iter().find(|(name, _)| *name == wanted).map_or("", |(_, value)| value);
+    format!("{}; seed {}.", escaped(value("adapter")), data(&seed.to_string(), &seed.to_string()))
+}
+
 /// The page.
 pub(super) fn html(about: &About, scenes: &[Scene], seed: u32) -> String {
-    let value = |wanted: &str| about.iter().find(|(name, _)| *name == wanted).map_or("", |(_, value)| value);
-    let common = format!("{}; seed {}.", value("adapter"), data(&seed.to_string(), &seed.to_string()));
+    let common = common(about, seed);
     let mut page = String::new();
     if scenes.len() > 1 {
         let link = |(i, scene): (usize, &Scene)| format!("<a href=\"#scene-{i}\">{}</a>", escaped(&scene.name));
@@ -224,7 +239,7 @@ fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
     for sentence in parts().flat_map(|part| &part.lead) {
         let _ = writeln!(page, "<p class=\"lead\">{sentence}</p>");
     }
-    let caption = |figure: &Figure| format!("{} {}, {common}", figure.caption, escaped(&scene.name));
+    let caption = |figure: &Figure| scene.caption(figure, common);
     *page += "<div class=\"pair\">";
     for (key, part) in &scene.parts {
         part.lead_figures.iter().for_each(|figure| drawn(page, &scene.slug, key, figure, &caption(figure)));

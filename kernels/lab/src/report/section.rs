@@ -65,7 +65,7 @@ pub const SECTIONS: &[Section] = &[
         what: "Every structure, schedule and set of rules on the same rays: one through a random point of each pixel, \
                or those of --rays-file. Runs are interleaved; ratios are to the recommended choice, the fastest robust and \
                accurate one, which is found in half of the rounds and compared in the other half (with fewer than twelve \
-               rounds: in all). Slow choices run once. Other programs' methods have no runs to pair: their ratio is the \
+               rounds: in all). Where time is short, choices that are clearly slower get fewer runs, or only one. Other programs' methods have no runs to pair: their ratio is the \
                quotient of the times, its interval what both intervals allow.",
         file: "choices.csv",
         row: "a choice",

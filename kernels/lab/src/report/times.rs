@@ -1,17 +1,22 @@
 //! Interleaved runs of a section's configurations, within its time.
 //!
 //! Each runs once at first. What is then so slow that the fewest rounds of all would exceed the time that is left is not
-//! run again: it keeps its one time, without an interval, and that is said.
+//! run again: it keeps its one time, without an interval, and that is said. Where the fastest is looked for, what is
+//! clearly slower leaves once its time has an interval, unless there is time for all.
+
+mod race;
 
 use std::time::Duration;
 
+pub(super) use race::{Amount, Race};
+use race::{clearly_slower, fitting, will_fit};
 use raystep_kernels::Renderer;
 use web_time::Instant;
 
 use super::record::RUN_COLUMNS;
 use super::work::Work;
 use crate::Error;
-use crate::meter::{Ended, Rounds, Run, Time, Turns};
+use crate::meter::{self, Ended, Rounds, Run, Time, Turns};
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::median;
 use crate::tidy::{Row, fill};
@@ -31,6 +36,8 @@ enum Ran {
     /// In turn with the others, often enough to be compared.
     #[default]
     InTurn,
+    /// The same, but not to the last round, as it is clearly slower than the fastest.
+    UntilClear,
     /// Once, as it is slow.
     Once,
     /// Not to the end: it was stopped.
@@ -82,7 +89,7 @@ impl Times {
 
     /// Whether it ran in turn with others, and can be compared with them.
     pub(super) fn is_timed(&self) -> bool {
-        self.ran == Ran::InTurn
+        matches!(self.ran, Ran::InTurn | Ran::UntilClear)
     }
 
     /// Whether a run was stopped: then there are no times, and the streams are incomplete.
@@ -148,9 +155,10 @@ impl Times {
 
 /// Notes on what could not be timed within the section's time, by name.
 pub(super) fn notes<'a>(work: &Work<'_>, all: impl Iterator<Item = (String, &'a Times)>) -> Vec<String> {
-    let (mut once, mut never) = (Vec::new(), Vec::new());
+    let (mut until_clear, mut once, mut never) = (Vec::new(), Vec::new(), Vec::new());
     for (name, times) in all {
         match times.ran {
+            Ran::UntilClear => until_clear.push(format!("{name} ({} runs)", times.runs())),
             Ran::Once => once.push(name),
             Ran::Never => never.push(name),
             Ran::InTurn | Ran::Stopped => {}
@@ -159,25 +167,12 @@ pub(super) fn notes<'a>(work: &Work<'_>, all: impl Iterator<Item = (String, &'a 
     let note = |names: Vec<String>, what: &str| {
         (!names.is_empty()).then(|| format!("{what} {} (--seconds): {}", work.time_in_words(), names.join(", ")))
     };
-    let once = note(once, "slow, so run only once and not compared, to stay within");
-    once.into_iter().chain(note(never, "left out, to stay within")).collect()
-}
-
-/// The configurations of which the fewest rounds fit into the time, without the slowest; at least one.
-fn fitting(firsts: &[First], fewest: usize, left: Option<Duration>) -> Vec<usize> {
-    let is_done = |i: &usize| matches!(firsts[*i].ended, Some(Ended::Done(_)));
-    let mut done: Vec<usize> = (0..firsts.len()).filter(is_done).collect();
-    let Some(left) = left else { return done };
-    done.sort_by_key(|&i| firsts[i].spent);
-    let mut sum = Duration::ZERO;
-    let mut fits = |i: usize| {
-        sum += firsts[i].spent;
-        sum * fewest as u32 <= left
-    };
-    let count = done.iter().take_while(|&&i| fits(i)).count();
-    done.truncate(count.max(1));
-    done.sort_unstable();
-    done
+    let notes = [
+        note(until_clear, "clearly slower than the fastest, so given fewer runs, to stay within"),
+        note(once, "slow, so run only once and not compared, to stay within"),
+        note(never, "left out, to stay within"),
+    ];
+    notes.into_iter().flatten().collect()
 }
 
 impl Work<'_> {
@@ -213,7 +208,7 @@ impl Work<'_> {
             self.reporter.part("first runs", done, count);
             firsts.push(self.first_run(renderer).await?);
         }
-        self.time_after(&firsts, names, renderers, fewest, repeats).await
+        self.time_after(&firsts, names, renderers, Amount { fewest, repeats, race: None }).await
     }
 
     /// The same after the first runs.
@@ -222,29 +217,51 @@ impl Work<'_> {
         firsts: &[First],
         names: &[String],
         renderers: &mut [&mut Renderer],
-        fewest: usize,
-        repeats: usize,
+        amount: Amount<'_>,
     ) -> Result<Vec<Times>, Error> {
-        let left = self.left();
-        let kept = fitting(firsts, fewest, left);
+        let (left, begin) = (self.left(), Instant::now());
+        let kept = fitting(firsts, amount, left);
         let all = REPEATS_TAKE * kept.len() as u32;
-        let all = Some(left.map_or(all, |left| left.min(all)));
-        let turns = Turns { all, fewest, seed: u64::from(self.seed()), ..Turns::of(0, repeats) };
-        let of = (repeats * kept.len()) as u64;
+        let all = left.map_or(all, |left| left.min(all));
+        let fewest = amount.fewest_in_turn().min(amount.repeats);
+        let turns = Turns { all: Some(all), fewest, seed: u64::from(self.seed()), ..Turns::of(0, amount.repeats) };
+        let of = (amount.repeats * kept.len()) as u64;
         let (mut rounds, mut done) = (Rounds::new(kept.len(), turns), 0);
         while let Some(subject) = rounds.next_subject() {
             self.reporter.part("timing", done, of);
             done += 1;
             rounds.ended(self.run(renderers[kept[subject]]).await?);
+            let Some(race) = amount.race.filter(|_| rounds.is_round_over()) else { continue };
+            if left.is_some_and(|left| begin.elapsed() > left) && rounds.begun() >= amount.fewest {
+                break;
+            }
+            if !will_fit(&rounds, amount.repeats, begin.elapsed(), all) {
+                let slower = self.clearly_slower(&rounds, race, &kept);
+                slower.into_iter().for_each(|subject| rounds.leave(subject));
+            }
         }
         let mut times: Vec<Times> =
             firsts.iter().zip(names).map(|(first, name)| self.after_first(first, name)).collect();
+        let most = rounds.times().iter().map(|of| of.runs.len()).max().unwrap_or(0);
         for (i, in_turn) in kept.into_iter().zip(rounds.into_times()) {
-            let ran = if in_turn.is_given_up { Ran::Stopped } else { Ran::InTurn };
+            let ran = match in_turn.runs.len() < most {
+                _ if in_turn.is_given_up => Ran::Stopped,
+                true => Ran::UntilClear,
+                false => Ran::InTurn,
+            };
             let runs = if in_turn.is_given_up { Vec::new() } else { in_turn.runs };
             times[i] = Times { runs: self.recorded(&names[i], &runs), ran };
         }
         Ok(times)
+    }
+
+    /// Which subjects of rounds are clearly slower than the fastest; they are configurations that were `kept`.
+    fn clearly_slower(&self, rounds: &Rounds, race: Race<'_>, kept: &[usize]) -> Vec<usize> {
+        let times_of = |(times, &i): (&meter::Times, &usize)| {
+            let known = times.runs.iter().filter_map(|run| self.ns(run.time)).collect();
+            (race.can_win.get(i) == Some(&true), known)
+        };
+        clearly_slower(&rounds.times().iter().zip(kept).map(times_of).collect::<Vec<_>>())
     }
 
     /// The times of a configuration that is not run again.
@@ -287,25 +304,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_slowest_run_once_if_the_fewest_rounds_of_all_would_take_too_long() {
-        let ms = Duration::from_millis;
-        let first = |spent: u64, ended: Option<Ended>| First { ended, spent: ms(spent) };
-        let done = Some(Ended::Done(Time { wall_ns: 1, device_ns: None }));
-        let firsts =
-            [first(40, done), first(10, done), first(1, None), first(5, Some(Ended::GivenUp)), first(20, done)];
-        assert_eq!(fitting(&firsts, 6, None), [0, 1, 4]);
-        assert_eq!(fitting(&firsts, 6, Some(ms(420))), [0, 1, 4]);
-        assert_eq!(fitting(&firsts, 6, Some(ms(419))), [1, 4]);
-        assert_eq!(fitting(&firsts, 6, Some(ms(179))), [1]);
-        assert_eq!(fitting(&firsts, 6, Some(ms(0))), [1], "one is always timed");
-        assert!(fitting(&firsts[2..4], 6, Some(ms(9))).is_empty());
-    }
-
-    #[test]
     fn only_what_ran_in_turn_is_compared() {
         let times = |ran| Times { runs: vec![Some(2.0); 6], ran };
         let ratio = |of, to| times(of).ratio(&times(to), 1).map(|(ratio, _)| ratio);
         assert_eq!(ratio(Ran::InTurn, Ran::InTurn), Some(1.0));
+        assert_eq!(ratio(Ran::UntilClear, Ran::InTurn), Some(1.0));
         assert_eq!((ratio(Ran::Once, Ran::InTurn), ratio(Ran::InTurn, Ran::Once)), (None, None));
     }
 }

@@ -2,10 +2,11 @@
 
 use super::{Choice, Precision};
 use crate::plots::axis::Ranged;
-use crate::plots::draw::{Entry, HALF_MARK, across, beside, color, left_of, up, widest};
+use crate::plots::draw::{HALF_MARK, RING, across, beside, color, left_of, up, widest};
 use crate::plots::font::{width, wrapped};
 use crate::plots::frame::Frame;
 use crate::plots::labels::{HALF, Obstacles, Place, Wanted, distance, places};
+use crate::plots::legend::Entry;
 use crate::plots::lines::RIGHT;
 use crate::plots::picture::{BLACK, LINE, Picture, Point, SIZE};
 use crate::text::visible;
@@ -148,7 +149,8 @@ impl<'a> Layout<'a> {
         let at = (self.across(choice.x), y);
         let ends = choice.x_ends.into_iter().flat_map(|(low, high)| [low, high]).chain(of.from);
         let reach = ends.map(|v| self.across(v)).fold([at.0, at.0], |[low, high], x| [low.min(x), high.max(x)]);
-        Mark { choice, at, reach: [reach[0].min(at.0 - HALF_MARK), reach[1].max(at.0 + HALF_MARK)] }
+        let half = half(choice);
+        Mark { choice, at, reach: [reach[0].min(at.0 - half), reach[1].max(at.0 + half)] }
     }
 
     /// The choices of which no ray was wrong: below the strip's title a line for each.
@@ -195,7 +197,10 @@ impl<'a> Layout<'a> {
         let mut obstacles = Obstacles::default();
         for mark in &self.marks {
             let (x, y) = mark.at;
-            obstacles.hard.extend([Frame::around(mark.at, HALF), Frame::along(&mark.reach.map(|x| (x, y)), 4.5)]);
+            obstacles.hard.extend([
+                Frame::around(mark.at, HALF.max(half(mark.choice))),
+                Frame::along(&mark.reach.map(|x| (x, y)), 4.5),
+            ]);
             let ends = mark.choice.wrong_ends.map(|(low, high)| [(x, self.up(low)), (x, self.up(high))]);
             obstacles.hard.extend(ends.map(|ends| Frame::along(&ends, 2.0)));
         }
@@ -257,6 +262,11 @@ impl<'a> Layout<'a> {
     fn dashed(&self) -> Vec<Frame> {
         self.front().windows(2).map(|pair| Frame::along(pair, 1.0)).collect()
     }
+}
+
+/// Half the size of a choice's mark, with its ring.
+fn half(choice: &Choice) -> f64 {
+    if choice.is_recommended { RING + 1.0 } else { HALF_MARK }
 }
 
 /// Whether a label is so far from its mark that a number is better.

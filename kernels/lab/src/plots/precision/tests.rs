@@ -14,7 +14,13 @@ fn choice(x: f64, wrong: f64) -> Choice {
         shape: Mark::Dot,
         is_hollow: false,
         is_front: true,
+        is_recommended: false,
     }
+}
+
+fn legend(heading: &str, names: &[&str]) -> Legend {
+    let sign = |name: &&str| Sign { name: (*name).into(), color: Some(0), shape: Mark::Dot, is_hollow: false };
+    Legend { heading: heading.into(), signs: names.iter().map(sign).collect() }
 }
 
 fn of(choices: Vec<Choice>) -> Precision {
@@ -23,7 +29,7 @@ fn of(choices: Vec<Choice>) -> Precision {
         x: Axis::new("ns per ray", Scale::Log),
         y: Axis::new("wrong per million", Scale::Log),
         at_most: Some(81.26),
-        legend: vec![("grid".into(), Some(0), Mark::Dot, false)],
+        legend: vec![legend("structure", &["grid"])],
         from: None,
         choices,
     }
@@ -73,4 +79,46 @@ fn names_that_have_no_room_have_numbers_with_a_key() {
     let numbered = drawn(&of(vec![Choice { label: "x".repeat(80), ..choice(3.0, 7.0) }]), Format::OneColumn);
     let key = format!("1 {}", "x".repeat(80));
     assert!(texts(&numbered).contains(&"1") && texts(&numbered).concat().ends_with(&key.replace(' ', "")));
+}
+
+#[test]
+fn groups_of_the_legend_have_headings_if_they_have_entries() {
+    let rows = |format| {
+        let groups =
+            [("structure", &["grid", "irregular", "bvh"][..]), ("schedule", &["second", "fused"]), ("rules", &[])];
+        let legend = groups.map(|(heading, names)| legend(heading, names)).into();
+        let picture = drawn(&Precision { legend, ..of(vec![choice(1.0, 0.0)]) }, format);
+        let place = |element: &Element| match &element.form {
+            Form::Text { text, at, .. } => Some((text.clone(), *at)),
+            _ => None,
+        };
+        picture.elements.iter().filter_map(place).collect::<Vec<(String, Point)>>()
+    };
+    for format in [Format::Screen, Format::OneColumn, Format::TwoColumns] {
+        let texts = rows(format);
+        let at = |wanted: &str| texts.iter().find(|(text, _)| text == wanted).map(|(_, at)| *at);
+        let [structure, grid, schedule, second, fused] =
+            ["structure:", "grid", "schedule:", "second", "fused"].map(|text| at(text).expect(text));
+        assert!(at("rules:").is_none(), "a group without entries: {texts:?}");
+        assert!(structure.1 == grid.1 && schedule.1 == second.1 && second.1 == fused.1, "{texts:?}");
+        // Beside each other where both fit; otherwise below each other, with their entries aligned.
+        match format {
+            Format::OneColumn => assert!(schedule.1 > structure.1 && second.0 == grid.0, "{texts:?}"),
+            _ => assert!(schedule.1 == structure.1 && schedule.0 > grid.0, "{texts:?}"),
+        }
+    }
+}
+
+#[test]
+fn the_recommended_choice_has_a_ring_in_the_diagram_and_in_the_legend() {
+    let rings = |is_recommended: bool| {
+        let choices = vec![Choice { is_recommended, ..choice(2.0, 0.0) }, choice(3.0, 0.0), choice(4.0, 7.0)];
+        let picture = drawn(&of(choices), Format::OneColumn);
+        let ring = |element: &&Element| match element.form {
+            Form::Circle { outline: Some(_), .. } => element.color == BLACK,
+            _ => false,
+        };
+        (picture.elements.iter().filter(ring).count(), texts(&picture).contains(&"recommended"))
+    };
+    assert_eq!([rings(true), rings(false)], [(2, true), (0, false)]);
 }

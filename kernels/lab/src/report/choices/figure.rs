@@ -1,7 +1,7 @@
 //! The work–precision diagram of the choices.
 
 use crate::human::digits;
-use crate::plots::precision::{Choice, Precision};
+use crate::plots::precision::{Choice, Legend, Precision, Sign};
 use crate::plots::{Axis, Mark, Scale};
 use crate::structures::{STRUCTURES, color};
 use crate::tidy::Row;
@@ -37,21 +37,40 @@ fn choice(row: &Row) -> Option<Choice> {
         shape: if is_own { Mark::Dot } else { shape(schedule) },
         is_hollow: numerics == "paper",
         is_front: row.get("is_front") == "true",
+        is_recommended: row.get("is_recommended") == "true",
     })
 }
 
 /// The most choices in a diagram: more than raystep has, so that only other programs' methods can be too many.
 const MOST: usize = 60;
 
-/// The rows that are drawn: all, or those that no other beats and the fastest of the rest.
+/// The rows that are drawn: all, or the recommended one, those that no other beats, and the fastest of the rest.
 fn shown(rows: &[Row]) -> impl Iterator<Item = &Row> {
     let mut rows: Vec<&Row> = rows.iter().filter(|row| choice(row).is_some()).collect();
     let time = |row: &Row| row.number("ns_per_ray").unwrap_or(f64::INFINITY);
     rows.sort_by(|a, b| {
-        let is_beaten = |row: &Row| row.get("is_front") != "true";
+        let is_beaten = |row: &Row| ["is_front", "is_recommended"].iter().all(|column| row.get(column) != "true");
         is_beaten(a).cmp(&is_beaten(b)).then(time(a).total_cmp(&time(b)))
     });
     rows.into_iter().take(MOST)
+}
+
+/// What colours, shapes and fillings stand for.
+fn legend(rows: &[Row]) -> Vec<Legend> {
+    let has = |column: &str, value: &str| rows.iter().any(|row| row.get(column) == value);
+    let sign = |name: &str, color, shape, is_hollow| Sign { name: name.to_owned(), color, shape, is_hollow };
+    let structures = STRUCTURES.into_iter().filter(|(name, _)| has("accelerator", name));
+    let own = rows.iter().any(|row| !row.get("method").is_empty()).then_some(("other program", OWN));
+    let schedules = ["first", "second", "compact", "fused"].into_iter().filter(|name| has("schedule", name));
+    // Without the paper's rules there is one filling, which needs no name.
+    let rules = [("robust", false), ("paper", true)].into_iter();
+    let rules = rules.filter(|(name, _)| has("numerics", "paper") && has("numerics", name));
+    let group = |heading: &str, signs: Vec<Sign>| Legend { heading: heading.to_owned(), signs };
+    vec![
+        group("structure", structures.chain(own).map(|(name, of)| sign(name, Some(of), Mark::Dot, false)).collect()),
+        group("schedule", schedules.map(|name| sign(name, None, shape(name), false)).collect()),
+        group("rules", rules.map(|(name, is_hollow)| sign(name, None, Mark::Dot, is_hollow)).collect()),
+    ]
 }
 
 /// The diagram, of rays from a file or of the view.
@@ -59,28 +78,12 @@ pub(super) fn of(rows: &[Row], is_file: bool) -> Precision {
     let mut choices: Vec<Choice> = shown(rows).filter_map(choice).collect();
     choices.sort_by(|a, b| a.x.total_cmp(&b.x));
     let bound_of_none = |row: &Row| row.number("wrong_per_million_high").filter(|_| row.get("wrong_rays") == "0");
-    let entry = |name: &str, color, shape, is_hollow| (name.to_owned(), color, shape, is_hollow);
-    let mut legend = Vec::new();
-    for (name, color) in STRUCTURES.into_iter().filter(|(name, _)| rows.iter().any(|r| r.get("accelerator") == *name)) {
-        legend.push(entry(name, Some(color), Mark::Dot, false));
-    }
-    for name in ["first", "second", "compact", "fused"] {
-        if rows.iter().any(|r| r.get("schedule") == name) {
-            legend.push(entry(name, None, shape(name), false));
-        }
-    }
-    if rows.iter().any(|r| r.get("numerics") == "paper") {
-        legend.push(entry("paper", None, Mark::Dot, true));
-    }
-    if rows.iter().any(|r| !r.get("method").is_empty()) {
-        legend.push(entry("other", Some(OWN), Mark::Dot, false));
-    }
     Precision {
         title: "Time against wrong rays".into(),
         x: Axis::new("time per ray, ns", Scale::Log),
         y: Axis::new(format!("wrong per million rays of the {}", if is_file { "file" } else { "view" }), Scale::Log),
         at_most: rows.iter().filter_map(bound_of_none).reduce(f64::max),
-        legend,
+        legend: legend(rows),
         from: None,
         choices,
     }

@@ -26,16 +26,16 @@ pub(super) fn limit(measured: &[Measured]) -> f64 {
 }
 
 /// Fewest rounds of which one half chooses the fastest and the other compares: both have an interval.
-const FEWEST_TO_HALVE: usize = 2 * interval::FEWEST;
+pub(super) const FEWEST_TO_HALVE: usize = 2 * interval::FEWEST;
 
 /// Two of four rounds, of which one is the reverse of the other: the fastest choice is found in these.
 fn is_for_choosing(round: usize) -> bool {
     round % 4 < 2
 }
 
-/// Whether there are enough rounds to find the fastest in one half and compare in the other.
-pub(super) fn is_halved(measured: &[Measured]) -> bool {
-    measured.iter().all(|m| !m.times.is_timed() || m.times.rounds() >= FEWEST_TO_HALVE)
+/// Whether a choice has enough rounds to be chosen in one half and compared in the other.
+pub(super) fn is_halved(m: &Measured) -> bool {
+    m.times.rounds() >= FEWEST_TO_HALVE
 }
 
 /// The rows, with their comparisons.
@@ -51,21 +51,21 @@ pub(super) async fn all_rows(
         rows.push(row(work, rays, judge, m, limit).await);
     }
     // With fewer rounds, all of them serve both.
-    let has_halves = is_halved(measured);
-    let choosing = |m: &Measured| m.times.in_rounds(|round| !has_halves || is_for_choosing(round));
+    let choosing = |m: &Measured| m.times.in_rounds(|round| !is_halved(m) || is_for_choosing(round));
     let chosen_by = |i: usize| choosing(&measured[i]).median().filter(|_| measured[i].times.is_timed());
     let can_be = |i: usize| words::is_robust(&rows[i]) && words::is_accurate(&rows[i]);
     let times = (0..rows.len()).filter(|&i| can_be(i)).filter_map(|i| Some((i, chosen_by(i)?)));
     let best = times.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i);
     if let Some(best) = best {
-        let name = measured[best].way.id(work);
-        let rest = |m: &Measured| m.times.in_rounds(|round| !has_halves || !is_for_choosing(round));
-        let to = rest(&measured[best]);
+        let to = &measured[best];
+        let name = to.way.id(work);
         let mut portions = Portions::new();
-        for (i, row) in rows.iter_mut().enumerate() {
+        for (i, (row, m)) in rows.iter_mut().zip(measured).enumerate() {
             portions.rest().await;
-            if measured[i].times.is_timed() {
-                *row = rest(&measured[i]).fill_ratio(&to, &name, row.clone(), work.seed());
+            if m.times.is_timed() {
+                let are_halved = is_halved(m) && is_halved(to);
+                let compared = m.times.in_rounds(|round| !are_halved || !is_for_choosing(round));
+                *row = compared.fill_ratio(&to.times, &name, row.clone(), work.seed());
             }
             *row = row.clone().set("is_recommended", i == best);
         }

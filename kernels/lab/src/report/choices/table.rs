@@ -18,7 +18,7 @@ const MOST_OWN: usize = 6;
 
 /// Adds the table of a few choices: the recommended one, the fastest of every structure, the default, the paper's, and
 /// methods of other programs. `is_halved` says whether ratios are of the half of the rounds in which the recommended one
-/// was not chosen.
+/// was not chosen, where there are enough.
 pub(super) fn add(rows: &[Row], is_halved: bool, part: &mut Part) {
     let of = |accelerator| quickest(rows, &[("accelerator", accelerator), ("numerics", "robust")]);
     let wanted = [
@@ -85,7 +85,11 @@ fn note(is_halved: bool) -> String {
         "Choice: --accelerator, --schedule, --numerics; none: no structure, every triangle is tested; default: that of \
          stepping. Ratios are medians of runs made side by side{}, so they differ from the quotient of the times shown; \
          those of other programs are quotients.",
-        if is_halved { ", in the rounds in which the recommended choice was not chosen" } else { "" }
+        if is_halved {
+            ", in the rounds in which the recommended choice was not chosen (with fewer than twelve: in all)"
+        } else {
+            ""
+        }
     )
 }
 

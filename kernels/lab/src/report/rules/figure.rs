@@ -2,7 +2,7 @@
 
 use super::ALL;
 use crate::human::digits;
-use crate::plots::precision::{Choice, Precision};
+use crate::plots::precision::{Choice, Legend, Precision, Sign};
 use crate::plots::{Axis, Mark, Scale};
 use crate::structures::{STRUCTURES, color};
 use crate::tidy::Row;
@@ -32,6 +32,7 @@ fn choice(row: &Row) -> Option<Choice> {
         shape: Mark::Dot,
         is_hollow: row.get("numerics") == "paper",
         is_front: false,
+        is_recommended: false,
     })
 }
 
@@ -41,13 +42,19 @@ pub(super) fn of(rows: &[Row]) -> Precision {
     choices.sort_by(|a, b| a.color.cmp(&b.color).then(a.x.total_cmp(&b.x)));
     let bound = |row: &Row| row.number("wrong_per_million_high").filter(|_| row.get("wrong_rays") == "0");
     let has = |(name, _): &(&str, usize)| compared_rows(rows).any(|row| row.get("accelerator") == *name);
-    let entry = |(name, color): (&str, usize)| (name.to_owned(), Some(color), Mark::Dot, false);
+    let sign = |(name, color): (&str, usize)| Sign {
+        name: name.to_owned(),
+        color: Some(color),
+        shape: Mark::Dot,
+        is_hollow: false,
+    };
+    let signs = STRUCTURES.into_iter().filter(has).map(sign).collect();
     Precision {
         title: "Without one rule, relative to robust".into(),
         x: Axis::new("ratio of times to robust", Scale::Ratio),
         y: Axis::new("wrong per million rays aimed at edges and cell faces", Scale::Log),
         at_most: compared_rows(rows).filter_map(bound).reduce(f64::max),
-        legend: STRUCTURES.into_iter().filter(has).map(entry).collect(),
+        legend: vec![Legend { heading: "structure".into(), signs }],
         from: Some(1.0),
         choices,
     }
