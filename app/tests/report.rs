@@ -164,7 +164,7 @@ fn a_section_alone_replaces_what_an_earlier_report_wrote() {
     place.ok(&[&report[..], &["grid", "--force"]].concat());
     let names = std::fs::read_dir(place.path("out")).expect("the folder").map(|e| e.expect("an entry").file_name());
     let names: BTreeSet<_> = names.map(|n| n.to_string_lossy().into_owned()).collect();
-    let expected = ["about.csv", "datapackage.json", "grid.csv", "index.html", "mine.txt", "runs.csv"];
+    let expected = ["about.csv", "captions.tex", "datapackage.json", "grid.csv", "index.html", "mine.txt", "runs.csv"];
     let figures = ["time", "build", "bytes", "structures", "structures-build"].into_iter().flat_map(|figure| {
         ["one-column.pdf", "one-column.svg", "two-columns.pdf", "two-columns.svg"]
             .map(|kind| format!("cornell-box-grid-{figure}-{kind}"))

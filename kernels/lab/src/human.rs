@@ -42,9 +42,9 @@ pub(crate) fn time(ns: f64) -> String {
     format!("{} {unit}", digits(ns / scale))
 }
 
-/// Bytes in the unit that suits them, in powers of 1000: "61 MB".
+/// Bytes in the unit that suits them: "58.4 MiB".
 pub(crate) fn bytes(count: f64) -> String {
-    let units = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB"), (1.0, "B")];
+    let units = [(1024.0 * 1024.0 * 1024.0, "GiB"), (1024.0 * 1024.0, "MiB"), (1024.0, "KiB"), (1.0, "bytes")];
     let (scale, unit) = units.into_iter().find(|(scale, _)| count >= *scale).unwrap_or((1.0, "B"));
     format!("{} {unit}", digits(count / scale))
 }
@@ -110,7 +110,7 @@ mod tests {
             [120.3, 4.43e6, 1.5162e9, 0.5, 23681.6].map(time),
             ["120 ns", "4.43 ms", "1.52 s", "0.5 ns", "23.7 µs"]
         );
-        assert_eq!([61_234_567.0, 512.0].map(bytes), ["61.2 MB", "512 B"]);
+        assert_eq!([61_234_567.0, 512.0].map(bytes), ["58.4 MiB", "512 bytes"]);
         assert_eq!(field("judged_rays", "36864"), "36,864");
         assert_eq!(field("build_s", "0.0044"), "4.4 ms");
         assert_eq!(field("accelerator", "bvh"), "bvh");

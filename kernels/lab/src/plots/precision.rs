@@ -12,6 +12,7 @@ use super::frame::Frame;
 use super::legend::{Entry, Group, Symbol, groups, rows};
 use super::picture::{BLACK, Color, Form, Picture, Point, Side, THIN, WHITE};
 use super::{Draw, Format, Mark};
+use crate::human::field;
 use layout::{Label, Layout};
 
 /// Width on a screen.
@@ -131,7 +132,9 @@ impl Precision {
 
     /// The title of the strip.
     fn strip(&self) -> String {
-        let bound = self.at_most.map_or(String::new(), |most| format!(": at most {} per million (95%)", round(most)));
+        let bound = self.at_most.map_or(String::new(), |most| {
+            format!(": at most {} per million (95%)", field("most_wrong_per_million", &most.to_string()))
+        });
         format!("no wrong ray seen{bound}")
     }
 
@@ -184,12 +187,6 @@ fn write(picture: &mut Picture, label: &Label) {
     let frame = label.place.frame;
     picture.filled(WHITE, 1.0, frame);
     picture.lines(&label.lines, (label.left(), frame.top + layout::FIRST), [Side::Start, Side::Middle]);
-}
-
-/// A number of at most two digits that matter.
-fn round(value: f64) -> String {
-    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
-    rounded.to_string()
 }
 
 /// Between marks: from the line to beside the mark.

@@ -189,15 +189,15 @@ fn papers(rows: &[Row], best: Option<&Row>) -> String {
     };
     let range = || {
         let [low, high] = ["time_ratio_low", "time_ratio_high"].map(|end| cell(end, paper.get(end)));
-        format!("{low} to {high}")
+        format!("{low} to {high}, 95%")
     };
     let times = || cell("time_ratio", paper.get("time_ratio"));
     let gain = match best.map(|_| compared("time_ratio", paper)) {
         None => format!("take {} per ray", cell("ns_per_ray", paper.get("ns_per_ray"))),
         Some(Compared::Faster) => format!("take only {} times as long ({})", times(), range()),
         Some(Compared::Slower) => format!("take {} times as long ({})", times(), range()),
-        Some(Compared::AsFast) => format!("are as fast ({} times as long)", range()),
-        Some(Compared::NotDistinguishable) => format!("are not distinguishable in time ({} times as long)", range()),
+        Some(Compared::AsFast) => format!("are as fast (ratio {})", range()),
+        Some(Compared::NotDistinguishable) => format!("are not distinguishable in time (ratio {})", range()),
         Some(Compared::Unknown) => "have too few runs to compare their time".to_owned(),
     };
     let loss = match paper.get("wrong_rays") {
@@ -209,7 +209,7 @@ fn papers(rows: &[Row], best: Option<&Row>) -> String {
 
 /// Why the paper's rules are wrong so often with a grid, if that is the reason.
 fn grid_misses(share: &str) -> String {
-    format!(" With a grid, the paper's rules lose rays that start outside it; here {share} rays do.")
+    format!(" With a grid, they find no hit for a ray that starts outside it; here {share} rays do.")
 }
 
 /// What "accurate" means here.

@@ -48,7 +48,7 @@ pub(super) fn builds(rows: &[Row]) -> Plot {
 pub(super) fn bytes(rows: &[Row]) -> Plot {
     // No interval: a count.
     let columns = ["structure_bytes"; 3];
-    let mut plot = plot(rows, "Memory by resolution", "memory, kB", 2, columns, 1e-3);
+    let mut plot = plot(rows, "Memory by resolution", "memory, KiB", 2, columns, 1.0 / 1024.0);
     plot.series.iter_mut().for_each(|series| series.whiskers.clear());
     plot
 }

@@ -49,7 +49,7 @@ fn it_says_what_to_use_then_what_cannot_be_told_from_it_then_what_the_papers_rul
         [
             "Use --accelerator bvh --schedule fused (robust): 162 ns per ray, none of 36,864 rays wrong.",
             "On box with 2 CPU cores, no other robust choice is as fast.",
-            "The paper's rules (bvh fused) take only 0.66 times as long (0.6 to 0.7), and get none of 36,864 rays wrong, \
+            "The paper's rules (bvh fused) take only 0.66 times as long (0.6 to 0.7, 95%), and get none of 36,864 rays wrong, \
              but can lose rays at edges.",
             "Accurate means: at most 100 wrong rays per million, with 95% confidence.",
         ]
@@ -73,8 +73,8 @@ fn it_says_what_to_use_then_what_cannot_be_told_from_it_then_what_the_papers_rul
             "On box with 2 CPU cores, mine is faster in the runs that are compared; bvh compact cannot be told from it in \
              time; theirs is not compared: too few runs, or no interval; every other accurate robust choice is slower.",
             "Not accurate: grid fused (faster, but 92 of 36,864 wrong), sloppy (7 of 36,864 wrong).",
-            "The paper's rules (bvh fused) are not distinguishable in time (0.21 to 1.79 times as long), and get 92 of \
-             36,864 rays wrong. With a grid, the paper's rules lose rays that start outside it; here most rays do.",
+            "The paper's rules (bvh fused) are not distinguishable in time (ratio 0.21 to 1.79, 95%), and get 92 of \
+             36,864 rays wrong. With a grid, they find no hit for a ray that starts outside it; here most rays do.",
         ]
     );
 }
