@@ -11,7 +11,7 @@ use crate::error::Error;
 #[command(next_help_heading = "Tracing")]
 pub(crate) struct TuningArgs {
     /// Numerical rules: robust (no missed or wrong hit, except where f32 cannot decide between two triangles), or those
-    /// of Mølhave's paper (paper), for comparison; with a grid, the paper's find no hit for a ray that starts outside it
+    /// of Mølhave's paper (paper), for comparison; with a grid, the paper's can lose rays that start outside it
     #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
     pub(crate) numerics: Numerics,
     /// Number of grid cells along each axis, or along x, y and z; auto chooses it, and gives cells that list very many

@@ -154,7 +154,8 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     }
     if counts.outside > 0 {
         let [some, all] = [counts.outside, counts.rays].map(HumanCount);
-        progress.say(format_args!("note: {MISSES_OUTSIDE}; here {some} of {all} rays do; use --numerics robust"));
+        progress
+            .say(format_args!("note: {MISSES_OUTSIDE}; here {some} of {all} rays start there; use --numerics robust"));
     }
     if !args.quiet.quiet {
         let device = chosen.gpu().map_or("CPU", |gpu| gpu.info.name.as_str());

@@ -239,7 +239,7 @@ pub fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
 }
 
 /// Why the paper's numerics lose rays of other programs.
-pub const MISSES_OUTSIDE: &str = "with a grid, the paper's rules find no hit for a ray that starts outside it";
+pub const MISSES_OUTSIDE: &str = "with a grid, the paper's rules can lose rays that start outside it";
 
 /// How many rays start outside the grid, to which the paper's numerics do not clip them; 0 with other numerics.
 #[must_use]

@@ -129,7 +129,7 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     let mut ready = first_runs(work, &rays, &mut part).await?;
     let of_paper = |one: &&Ready| (one.way.accelerator, one.way.numerics) == (Accelerator::Grid, Numerics::Paper);
     let outside = ready.iter().find(of_paper).and_then(|one| share_outside(&rays, one.built.renderer.data()));
-    part.notes.extend(outside.map(|share| format!("{MISSES_OUTSIDE}; here {share} rays do")));
+    part.notes.extend(outside.map(|share| format!("{MISSES_OUTSIDE}; here {share} rays start there")));
     work.stage("timing choices");
     let names: Vec<String> = ready.iter().map(|one| one.way.id(work)).collect();
     let firsts: Vec<First> = ready.iter().map(|one| one.first).collect();

@@ -209,7 +209,7 @@ fn papers(rows: &[Row], best: Option<&Row>) -> String {
 
 /// Why the paper's rules are wrong so often with a grid, if that is the reason.
 fn grid_misses(share: &str) -> String {
-    format!(" With a grid, they find no hit for a ray that starts outside it; here {share} rays do.")
+    format!(" With a grid, they can lose rays that start outside it; here {share} rays start there.")
 }
 
 /// What "accurate" means here.

@@ -74,7 +74,7 @@ fn it_says_what_to_use_then_what_cannot_be_told_from_it_then_what_the_papers_rul
              time; theirs is not compared: too few runs, or no interval; every other accurate robust choice is slower.",
             "Not accurate: grid fused (faster, but 92 of 36,864 wrong), sloppy (7 of 36,864 wrong).",
             "The paper's rules (bvh fused) are not distinguishable in time (ratio 0.21 to 1.79, 95%), and get 92 of \
-             36,864 rays wrong. With a grid, they find no hit for a ray that starts outside it; here most rays do.",
+             36,864 rays wrong. With a grid, they can lose rays that start outside it; here most rays start there.",
         ]
     );
 }
