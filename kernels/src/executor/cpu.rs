@@ -11,6 +11,7 @@ use crate::executor::sizes::{Sizes, TooMany};
 use crate::numbers::parallel::for_chunks;
 use crate::plan::Plan;
 use crate::program::kernel::{ElementTwin, Precision};
+use crate::program::schedule::Turn;
 use crate::program::{Kernel, Twin};
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
@@ -150,7 +151,7 @@ impl<R: Precision> CpuExecutor<R> {
     ///
     /// # Errors
     /// If the run has found more elements than fit.
-    pub fn run(&mut self, kernel: Kernel, scene: &SceneData) -> Result<PassResult, CpuError> {
+    pub fn run(&mut self, Turn { kernel, parameter }: Turn, scene: &SceneData) -> Result<PassResult, CpuError> {
         let mut sizes = self.sizes.clone();
         sizes.renew(self.plan.program, kernel);
         let adopted = sizes.adopt(self.plan.program, kernel)?;
@@ -166,7 +167,7 @@ impl<R: Precision> CpuExecutor<R> {
         let threads_launched = match kernel.info().twin {
             Twin::Element { f32, f64 } => self.run_elements(kernel, R::twin(f32, f64), scene),
             Twin::Pass(twin) => {
-                twin(&mut columns::All(self), kernel, scene);
+                twin(&mut columns::All(self, parameter), kernel, scene);
                 u64::from(self.size(kernel.instance().over).map_or(0, |size| size.count))
             }
         };

@@ -9,7 +9,7 @@ use crate::options::keep::Item;
 use crate::options::mapping::Fragment;
 use crate::plan::display::element;
 use crate::plan::{DrawnPlan, Plan, Planned, Structure};
-use crate::program::schedule::Step;
+use crate::program::schedule::{Parameter, Step};
 use crate::program::{Kernel, Program};
 use crate::scene_data::SceneData;
 use crate::shader::{Resource, Variant};
@@ -58,12 +58,28 @@ pub struct PlanSummary {
 pub enum StepSummary {
     /// Run a kernel once.
     Run(&'static str),
+    /// Run a kernel once, with a parameter that counts with the loop.
+    RunBy {
+        /// The kernel.
+        kernel: &'static str,
+        /// `launch.parameter` in the loop's first turn.
+        first: u32,
+        /// What each turn adds.
+        by: u32,
+    },
     /// Run a kernel until no ray is in its states.
     RunUntilIdle(&'static str),
     /// Repeat the steps while rays are in the states of one of the kernels.
     LoopWhileActive {
         /// The kernels.
         kernels: Vec<&'static str>,
+        /// The steps.
+        steps: Vec<StepSummary>,
+    },
+    /// Run the steps so many times.
+    Repeat {
+        /// How often.
+        times: u32,
         /// The steps.
         steps: Vec<StepSummary>,
     },
@@ -251,7 +267,11 @@ fn steps(all: &[Step], program: &Program) -> Vec<StepSummary> {
     all.iter()
         .map(|step| match step {
             Step::Run(kernel) => StepSummary::Run(kernel.name()),
+            Step::RunBy(kernel, Parameter { first, by }) => {
+                StepSummary::RunBy { kernel: kernel.name(), first: *first, by: *by }
+            }
             Step::RunUntilIdle(kernel) => StepSummary::RunUntilIdle(kernel.name()),
+            Step::Repeat(times, body) => StepSummary::Repeat { times: *times, steps: steps(body, program) },
             Step::LoopWhileActive(kernels, body) => {
                 StepSummary::LoopWhileActive { kernels: names(kernels), steps: steps(body, program) }
             }

@@ -230,12 +230,15 @@ impl Plan {
     /// the last ray's walk is over.
     #[must_use]
     pub fn can_go_alone(&self) -> bool {
-        let runs_once = |step: &Step| matches!(step, Step::Run(kernel) if kernel.role() != Role::Whole);
+        let runs_once =
+            |step: &Step| matches!(step, Step::Run(kernel) | Step::RunBy(kernel, _) if kernel.role() != Role::Whole);
         let is_the_same_for_all = |step: &Step| match step {
-            Step::Run(_) => runs_once(step),
+            Step::Run(_) | Step::RunBy(..) => runs_once(step),
             // Shading that runs as long as the ray with the most work is not part of the walk.
             Step::RunUntilIdle(kernel) => kernel.is_walk(),
-            Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) => body.iter().all(runs_once),
+            Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) | Step::Repeat(_, body) => {
+                body.iter().all(runs_once)
+            }
         };
         self.program.course.is_some() && !self.features.samples && self.schedule.steps.iter().all(is_the_same_for_all)
     }

@@ -17,7 +17,7 @@ use crate::executor::gpu::{Gpu, GpuExecutor, MOST_PASSES, Snapshot};
 use crate::executor::sizes::Sizes;
 use crate::options::Options;
 use crate::plan::{Limits, Plan};
-use crate::program::Kernel;
+use crate::program::schedule::Turn;
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::state::StateCounts;
@@ -187,22 +187,22 @@ impl Executor {
     /// Runs these passes; on a CPU, only the first.
     pub(super) async fn run(
         &mut self,
-        passes: &[Kernel],
+        turns: &[Turn],
         counts: &StateCounts,
         data: &SceneData,
     ) -> Result<Vec<PassResult>, RenderError> {
         Ok(match self {
             #[cfg(feature = "gpu")]
-            Self::Gpu(e) => e.run(passes, counts).await?,
+            Self::Gpu(e) => e.run(turns, counts).await?,
             #[cfg(feature = "gpu")]
-            Self::Fragment(e) => e.run(passes).await?,
+            Self::Fragment(e) => e.run(turns).await?,
             Self::Cpu(e) => {
-                let result = e.run(passes[0], data)?;
+                let result = e.run(turns[0], data)?;
                 let_others_run().await;
                 vec![result]
             }
             Self::CpuF64(e) => {
-                let result = e.run(passes[0], data)?;
+                let result = e.run(turns[0], data)?;
                 let_others_run().await;
                 vec![result]
             }

@@ -26,8 +26,8 @@ use crate::executor::gpu::GpuExecutor;
 use crate::options::mapping::Until;
 use crate::options::{Options, Ray, RaySource};
 use crate::plan::Plan;
-use crate::program::schedule::Cursor;
-use crate::program::{Course, Kernel};
+use crate::program::Course;
+use crate::program::schedule::{Cursor, Turn};
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::state::{StateCounts, Tag};
@@ -73,7 +73,7 @@ pub struct Renderer {
     /// The pixel of the only ray, in a run that leaves out all others.
     alone: Option<[u32; 2]>,
     /// The kernels of all passes, if they are known from a run before.
-    foreseen: Vec<Kernel>,
+    foreseen: Vec<Turn>,
     /// Whether passes were submitted whose results are not recorded: a caller dropped the future that waited for them.
     is_ahead: bool,
 }
@@ -222,8 +222,8 @@ impl Renderer {
     /// Makes runs from now on submit exactly these passes, which an earlier run of the same plan needed. Without them,
     /// passes are submitted ahead, some of them for rays that have left: see
     /// [`Cursor::guess`](crate::program::schedule::Cursor::guess).
-    pub fn foresee(&mut self, passes: impl IntoIterator<Item = Kernel>) {
-        self.foreseen = passes.into_iter().collect();
+    pub fn foresee<'a>(&mut self, passes: impl IntoIterator<Item = &'a Pass>) {
+        self.foreseen = passes.into_iter().map(Pass::turn).collect();
     }
 
     /// The plan.

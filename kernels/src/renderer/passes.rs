@@ -139,7 +139,7 @@ impl Renderer {
         };
         // The counters restart with every sample: who sums them reads them between two samples.
         if self.plan.counters().is_some()
-            && let Some(last) = guess.iter().position(|kernel| kernel.role() == Role::Sample)
+            && let Some(last) = guess.iter().position(|turn| turn.kernel.role() == Role::Sample)
         {
             guess.truncate(last + 1);
         }
@@ -174,6 +174,7 @@ impl Renderer {
                 index: self.pass_count(),
                 sample,
                 iteration: self.cursor.iteration,
+                parameter: self.cursor.parameter,
                 kernel: result.kernel,
                 rays_in,
                 counts: self.counts,

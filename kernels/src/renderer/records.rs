@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::executor::{DrawTime, Rounding};
 use crate::program::Kernel;
+use crate::program::schedule::Turn;
 use crate::tables::kernel::Role;
 use crate::tables::state::StateCounts;
 
@@ -15,8 +16,11 @@ pub struct Pass {
     /// The sample of every pixel that it belongs to, from 0.
     pub sample: u32,
     /// Number of iterations of the walk's loop that have begun in this sample: from 1 in the loop, 0 before it, and always
-    /// 0 in a schedule whose walk is one kernel, which needs no loop.
+    /// 0 in a schedule whose walk is one kernel, which needs no loop. In a counted loop, the number of its turns that have
+    /// begun.
     pub iteration: u32,
+    /// The value of `launch.parameter`.
+    pub parameter: u32,
     /// Its kernel.
     pub kernel: Kernel,
     /// Number of rays that it worked on; of a program without rays, of elements.
@@ -49,6 +53,7 @@ impl Pass {
             index: 0,
             sample: 0,
             iteration: 0,
+            parameter: kernel.instance().parameter,
             kernel,
             rays_in: 0,
             counts: StateCounts::default(),
@@ -58,6 +63,12 @@ impl Pass {
             duration_ns: None,
             rounding: None,
         }
+    }
+
+    /// Its kernel and parameter, to run it again.
+    #[must_use]
+    pub fn turn(&self) -> Turn {
+        Turn { kernel: self.kernel, parameter: self.parameter }
     }
 
     /// What its duration is less than, in nanoseconds, if the device's clock is too coarse to tell how long it took.

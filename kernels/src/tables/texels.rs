@@ -82,6 +82,8 @@ impl<'a, R: Real> Texels<'a, R> {
 /// The streams of a run, for twins whose elements read each other. Streams that were left out, and elements beyond a
 /// set's end, read as 0 and are not written.
 pub trait Columns {
+    /// The value of `launch.parameter`.
+    fn parameter(&self) -> u32;
     /// Number of elements that a stream has texels for.
     fn len(&self, stream: Stream) -> usize;
     /// An integer component.

@@ -116,7 +116,7 @@ impl<'a> Builder<'a> {
         (options.timings, options.keep_passes) = (times_every_pass(machine), false);
         let mut renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device))?;
         if self.wanted.replay {
-            renderer.foresee(details.passes.iter().map(|pass| pass.kernel));
+            renderer.foresee(&details.passes);
         }
 
         let plan = renderer.plan();

@@ -5,9 +5,13 @@ use crate::program::kernel::Precision;
 use crate::tables::stream::Stream;
 use crate::tables::texels::Columns;
 
-pub(super) struct All<'a, R: Precision>(pub(super) &'a mut CpuExecutor<R>);
+pub(super) struct All<'a, R: Precision>(pub(super) &'a mut CpuExecutor<R>, pub(super) u32);
 
 impl<R: Precision> Columns for All<'_, R> {
+    fn parameter(&self) -> u32 {
+        self.1
+    }
+
     fn len(&self, stream: Stream) -> usize {
         self.0.rows_of(stream).and_then(|(rows, _)| rows.size).map_or(0, |size| size.count as usize)
     }

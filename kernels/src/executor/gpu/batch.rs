@@ -8,6 +8,7 @@ use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::gpu::readback::Readback;
 use crate::executor::{PassResult, timed};
+use crate::program::schedule::Turn;
 use crate::program::{Instance, Kernel};
 use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
@@ -30,9 +31,10 @@ impl GpuExecutor {
     ///
     /// # Errors
     /// If the device is lost or refuses.
-    pub async fn run(&mut self, passes: &[Kernel], counts: &StateCounts) -> Result<Vec<PassResult>, GpuError> {
+    pub async fn run(&mut self, turns: &[Turn], counts: &StateCounts) -> Result<Vec<PassResult>, GpuError> {
         self.gpu.health()?;
-        let passes = &passes[..passes.len().min(MOST_PASSES)];
+        let passes: Vec<Kernel> = turns.iter().take(MOST_PASSES).map(|turn| turn.kernel).collect();
+        let passes = passes.as_slice();
         let passes = self.sized(passes).await?;
         let passes = self.one_if_repeated(passes);
         let is_repeated = self.can_repeat(passes).await?;
@@ -45,7 +47,7 @@ impl GpuExecutor {
         self.forget_written(passes);
         let scopes = self.gpu.push_scopes();
         let sizes: Vec<Size> = passes.iter().map(|&kernel| self.launched_over(kernel)).collect();
-        let places = self.books.lay_out(&self.gpu.queue, passes, counts, &sizes);
+        let places = self.books.lay_out(&self.gpu.queue, turns, counts, &sizes);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.books.sent, 0, Some(count * COUNT_SLOT_BYTES));
         if is_repeated {
@@ -56,7 +58,7 @@ impl GpuExecutor {
                 self.encode_bands(encoder, kernel, &places[0]).map(|encoder| (encoder, Vec::new()))
             }
             [kernel] if self.blocks_a_dispatch(kernel).is_some() => {
-                self.encode_list(encoder, kernel, &places[0]).map(|encoder| (encoder, Vec::new()))
+                self.encode_list(encoder, turns[0], &places[0]).map(|encoder| (encoder, Vec::new()))
             }
             _ => self.encode_all(encoder, passes, &places),
         });
@@ -213,7 +215,7 @@ impl GpuExecutor {
     fn encode_list(
         &self,
         mut encoder: wgpu::CommandEncoder,
-        kernel: Kernel,
+        Turn { kernel, parameter }: Turn,
         place: &Place,
     ) -> Result<wgpu::CommandEncoder, GpuError> {
         let size = self.launched_over(kernel);
@@ -228,7 +230,7 @@ impl GpuExecutor {
                 encoder = self.gpu.device.create_command_encoder(&Default::default());
             }
             // Values written to a uniform take effect with the next submission.
-            self.books.begin_at(&self.gpu.queue, kernel, size, submitted);
+            self.books.begin_at(&self.gpu.queue, parameter, size, submitted);
             for (slot, &first) in (0..).zip(submitted) {
                 let is_last = first + a_dispatch >= blocks;
                 let timestamp_writes =

@@ -2,6 +2,7 @@
 
 use super::buffers::{labelled_buffer, own_buffer};
 use crate::plan::Plan;
+use crate::program::schedule::Turn;
 use crate::program::{Kernel, Program};
 use crate::shader::{Binding, LAUNCH, Resource};
 use crate::shared;
@@ -224,17 +225,17 @@ impl Books {
     pub(super) fn lay_out(
         &mut self,
         queue: &wgpu::Queue,
-        passes: &[Kernel],
+        turns: &[Turn],
         counts: &StateCounts,
         sizes: &[Size],
     ) -> Vec<Place> {
-        let launch = |(kernel, size): (&Kernel, &Size)| {
-            shared::launch::Launch::new(size.count, size.width, kernel.instance().parameter)
-        };
-        self.write_launches(queue, passes.iter().zip(sizes).map(launch));
+        // As many as have a size.
+        let turns = &turns[..turns.len().min(sizes.len())];
+        let launch = |(turn, size): (&Turn, &Size)| shared::launch::Launch::new(size.count, size.width, turn.parameter);
+        self.write_launches(queue, turns.iter().zip(sizes).map(launch));
         let mut run = vec![0u32; self.lists.len()];
-        let mut places = Vec::with_capacity(passes.len());
-        for (sent, &kernel) in (0..).zip(passes) {
+        let mut places = Vec::with_capacity(turns.len());
+        for (sent, &Turn { kernel, .. }) in (0..).zip(turns) {
             let list = kernel.info().list.filter(|&l| self.lists[l].is_some());
             let mut place = Place { sent, own: 0, next: run.clone(), list };
             if let Some(list) = list {
@@ -263,8 +264,8 @@ impl Books {
     }
 
     /// Writes the parameters of the next dispatches of the only pass of a batch, each of which begins with such a block.
-    pub(super) fn begin_at(&self, queue: &wgpu::Queue, kernel: Kernel, size: Size, first_blocks: &[u32]) {
-        let launch = shared::launch::Launch::new(size.count, size.width, kernel.instance().parameter);
+    pub(super) fn begin_at(&self, queue: &wgpu::Queue, parameter: u32, size: Size, first_blocks: &[u32]) {
+        let launch = shared::launch::Launch::new(size.count, size.width, parameter);
         let launches = first_blocks.iter().map(|&first_block| shared::launch::Launch { first_block, ..launch });
         self.write_launches(queue, launches);
     }

@@ -95,7 +95,7 @@ pub(super) fn emit(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) 
 
 pub(super) fn histogram(columns: &mut dyn Columns, kernel: Kernel, _: &SceneData) {
     let mut tally = load(columns, kernel, "tally", 0);
-    super::histogram::histogram(kernel.instance().parameter, &load(columns, kernel, "cell_in", 0), &mut tally);
+    super::histogram::histogram(columns.parameter(), &load(columns, kernel, "cell_in", 0), &mut tally);
     store(columns, kernel, "tally", 0, tally);
 }
 
@@ -103,7 +103,7 @@ pub(super) fn scatter(columns: &mut dyn Columns, kernel: Kernel, _: &SceneData) 
     let (cells, triangles) = (load(columns, kernel, "cell_in", 0), load(columns, kernel, "triangle_in", 0));
     let tally = load(columns, kernel, "tally", 0);
     let (mut cell_out, mut triangle_out) = (cells.clone(), triangles.clone());
-    let digit = kernel.instance().parameter;
+    let digit = columns.parameter();
     super::scatter::scatter(digit, &cells, &triangles, &tally, &mut cell_out, &mut triangle_out);
     store(columns, kernel, "cell_out", 0, cell_out);
     store(columns, kernel, "triangle_out", 0, triangle_out);

@@ -3,7 +3,7 @@
 use super::instances::*;
 use super::radix::digits_of;
 use crate::program::Kernel;
-use crate::program::schedule::{Schedule, Step};
+use crate::program::schedule::{Parameter, Schedule, Step};
 
 /// What is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,16 +29,8 @@ const COUNTED: [Kernel; 9] = [
     EMIT_REFERENCES,
 ];
 const TALLIED: [Kernel; 3] = [SCAN_TALLIES, SCAN_TALLY_BLOCKS, ADD_TALLIES];
-/// For each digit.
-const SORTED: [[Kernel; 2]; 7] = [
-    [HISTOGRAM_0, SCATTER_0],
-    [HISTOGRAM_1, SCATTER_1],
-    [HISTOGRAM_2, SCATTER_2],
-    [HISTOGRAM_3, SCATTER_3],
-    [HISTOGRAM_4, SCATTER_4],
-    [HISTOGRAM_5, SCATTER_5],
-    [HISTOGRAM_6, SCATTER_6],
-];
+/// For a digit that is even, and for one that is odd: from one stream to the other, and back.
+const SORTED: [[Kernel; 2]; 2] = [[HISTOGRAM_EVEN, SCATTER_EVEN], [HISTOGRAM_ODD, SCATTER_ODD]];
 /// After an even and after an odd number of digits.
 const MARKED: [Kernel; 2] = [MARK_EVEN, MARK_ODD];
 const STARTED: [Kernel; 4] = [MEASURE_LISTS, SCAN_STARTS, SCAN_START_BLOCKS, ADD_STARTS];
@@ -83,14 +75,20 @@ const WHILE_ROUNDS_ARE_AHEAD: usize = 1;
 /// The schedule for a grid whose top level, or only one, has so many cells.
 #[must_use]
 pub fn of(kind: Kind, cells: u32) -> Schedule {
-    let digits = digits_of(cells) as usize;
+    let digits = digits_of(cells);
     let run = |kernels: &[Kernel]| kernels.iter().copied().map(Step::Run).collect::<Vec<_>>();
     let mut steps = run(&COUNTED);
-    for [count, scatter] in SORTED.into_iter().take(digits) {
-        steps.extend(run(&[count]));
-        steps.extend(run(&TALLIED));
-        steps.extend(run(&[scatter]));
+    // Sorts by a digit, in a loop over pairs of digits.
+    let sort = |digit: u32| {
+        let [count, scatter] =
+            SORTED[digit as usize % 2].map(|kernel| Step::RunBy(kernel, Parameter { first: digit, by: 2 }));
+        [vec![count], run(&TALLIED), vec![scatter]].concat()
+    };
+    steps.push(Step::Repeat(digits / 2, [sort(0), sort(1)].concat()));
+    if !digits.is_multiple_of(2) {
+        steps.extend(sort(digits - 1));
     }
+    let digits = digits as usize;
     steps.extend(run(&[MARKED[digits % 2]]));
     steps.extend(run(&STARTED));
     if kind != Kind::Uniform {
@@ -111,4 +109,64 @@ pub fn of(kind: Kind, cells: u32) -> Schedule {
         steps.extend(run(&CHECKED));
     }
     Schedule { steps }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::schedule::Cursor;
+    use crate::tables::state::StateCounts;
+
+    /// The passes of a schedule: kernel, parameter and iteration.
+    fn passes(schedule: &Schedule) -> Vec<(Kernel, u32, u32)> {
+        let (mut cursor, counts) = (Cursor::start(), StateCounts::default());
+        std::iter::from_fn(|| {
+            let ahead = cursor.guess(schedule, &counts, usize::MAX);
+            let kernel = cursor.next(schedule, &counts)?;
+            assert_eq!(ahead.first().map(|turn| (turn.kernel, turn.parameter)), Some((kernel, cursor.parameter)));
+            Some((kernel, cursor.parameter, cursor.iteration))
+        })
+        .collect()
+    }
+
+    #[test]
+    fn references_are_sorted_by_one_digit_after_the_other() {
+        for cells in [1, 2, 17, 257, 5000, 1 << 20, 1 << 28] {
+            let digits = digits_of(cells);
+            let passes = passes(&of(Kind::Uniform, cells));
+            let sorted = passes.iter().filter(|(kernel, ..)| kernel.info().name == "scatter");
+            let sorted: Vec<_> = sorted.map(|&(kernel, digit, _)| (kernel, digit)).collect();
+            let expected: Vec<_> =
+                (0..digits).map(|digit| ([SCATTER_EVEN, SCATTER_ODD][digit as usize % 2], digit)).collect();
+            assert_eq!(sorted, expected, "{cells} cells");
+            let is_once = |kernel: &Kernel| passes.iter().filter(|(of, ..)| of == kernel).count() == 1;
+            assert!(COUNTED.iter().chain(&STARTED).all(is_once));
+        }
+    }
+
+    #[test]
+    fn counted_loops_run_so_often_one_in_the_other_and_all_is_known_ahead() {
+        let by = |kernel, first, by| Step::RunBy(kernel, Parameter { first, by });
+        let inner = Step::Repeat(3, vec![by(FIND_BOUNDS, 10, 2), Step::Run(CHECK_BLOCKS)]);
+        let never = Step::Repeat(0, vec![Step::Run(FIND_HALVES)]);
+        let steps =
+            vec![by(SCAN_SPANS, 7, 5), Step::Repeat(2, vec![inner, never, by(ADD_SPANS, 0, 1)]), Step::Run(TEST_SPANS)];
+        let schedule = Schedule { steps };
+        let turn = |first| {
+            let of = |turn: u32| [(FIND_BOUNDS, 10 + 2 * turn, turn + 1), (CHECK_BLOCKS, 1, turn + 1)];
+            [of(0), of(1), of(2)].concat().into_iter().chain([(ADD_SPANS, first, first + 1)]).collect::<Vec<_>>()
+        };
+        let expected = [vec![(SCAN_SPANS, 7, 0)], turn(0), turn(1), vec![(TEST_SPANS, 0, 0)]].concat();
+        assert_eq!(passes(&schedule), expected);
+        let ahead = Cursor::start().guess(&schedule, &StateCounts::default(), usize::MAX);
+        let ahead: Vec<_> = ahead.into_iter().map(|turn| (turn.kernel, turn.parameter)).collect();
+        assert_eq!(ahead, expected.iter().map(|&(kernel, parameter, _)| (kernel, parameter)).collect::<Vec<_>>());
+        assert_eq!(schedule.passes_expected(), expected.len() as u64);
+        // Nothing is known beyond the end of a loop whose condition is counted.
+        let open = Schedule { steps: vec![Step::RepeatWhileAny(0, schedule.steps.clone())] };
+        assert_eq!(Cursor::start().guess(&open, &StateCounts::default(), usize::MAX).len(), expected.len());
+        let last = vec![Step::RepeatWhileAny(0, vec![Step::Repeat(2, vec![Step::Run(FIND_BOUNDS)])])];
+        assert_eq!(Cursor::start().guess(&Schedule { steps: last }, &StateCounts::default(), usize::MAX).len(), 2);
+        assert!(!schedule.kernels().contains(&FIND_HALVES), "what never runs is not compiled");
+    }
 }

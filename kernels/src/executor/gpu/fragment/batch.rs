@@ -13,6 +13,7 @@ use crate::executor::gpu::{GpuError, MOST_PASSES};
 use crate::executor::{Drawing, PassResult, timed};
 use crate::options::mapping::{Until, Update};
 use crate::program::Kernel;
+use crate::program::schedule::Turn;
 use crate::tables::sizes::COUNT_SLOT_BYTES;
 
 impl FragmentExecutor {
@@ -20,9 +21,10 @@ impl FragmentExecutor {
     ///
     /// # Errors
     /// If the device is lost or refuses.
-    pub(crate) async fn run(&mut self, passes: &[Kernel]) -> Result<Vec<PassResult>, GpuError> {
+    pub(crate) async fn run(&mut self, turns: &[Turn]) -> Result<Vec<PassResult>, GpuError> {
         self.gpu.health()?;
-        let passes = &passes[..passes.len().min(MOST_PASSES)];
+        // Programs that are drawn have no parameters.
+        let passes: Vec<Kernel> = turns.iter().take(MOST_PASSES).map(|turn| turn.kernel).collect();
         if passes.is_empty() {
             return Ok(Vec::new());
         }
@@ -35,7 +37,7 @@ impl FragmentExecutor {
         encoder.clear_buffer(&self.results.sent, 0, Some(sent_bytes));
         let mut parts = Parts::new(self.timers.as_ref().map(|timers| timers.each_pass));
         let mut encoded = Vec::with_capacity(passes.len());
-        for (slot, &kernel) in (0..).zip(passes) {
+        for (slot, &kernel) in (0..).zip(&passes) {
             parts.begin_pass();
             let is_last = slot + 1 == count;
             let (recorded, encode_ns) =

@@ -54,9 +54,9 @@ pub(super) fn check_cells(columns: &mut dyn Columns, kernel: Kernel, data: &Scen
 }
 
 pub(super) fn check_map(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+    let is_below = columns.parameter() == 1;
     let pass = Pass::new(columns, kernel, &data.build);
     let [map, totals, entries] = ["map_entries", "totals", "entries_in_all"].map(|name| pass.of(name));
-    let is_below = kernel.instance().parameter == 1;
     count(pass, map, |pass, i| {
         let (entry, top) = (pass.get(map, 0, i), pass.top_cells());
         let (levels, begin) = (entry & 3, entry >> 2);
