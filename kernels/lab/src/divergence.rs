@@ -64,8 +64,8 @@ pub async fn divergence(
         before.push(values);
     }
     while let Some(pass) = renderer.step().await? {
-        single.run(pass.turn(), renderer.data())?;
-        double.run(pass.turn(), renderer.data())?;
+        single.run(pass.call(), renderer.data())?;
+        double.run(pass.call(), renderer.data())?;
         map.begin(pass.kernel);
         let mut after = Vec::new();
         for stream in written(&plan, &pass) {

@@ -152,7 +152,7 @@ pub async fn compare(
         before.iter().try_for_each(|values| in_both(twin.write(values), values.stream))?;
         let Some(kernel) = renderer.next_kernel() else { break };
         let Some(pass) = renderer.step().await.map_err(|error| ParityError::Pass { kernel, error })? else { break };
-        twin.run(pass.turn(), renderer.data())?;
+        twin.run(pass.call(), renderer.data())?;
         let mut after = Vec::new();
         for &stream in &streams {
             let of_twin = twin.read(stream).ok_or(ParityError::Unlike(stream.name()))?;

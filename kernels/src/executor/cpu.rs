@@ -11,7 +11,7 @@ use crate::executor::sizes::{Sizes, TooMany};
 use crate::numbers::parallel::for_chunks;
 use crate::plan::Plan;
 use crate::program::kernel::{ElementTwin, Precision};
-use crate::program::schedule::Turn;
+use crate::program::schedule::Call;
 use crate::program::{Kernel, Twin};
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
@@ -151,7 +151,7 @@ impl<R: Precision> CpuExecutor<R> {
     ///
     /// # Errors
     /// If the run has found more elements than fit.
-    pub fn run(&mut self, Turn { kernel, parameter }: Turn, scene: &SceneData) -> Result<PassResult, CpuError> {
+    pub fn run(&mut self, Call { kernel, parameter }: Call, scene: &SceneData) -> Result<PassResult, CpuError> {
         let mut sizes = self.sizes.clone();
         sizes.renew(self.plan.program, kernel);
         let adopted = sizes.adopt(self.plan.program, kernel)?;

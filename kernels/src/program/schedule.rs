@@ -31,16 +31,16 @@ pub struct Parameter {
     pub by: u32,
 }
 
-/// A pass that is to run.
+/// A pass that is to run: a kernel with its parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Turn {
+pub struct Call {
     /// Its kernel.
     pub kernel: Kernel,
     /// The value of `launch.parameter`.
     pub parameter: u32,
 }
 
-impl Turn {
+impl Call {
     /// With the parameter of the kernel's instance.
     #[must_use]
     pub fn of(kernel: Kernel) -> Self {
@@ -271,21 +271,21 @@ impl Cursor {
     /// is one and that every ray begins to walk: if not, these passes find no rays either. So a sample costs about one
     /// submission.
     #[must_use]
-    pub fn guess(&self, schedule: &Schedule, counts: &StateCounts, most: usize) -> Vec<Turn> {
+    pub fn guess(&self, schedule: &Schedule, counts: &StateCounts, most: usize) -> Vec<Call> {
         let mut cursor = self.clone();
         let Some(first) = cursor.next(schedule, counts) else { return Vec::new() };
-        let turn = |kernel, cursor: &Self| Turn { kernel, parameter: cursor.parameter };
-        let mut turns = vec![turn(first, &cursor)];
+        let call = |kernel, cursor: &Self| Call { kernel, parameter: cursor.parameter };
+        let mut calls = vec![call(first, &cursor)];
         let mut counts = *counts;
         let mut last = first;
         // These kernels run once, whatever they find, so the next pass is known.
-        while last.role() == Role::Once && turns.len() < most && !cursor.may_repeat(schedule) {
+        while last.role() == Role::Once && calls.len() < most && !cursor.may_repeat(schedule) {
             match cursor.next(schedule, &counts) {
                 Some(next) if next.role() == Role::Once => {
-                    turns.push(turn(next, &cursor));
+                    calls.push(call(next, &cursor));
                     last = next;
                 }
-                _ => return turns,
+                _ => return calls,
             }
         }
         // It is not known ahead whether a kernel that runs until it is idle runs again.
@@ -293,32 +293,32 @@ impl Cursor {
             counts = schedule.after_all(last, &counts);
             match cursor.next(schedule, &counts) {
                 // The fused kernel is submitted alone: it runs in bands, and its rays are counted afterwards.
-                Some(next) if turns.len() < most && [last, next].iter().all(|k| k.info().launch != Launch::Bands) => {
-                    turns.push(turn(next, &cursor));
+                Some(next) if calls.len() < most && [last, next].iter().all(|k| k.info().launch != Launch::Bands) => {
+                    calls.push(call(next, &cursor));
                     last = next;
                 }
-                _ => return turns,
+                _ => return calls,
             }
         }
         // Only inside of the loop may a pass be repeated for nothing.
         if !cursor.in_walk(schedule) {
-            return turns;
+            return calls;
         }
-        while turns.len() < most.max(1) {
+        while calls.len() < most.max(1) {
             let mut ahead = cursor.clone();
             match ahead.next(schedule, &counts) {
                 // A kernel that runs once per iteration is idle right after; guessing it again would be a waste.
                 Some(kernel)
                     if ahead.in_walk(schedule)
-                        && (turns.last().is_none_or(|last| last.kernel != kernel) || ahead.stays(schedule, kernel)) =>
+                        && (calls.last().is_none_or(|last| last.kernel != kernel) || ahead.stays(schedule, kernel)) =>
                 {
-                    turns.push(turn(kernel, &ahead));
+                    calls.push(call(kernel, &ahead));
                 }
                 _ => break,
             }
             cursor = ahead;
         }
-        turns
+        calls
     }
 
     /// Whether the step at the cursor may run the kernel again at once, right after it ran.

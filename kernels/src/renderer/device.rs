@@ -17,7 +17,7 @@ use crate::executor::gpu::{Gpu, GpuExecutor, MOST_PASSES, Snapshot};
 use crate::executor::sizes::Sizes;
 use crate::options::Options;
 use crate::plan::{Limits, Plan};
-use crate::program::schedule::Turn;
+use crate::program::schedule::Call;
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::state::StateCounts;
@@ -187,22 +187,22 @@ impl Executor {
     /// Runs these passes; on a CPU, only the first.
     pub(super) async fn run(
         &mut self,
-        turns: &[Turn],
+        calls: &[Call],
         counts: &StateCounts,
         data: &SceneData,
     ) -> Result<Vec<PassResult>, RenderError> {
         Ok(match self {
             #[cfg(feature = "gpu")]
-            Self::Gpu(e) => e.run(turns, counts).await?,
+            Self::Gpu(e) => e.run(calls, counts).await?,
             #[cfg(feature = "gpu")]
-            Self::Fragment(e) => e.run(turns).await?,
+            Self::Fragment(e) => e.run(calls).await?,
             Self::Cpu(e) => {
-                let result = e.run(turns[0], data)?;
+                let result = e.run(calls[0], data)?;
                 let_others_run().await;
                 vec![result]
             }
             Self::CpuF64(e) => {
-                let result = e.run(turns[0], data)?;
+                let result = e.run(calls[0], data)?;
                 let_others_run().await;
                 vec![result]
             }

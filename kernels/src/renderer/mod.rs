@@ -27,7 +27,7 @@ use crate::options::mapping::Until;
 use crate::options::{Options, Ray, RaySource};
 use crate::plan::Plan;
 use crate::program::Course;
-use crate::program::schedule::{Cursor, Turn};
+use crate::program::schedule::{Call, Cursor};
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::state::{StateCounts, Tag};
@@ -73,7 +73,7 @@ pub struct Renderer {
     /// The pixel of the only ray, in a run that leaves out all others.
     alone: Option<[u32; 2]>,
     /// The kernels of all passes, if they are known from a run before.
-    foreseen: Vec<Turn>,
+    foreseen: Vec<Call>,
     /// Whether passes were submitted whose results are not recorded: a caller dropped the future that waited for them.
     is_ahead: bool,
 }
@@ -223,7 +223,7 @@ impl Renderer {
     /// passes are submitted ahead, some of them for rays that have left: see
     /// [`Cursor::guess`](crate::program::schedule::Cursor::guess).
     pub fn foresee<'a>(&mut self, passes: impl IntoIterator<Item = &'a Pass>) {
-        self.foreseen = passes.into_iter().map(Pass::turn).collect();
+        self.foreseen = passes.into_iter().map(Pass::call).collect();
     }
 
     /// The plan.

@@ -139,7 +139,7 @@ impl Renderer {
         };
         // The counters restart with every sample: who sums them reads them between two samples.
         if self.plan.counters().is_some()
-            && let Some(last) = guess.iter().position(|turn| turn.kernel.role() == Role::Sample)
+            && let Some(last) = guess.iter().position(|call| call.kernel.role() == Role::Sample)
         {
             guess.truncate(last + 1);
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::executor::{DrawTime, Rounding};
 use crate::program::Kernel;
-use crate::program::schedule::Turn;
+use crate::program::schedule::Call;
 use crate::tables::kernel::Role;
 use crate::tables::state::StateCounts;
 
@@ -67,8 +67,8 @@ impl Pass {
 
     /// Its kernel and parameter, to run it again.
     #[must_use]
-    pub fn turn(&self) -> Turn {
-        Turn { kernel: self.kernel, parameter: self.parameter }
+    pub fn call(&self) -> Call {
+        Call { kernel: self.kernel, parameter: self.parameter }
     }
 
     /// What its duration is less than, in nanoseconds, if the device's clock is too coarse to tell how long it took.

@@ -12,11 +12,12 @@ use raystep_kernels::executor::gpu::{GpuExecutor, MOST_PASSES};
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
+use raystep_kernels::program::schedule::Call;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::state::StateCounts;
 use raystep_kernels::{
-    Accelerator, Gpu, GridSize, Kernel, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind, Skip,
+    Accelerator, Gpu, GridSize, Numerics, Options, Pass, RaySource, RenderError, Renderer, ScheduleKind, Skip,
 };
 use raystep_lab::meter::{Ended, Time, Times, Turns, Valid, in_turn};
 use raystep_scenes::Scene;
@@ -306,7 +307,7 @@ fn planned(machine: &Machine, scene: &Scene, options: &Options) -> Result<(Plan,
 struct Replay {
     executor: GpuExecutor,
     /// The kernels of each submission, and the rays in each state before it.
-    submissions: Vec<(Vec<Kernel>, StateCounts)>,
+    submissions: Vec<(Vec<Call>, StateCounts)>,
 }
 
 impl Replay {
@@ -319,7 +320,7 @@ impl Replay {
         let submissions = renderer.passes().chunks(MOST_PASSES).map(|passes| {
             let counts = before;
             before = passes.last().map_or(before, |pass| pass.counts);
-            (passes.iter().map(|pass| pass.kernel).collect(), counts)
+            (passes.iter().map(Pass::call).collect(), counts)
         });
         Ok(Self { executor, submissions: submissions.collect() })
     }
@@ -328,8 +329,8 @@ impl Replay {
         self.executor.clear();
         machine.keep_clocks();
         let start = Instant::now();
-        for (kernels, counts) in &self.submissions {
-            machine.wait(self.executor.run(kernels, counts))?;
+        for (calls, counts) in &self.submissions {
+            machine.wait(self.executor.run(calls, counts))?;
         }
         let wall_ns = start.elapsed().as_nanos() as u64;
         Ok(Time { wall_ns, device_ns: self.executor.device_ns().filter(|&ns| ns > 0) })

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use raystep_kernels::executor::cpu::{CpuError, CpuExecutor};
 use raystep_kernels::plan::Plan;
-use raystep_kernels::program::schedule::Turn;
+use raystep_kernels::program::schedule::Call;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
 use raystep_kernels::scene_data::SceneData;
@@ -88,7 +88,7 @@ impl Rounding<'_> {
             }
             twin.write(&stream);
         }
-        twin.run(Turn::of(self.kernel), data)?;
+        twin.run(Call::of(self.kernel), data)?;
         Ok(before.iter().filter_map(|s| twin.read(s.stream)).collect())
     }
 

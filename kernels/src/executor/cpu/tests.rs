@@ -36,7 +36,7 @@ fn a_twin_that_takes_all_states_runs_for_every_ray() {
     let (plan, data) = Plan::new(&scene, &Options::new(rays), &Limits::CPU).expect("a plan");
     let mut executor = CpuExecutor::<f32>::new(&Arc::new(plan), None).expect("memory");
     assert_eq!(executor.counts()[UNWRITTEN as usize], 1200);
-    let result = executor.run(Turn::of(takes_all(STATE, finish, finish)), &data).expect("a pass");
+    let result = executor.run(Call::of(takes_all(STATE, finish, finish)), &data).expect("a pass");
     assert_eq!((result.threads_launched, result.elements), (1200, 1200));
     assert_eq!(result.counts.map(|counts| counts[DONE as usize]), Some(1200));
     let color = executor.read(COLOR).expect("colours");
@@ -50,7 +50,7 @@ fn a_twin_runs_for_every_element_of_a_program_without_states() {
     let options = Options { program: ProgramName::GridBuild, accelerator: Accelerator::Grid, ..Options::new(rays) };
     let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a plan");
     let mut executor = CpuExecutor::<f64>::new(&Arc::new(plan), None).expect("memory");
-    let result = executor.run(Turn::of(takes_all(FIRST_SPAN, mark, mark)), &data).expect("a pass");
+    let result = executor.run(Call::of(takes_all(FIRST_SPAN, mark, mark)), &data).expect("a pass");
     assert_eq!(result.threads_launched, 1280, "20 * 4^3 triangles");
     let spans = executor.read(FIRST_SPAN).expect("a stream");
     assert_eq!(spans.bits.iter().filter(|&&word| word == 77).count(), 1280);

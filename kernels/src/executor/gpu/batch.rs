@@ -8,7 +8,7 @@ use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::gpu::readback::Readback;
 use crate::executor::{PassResult, timed};
-use crate::program::schedule::Turn;
+use crate::program::schedule::Call;
 use crate::program::{Instance, Kernel};
 use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
@@ -31,9 +31,9 @@ impl GpuExecutor {
     ///
     /// # Errors
     /// If the device is lost or refuses.
-    pub async fn run(&mut self, turns: &[Turn], counts: &StateCounts) -> Result<Vec<PassResult>, GpuError> {
+    pub async fn run(&mut self, calls: &[Call], counts: &StateCounts) -> Result<Vec<PassResult>, GpuError> {
         self.gpu.health()?;
-        let passes: Vec<Kernel> = turns.iter().take(MOST_PASSES).map(|turn| turn.kernel).collect();
+        let passes: Vec<Kernel> = calls.iter().take(MOST_PASSES).map(|call| call.kernel).collect();
         let passes = passes.as_slice();
         let passes = self.sized(passes).await?;
         let passes = self.one_if_repeated(passes);
@@ -47,7 +47,7 @@ impl GpuExecutor {
         self.forget_written(passes);
         let scopes = self.gpu.push_scopes();
         let sizes: Vec<Size> = passes.iter().map(|&kernel| self.launched_over(kernel)).collect();
-        let places = self.books.lay_out(&self.gpu.queue, turns, counts, &sizes);
+        let places = self.books.lay_out(&self.gpu.queue, calls, counts, &sizes);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.books.sent, 0, Some(count * COUNT_SLOT_BYTES));
         if is_repeated {
@@ -58,7 +58,7 @@ impl GpuExecutor {
                 self.encode_bands(encoder, kernel, &places[0]).map(|encoder| (encoder, Vec::new()))
             }
             [kernel] if self.blocks_a_dispatch(kernel).is_some() => {
-                self.encode_list(encoder, turns[0], &places[0]).map(|encoder| (encoder, Vec::new()))
+                self.encode_list(encoder, calls[0], &places[0]).map(|encoder| (encoder, Vec::new()))
             }
             _ => self.encode_all(encoder, passes, &places),
         });
@@ -215,7 +215,7 @@ impl GpuExecutor {
     fn encode_list(
         &self,
         mut encoder: wgpu::CommandEncoder,
-        Turn { kernel, parameter }: Turn,
+        Call { kernel, parameter }: Call,
         place: &Place,
     ) -> Result<wgpu::CommandEncoder, GpuError> {
         let size = self.launched_over(kernel);

@@ -2,7 +2,7 @@
 
 use super::buffers::{labelled_buffer, own_buffer};
 use crate::plan::Plan;
-use crate::program::schedule::Turn;
+use crate::program::schedule::Call;
 use crate::program::{Kernel, Program};
 use crate::shader::{Binding, LAUNCH, Resource};
 use crate::shared;
@@ -225,17 +225,17 @@ impl Books {
     pub(super) fn lay_out(
         &mut self,
         queue: &wgpu::Queue,
-        turns: &[Turn],
+        calls: &[Call],
         counts: &StateCounts,
         sizes: &[Size],
     ) -> Vec<Place> {
         // As many as have a size.
-        let turns = &turns[..turns.len().min(sizes.len())];
-        let launch = |(turn, size): (&Turn, &Size)| shared::launch::Launch::new(size.count, size.width, turn.parameter);
-        self.write_launches(queue, turns.iter().zip(sizes).map(launch));
+        let calls = &calls[..calls.len().min(sizes.len())];
+        let launch = |(call, size): (&Call, &Size)| shared::launch::Launch::new(size.count, size.width, call.parameter);
+        self.write_launches(queue, calls.iter().zip(sizes).map(launch));
         let mut run = vec![0u32; self.lists.len()];
-        let mut places = Vec::with_capacity(turns.len());
-        for (sent, &Turn { kernel, .. }) in (0..).zip(turns) {
+        let mut places = Vec::with_capacity(calls.len());
+        for (sent, &Call { kernel, .. }) in (0..).zip(calls) {
             let list = kernel.info().list.filter(|&l| self.lists[l].is_some());
             let mut place = Place { sent, own: 0, next: run.clone(), list };
             if let Some(list) = list {

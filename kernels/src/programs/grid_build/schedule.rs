@@ -123,7 +123,7 @@ mod tests {
         std::iter::from_fn(|| {
             let ahead = cursor.guess(schedule, &counts, usize::MAX);
             let kernel = cursor.next(schedule, &counts)?;
-            assert_eq!(ahead.first().map(|turn| (turn.kernel, turn.parameter)), Some((kernel, cursor.parameter)));
+            assert_eq!(ahead.first().map(|call| (call.kernel, call.parameter)), Some((kernel, cursor.parameter)));
             Some((kernel, cursor.parameter, cursor.iteration))
         })
         .collect()
@@ -159,7 +159,7 @@ mod tests {
         let expected = [vec![(SCAN_SPANS, 7, 0)], turn(0), turn(1), vec![(TEST_SPANS, 0, 0)]].concat();
         assert_eq!(passes(&schedule), expected);
         let ahead = Cursor::start().guess(&schedule, &StateCounts::default(), usize::MAX);
-        let ahead: Vec<_> = ahead.into_iter().map(|turn| (turn.kernel, turn.parameter)).collect();
+        let ahead: Vec<_> = ahead.into_iter().map(|call| (call.kernel, call.parameter)).collect();
         assert_eq!(ahead, expected.iter().map(|&(kernel, parameter, _)| (kernel, parameter)).collect::<Vec<_>>());
         assert_eq!(schedule.passes_expected(), expected.len() as u64);
         // Nothing is known beyond the end of a loop whose condition is counted.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use raystep_kernels::executor::gpu::GpuExecutor;
+use raystep_kernels::program::schedule::Call;
 use raystep_kernels::programs::closest_hit::{PROGRAM, kernels};
 use raystep_kernels::shader::Variant;
 use raystep_kernels::tables::state::StateCounts;
@@ -138,12 +139,12 @@ fn empty<'a>(machine: &'a Machine, size: (u32, u32)) -> Result<Vec<Job<'a>>, Str
         for passes in [32usize, 128, 256] {
             let executor = machine.wait(GpuExecutor::new(gpu.clone(), &plan, &data, false));
             let mut executor = executor.map_err(|e| e.to_string())?;
-            let kernels: Vec<_> =
-                [kernels::INTERSECT, kernels::TRAVERSE_GRID].into_iter().cycle().take(passes).collect();
+            let calls = [kernels::INTERSECT, kernels::TRAVERSE_GRID].map(Call::of);
+            let calls: Vec<_> = calls.into_iter().cycle().take(passes).collect();
             let repeat = move || {
                 executor.clear();
                 machine.keep_clocks();
-                machine.wait(executor.run(&kernels, &StateCounts::default())).ok()?;
+                machine.wait(executor.run(&calls, &StateCounts::default())).ok()?;
                 executor.device_ns().filter(|&ns| ns > 0)
             };
             jobs.push((probe(name, size, passes as u64), Box::new(repeat)));

@@ -13,7 +13,7 @@ use crate::executor::gpu::{GpuError, MOST_PASSES};
 use crate::executor::{Drawing, PassResult, timed};
 use crate::options::mapping::{Until, Update};
 use crate::program::Kernel;
-use crate::program::schedule::Turn;
+use crate::program::schedule::Call;
 use crate::tables::sizes::COUNT_SLOT_BYTES;
 
 impl FragmentExecutor {
@@ -21,10 +21,10 @@ impl FragmentExecutor {
     ///
     /// # Errors
     /// If the device is lost or refuses.
-    pub(crate) async fn run(&mut self, turns: &[Turn]) -> Result<Vec<PassResult>, GpuError> {
+    pub(crate) async fn run(&mut self, calls: &[Call]) -> Result<Vec<PassResult>, GpuError> {
         self.gpu.health()?;
         // Programs that are drawn have no parameters.
-        let passes: Vec<Kernel> = turns.iter().take(MOST_PASSES).map(|turn| turn.kernel).collect();
+        let passes: Vec<Kernel> = calls.iter().take(MOST_PASSES).map(|call| call.kernel).collect();
         if passes.is_empty() {
             return Ok(Vec::new());
         }

@@ -108,7 +108,7 @@ fn a_walk_that_is_left_goes_on_with_its_own_sample() {
 
 /// The kernels that are submitted ahead.
 fn guess(cursor: &Cursor, schedule: &Schedule, counts: &StateCounts, most: usize) -> Vec<Kernel> {
-    cursor.guess(schedule, counts, most).into_iter().map(|turn| turn.kernel).collect()
+    cursor.guess(schedule, counts, most).into_iter().map(|call| call.kernel).collect()
 }
 
 #[test]
