@@ -148,6 +148,10 @@ fn builds_have_elements_and_no_states() {
     place.ok(&build);
     for row in csv_rows(&place.read("b.csv")) {
         assert_eq!((row["repeat"].as_str(), row["rays_out"].as_str()), ("2", ""), "of the last build: {row:?}");
-        assert!(row["rays_in"].parse::<u64>().is_ok() && row["iteration"] == "0", "{row:?}");
+        // Two digits are sorted by in the first turn of a counted loop.
+        let is_of_sort =
+            ["histogram", "scatter", "scan_tall", "add_tall"].iter().any(|of| row["kernel"].starts_with(of));
+        assert_eq!(row["iteration"], u32::from(is_of_sort).to_string(), "{row:?}");
+        assert!(row["rays_in"].parse::<u64>().is_ok(), "{row:?}");
     }
 }
