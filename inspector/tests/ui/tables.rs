@@ -6,6 +6,7 @@ use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
+use raystep_kernels::programs::closest_hit::streams;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};
@@ -169,6 +170,26 @@ fn units_are_the_same_in_head_and_rows() {
         let head = stage.painted().iter().any(|text| text.starts_with("hits triangle") && text.contains(&wanted));
         let row = rows(&stage).iter().any(|row| row.contains(&begins[..4]));
         assert!(head && row, "{unit}: {begins}: {:?}", rows(&stage));
+    }
+}
+
+#[test]
+fn the_range_of_colours_is_in_the_units_that_are_chosen() {
+    let mut stage = stage([1280.0, 700.0], &[PaneKind::Ray, PaneKind::Stream]);
+    stage.perform(Command::End);
+    stage.show_stream(streams::STATE, "t");
+    let [traced, scene] = ["traced units", "scene units"].map(|unit| {
+        stage.perform(Command::Show(PaneKind::Ray));
+        stage.click(Role::Button, unit);
+        stage.perform(Command::Show(PaneKind::Stream));
+        let legend = format!(" t in {unit}");
+        assert!(stage.painted().iter().any(|text| text.ends_with(&legend)), "{:?}", stage.painted());
+        ["from", "to"].map(|end| stage.number(end))
+    });
+    let scale = stage.inspector().model().life.as_ref().expect("a history").t_scale;
+    for (traced, scene) in traced.into_iter().zip(scene) {
+        // Fields have four decimals.
+        assert!(traced > 0.1 && (scene - scale * traced).abs() <= 1e-4 * scale, "{traced} {scene} {scale}");
     }
 }
 

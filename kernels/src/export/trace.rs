@@ -79,11 +79,8 @@ impl Trace {
             let width = all(grid.width.map(|w| scale.length(w)));
             line("grid", format!("{x} x {y} x {z} cells from corner {}, each of size {width}", all(corner)));
             if let Some(ray) = ray {
-                let step = |axis: usize| {
-                    let t = (grid.width[axis] / ray.direction[axis]).abs();
-                    if t.is_finite() { scale.exact_t(t) } else { "-".into() }
-                };
-                line("tdelta", [0, 1, 2].map(step).join(" "));
+                let t_delta = grid.t_delta(ray.direction).map(|t| t.map_or_else(|| "-".into(), |t| scale.exact_t(t)));
+                line("tdelta", t_delta.join(" "));
             }
         }
         if !out.is_empty() {

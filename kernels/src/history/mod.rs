@@ -225,6 +225,12 @@ impl TraceGrid {
         let Grid { corner, cells, width, .. } = data.grid;
         data.features.grid.then_some(Self { corner, cells, width })
     }
+
+    /// tDelta per axis, the t between two planes of the grid; `None` for an axis that the direction is parallel to.
+    #[must_use]
+    pub fn t_delta(&self, direction: [f32; 3]) -> [Option<f32>; 3] {
+        [0, 1, 2].map(|axis| Some((self.width[axis] / direction[axis]).abs()).filter(|t| t.is_finite()))
+    }
 }
 
 impl Trace {

@@ -1,6 +1,6 @@
 //! A step of the ray from a cell to its neighbour: what Amanatides and Woo's loop compares, changes and keeps.
 
-use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
+use raystep_kernels::export::trace::{RayState, Trace, TraceGrid, TraceRow};
 use raystep_kernels::scene_data::SceneData;
 
 use super::facts::AXES;
@@ -16,6 +16,7 @@ pub(super) struct CellStep<'a> {
     pub(super) axis: usize,
     /// Whether the current row made it.
     pub(super) is_made: bool,
+    grid: TraceGrid,
     data: &'a SceneData,
 }
 
@@ -47,20 +48,19 @@ impl<'a> CellStep<'a> {
         let found = here.and_then(|row| {
             let (before, row) = (&life.rows.get(row.checked_sub(1)?)?.after, life.rows.get(row)?);
             let (from, to, axis) = (row.cell_before?, row.cell_after?, axis_of(row)?);
-            Some(Self { before, after: &row.after, from, to, axis, is_made: made.is_some(), data })
+            Some(Self { before, after: &row.after, from, to, axis, is_made: made.is_some(), grid: life.grid?, data })
         });
         found.ok_or_else(|| "no step from cell to cell follows".into())
     }
 
     /// The t between two planes of an axis; `None` if the ray is parallel to them.
     pub(super) fn t_delta(&self, axis: usize) -> Option<f32> {
-        let t_delta = (self.data.grid.width[axis] / self.before.direction[axis]).abs();
-        t_delta.is_finite().then_some(t_delta)
+        self.grid.t_delta(self.before.direction)[axis]
     }
 
     /// The plane that it crosses, from the grid's corner.
     fn plane(&self) -> f32 {
-        self.data.grid.width[self.axis] * self.from[self.axis].max(self.to[self.axis]) as f32
+        self.grid.width[self.axis] * self.from[self.axis].max(self.to[self.axis]) as f32
     }
 
     /// The axes whose tMax it changes.
@@ -96,9 +96,9 @@ impl<'a> CellStep<'a> {
             Fact::StepTDeltaX => return t_delta(0),
             Fact::StepTDeltaY => return t_delta(1),
             Fact::StepTDeltaZ => return t_delta(2),
-            Fact::StepWidth => Value::single(self.data.grid.width[axis]),
+            Fact::StepWidth => Value::single(self.grid.width[axis]),
             Fact::StepPlane => Value::single(self.plane()),
-            Fact::StepOrigin => Value::single(self.before.origin[axis] - self.data.grid.corner[axis]),
+            Fact::StepOrigin => Value::single(self.before.origin[axis] - self.grid.corner[axis]),
             Fact::StepDirection => Value::single(self.before.direction[axis]),
             _ => {
                 let cell = self.data.grid.cell_index(self.to);
