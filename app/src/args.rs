@@ -8,7 +8,8 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use raystep_kernels::options::ProgramName;
+use raystep_kernels::options::{ELEMENTS, ProgramName};
+use raystep_kernels::programs::sort::MOST_KEYS;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Options, PlanError, RaySource, Sampler, Samples, Traversal};
 use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
@@ -139,9 +140,20 @@ impl CameraArgs {
 #[derive(Args, Debug)]
 pub(crate) struct ProgramArgs {
     /// The stream program: trace rays (closest-hit), or build the grid that they would be traced through, uniform or
-    /// irregular (grid-build)
+    /// irregular (grid-build), or sort keys (sort)
     #[arg(long, default_value = "closest-hit", value_parser = named(ProgramName::ALL, ProgramName::name))]
     pub(crate) program: ProgramName,
+    #[command(flatten)]
+    pub(crate) elements: ElementsArgs,
+}
+
+/// How many elements a program without a scene works on.
+#[derive(Args, Debug)]
+pub(crate) struct ElementsArgs {
+    /// How many keys the program sort sorts
+    #[arg(long, value_name = "N", default_value_t = ELEMENTS, value_parser = whole::<u32>(1, MOST_KEYS.into()),
+          allow_negative_numbers = true)]
+    pub(crate) elements: u32,
 }
 
 /// Tracing options.

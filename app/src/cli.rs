@@ -7,7 +7,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, completions, dump, extension, info, inspect, merge, paper, plan, render, report, scene,
+    bench, build, cast, completions, dump, extension, info, inspect, merge, paper, plan, render, report, run, scene,
     stability, sweep, trace,
 };
 use crate::error::Error;
@@ -33,6 +33,7 @@ Examples:
   raystep dump cornell-box --pass last --stream hit -o hits
   raystep bench cornell-box --accelerators grid,bvh -o bench
   raystep build teapot --check
+  raystep run sort --elements 65536 --check
   raystep cast cornell-box --rays-file rays.npy -o hits.npy
   raystep report cornell-box -o report
   raystep stability -o stability
@@ -56,6 +57,7 @@ pub(crate) enum Command {
     Dump(Box<dump::DumpArgs>),
     Bench(Box<bench::BenchArgs>),
     Build(Box<build::BuildArgs>),
+    Run(run::RunProgramArgs),
     Cast(Box<cast::CastArgs>),
     Merge(merge::MergeArgs),
     Report(Box<report::ReportArgs>),

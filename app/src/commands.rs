@@ -13,6 +13,7 @@ pub(crate) mod paper;
 pub(crate) mod plan;
 pub(crate) mod render;
 pub(crate) mod report;
+pub(crate) mod run;
 pub(crate) mod scene;
 pub(crate) mod stability;
 mod summary;

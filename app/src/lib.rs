@@ -94,6 +94,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::Dump(args) => commands::dump::run(&args),
             Command::Bench(args) => commands::bench::run(&args),
             Command::Build(args) => commands::build::run(&args),
+            Command::Run(args) => commands::run::run(&args),
             Command::Cast(args) => commands::cast::run(&args),
             Command::Merge(args) => commands::merge::run(&args),
             Command::Report(args) => commands::report::run(&args),

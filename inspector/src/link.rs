@@ -34,8 +34,8 @@ mod read;
 use std::fmt;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
-use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
+use raystep_kernels::options::{ELEMENTS, ProgramName};
 use raystep_kernels::{Accelerator, GridSize, Numerics, Samples, ScheduleKind, Skip, Stream, Traversal};
 use raystep_lab::Hash;
 
@@ -54,7 +54,7 @@ pub const MOST_CELLS: u32 = 4096;
 pub const MOST_STEPS: u32 = 4096;
 
 /// Every key, in the order in which they are written.
-pub const KEYS: [&str; 34] = [
+pub const KEYS: [&str; 35] = [
     "scene",
     "scene-index",
     "scene-hash",
@@ -65,6 +65,7 @@ pub const KEYS: [&str; 34] = [
     "fov",
     "size",
     "program",
+    "elements",
     "accelerator",
     "schedule",
     "mapping",
@@ -117,6 +118,8 @@ pub struct Link {
     pub size: [u32; 2],
     /// What runs.
     pub program: ProgramName,
+    /// How many elements a program works on that needs no scene.
+    pub elements: u32,
     /// The acceleration structure.
     pub accelerator: Accelerator,
     /// The schedule.
@@ -236,6 +239,7 @@ impl Default for Link {
             camera: LinkCamera::Default,
             size: [512, 512],
             program: ProgramName::ClosestHit,
+            elements: ELEMENTS,
             accelerator: Accelerator::Grid,
             schedule: ScheduleKind::Compact,
             numerics: Numerics::Robust,
@@ -287,6 +291,7 @@ impl Link {
         let [width, height] = self.size;
         add("size", (self.size != default.size).then(|| format!("{width}x{height}")));
         add("program", (self.program != default.program).then(|| self.program.to_string()));
+        add("elements", (self.elements != default.elements).then(|| self.elements.to_string()));
         add("accelerator", (self.accelerator != default.accelerator).then(|| self.accelerator.to_string()));
         let schedule = Self::schedule_of(self.mapping);
         add("schedule", (self.schedule != schedule).then(|| self.schedule.to_string()));

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
+use raystep_kernels::options::{ELEMENTS, ProgramName};
 use raystep_kernels::{
     Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, RaySource, Samples, ScheduleKind, Skip, Traversal,
 };
@@ -82,6 +82,9 @@ pub struct Settings {
     /// What runs.
     #[serde(default)]
     pub program: ProgramName,
+    /// How many elements a program works on that needs no scene.
+    #[serde(default = "elements")]
+    pub elements: u32,
     /// The acceleration structure.
     pub accelerator: Accelerator,
     /// The schedule, one with steps.
@@ -117,10 +120,15 @@ pub struct Settings {
     pub device: DeviceKind,
 }
 
+fn elements() -> u32 {
+    ELEMENTS
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
             program: ProgramName::ClosestHit,
+            elements: ELEMENTS,
             accelerator: Accelerator::Grid,
             schedule: ScheduleKind::Compact,
             mapping: Mapping::Compute,
@@ -187,6 +195,7 @@ impl From<&Link> for Settings {
         };
         Self {
             program: link.program,
+            elements: link.elements,
             accelerator: link.accelerator,
             schedule: link.schedule,
             mapping: link.mapping,
@@ -230,6 +239,7 @@ impl Settings {
             camera,
             size: self.size,
             program: self.program,
+            elements: self.elements,
             accelerator: self.accelerator,
             schedule: self.schedule,
             mapping: self.mapping,
@@ -319,6 +329,7 @@ impl Settings {
         };
         Options {
             program: self.program,
+            elements: self.elements,
             accelerator: self.accelerator,
             schedule: if self.schedule.is_stepped() { self.schedule } else { ScheduleKind::Compact },
             mapping: self.mapping,

@@ -22,7 +22,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
-use raystep_kernels::programs::closest_hit::{PROGRAM, Path, own, states};
+use raystep_kernels::program::Path;
+use raystep_kernels::programs::closest_hit::{PROGRAM, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 
@@ -296,7 +297,7 @@ fn finite(t: f32) -> Option<f64> {
 
 /// Where the pass of a row took the ray.
 fn path_of(row: &TraceRow) -> Path {
-    PROGRAM.kernel(row.kernel).and_then(own).map_or(Path::Stays, |own| own.path)
+    PROGRAM.kernel(row.kernel).map_or(Path::Stays, |kernel| kernel.info().path)
 }
 
 #[cfg(test)]

@@ -156,7 +156,7 @@ pub fn depths(state: Stream, kernels: &[Kernel]) -> Shader {
 /// The depth that names a kernel: a multiple of 2⁻⁸, which every format of depths holds exactly.
 #[must_use]
 pub fn depth_of(kernel: Kernel) -> f32 {
-    (kernel.instance().index + 1) as f32 / 256.0
+    (kernel.index() + 1) as f32 / 256.0
 }
 
 fn parse(kernel: Kernel, source: &str) -> Result<Module, ShaderError> {
@@ -199,7 +199,7 @@ fn transformed(kernel: Kernel, uses: &Uses, source: &str, entry: &str) -> Result
 /// The condition that a ray is in one of a kernel's states, in WGSL, for the tag of a texel named `state`.
 fn takes(kernel: Kernel) -> String {
     let is = |tag: &u32| format!("state[{STATE_TAG}u] == {tag}u");
-    kernel.info().takes.iter().map(is).collect::<Vec<_>>().join(" || ")
+    kernel.takes().iter().map(is).collect::<Vec<_>>().join(" || ")
 }
 
 #[cfg(test)]

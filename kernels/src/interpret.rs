@@ -125,7 +125,7 @@ impl Interpreter {
     /// If its elements read each other, or if its source is not valid.
     pub fn new(variant: &Variant) -> Result<Self, InterpretError> {
         let kernel = variant.kernel;
-        if !matches!(kernel.info().twin, Twin::Element { .. }) || kernel.program().course.is_none() {
+        if !matches!(kernel.info().twin, Twin::Element { .. }) || kernel.course().is_none() {
             return Err(InterpretError::NotAlone(kernel.name()));
         }
         let source = variant.source.clone();
@@ -146,7 +146,7 @@ impl Interpreter {
             .filter(|(_, binding)| binding.reads && binding.writes)
             .map(|(stream, _)| stream)
             .collect();
-        let layout = Layout::of(streams.iter().copied());
+        let layout = Layout::of(kernel.program().streams, streams.iter().copied());
         Ok(Self { kernel, source, module, code, streams, layout, kept })
     }
 
@@ -177,7 +177,7 @@ impl Interpreter {
     /// The component with the state's tag.
     #[must_use]
     pub fn tag(&self) -> Option<usize> {
-        let stream = self.kernel.program().state_stream()?;
+        let stream = self.kernel.course()?.stream;
         self.layout.first[stream.index()].map(|first| first + STATE_TAG)
     }
 

@@ -11,7 +11,8 @@ use naga::{AddressSpace, ImageClass, Module, ScalarKind, ShaderStage, StorageAcc
 
 use crate::compose::{ComposeError, compose};
 use crate::options::features::Features;
-use crate::program::Kernel;
+use crate::program::live::{self, LiveList};
+use crate::program::{self, Kernel};
 use crate::tables::stream::{Stream, Texel};
 
 /// What a global is bound to.
@@ -154,12 +155,14 @@ pub enum ShaderError {
 }
 
 /// Variants that were composed before. Parsing and validating one takes longer than rendering a small image.
-static KEPT: LazyLock<Mutex<HashMap<(Kernel, Features), Variant>>> = LazyLock::new(Mutex::default);
+static KEPT: LazyLock<Mutex<Kept>> = LazyLock::new(Mutex::default);
+
+type Kept = HashMap<(Kernel, Features, Vec<LiveList>), Variant>;
 
 /// Most variants to keep; each takes about 30 KB.
 const MOST_KEPT: usize = 256;
 
-fn kept() -> MutexGuard<'static, HashMap<(Kernel, Features), Variant>> {
+fn kept() -> MutexGuard<'static, Kept> {
     KEPT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -183,27 +186,30 @@ impl Variant {
         })
     }
 
-    /// Composes, validates and reflects a kernel, once for each combination of options. Needs no device.
+    /// Composes, validates and reflects a kernel, once for each combination of options. `lists` are those in which its
+    /// elements wait for other kernels, see [`live::lists`]. Needs no device.
     ///
     /// # Errors
     /// If the WGSL in this crate is invalid.
-    pub fn new(kernel: Kernel, features: &Features) -> Result<Self, ShaderError> {
-        if let Some(variant) = kept().get(&(kernel, *features)) {
+    pub fn new(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Result<Self, ShaderError> {
+        let key = (kernel, *features, lists.to_vec());
+        if let Some(variant) = kept().get(&key) {
             return Ok(variant.clone());
         }
         // Done without the lock: two threads may compose the same variant at once, with equal results.
-        let variant = Self::reflected(kernel, features)?;
+        let variant = Self::reflected(kernel, features, lists)?;
         let mut kept = kept();
         if kept.len() >= MOST_KEPT {
             kept.clear();
         }
-        kept.insert((kernel, *features), variant.clone());
+        kept.insert(key, variant.clone());
         Ok(variant)
     }
 
-    fn reflected(kernel: Kernel, features: &Features) -> Result<Self, ShaderError> {
+    fn reflected(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Result<Self, ShaderError> {
         let name = kernel.name();
-        let source = composed(kernel, features).map_err(|source| ShaderError::Compose { kernel: name, source })?;
+        let source =
+            composed(kernel, features, lists).map_err(|source| ShaderError::Compose { kernel: name, source })?;
         let invalid = |message| ShaderError::Invalid { kernel: name, message };
         let module = naga::front::wgsl::parse_str(&source).map_err(|e| invalid(e.emit_to_string(&source)))?;
         let info = Validator::new(ValidationFlags::all(), Capabilities::all())
@@ -251,9 +257,16 @@ impl Variant {
     }
 }
 
+/// The modules that a kernel may import from: its program's, and those made of the program's rows.
+#[must_use]
+pub fn modules(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Vec<program::Module> {
+    let own = (kernel.program().modules)(features);
+    own.into_iter().chain(live::modules(kernel, features, lists)).collect()
+}
+
 /// Composes a kernel's file and the modules that it imports from, with its options decided.
-fn composed(kernel: Kernel, features: &Features) -> Result<String, ComposeError> {
-    let modules = (kernel.program().modules)(features);
+fn composed(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Result<String, ComposeError> {
+    let modules = modules(kernel, features, lists);
     let root = kernel.info().name;
     let options = features.list();
     let source = |name: &str| {
@@ -262,7 +275,10 @@ fn composed(kernel: Kernel, features: &Features) -> Result<String, ComposeError>
         }
         modules.iter().find(|(module, _)| *module == name).map(|(_, source)| source.as_ref())
     };
-    let option = |name: &str| options.iter().find(|(option, _)| *option == name).map(|&(_, is_on)| is_on);
+    let option = |name: &str| match name {
+        "live_lists" => Some(!lists.is_empty()),
+        _ => options.iter().find(|(option, _)| *option == name).map(|&(_, is_on)| is_on),
+    };
     compose(root, root, &source, &option)
 }
 
@@ -348,8 +364,8 @@ mod tests {
     fn a_variant_is_kept_until_it_is_forgotten() {
         // Options that no other test uses.
         let features = Features { turns: 4321, ..Features::default() };
-        let is_kept = || kept().contains_key(&(kernels::SETUP, features));
-        Variant::new(kernels::SETUP, &features).expect("a variant");
+        let is_kept = || kept().contains_key(&(kernels::SETUP, features, Vec::new()));
+        Variant::new(kernels::SETUP, &features, &[]).expect("a variant");
         assert!(is_kept());
         forget_variants();
         assert!(!is_kept());

@@ -9,9 +9,10 @@ use raystep_kernels::Kernel;
 use raystep_kernels::fragment::{self, DrawnKernel};
 use raystep_kernels::options::features::Features;
 use raystep_kernels::options::mapping::{Fragment, Until};
+use raystep_kernels::program::live;
 use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, streams};
 use raystep_kernels::programs::grid_build;
-use raystep_kernels::shader::{Resource, Variant};
+use raystep_kernels::shader::{Resource, ShaderError, Variant};
 use raystep_kernels::shared::camera::Camera;
 use raystep_kernels::shared::grid_walk::Grid;
 use raystep_kernels::shared::samples::Sampling;
@@ -102,6 +103,12 @@ fn waiting(features: Features) -> Features {
     Features { resumes: true, resumes_scan, resumes_light: features.many_lights, turns: 100, ..features }
 }
 
+/// A kernel as it is compiled in a run with these features.
+fn variant(kernel: Kernel, features: &Features) -> Result<Variant, ShaderError> {
+    let kernels: Vec<Kernel> = kernel.program().kernels().filter(|&kernel| has_kernel(features, kernel)).collect();
+    Variant::new(kernel, features, &live::lists(&kernels, features))
+}
+
 /// Whether a run with these features has the kernel.
 fn has_kernel(features: &Features, kernel: Kernel) -> bool {
     let f = features;
@@ -146,7 +153,7 @@ fn every_fragment_program_is_valid_and_within_core_limits() {
         let features = Features { fragments: true, ..features };
         let all = PROGRAM.kernels().filter(|&kernel| is_drawn(kernel.role()) && has_kernel(&features, kernel));
         for kernel in all {
-            let variant = Variant::new(kernel, &features).expect("a variant");
+            let variant = variant(kernel, &features).expect("a variant");
             // What ends a loop does not change a program.
             for how in Fragment::all().filter(|how| how.until == Until::Count) {
                 let drawn =
@@ -158,7 +165,7 @@ fn every_fragment_program_is_valid_and_within_core_limits() {
     let all: Vec<Kernel> = PROGRAM.kernels().filter(|kernel| is_drawn(kernel.role())).collect();
     check("depths", &fragment::depths(streams::STATE, &all));
     let features = Features { fragments: true, ..Features::default() };
-    check("count", &fragment::reader(&Variant::new(kernels::COUNT, &features).expect("a variant")).expect("a reader"));
+    check("count", &fragment::reader(&variant(kernels::COUNT, &features).expect("a variant")).expect("a reader"));
     assert!(seen.len() > 100, "{} programs", seen.len());
 }
 
@@ -166,7 +173,7 @@ fn every_fragment_program_is_valid_and_within_core_limits() {
 #[test]
 fn every_variant_is_valid_and_within_core_limits() {
     let (mut failures, mut seen) = (Vec::new(), HashSet::new());
-    let mut check = |kernel: Kernel, features: &Features| match Variant::new(kernel, features) {
+    let mut check = |kernel: Kernel, features: &Features| match variant(kernel, features) {
         Err(e) => failures.push(format!("{features:?}: {e}")),
         Ok(variant) => {
             let count = |f: fn(&Resource) -> bool| variant.bindings.iter().filter(|b| f(&b.resource)).count();
@@ -218,7 +225,7 @@ fn kernels_write_what_table_1_says() {
     ];
     let features = Features { robust: true, grid: true, clip: true, perspective: true, ..Features::default() };
     for (kernel, expected) in table {
-        let variant = Variant::new(kernel, &features).expect("valid");
+        let variant = variant(kernel, &features).expect("valid");
         let mut written: Vec<_> = variant.streams().filter(|(_, b)| b.writes).map(|(s, _)| s).collect();
         let mut expected = expected.to_vec();
         written.sort();
@@ -234,7 +241,7 @@ fn host_structs_lie_as_naga_says() {
     let mut layouts = Vec::new();
     for features in [all, Features { grid: false, ..all }, Features { grid: false, bvh: true, ..all }] {
         for kernel in PROGRAM.kernels().filter(|&k| has_kernel(&features, k)) {
-            layouts.extend(Variant::new(kernel, &features).expect("valid").structs);
+            layouts.extend(variant(kernel, &features).expect("valid").structs);
         }
     }
     macro_rules! check {

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use raystep_kernels::compose::compose;
 use raystep_kernels::options::features::Features;
-use raystep_kernels::programs::closest_hit::PROGRAM;
+use raystep_kernels::program::live;
+use raystep_kernels::programs::closest_hit::kernels::{INTERSECT, SHADE, TRAVERSE_GRID};
+use raystep_kernels::shader::modules;
 
 /// The text that a hunk replaces, and its replacement.
 struct Hunk {
@@ -79,7 +81,8 @@ fn the_documented_diff_applies_and_its_kernel_is_valid() {
     for features in
         [Features::default(), Features { live_lists: true, robust: true, grid: true, ..Features::default() }]
     {
-        let modules = (PROGRAM.modules)(&features);
+        let lists = live::lists(&[INTERSECT, TRAVERSE_GRID], &features);
+        let modules = modules(SHADE, &features, &lists);
         let source = |name: &str| match name {
             "depth_cue" => Some(wgsl.as_str()),
             name => modules.iter().find(|(module, _)| *module == name).map(|(_, text)| text.as_ref()),

@@ -259,7 +259,7 @@ fn a_dropped_future_leaves_the_renderer_as_it_was() {
         let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
         renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
         (
-            renderer.passes().iter().map(|p| (p.kernel, p.counts)).collect::<Vec<_>>(),
+            renderer.passes().iter().map(|p| (p.kernel, p.counts.clone())).collect::<Vec<_>>(),
             renderer.image().await.expect("an image"),
         )
     });
@@ -273,7 +273,7 @@ fn a_dropped_future_leaves_the_renderer_as_it_was() {
         drop(run);
     }
     block_on(Some(&gpu), renderer.run(|_| ControlFlow::Continue(()))).expect("a run");
-    let passes: Vec<_> = renderer.passes().iter().map(|p| (p.kernel, p.counts)).collect();
+    let passes: Vec<_> = renderer.passes().iter().map(|p| (p.kernel, p.counts.clone())).collect();
     let image = block_on(Some(&gpu), renderer.image()).expect("an image");
     assert_eq!((passes, image), expected);
 }

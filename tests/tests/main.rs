@@ -13,6 +13,7 @@ mod device;
 mod divergence;
 mod docs;
 mod floors;
+mod guests;
 mod intervals;
 mod library;
 mod mapping;

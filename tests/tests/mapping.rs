@@ -44,7 +44,7 @@ fn compare(name: &str, options: &Options, how: Fragment, change: impl FnOnce(&mu
                     wanted.map(|p| what(&p))
                 ));
             }
-            let Some(kernel) = wanted.map(|pass| pass.kernel) else { return Ok(passes) };
+            let Some(kernel) = wanted.as_ref().map(|pass| pass.kernel) else { return Ok(passes) };
             for stream in streams_of(computed.plan()) {
                 let (a, b) =
                     (computed.values(stream).await.expect("values"), drawn.values(stream).await.expect("values"));
@@ -52,7 +52,7 @@ fn compare(name: &str, options: &Options, how: Fragment, change: impl FnOnce(&mu
                     return Err(format!("{kernel:?}: {stream:?} differs after pass {passes}: {first:?}"));
                 }
             }
-            if (wanted.map(|pass| pass.counts)) != found.map(|pass| pass.counts) {
+            if wanted.as_ref().map(|pass| &pass.counts) != found.as_ref().map(|pass| &pass.counts) {
                 return Err(format!("{kernel:?}: rays are counted wrong after pass {passes}"));
             }
             passes += 1;

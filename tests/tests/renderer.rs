@@ -33,7 +33,7 @@ async fn all(renderer: &Renderer) -> Vec<StreamData> {
 
 /// What must be equal in two runs: everything except times.
 fn books(renderer: &Renderer) -> Vec<(raystep_kernels::Kernel, u32, u32, StateCounts, u64)> {
-    renderer.passes().iter().map(|p| (p.kernel, p.iteration, p.rays_in, p.counts, p.threads_launched)).collect()
+    renderer.passes().iter().map(|p| (p.kernel, p.iteration, p.rays_in, p.counts.clone(), p.threads_launched)).collect()
 }
 
 /// A run without records has the same totals as one with them, but not the single passes.
@@ -67,8 +67,8 @@ fn a_run_that_keeps_no_passes_sums_them_up_all_the_same() {
                 assert_eq!(counts(without.totals()), counts(&totals), "{name} {way}");
                 assert_eq!(without.pass_count(), with.pass_count(), "{name} {way}");
                 assert_eq!(
-                    without.last_pass().map(|p| (p.index, p.kernel, p.counts)),
-                    with.passes().last().map(|p| (p.index, p.kernel, p.counts)),
+                    without.last_pass().map(|p| (p.index, p.kernel, p.counts.clone())),
+                    with.passes().last().map(|p| (p.index, p.kernel, p.counts.clone())),
                     "{name} {way}"
                 );
                 assert!(without.passes().is_empty(), "{name} {way}: records were not requested");
@@ -178,7 +178,7 @@ fn after_a_checkpoint_the_same_passes_follow() {
                 let mut renderer = Renderer::new(&scene, &options, &device).await.expect("a renderer");
                 let (mut kept, mut seen) = (Vec::new(), Vec::new());
                 loop {
-                    seen.push((all(&renderer).await, renderer.live()));
+                    seen.push((all(&renderer).await, renderer.live().clone()));
                     if [0, 1, 2, 5, 12, 13].contains(&renderer.pass_count()) {
                         kept.push(renderer.checkpoint().await.expect("a checkpoint"));
                     }
@@ -195,7 +195,7 @@ fn after_a_checkpoint_the_same_passes_follow() {
                     for at in [place, place + 1, place + 4].map(|at| at.min(passes.len())) {
                         renderer.run_to(at, go_on).await.expect("passes");
                         assert!(all(&renderer).await == seen[at].0, "{name} {way}: {at} from {place}");
-                        assert_eq!(renderer.live(), seen[at].1);
+                        assert_eq!(*renderer.live(), seen[at].1);
                     }
                     renderer.run(go_on).await.expect("passes");
                     assert_eq!(books(&renderer), passes, "{name} {way} from {place}");

@@ -192,7 +192,10 @@ fn a_run_can_be_read_after_every_sample_and_go_on() {
                 assert_eq!((long.samples(), long.pass_count()), (5, place));
                 while long.step().await.expect("a pass").is_some() {}
                 let kernels = |passes: &[raystep_kernels::Pass]| {
-                    passes.iter().map(|p| (p.index, p.iteration, p.kernel, p.rays_in, p.counts)).collect::<Vec<_>>()
+                    passes
+                        .iter()
+                        .map(|p| (p.index, p.iteration, p.kernel, p.rays_in, p.counts.clone()))
+                        .collect::<Vec<_>>()
                 };
                 assert_eq!(kernels(long.passes()), kernels(&passes), "{name} {way}");
             });

@@ -47,7 +47,7 @@ fn everything_is_right_on_this_adapter_and_every_kernel_of_every_program_was_com
     let is_right =
         |group, name: &str| rows.iter().any(|r| r.group == group && r.name == name && r.verdict == Verdict::Right);
     for program in programs::ALL {
-        let group = if program.course.is_some() { Group::Tracing } else { Group::Building };
+        let group = if program.course().is_some() { Group::Tracing } else { Group::Building };
         for kernel in program.kernels() {
             assert!(is_right(group, kernel.info().name), "{} was not compared", kernel.name());
         }
@@ -80,7 +80,7 @@ fn a_broken_kernel_is_wrong_by_its_name() {
     let mut tried = BTreeSet::new();
     for (place, kernel) in programs::ALL.into_iter().flat_map(|program| program.kernels()).enumerate() {
         let row = kernel.info();
-        let group = if kernel.program().course.is_some() { Group::Tracing } else { Group::Building };
+        let group = if kernel.program().course().is_some() { Group::Tracing } else { Group::Building };
         // In short, some of each program.
         let few = ["setup", "walk", "count", "scan", "divide"];
         if !(thorough() || few.contains(&row.name)) || !tried.insert((group, row.name)) {

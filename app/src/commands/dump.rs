@@ -147,7 +147,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let named = named_streams(args)?;
     let is_wanted = |stream| named.is_empty() || named.contains(&stream);
     let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
-        options.program = args.program.program;
+        (options.program, options.elements) = (args.program.program, args.program.elements.elements);
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         let program = programs::named(options.program);
         options.counters = args.counters || program.results.is_some_and(|results| named.contains(&results.counters));

@@ -253,7 +253,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
             return Err(Error::usage("--link has a number of passes, and so does --pass: omit one of them"));
         }
         if program.program == ProgramName::default() {
-            program.program = link.program;
+            (program.program, program.elements.elements) = (link.program, link.elements);
         }
         arrival.place = arrival.place.or(link.pass);
         arrival.shown = Shown::of(&link);
@@ -301,7 +301,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     let mut settings = Settings::from(&linked);
     // A link that names a program is not overruled by an option that nobody gave.
     if program.program != ProgramName::default() {
-        settings.program = program.program;
+        (settings.program, settings.elements) = (program.program, program.elements.elements);
     }
     let Wanted { scene, run, .. } = wanted;
     let read = scene.read;

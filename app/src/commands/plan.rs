@@ -69,13 +69,13 @@ pub(crate) struct PlanArgs {
 
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
     let program = args.program.program;
-    if args.measure && program == ProgramName::GridBuild {
+    if args.measure && program != ProgramName::ClosestHit {
         return Err(Error::usage(format!(
             "--measure: program {program} omits nothing that a scene does not need; use --program closest-hit"
         )));
     }
     let counts = args.intensity || args.intensity_csv.is_some();
-    if counts && program == ProgramName::GridBuild {
+    if counts && program != ProgramName::ClosestHit {
         return Err(Error::usage(format!(
             "--intensity: elements of program {program} read each other, and are not counted one by one; use --program \
              closest-hit"
@@ -84,14 +84,14 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
     let target = args.intensity_csv.as_deref().map(Target::new).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
-        options.program = program;
+        (options.program, options.elements) = (program, args.program.elements.elements);
         options.counters = args.counters;
     })?;
     refuse_inputs(&[target.as_ref()], &session.inputs)?;
     let Session { scene, options, chosen, plan, data, .. } = session;
     let asked = options.accelerator;
     let summary = args.json.then(|| export::plan::plan(asked, &plan, &data));
-    let text = match plan.program.course {
+    let text = match plan.program.course() {
         _ if args.json => String::new(),
         None => plan.to_string(),
         Some(_) => PlanText(&plan, &Structure::of(asked, &plan, &data)).to_string(),

@@ -6,6 +6,7 @@ use percent_encoding::percent_decode_str;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
 use raystep_kernels::programs;
+use raystep_kernels::programs::sort::MOST_KEYS;
 use raystep_kernels::{GridSize, Samples, Stream};
 
 use super::error::start;
@@ -38,6 +39,7 @@ impl FromStr for Link {
             camera: camera(&pairs)?,
             size: pairs.take("size", size)?.unwrap_or(default.size),
             program,
+            elements: pairs.take("elements", elements)?.unwrap_or(default.elements),
             accelerator: pairs.take("accelerator", named)?.unwrap_or(default.accelerator),
             schedule: pairs.take("schedule", named)?.unwrap_or(Self::schedule_of(mapping)),
             mapping,
@@ -195,6 +197,11 @@ fn spp(value: &str) -> Result<u32, String> {
 
 fn seed(value: &str) -> Result<u32, String> {
     value.parse().map_err(|_| format!("expected a number from 0 to {}", u32::MAX))
+}
+
+fn elements(value: &str) -> Result<u32, String> {
+    let number = value.parse().ok().filter(|n| (1..=MOST_KEYS).contains(n));
+    number.ok_or_else(|| format!("expected an integer from 1 to {MOST_KEYS}"))
 }
 
 fn stream(value: &str, program: ProgramName) -> Result<LinkStream, String> {

@@ -17,7 +17,7 @@ impl Session {
         let mut guide = Guide::new(progress);
         ray_state(&self.renderer, x, y).await?;
         let here = self.place();
-        if self.renderer.plan().program.course.is_none() {
+        if self.renderer.plan().program.course().is_none() {
             return Ok(Trace::new(&self.renderer, [x, y], Vec::new()));
         }
         let followed = self.follow_from_start([x, y], &mut guide).await;
@@ -36,8 +36,8 @@ impl Session {
             guide.check(self.place())?;
             self.go(self.place() + 1, guide).await?;
             let place = self.place();
-            let Some(pass) = self.passes().last().copied() else { break };
-            let is_worked_on = pass.kernel.info().takes.contains(&before.tag);
+            let Some(pass) = self.passes().last().cloned() else { break };
+            let is_worked_on = pass.kernel.takes().contains(&before.tag);
             // A kernel ignores rays in other states: there is nothing to read back then.
             if is_worked_on || self.edits.iter().any(|e| (e.place, e.x, e.y) == (place, x, y)) {
                 let after = ray_state(&self.renderer, x, y).await?;

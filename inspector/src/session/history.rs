@@ -63,7 +63,7 @@ impl History {
     /// A run's passes so far.
     pub(super) fn note(&mut self, passes: &[Pass]) {
         for pass in passes.iter().skip(self.known.len()) {
-            self.known.push(*pass);
+            self.known.push(pass.clone());
             self.costs.push(self.costs.last().unwrap_or(&0).saturating_add(pass.threads_launched.max(1)));
         }
     }

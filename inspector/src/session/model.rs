@@ -119,7 +119,7 @@ impl Model {
     /// Whether the program that is open has rays, or none is open.
     #[must_use]
     pub fn has_rays(&self) -> bool {
-        self.opened.as_ref().is_none_or(|opened| opened.plan.program.course.is_some())
+        self.opened.as_ref().is_none_or(|opened| opened.plan.program.course().is_some())
     }
 
     /// A model, and the task that serves it: the caller runs it in a thread, or polls it.
@@ -322,7 +322,7 @@ impl Model {
         let end = at.first + at.passes.len();
         // The passes differ from those known: an edit, or another plan.
         let same = self.passes.get(at.first..end.min(self.passes.len())).is_some_and(|known| {
-            known.iter().zip(&at.passes).all(|(a, b)| (a.kernel, a.counts) == (b.kernel, b.counts))
+            known.iter().zip(&at.passes).all(|(a, b)| (a.kernel, &a.counts) == (b.kernel, &b.counts))
         });
         if !same {
             self.is_complete = false;

@@ -114,7 +114,7 @@ impl Session {
 
     /// Whether all hits are known and only the last passes are missing.
     fn is_before_end(&self) -> bool {
-        self.renderer.plan().program.course.is_some()
+        self.renderer.plan().program.course().is_some()
             && self.renderer.next_kernel().is_some()
             && is_decided(&self.renderer.progress())
     }

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use raystep_kernels::export::trace::{RayState, TraceRow};
 use raystep_kernels::numbers::real::Vec3;
-use raystep_kernels::programs::closest_hit::{Path, states};
+use raystep_kernels::program::Path;
+use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::shared::grid_walk::{WalkRules, smallest_axis};
@@ -105,7 +106,7 @@ impl WalkGeometry {
         if steps && left {
             self.leave_cell();
         }
-        if moved && (steps || after.is_walking()) {
+        if moved && (steps || after.is_walking) {
             let visit = self.visit(data, i, after);
             self.cells.push(visit);
         }

@@ -1,7 +1,7 @@
 //! The rows of a trace that move the ray or test a triangle: the events that F11 steps through.
 
 use raystep_kernels::export::trace::Trace;
-use raystep_kernels::programs::closest_hit::Path;
+use raystep_kernels::program::Path;
 use raystep_kernels::scene_data::SceneData;
 
 use super::{coordinates, has_cells, path_of};
@@ -51,7 +51,7 @@ pub fn events(trace: &Trace, data: &SceneData) -> Vec<Event> {
             return None;
         }
         let (after, index) = (&row.after, row.after.cell_index);
-        Some(match (after.is_walking(), has_grid) {
+        Some(match (after.is_walking, has_grid) {
             (false, _) => EventKind::Left,
             (true, true) => EventKind::Cell(coordinates(data, index)),
             (true, false) => EventKind::Node(index),

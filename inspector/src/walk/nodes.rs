@@ -1,7 +1,8 @@
 //! The nodes of a walk through the BVH.
 
 use raystep_kernels::export::trace::{RayState, TraceRow};
-use raystep_kernels::programs::closest_hit::{Path, states};
+use raystep_kernels::program::Path;
+use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::parent_of;
 use raystep_kernels::shared::constants::NO_NODE;
@@ -35,7 +36,7 @@ impl WalkGeometry {
     /// Processes a row that may test a node's box.
     pub(super) fn move_to_node(&mut self, data: &SceneData, i: usize, row: &TraceRow, before: Option<&RayState>) {
         let after = &row.after;
-        self.current_node = after.is_walking().then_some(after.cell_index);
+        self.current_node = after.is_walking.then_some(after.cell_index);
         let current = self.current_node.and_then(|node| data.bvh_nodes.get(node as usize));
         self.current_box = current.map(|node| Aabb::of_f32(node.min, node.max));
         let Some(before) = before.filter(|_| path_of(row) == Path::NextNode) else { return };
@@ -49,7 +50,7 @@ impl WalkGeometry {
         let is_leaf = node.count() != 0;
         let went_down = after.previous == Some(index)
             && (after.cell_index == node.first || Some(after.cell_index) == node.first.checked_add(1))
-            && after.is_walking();
+            && after.is_walking;
         let in_leaf = matches!(after.tag, states::ISECT_HIT | states::ISECT_NO_HIT);
         let bounds = Aabb::of_f32(node.min, node.max);
         self.nodes.push(NodeVisit {

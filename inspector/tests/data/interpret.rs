@@ -49,7 +49,7 @@ fn compare(
     let interpreters: BTreeMap<Kernel, Interpreter> = plan
         .variants
         .iter()
-        .filter(|variant| !variant.kernel.info().takes.is_empty())
+        .filter(|variant| !variant.kernel.takes().is_empty())
         .map(|variant| (variant.kernel, Interpreter::new(variant).expect("a kernel of rays")))
         .collect();
     for interpreter in interpreters.values() {
@@ -78,7 +78,7 @@ fn compare(
             let (input, expected) = (texels(&before, interpreter, ray), texels(&after, interpreter, ray));
             let tag = input[component(interpreter, STATE_TAG)];
             let element = Element { texel: [ray as u32 % size[0], ray as u32 / size[0]], size };
-            let is_worked_on = pass.kernel.info().takes.contains(&tag) || pass.rays_in == size[0] * size[1];
+            let is_worked_on = pass.kernel.takes().contains(&tag) || pass.rays_in == size[0] * size[1];
             if !is_worked_on && ray % 16 != 0 {
                 continue;
             }

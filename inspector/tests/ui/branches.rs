@@ -69,7 +69,7 @@ fn the_rays_that_took_a_branch_are_those_that_left_the_state() {
         stage.key(Modifiers::COMMAND, Key::F7);
         stage.settle();
         let model = stage.harness.state().model();
-        let pass = *model.last_pass().expect("a pass");
+        let pass = model.last_pass().expect("a pass").clone();
         let stay = staying(&pass);
         let text = format!("taken by {} of {} rays", pass.rays_in - stay, pass.rays_in);
         assert!((1..pass.rays_in).contains(&stay) && stage.reads(&text), "{text}:\n{}", stage.read_out());
@@ -80,7 +80,7 @@ fn the_rays_that_took_a_branch_are_those_that_left_the_state() {
         stage.answer("7");
         stage.perform(Command::NextPass);
         assert_eq!(stage.place(), place);
-        let after = *stage.harness.state().model().last_pass().expect("a pass");
+        let after = stage.harness.state().model().last_pass().expect("a pass").clone();
         assert_eq!(after.rays_in, pass.rays_in - 1);
         stage.inspector().perform(Command::NudgeLeft);
         stage.settle();

@@ -16,7 +16,7 @@ use crate::rounding::{Rounding, judging_bytes};
 pub use map::{Against, Class, DivergenceMap, NEVER, Parting};
 
 /// Progress of the comparison, after a pass.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct DivergenceProgress {
     /// The pass.
     pub pass: Pass,

@@ -5,9 +5,11 @@ use std::fmt;
 use std::sync::Arc;
 
 use raystep_kernels::executor::cpu::{CpuError, CpuExecutor};
-use raystep_kernels::programs::closest_hit::{states, streams};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::kernel::Role;
-use raystep_kernels::tables::state::{self, StateCounts, Tag};
+use raystep_kernels::tables::state::{StateCounts, Tag};
+use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{
     Device, Gpu, Kernel, Limits, Options, Pass, Plan, PlanError, RenderError, Renderer, Stream, StreamData,
 };
@@ -125,9 +127,23 @@ pub async fn compare(
     change: impl FnOnce(&mut Plan),
     is_enough: impl Fn(&Parity) -> bool,
 ) -> Result<Parity, ParityError> {
-    let device = Device::Gpu(gpu.clone());
     let (mut plan, data) = Plan::new(scene, options, limits)?;
     change(&mut plan);
+    compare_plan(gpu, plan, data, options, is_enough).await
+}
+
+/// As [`compare`], for a plan that is made already.
+///
+/// # Errors
+/// If the device fails, or there is not enough memory.
+pub async fn compare_plan(
+    gpu: &Arc<Gpu>,
+    plan: Plan,
+    data: SceneData,
+    options: &Options,
+    is_enough: impl Fn(&Parity) -> bool,
+) -> Result<Parity, ParityError> {
+    let device = Device::Gpu(gpu.clone());
     let mut renderer = Renderer::from_plan(plan, data, options, &device).await?;
     let plan = renderer.shared_plan();
     let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
@@ -137,12 +153,14 @@ pub async fn compare(
     // Values that no kernel writes stay poisoned on both sides, so that reading one has a visible effect.
     let makes_rays =
         renderer.next_kernel().is_some_and(|kernel| kernel.role() == Role::Source) || plan.features.eye_rays;
-    let mut before = Vec::new();
+    let (mut before, kernels) = (Vec::new(), plan.schedule.kernels());
     for &stream in &streams {
         let mut values = renderer.values(stream).await?;
         // Some streams must keep their initial values: which kernel is next, the number of samples, the sum of no blocks of
         // samples, and that no search has begun.
-        if makes_rays && ![streams::STATE, streams::ACCUMULATED, streams::BLOCKS, streams::SCAN].contains(&stream) {
+        let keeps = |own: Stream| kernels.iter().any(|kernel| kernel.stream(own) == Some(stream));
+        let is_kept = [streams::STATE, streams::ACCUMULATED, streams::BLOCKS, streams::SCAN].into_iter().any(keeps);
+        if makes_rays && !is_kept {
             values.bits.fill(0x7fc0_dead);
             in_both(renderer.write(&values), stream)?;
         }
@@ -175,31 +193,33 @@ fn record(
     rules: &Rounding<'_>,
     after: &[(StreamData, StreamData)],
 ) -> Result<(), CpuError> {
+    let program = pass.kernel.program();
+    let course = pass.kernel.course();
     // For a kernel that generates its rays itself, they are unwritten before.
-    let unwritten = [states::UNWRITTEN, states::TRAV, states::ISECT_NO_HIT, states::ISECT_HIT];
-    let active = if rules.data.features.eye_rays && pass.kernel.role() == Role::Whole {
-        &unwritten[..]
-    } else {
-        pass.kernel.info().takes
-    };
-    let tags = after.iter().find(|(s, _)| s.stream == streams::STATE).map(|(s, _)| s.layer(0)).unwrap_or_default();
-    let tags_before = rules.before.iter().find(|s| s.stream == streams::STATE).map(|s| s.layer(0)).unwrap_or_default();
-    let mut counts = StateCounts::default();
+    let makes = rules.data.features.eye_rays && pass.kernel.role() == Role::Whole;
+    let unborn = course.filter(|_| makes).map(|course| course.unborn);
+    let is_own = |s: &&StreamData| course.is_some_and(|course| course.stream == s.stream);
+    let tags = after.iter().map(|(s, _)| s).find(is_own).map(|s| s.layer(STATE_TAG)).unwrap_or_default();
+    let tags_before = rules.before.iter().find(is_own).map(|s| s.layer(STATE_TAG)).unwrap_or_default();
+    let mut counts = pass.counts.clone();
+    counts.clear(course.into_iter().flat_map(|course| program.states_of(course)));
     for (ray, &tag) in tags.iter().enumerate() {
-        counts[tag as usize % state::COUNT] += 1;
+        counts.add(tag, 1);
         let before = tags_before.get(ray).copied().unwrap_or_default();
-        if active.contains(&before) {
+        if pass.kernel.takes().contains(&before) || unborn == Some(before) {
             found.transitions.insert((before, pass.kernel, tag));
         }
     }
     // A fragment cannot count.
     let is_recounted = pass.kernel.is_counted_anew(&rules.plan.features) || rules.plan.drawn.is_some();
-    let counter = pass.kernel.program().kernels().find(|kernel| is_recounted && kernel.role() == Role::Count);
+    let is_counter =
+        |kernel: &Kernel| kernel.role() == Role::Count && kernel.instance().over == pass.kernel.instance().over;
+    let counter = program.kernels().find(|kernel| is_recounted && is_counter(kernel));
     if let Some(counter) = counter {
         found.compared.add(counter, Sums { passes: 1, components: counts.len() as u64, ..Sums::default() });
     }
     if counts != pass.counts {
-        let (kernel, pass, counted) = (counter.unwrap_or(pass.kernel), pass.index, pass.counts);
+        let (kernel, pass, counted) = (counter.unwrap_or(pass.kernel), pass.index, pass.counts.clone());
         found.miscounts.push(Miscount { kernel, pass, counted, found: counts });
     }
     let rays = u64::from(pass.rays_in);

@@ -13,8 +13,7 @@ use std::sync::Arc;
 use raystep_kernels::Kernel;
 use raystep_kernels::numbers::real::{Vec3, ulps};
 use raystep_kernels::plan::Plan;
-use raystep_kernels::programs::closest_hit::own;
-use raystep_kernels::programs::closest_hit::rounding::{self, CONTROL_TERM, DIVISION, Each, Off, Ties};
+use raystep_kernels::program::rounding::{CONTROL_TERM, DIVISION, Each, Off, Ties};
 use raystep_kernels::programs::closest_hit::streams::{self, STATE_CELL, STATE_ITEM, STATE_T};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::{finite_inverse, ray_padding};
@@ -45,9 +44,15 @@ pub struct Rounding<'a> {
 }
 
 impl Rounding<'_> {
+    /// One of these streams that is bound to a stream of the kernel.
+    fn bound<'s>(&self, own: Stream, streams: impl IntoIterator<Item = &'s StreamData>) -> Option<&'s StreamData> {
+        let stream = self.kernel.stream(own)?;
+        streams.into_iter().find(|s| s.stream == stream)
+    }
+
     /// A component before the pass; 0 if the run does not have the stream.
-    fn component(&self, stream: Stream, layer: usize, ray: usize) -> u32 {
-        self.before.iter().find(|s| s.stream == stream).map_or(0, |s| s.get(layer, ray))
+    fn component(&self, own: Stream, layer: usize, ray: usize) -> u32 {
+        self.bound(own, self.before).map_or(0, |s| s.get(layer, ray))
     }
 
     fn floats(&self, stream: Stream, ray: usize) -> [f32; 3] {
@@ -65,11 +70,6 @@ impl Rounding<'_> {
         [origin, direction]
     }
 
-    /// What the kernel's row allows; nothing for a kernel of another program.
-    fn row(&self) -> rounding::Rounding {
-        own(self.kernel).map_or(rounding::NONE, |own| own.rounding)
-    }
-
     /// The factor by which the error of one computation is multiplied.
     fn times(&self, each: Each) -> u64 {
         u64::from(match each {
@@ -81,9 +81,9 @@ impl Rounding<'_> {
 
     /// Whether a component may differ like this by rounding alone. `tested` is the triangle that the pass tested.
     fn allows(&self, (stream, layer): (Stream, usize), a: u32, b: u32, tested: Option<&Possible>) -> bool {
-        let row = self.row();
-        let Some((_, _, off)) = row.floats.iter().find(|(of, layers, _)| *of == stream && layers.contains(&layer))
-        else {
+        let is_it = |own: Stream| self.kernel.stream(own) == Some(stream);
+        let mut floats = self.kernel.info().rounding.floats.iter();
+        let Some((_, _, off)) = floats.find(|(own, layers, _)| layers.contains(&layer) && is_it(*own)) else {
             return false;
         };
         let (x, y) = (f32::from_bits(a), f32::from_bits(b));
@@ -111,7 +111,7 @@ impl Rounding<'_> {
             (self.component(streams::STATE, STATE_CELL, ray), self.component(streams::STATE, STATE_ITEM, ray));
         let [origin, direction] = self.ray(ray);
         let seen = |triangle| possible(&self.data.vertices, origin, direction, triangle);
-        match self.row().ties {
+        match self.kernel.info().rounding.ties {
             Ties::Triangle => {
                 let (first, count) = self.data.list(cell);
                 (item < count).then(|| seen(self.data.listed(first + item))).flatten()
@@ -242,7 +242,7 @@ impl Rounding<'_> {
             let in_cell = self.data.features.in_cell;
             !p.is_definite || close(exit) || close(nearest) || in_cell && self.near_plane(at(p.t), None)
         };
-        match self.row().ties {
+        match self.kernel.info().rounding.ties {
             Ties::None => Some(false),
             Ties::FirstCell => Some(self.walk_may_begin_elsewhere(ray)),
             // The comparisons of a step to the next cell are of numbers that both sides read from the same stream.

@@ -63,7 +63,7 @@ impl Work {
             _ => return,
         };
         for (count, tag) in counts.iter_mut().zip(tags_before) {
-            *count += u32::from(kernel.info().takes.contains(tag));
+            *count += u32::from(kernel.takes().contains(tag));
         }
     }
 

@@ -2,6 +2,7 @@
 //! texels per element.
 
 mod columns;
+mod guest;
 mod rows;
 
 use std::sync::Arc;
@@ -12,13 +13,14 @@ use crate::numbers::parallel::for_chunks;
 use crate::plan::Plan;
 use crate::program::kernel::{ElementTwin, Precision};
 use crate::program::schedule::Call;
-use crate::program::{Kernel, Twin};
+use crate::program::{Course, Kernel, Twin};
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::kernel::Role;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
-use crate::tables::texels::{Layout, MOST_STREAMS, Texels};
+use crate::tables::texels::{Layout, MOST_STREAMS};
+pub(crate) use guest::OnElement;
 pub use rows::OutOfMemory;
 use rows::{Rows, count_tags};
 pub(crate) use rows::{from_stream_bits, to_stream_bits};
@@ -32,9 +34,9 @@ pub struct CpuExecutor<R: Precision> {
     rows: Vec<Rows<R>>,
     /// The set of each stream, by the stream's index.
     set_of: [usize; MOST_STREAMS],
-    /// Elements in each state, for every block of [`ELEMENTS_PER_TASK`] elements that have states: a pass skips tasks
+    /// Elements in each state, for each course and every block of [`ELEMENTS_PER_TASK`] of its elements: a pass skips tasks
     /// without elements in the kernel's states.
-    counts: Vec<StateCounts>,
+    counts: Vec<Vec<StateCounts>>,
     clock: Option<fn() -> u64>,
 }
 
@@ -65,7 +67,7 @@ impl<R: Precision> CpuExecutor<R> {
         let mut rows = Vec::new();
         for elements in plan.program.elements {
             let own = plan.streams.iter().map(|s| s.what).filter(|s| s.info().elements.name == elements.name);
-            let mut own = Rows { layout: Layout::of(own), size: None, texels: Vec::new() };
+            let mut own = Rows { layout: Layout::of(plan.program.streams, own), size: None, texels: Vec::new() };
             own.resize(sizes.of(plan.program, elements))?;
             rows.push(own);
         }
@@ -96,14 +98,19 @@ impl<R: Precision> CpuExecutor<R> {
     /// Resizes the sets of elements.
     pub(crate) fn resize(&mut self, sizes: Sizes) -> Result<(), OutOfMemory> {
         let streams: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).collect();
+        let mut is_other = false;
         for (rows, elements) in self.rows.iter_mut().zip(self.plan.program.elements) {
             let size = sizes.of(self.plan.program, elements);
             if rows.size != size {
+                is_other = true;
                 rows.resize(size)?;
                 rows.clear(&streams);
             }
         }
         self.sizes = sizes;
+        if is_other {
+            self.count();
+        }
         Ok(())
     }
 
@@ -173,11 +180,12 @@ impl<R: Precision> CpuExecutor<R> {
         };
         let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
         let elements = self.size(kernel.instance().over).map_or(0, |size| size.count);
-        let (counts, rounding) = (self.counts(), None);
+        let (counts, sizes, rounding) = (self.counts(), self.sizes.counts(), None);
         let (counts, is_active, encode_ns, draws) = (Some(counts), None, None, Vec::new());
         Ok(PassResult {
             kernel,
             counts,
+            sizes,
             is_active,
             elements,
             threads_launched,
@@ -191,14 +199,20 @@ impl<R: Precision> CpuExecutor<R> {
 
     /// Calls a twin for each element of every task with work for it; returns the number of calls.
     fn run_elements(&mut self, kernel: Kernel, twin: ElementTwin<R>, scene: &SceneData) -> u64 {
-        let (tag, takes_all) = (self.tag(kernel), kernel.info().takes.is_empty());
+        let program = self.plan.program;
+        let course = program.courses.iter().position(|c| c.stream.info().elements.name == kernel.instance().over.name);
+        let tag = course.and_then(|course| self.tag(&program.courses[course]));
+        let takes_all = kernel.takes().is_empty();
         let is_first = scene.features.eye_rays && kernel.role() == Role::Whole;
-        let set = self.plan.program.elements.iter().position(|e| e.name == kernel.instance().over.name);
+        let set = program.elements.iter().position(|e| e.name == kernel.instance().over.name);
         let Some(rows) = set.map(|set| &mut self.rows[set]) else { return 0 };
-        let (layout, stride) = (rows.layout, rows.layout.stride.max(1));
+        let (twin, stride) = (OnElement::new(kernel, twin, &rows.layout), rows.layout.stride.max(1));
         let (width, elements) = rows.size.map_or((1, 0), |size| (size.width as usize, size.count as usize));
         // Elements without states have no counts.
-        let counts = if tag.is_some() { self.counts.as_mut_slice() } else { &mut [] };
+        let counts = match course {
+            Some(course) if tag.is_some() => self.counts[course].as_mut_slice(),
+            _ => &mut [],
+        };
         let counts = counts.iter_mut().map(Some).chain(std::iter::repeat_with(|| None));
         let mut tasks: Vec<Task<R::Bits>> = rows
             .texels
@@ -215,39 +229,40 @@ impl<R: Precision> CpuExecutor<R> {
                 let last = *first + in_task(*first, texels);
                 for (row, element) in texels.chunks_exact_mut(stride).zip(*first..last) {
                     let (x, y) = ((element % width) as u32, (element / width) as u32);
-                    twin(&mut Texels::new(row, &layout, x, y), scene);
+                    twin.run(row, x, y, scene);
                 }
                 if let (Some(counts), Some(tag)) = (counts, tag) {
-                    **counts = count_tags::<R>(texels, stride, tag);
+                    **counts = count_tags::<R>(texels, stride, tag, program.states);
                 }
             }
         });
         calls
     }
 
-    /// Where the tag is in a row of the elements that a kernel works on; `None` if they have no states.
-    fn tag(&self, kernel: Kernel) -> Option<usize> {
-        let stream = self.plan.program.state_stream()?;
-        let is_own = stream.info().elements.name == kernel.instance().over.name;
-        self.rows_of(stream).filter(|_| is_own).map(|(_, first)| first + STATE_TAG)
+    /// Where the tag is in a row of a course's elements; `None` if the plan left the states out.
+    fn tag(&self, course: &Course) -> Option<usize> {
+        self.rows_of(course.stream).map(|(_, first)| first + STATE_TAG)
     }
 
     /// Recounts the elements in each state, after streams were replaced.
     fn count(&mut self) {
-        let Some((rows, first)) = self.plan.program.state_stream().and_then(|stream| self.rows_of(stream)) else {
-            return;
+        let program = self.plan.program;
+        let count = |course: &Course| {
+            let (Some((rows, _)), Some(tag)) = (self.rows_of(course.stream), self.tag(course)) else {
+                return Vec::new();
+            };
+            let stride = rows.layout.stride.max(1);
+            let tasks = rows.texels.chunks(ELEMENTS_PER_TASK * stride);
+            tasks.map(|texels| count_tags::<R>(texels, stride, tag, program.states)).collect()
         };
-        let tag = first + STATE_TAG;
-        let stride = rows.layout.stride.max(1);
-        let tasks = rows.texels.chunks(ELEMENTS_PER_TASK * stride);
-        self.counts = tasks.map(|texels| count_tags::<R>(texels, stride, tag)).collect();
+        self.counts = program.courses.iter().map(count).collect();
     }
 
     /// Number of elements in each state.
     #[must_use]
     pub fn counts(&self) -> StateCounts {
-        let mut sum = self.sizes.counted(self.plan.program);
-        for counts in &self.counts {
+        let mut sum = StateCounts::none(self.plan.program.states);
+        for counts in self.counts.iter().flatten() {
             sum.iter_mut().zip(counts).for_each(|(s, n)| *s += n);
         }
         sum
@@ -331,7 +346,7 @@ impl<R: Precision> CpuExecutor<R> {
         };
         let element = y as usize * size.width as usize + x as usize;
         rows.texels[element * rows.layout.stride + first + layer] = from_stream_bits::<R>(stream, layer, bits);
-        if Some(stream) == self.plan.program.state_stream() && layer == STATE_TAG {
+        if self.plan.program.has_states(stream) && layer == STATE_TAG {
             self.count();
         }
         true
@@ -357,7 +372,7 @@ impl<R: Precision> CpuExecutor<R> {
                 }
             }
         });
-        if Some(stream) == self.plan.program.state_stream() {
+        if self.plan.program.has_states(stream) {
             self.count();
         }
         true

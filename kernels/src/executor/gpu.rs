@@ -109,7 +109,7 @@ impl GpuExecutor {
         let streams: Vec<_> = streams.collect();
         let buffers = scene_buffers(device, plan, data, |name: &str| other.and_then(|other| other.buffer(name)));
         let books = Books::new(device, plan);
-        let bindable = Bindable { device, streams: &streams, buffers: &buffers, books: &books };
+        let bindable = Bindable { device, streams: &streams, buffers: &buffers };
         let pipelines = Pipelines::new(&gpu, plan, data, &bindable)?;
         let fill = Fill::new(device, &gpu.queue, plan);
         let timers = Timers::new(&gpu, plan, timed);
@@ -245,8 +245,8 @@ impl GpuExecutor {
         let changed: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).filter(|stream| is_new(*stream)).collect();
         self.streams.extend(new);
         self.streams.extend(moved);
-        let Self { gpu, streams, buffers, books, .. } = self;
-        let bindable = Bindable { device: &gpu.device, streams, buffers, books };
+        let Self { gpu, streams, buffers, .. } = self;
+        let bindable = Bindable { device: &gpu.device, streams, buffers };
         self.pipelines.bind(&bindable, |stream| changed.contains(&stream))
     }
 
@@ -294,8 +294,9 @@ impl GpuExecutor {
         }
         self.upload(texture, wgpu::Origin3d::ZERO, size, &data.bits);
         self.copies.forget(data.stream);
-        if Some(data.stream) == self.plan.program.state_stream() {
-            self.books.relist(&self.gpu.queue, data.layer(STATE_TAG), data.width);
+        if self.plan.program.has_states(data.stream) {
+            let of = data.stream.info().elements;
+            self.books.relist(&self.gpu.queue, of, data.layer(STATE_TAG), data.width);
         }
         true
     }

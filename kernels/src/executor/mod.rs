@@ -48,6 +48,8 @@ pub struct PassResult {
     pub kernel: Kernel,
     /// Rays in each state after it; `None` if they were not counted.
     pub counts: Option<StateCounts>,
+    /// Number of elements in each set of the program.
+    pub sizes: Vec<u32>,
     /// Whether any ray was in one of its states, if an occlusion query was asked.
     pub is_active: Option<bool>,
     /// Number of elements it was launched over.

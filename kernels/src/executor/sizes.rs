@@ -4,7 +4,6 @@ use crate::plan::Plan;
 use crate::program::sizes::derive;
 use crate::program::{Kernel, Program};
 use crate::tables::elements::{Count, Elements, Size};
-use crate::tables::state::StateCounts;
 use crate::tables::stream::Stream;
 
 pub use crate::program::sizes::TooMany;
@@ -101,13 +100,9 @@ impl Sizes {
         }
     }
 
-    /// The numbers of elements on which the schedule's repetitions depend.
-    pub(crate) fn counted(&self, program: &Program) -> StateCounts {
-        let mut counts = StateCounts::default();
-        for (count, elements) in counts.iter_mut().zip(program.counted) {
-            *count = self.of(program, elements).map_or(0, |size| size.count);
-        }
-        counts
+    /// The number of elements in each set; 0 while it is unknown.
+    pub(crate) fn counts(&self) -> Vec<u32> {
+        self.known.iter().map(|size| size.map_or(0, |size| size.count)).collect()
     }
 
     /// Sets the size of a counted set, and of those whose sizes follow from it.

@@ -34,6 +34,7 @@
 //! | `fragments_run` | fragments for which the draw ran its program, by the device's pipeline statistics, if they were asked for |
 //! | `bytes_copied` | bytes that the part copies |
 //! | `traversal` | how rays walk through a uniform grid: `amanatides-woo` or `3d-dda` |
+//! | `loops` | turns of the schedule's loops that the pass is in, from 0, outermost loop first, separated by spaces: see [`Pass::loops`] |
 
 mod drawn;
 
@@ -48,7 +49,7 @@ pub use drawn::DrawnPart;
 pub const SCHEMA_VERSION: u32 = 4;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 38] = [
+pub const COLUMNS: [&str; 39] = [
     "schema_version",
     "run_id",
     "configuration",
@@ -87,6 +88,7 @@ pub const COLUMNS: [&str; 38] = [
     "fragments_run",
     "bytes_copied",
     "traversal",
+    "loops",
 ];
 
 /// Which clock timed the passes.
@@ -186,7 +188,7 @@ pub struct RunContext {
 /// Only the kernel that runs moves rays, so nothing else can have entered those states meanwhile.
 #[must_use]
 pub fn rays_out(pass: &Pass) -> Option<u32> {
-    let has_states = !pass.kernel.info().takes.is_empty();
+    let has_states = !pass.kernel.takes().is_empty();
     has_states.then(|| pass.rays_in.saturating_sub(pass.kernel.live(&pass.counts)))
 }
 
@@ -404,6 +406,7 @@ impl<W: Write> PassesCsv<W> {
             known(part.and_then(|(_, part)| part.time.fragments)),
             known(part.map(|(_, part)| part.bytes_copied)),
             run.traversal.into(),
+            loops(pass),
         ];
         Ok(self.writer.write_record(row)?)
     }
@@ -415,6 +418,11 @@ impl<W: Write> PassesCsv<W> {
     pub fn finish(mut self) -> std::io::Result<()> {
         self.writer.flush()
     }
+}
+
+fn loops(pass: &Pass) -> String {
+    let turns: Vec<String> = pass.loops.iter().map(u32::to_string).collect();
+    turns.join(" ")
 }
 
 #[cfg(test)]

@@ -9,8 +9,8 @@ use crate::options::keep::Item;
 use crate::options::mapping::Fragment;
 use crate::plan::display::element;
 use crate::plan::{DrawnPlan, Plan, Planned, Structure};
-use crate::program::schedule::{Parameter, Step};
-use crate::program::{Kernel, Program};
+use crate::program::Kernel;
+use crate::program::schedule::{Count, Step};
 use crate::scene_data::SceneData;
 use crate::shader::{Resource, Variant};
 use crate::tables::stream::Stream;
@@ -58,14 +58,14 @@ pub struct PlanSummary {
 pub enum StepSummary {
     /// Run a kernel once.
     Run(&'static str),
-    /// Run a kernel once, with a parameter that counts with the loop.
+    /// Run a kernel once, with a parameter that counts with the loops it is in.
     RunBy {
         /// The kernel.
         kernel: &'static str,
-        /// `launch.parameter` in the loop's first turn.
+        /// `launch.parameter` in the first turn of each loop.
         first: u32,
-        /// What each turn adds.
-        by: u32,
+        /// What each turn of a loop adds, innermost loop first.
+        by: &'static [u32],
     },
     /// Run a kernel until no ray is in its states.
     RunUntilIdle(&'static str),
@@ -78,8 +78,11 @@ pub enum StepSummary {
     },
     /// Run the steps so many times.
     Repeat {
-        /// How often.
+        /// How often, in the first turn of each loop that it is in.
         times: u32,
+        /// How much oftener for each turn of these loops, innermost first.
+        #[serde(skip_serializing_if = "<[u32]>::is_empty")]
+        more: &'static [u32],
         /// The steps.
         steps: Vec<StepSummary>,
     },
@@ -228,7 +231,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         PlannedKernel {
             name: variant.kernel.name(),
             summary: info.summary,
-            rays_in: info.takes.iter().map(|&tag| plan.program.states.name(tag)).collect(),
+            rays_in: variant.kernel.takes().iter().map(|&tag| plan.program.states.name(tag)).collect(),
             bindings: bindings.collect(),
         }
     };
@@ -252,7 +255,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         structure: Structure::of(asked, plan, data),
         scene_units_per_stream_unit: data.units.scene_units_per_stream_unit(),
         scene_offset: data.units.offset.to_array(),
-        schedule: steps(&plan.schedule.steps, plan.program),
+        schedule: steps(&plan.schedule.steps),
         kernels: plan.variants.iter().map(kernel).collect(),
         draws: plan.drawn.as_ref().map(|drawn| DrawsSummary::of(plan, drawn)),
         streams: plan.streams.iter().map(|s| StreamSummary { bytes: s.bytes, ..stream(s.what, texels) }).collect(),
@@ -262,21 +265,21 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
     }
 }
 
-fn steps(all: &[Step], program: &Program) -> Vec<StepSummary> {
+fn steps(all: &[Step]) -> Vec<StepSummary> {
     let names = |kernels: &[Kernel]| kernels.iter().map(|k| k.name()).collect();
     all.iter()
         .map(|step| match step {
             Step::Run(kernel) => StepSummary::Run(kernel.name()),
-            Step::RunBy(kernel, Parameter { first, by }) => {
-                StepSummary::RunBy { kernel: kernel.name(), first: *first, by: *by }
-            }
+            Step::RunBy(kernel, Count { first, by }) => StepSummary::RunBy { kernel: kernel.name(), first: *first, by },
             Step::RunUntilIdle(kernel) => StepSummary::RunUntilIdle(kernel.name()),
-            Step::Repeat(times, body) => StepSummary::Repeat { times: *times, steps: steps(body, program) },
+            Step::Repeat(Count { first, by }, body) => {
+                StepSummary::Repeat { times: *first, more: by, steps: steps(body) }
+            }
             Step::LoopWhileActive(kernels, body) => {
-                StepSummary::LoopWhileActive { kernels: names(kernels), steps: steps(body, program) }
+                StepSummary::LoopWhileActive { kernels: names(kernels), steps: steps(body) }
             }
             Step::RepeatWhileAny(counted, body) => {
-                StepSummary::RepeatWhileAny { elements: program.counted[*counted].name, steps: steps(body, program) }
+                StepSummary::RepeatWhileAny { elements: counted.name, steps: steps(body) }
             }
         })
         .collect()

@@ -30,7 +30,6 @@ use serde::Serialize;
 use super::csv::{DrawnPart, RunContext, rays_out};
 use crate::executor::Drawing;
 use crate::renderer::Pass;
-use crate::tables::state::{COUNT, StateCounts};
 use tracks::{Timed, Tracks, timed};
 
 /// A run is one process.
@@ -122,7 +121,7 @@ pub fn trace_events(run: &RunContext, passes: &[Pass], parts: &[Vec<DrawnPart>])
     let mut pass_tracks = Tracks::new(PASSES, "passes");
     let mut draw_tracks = Tracks::new(DRAWS, "copies and draws");
     let (mut sums, mut latest) = (Sums::default(), 0);
-    let mut shown: StateCounts = [0; COUNT];
+    let mut shown = vec![0; passes.first().map_or(0, |pass| pass.counts.len())];
     for at in &timed {
         let (pass, begin, end) = (&passes[at.index], at.begin_ns, at.end_ns());
         if begin > latest {

@@ -35,7 +35,7 @@ fn kernels_of(features: &Features) -> Vec<Kernel> {
 fn every_kernel_becomes_valid_draws_of_all_its_streams() {
     for features in features() {
         for kernel in kernels_of(&features) {
-            let variant = Variant::new(kernel, &features).expect("a variant");
+            let variant = Variant::new(kernel, &features, &[]).expect("a variant");
             for how in Fragment::all() {
                 for most in [1, 2, 4] {
                     let drawn =

@@ -2,17 +2,17 @@
 //! so per pass, without a device and without moving the run.
 
 use super::{RayState, Trace, TraceGrid, TraceRow, after_all};
-use crate::executor::cpu::{from_stream_bits, to_stream_bits};
+use crate::executor::cpu::{OnElement, from_stream_bits, to_stream_bits};
 use crate::plan::Plan;
 use crate::program::kernel::Precision;
 use crate::program::schedule::Cursor;
-use crate::program::{Kernel, Twin};
+use crate::program::{Decoding, Kernel, Program, Twin};
 use crate::renderer::Pass;
 use crate::scene_data::SceneData;
 use crate::tables::kernel::Role;
-use crate::tables::state::{StateCounts, Tag};
+use crate::tables::state::{Population, StateCounts, Tag};
 use crate::tables::stream::Stream;
-use crate::tables::texels::{Layout, Texels};
+use crate::tables::texels::Layout;
 
 /// A run that a ray may be followed along.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +34,7 @@ impl RunSoFar<'_> {
     pub fn can_be_followed_alone(&self) -> bool {
         let kernels = self.plan.schedule.kernels();
         let is_simple = |kernel: &Kernel| matches!(kernel.info().twin, Twin::Element { .. });
-        self.plan.program.course.is_some()
+        self.plan.program.rays.is_some()
             && kernels.iter().any(|kernel| kernel.role() == Role::Source)
             && kernels.iter().all(|kernel| is_simple(kernel) && kernel.role() != Role::Whole)
     }
@@ -59,7 +59,7 @@ impl RunSoFar<'_> {
                 cursor.leave_walk(&self.plan.schedule);
                 cursor.next(&self.plan.schedule, &counts);
             }
-            counts = pass.counts;
+            counts.in_state.clone_from(&pass.counts);
             rows.extend(ray.run(pass));
         }
         if !self.is_complete {
@@ -122,6 +122,8 @@ impl RunSoFar<'_> {
 /// A ray's texels, and what its kernels read.
 struct Alone<'a, R: Precision> {
     data: &'a SceneData,
+    program: &'static Program,
+    rays: Decoding,
     streams: Vec<Stream>,
     layout: Layout,
     row: Vec<R::Bits>,
@@ -132,16 +134,17 @@ struct Alone<'a, R: Precision> {
 impl<'a, R: Precision> Alone<'a, R> {
     /// Before the first pass; `None` for a program without states.
     fn new(plan: &Plan, data: &'a SceneData, pixel: [u32; 2]) -> Option<Self> {
-        let elements = plan.program.state_stream()?.info().elements.name;
+        let (rays, elements) = (plan.program.rays?, plan.program.state_stream()?.info().elements.name);
         let streams = plan.streams.iter().map(|s| s.what).filter(|s| s.info().elements.name == elements);
         let streams: Vec<Stream> = streams.collect();
-        let layout = Layout::of(streams.iter().copied());
+        let layout = Layout::of(plan.program.streams, streams.iter().copied());
         let mut row = Vec::with_capacity(layout.stride);
         for &stream in &streams {
             let unwritten = stream.info().unwritten.iter().enumerate();
             row.extend(unwritten.map(|(layer, &bits)| from_stream_bits::<R>(stream, layer, bits)));
         }
-        let mut ray = Self { data, streams, layout, row, pixel, state: RayState::of(|_| None) };
+        let state = (rays.decode)(&|_| None);
+        let mut ray = Self { data, program: plan.program, rays, streams, layout, row, pixel, state };
         ray.state = ray.decoded();
         Some(ray)
     }
@@ -150,27 +153,27 @@ impl<'a, R: Precision> Alone<'a, R> {
         let components = self.streams.iter().flat_map(|&stream| (0..stream.layers()).map(move |layer| (stream, layer)));
         let of = |((stream, layer), &bits): ((Stream, usize), &R::Bits)| to_stream_bits::<R>(stream, layer, bits);
         let bits: Vec<u32> = components.zip(&self.row).map(of).collect();
-        RayState::of(|stream| {
+        (self.rays.decode)(&|stream| {
             let first = self.streams.contains(&stream).then(|| self.layout.first[stream.index()]).flatten()?;
             Some(&bits[first..first + stream.layers()])
         })
     }
 
     /// The number of rays in each state: this one.
-    fn counts(&self) -> StateCounts {
-        let mut counts = StateCounts::default();
-        counts[self.state.tag as usize] = 1;
-        counts
+    fn counts(&self) -> Population {
+        let mut counts = StateCounts::none(self.program.states);
+        counts.add(self.state.tag, 1);
+        counts.into()
     }
 
     /// What a pass does to the ray; `None` if it does not work on it.
     fn run(&mut self, pass: &Pass) -> Option<TraceRow> {
         let tag: Tag = self.state.tag;
         let Twin::Element { f32, f64 } = pass.kernel.info().twin else { return None };
-        pass.kernel.info().takes.contains(&tag).then_some(())?;
+        pass.kernel.takes().contains(&tag).then_some(())?;
         let [x, y] = self.pixel;
-        R::twin(f32, f64)(&mut Texels::new(&mut self.row, &self.layout, x, y), self.data);
-        let before = std::mem::replace(&mut self.state, RayState::of(|_| None));
+        OnElement::<R>::new(pass.kernel, R::twin(f32, f64), &self.layout).run(&mut self.row, x, y, self.data);
+        let before = self.state;
         self.state = self.decoded();
         Some(TraceRow::new(pass, self.data, &before, &self.state))
     }

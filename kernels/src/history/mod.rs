@@ -10,8 +10,7 @@ pub use alone::RunSoFar;
 
 use crate::plan::Plan;
 use crate::program::Kernel;
-use crate::programs::closest_hit::explain::explain;
-pub use crate::programs::closest_hit::ray_state::RayState;
+pub use crate::program::RayState;
 use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
 use crate::shared::grid_walk::Grid;
@@ -143,7 +142,7 @@ impl Follower {
     pub async fn step(&mut self, renderer: &mut Renderer) -> Result<Option<Pass>, RenderError> {
         let Some(pass) = renderer.step().await? else { return Ok(None) };
         // A kernel leaves every ray alone that is not in its states, so there is nothing to read back.
-        if pass.kernel.info().takes.contains(&self.before.tag) {
+        if pass.kernel.takes().contains(&self.before.tag) {
             let [x, y] = self.pixel;
             let after = ray_state(renderer, x, y).await?;
             let mut row = TraceRow::new(&pass, renderer.data(), &self.before, &after);
@@ -175,9 +174,10 @@ fn after_all(plan: &Plan) -> Vec<Kernel> {
 /// If the image has no such pixel, or the device fails.
 pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, RenderError> {
     let plan = renderer.plan();
-    let streams: Vec<Stream> = RayState::STREAMS.into_iter().filter(|&s| plan.has_stream(s)).collect();
+    let rays = plan.program.rays.ok_or(RenderError::NoRays(plan.program.name))?;
+    let streams: Vec<Stream> = rays.streams.iter().copied().filter(|&s| plan.has_stream(s)).collect();
     let texels = renderer.texels(&streams, x, y).await?;
-    Ok(RayState::of(|stream| streams.iter().position(|&s| s == stream).map(|i| texels[i].as_slice())))
+    Ok((rays.decode)(&|stream| streams.iter().position(|&s| s == stream).map(|i| texels[i].as_slice())))
 }
 
 impl TraceRow {
@@ -186,8 +186,8 @@ impl TraceRow {
     pub fn new(pass: &Pass, data: &SceneData, before: &RayState, after: &RayState) -> Self {
         let is_grid = data.features.grid;
         let has_places = is_grid || data.features.irregular || data.features.bvh;
-        let index_after = (has_places && after.is_walking()).then_some(after.cell_index);
-        let (tested, why) = explain(pass.kernel, data, before, after);
+        let index_after = (has_places && after.is_walking).then_some(after.cell_index);
+        let (tested, why) = (pass.kernel.info().explain)(data, before, after);
         Self {
             pass: Some(pass.index),
             kernel: pass.kernel.name(),

@@ -102,7 +102,7 @@ impl Many<'_> {
     fn is_worked_on(&self, tag: Option<u32>) -> bool {
         let kernel = self.kernel.kernel;
         let generates = kernel.role() == Role::Whole && self.data.features.eye_rays;
-        let unborn = kernel.program().course.as_ref().map(|course| course.unborn);
-        tag.is_none_or(|tag| kernel.info().takes.contains(&tag) || generates && unborn == Some(tag))
+        let unborn = kernel.course().map(|course| course.unborn);
+        tag.is_none_or(|tag| kernel.takes().contains(&tag) || generates && unborn == Some(tag))
     }
 }

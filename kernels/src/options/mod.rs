@@ -21,8 +21,10 @@ pub enum ProgramName {
     /// Rays are traced to their closest hits and shaded.
     #[default]
     ClosestHit,
-    /// A uniform grid is built over the scene's triangles.
+    /// A grid is built over the scene's triangles.
     GridBuild,
+    /// Keys are sorted, without a scene.
+    Sort,
 }
 
 /// The acceleration structure.
@@ -147,7 +149,7 @@ named!(
     Bvh "bvh",
     None "none"
 );
-named!(ProgramName, "closest-hit, grid-build", ClosestHit "closest-hit", GridBuild "grid-build");
+named!(ProgramName, "closest-hit, grid-build, sort", ClosestHit "closest-hit", GridBuild "grid-build", Sort "sort");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
 named!(BuiltBy, "auto, host, device", Auto "auto", Host "host", Device "device");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
@@ -282,6 +284,9 @@ impl RaySource {
     }
 }
 
+/// Default number of elements of a program that needs no scene.
+pub const ELEMENTS: u32 = 1 << 12;
+
 /// Default steps per pass of the compact schedule.
 pub const STEPS_PER_PASS: u32 = 8;
 
@@ -290,6 +295,8 @@ pub const STEPS_PER_PASS: u32 = 8;
 pub struct Options {
     /// `--program`: what runs. A build traces no rays.
     pub program: ProgramName,
+    /// `--elements`: how many elements a program works on that needs no scene.
+    pub elements: u32,
     /// `--accelerator`
     pub accelerator: Accelerator,
     /// `--schedule`
@@ -342,6 +349,7 @@ impl Options {
     pub fn new(rays: RaySource) -> Self {
         Self {
             program: ProgramName::default(),
+            elements: ELEMENTS,
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             mapping: Mapping::default(),

@@ -2,9 +2,9 @@
 
 use super::check::{check_buffer, given_size};
 use super::{Allocated, Limits, Plan, PlanError, bound_by, variants};
+use crate::program::live::{LIVE_RAYS, live_bytes};
 use crate::scene_data::SceneData;
 use crate::tables::elements::Size;
-use crate::tables::sizes::LIVE_REGIONS;
 
 impl Plan {
     /// The plan of a run of input rays for another number of them.
@@ -15,7 +15,7 @@ impl Plan {
         let (width, height) = given_size(rays, limits)?;
         let size = Size { width, height, count: rays as u32 };
         if self.features.live_lists {
-            check_buffer("live_rays", LIVE_REGIONS * 4 * size.texels(), limits)?;
+            check_buffer(LIVE_RAYS, live_bytes(self.program, size.texels()), limits)?;
         }
         let bound = bound_by(&self.variants);
         let Allocated { sets, streams, buffers } =

@@ -53,6 +53,14 @@ pub enum PlanError {
          other: move the scene to the origin"
     )]
     Extent,
+    /// More keys than a sort's schedule is made for.
+    #[error("{keys} keys cannot be sorted: at most {most}")]
+    TooManyKeys {
+        /// Number of keys.
+        keys: u32,
+        /// Most of them.
+        most: u32,
+    },
     /// The paper does not know the structure.
     #[error("the paper has no rules for an irregular grid: use --numerics robust, or --accelerator grid")]
     NoPaperRules,

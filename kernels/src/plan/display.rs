@@ -49,7 +49,7 @@ impl fmt::Display for PlanText<'_> {
 
 impl Plan {
     fn write_head(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.program.course.is_some() {
+        if self.program.course().is_some() {
             return writeln!(
                 f,
                 "{} x {} texels, {} rays, {} triangles",
@@ -101,7 +101,7 @@ impl Plan {
         writeln!(f, "\nkernels")?;
         for variant in &self.variants {
             let info = variant.kernel.info();
-            let states: Vec<_> = info.takes.iter().map(|&t| self.program.states.name(t)).collect();
+            let states: Vec<_> = variant.kernel.takes().iter().map(|&t| self.program.states.name(t)).collect();
             let over = match states.as_slice() {
                 [] => variant.kernel.instance().over.name.to_owned(),
                 states => format!("{} in {}", variant.kernel.instance().over.name, states.join(", ")),

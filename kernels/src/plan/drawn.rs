@@ -45,7 +45,7 @@ impl DrawnPlan {
         let program = variants[0].kernel.program();
         let counter = program.kernels().find(|kernel| kernel.role() == Role::Count);
         let missing = || ShaderError::Invalid { kernel: program.name, message: "no kernel counts its rays".into() };
-        let counter = reader(&Variant::new(counter.ok_or_else(missing)?, features)?)?;
+        let counter = reader(&Variant::new(counter.ok_or_else(missing)?, features, &[])?)?;
         let all: Vec<Kernel> = kernels.iter().map(|drawn| drawn.kernel).collect();
         let state = program.state_stream().ok_or_else(missing)?;
         let depths = (how.cull == Cull::EarlyZ).then(|| depths(state, &all));

@@ -1,17 +1,15 @@
 //! Plans a grid that is built pass by pass.
 
-use std::collections::BTreeSet;
-
 use raystep_scenes::Scene;
 
 use super::check::{PlanError, check_buffer, check_rays, check_scene};
 use super::decide;
+use super::over::Over;
 use super::resolve::{self, ChosenGrid};
-use super::{Limits, Plan, Planned, PlannedSet, housekeeping, planned_buffers, planned_streams, variants};
+use super::{Limits, Plan};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, Rule};
-use crate::program::sizes::derive;
 use crate::programs::grid_build::elements::{CELLS, TRIANGLES, WHOLE};
 use crate::programs::grid_build::schedule::Kind;
 use crate::programs::grid_build::{PROGRAM, schedule};
@@ -20,8 +18,6 @@ use crate::shared::build::Build;
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid;
 use crate::structures::irregular::{Layout, Site};
-use crate::tables::elements::Size;
-use crate::tables::sizes::fill_bytes;
 
 /// Plans the build of the grid that the same options would trace rays through. Its resolution is decided here; the
 /// length of its lists is found by the build.
@@ -101,48 +97,11 @@ pub(crate) fn of(
     let data = SceneData { features, units, grid, growth, build, vertices, ..SceneData::default() };
 
     let cells: u64 = build.cells.iter().map(|&n| u64::from(n)).product();
-    let given = [(&TRIANGLES, triangles), (&CELLS, cells), (&WHOLE, 1)];
-    let mut known = vec![None; PROGRAM.elements.len()];
-    for (size, elements) in known.iter_mut().zip(PROGRAM.elements) {
-        if let Some(&(_, count)) = given.iter().find(|(set, _)| set.name == elements.name) {
-            let too_many = || PlanError::TooMany { elements: elements.name.to_owned(), count, side: limits.image_side };
-            *size = Some(Size::folded(count, limits.image_side).ok_or_else(too_many)?);
-        }
-    }
-    derive(&PROGRAM, &mut known, limits.image_side).map_err(|error| PlanError::TooMany {
-        elements: error.elements.to_owned(),
-        count: error.count,
-        side: limits.image_side,
-    })?;
-    let sets: Vec<_> = PROGRAM.elements.iter().zip(known).map(|(&what, size)| PlannedSet { what, size }).collect();
-    let schedule = schedule::of(what.kind(), cells as u32);
-    let variants = variants(&PROGRAM, &schedule, &features)?;
-    let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
-    let size = sets[0].size.unwrap_or(Size { width: 1, height: 1, count: 0 });
-    let streams = planned_streams(&PROGRAM, &sets, &bound);
-    let mut buffers = planned_buffers(&PROGRAM, &bound, &data, limits)?;
-    buffers.extend(housekeeping(&PROGRAM, &bound, size.texels()));
-    buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), PROGRAM.streams) });
-    let mut plan = Plan {
+    let run = Over {
         program: &PROGRAM,
-        sets,
-        image_side: limits.image_side,
-        most_elements: limits.rays.min(limits.storage_bytes / 4),
-        width: size.width,
-        height: size.height,
-        rays: triangles,
-        triangles,
+        schedule: schedule::of(what.kind(), cells as u32),
+        given: &[(&TRIANGLES, triangles), (&CELLS, cells), (&WHOLE, 1)],
         accelerator: if is_uniform { Accelerator::Grid } else { Accelerator::Irregular },
-        is_gpu: limits.is_gpu,
-        features,
-        pass_bound: schedule.steps.len() as u64,
-        schedule,
-        variants,
-        drawn: None,
-        streams,
-        buffers,
-        left_out: Vec::new(),
     };
-    plan.left_out = decide::absent(&plan, options);
-    Ok((plan, data))
+    Ok((run.plan(&data, options, limits)?, data))
 }

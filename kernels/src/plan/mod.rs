@@ -11,7 +11,9 @@ pub mod drawn;
 pub(crate) mod grid_build;
 pub(crate) mod limits;
 mod omitted;
+mod over;
 mod resolve;
+mod sort;
 pub mod structure;
 mod turns;
 mod view;
@@ -25,15 +27,16 @@ use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::mapping::Until;
 use crate::options::{Accelerator, Numerics, Options, ProgramName, RaySource, ScheduleKind, Traversal};
+use crate::program::live::{self, LIVE_RAYS, live_bytes};
 use crate::program::schedule::{Schedule, Step};
 use crate::program::{Kernel, Program};
 use crate::programs::closest_hit;
 use crate::scene_data::SceneData;
 use crate::shader::{LAUNCH, ShaderError, Variant};
 use crate::shared::scene::SceneInfo;
-use crate::tables::elements::{Elements, Size};
+use crate::tables::elements::{Count, Elements, Size};
 use crate::tables::kernel::Role;
-use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, LIVE_REGIONS, fill_bytes, given_bytes};
+use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, fill_bytes, given_bytes};
 use crate::tables::stream::Stream;
 
 pub use crate::numbers::bytes::Bytes;
@@ -125,7 +128,7 @@ pub struct Plan {
 }
 
 /// The buffers in which the GPU executor counts and lists elements, as far as kernels bind them.
-fn housekeeping(program: &Program, bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str>> {
+fn housekeeping(program: &'static Program, bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str>> {
     let slots = COUNT_SLOTS * COUNT_SLOT_BYTES;
     let mut all = Vec::new();
     let mut add = |what, bytes| all.push(Planned { what, bytes });
@@ -139,8 +142,8 @@ fn housekeeping(program: &Program, bound: &BTreeSet<&str>, texels: u64) -> Vec<P
             add(slots, COUNT_SLOTS * COUNT_SLOT_BYTES / 2 + COUNT_SLOT_BYTES);
         }
     }
-    if bound.contains("live_rays") {
-        add("live_rays", LIVE_REGIONS * 4 * texels);
+    if bound.contains(LIVE_RAYS) {
+        add(LIVE_RAYS, live_bytes(program, texels));
     }
     all
 }
@@ -149,9 +152,10 @@ fn housekeeping(program: &Program, bound: &BTreeSet<&str>, texels: u64) -> Vec<P
 fn variants(program: &'static Program, schedule: &Schedule, features: &Features) -> Result<Vec<Variant>, ShaderError> {
     let mut kernels = schedule.kernels();
     if kernels.iter().any(|kernel| kernel.is_counted_anew(features)) {
-        kernels.extend(program.kernels().find(|kernel| kernel.role() == Role::Count));
+        kernels.extend(program.kernels().filter(|kernel| kernel.role() == Role::Count));
     }
-    kernels.into_iter().map(|kernel| Variant::new(kernel, features)).collect()
+    let lists = live::lists(&kernels, features);
+    kernels.into_iter().map(|kernel| Variant::new(kernel, features, &lists)).collect()
 }
 
 fn planned_streams(program: &'static Program, sets: &[PlannedSet], bound: &BTreeSet<&str>) -> Vec<Planned<Stream>> {
@@ -198,7 +202,9 @@ impl Allocated {
         limits: &Limits,
         drawn: Option<&DrawnPlan>,
     ) -> Result<Self, PlanError> {
-        let sets = vec![PlannedSet { what: program.elements[0], size: Some(size) }];
+        let planned =
+            |&what: &&'static Elements| PlannedSet { what, size: (what.count == Count::Image).then_some(size) };
+        let sets: Vec<_> = program.elements.iter().map(planned).collect();
         let mut streams = planned_streams(program, &sets, bound);
         let mut buffers = planned_buffers(program, bound, data, limits)?;
         if let Some(drawn) = drawn {
@@ -209,7 +215,7 @@ impl Allocated {
         buffers.extend(housekeeping(program, bound, size.texels()));
         buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
         if given {
-            let inputs = program.course.map_or(&[][..], |course| course.inputs).iter();
+            let inputs = program.course().map_or(&[][..], |course| course.inputs).iter();
             let inputs = inputs.filter(|stream| bound.contains(stream.name()));
             let bytes = inputs.map(|&stream| given_bytes(stream, size.width, size.height)).sum();
             buffers.push(Planned { what: "given", bytes });
@@ -240,7 +246,7 @@ impl Plan {
                 body.iter().all(runs_once)
             }
         };
-        self.program.course.is_some() && !self.features.samples && self.schedule.steps.iter().all(is_the_same_for_all)
+        self.program.course().is_some() && !self.features.samples && self.schedule.steps.iter().all(is_the_same_for_all)
     }
 
     /// A label for an object of this run, shown by debuggers and in wgpu's errors.
@@ -264,13 +270,13 @@ impl Plan {
         limits: &Limits,
         built: Option<Built>,
     ) -> Result<(Self, SceneData), PlanError> {
-        if options.program == ProgramName::GridBuild {
-            if options.mapping.fragment().is_some() {
-                return Err(PlanError::Mapping(
-                    "--mapping fragment traces rays: the program grid-build cannot be drawn",
-                ));
-            }
-            return grid_build::plan(scene, options, limits);
+        if options.program != ProgramName::ClosestHit && options.mapping.fragment().is_some() {
+            return Err(PlanError::Mapping("--mapping fragment traces rays: no other program can be drawn"));
+        }
+        match options.program {
+            ProgramName::ClosestHit => {}
+            ProgramName::GridBuild => return grid_build::plan(scene, options, limits),
+            ProgramName::Sort => return sort::plan(options, limits),
         }
         let units = Units::of(scene);
         let (width, height, rays) = image_size(options, limits)?;
@@ -348,6 +354,26 @@ impl Plan {
         };
         plan.left_out = left_out(&plan, scene, options);
         Ok((plan, data))
+    }
+
+    /// The same run by another program, whose kernels read the same scene in another order or more often.
+    ///
+    /// # Errors
+    /// If a kernel is invalid, or its streams and buffers do not fit `limits`.
+    pub fn hosted(
+        &self,
+        program: &'static Program,
+        schedule: Schedule,
+        data: &SceneData,
+        limits: &Limits,
+    ) -> Result<Self, PlanError> {
+        let variants = variants(program, &schedule, &self.features)?;
+        let how = self.drawn.as_ref().map(|drawn| drawn.how);
+        let drawn = how.map(|how| DrawnPlan::new(how, &variants, &self.features, limits)).transpose()?;
+        let bound = bound_by(&variants);
+        let Allocated { sets, streams, buffers } =
+            Allocated::new(program, &bound, data, self.size(), false, limits, drawn.as_ref())?;
+        Ok(Self { program, sets, schedule, variants, drawn, streams, buffers, ..self.clone() })
     }
 
     /// The size of the program's main set of elements.

@@ -8,12 +8,13 @@ use super::limits::Limits;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, GridSize, MOST_LISTED, MOST_LISTED_IN_ONE_LEVEL, Options, Rule, ScheduleKind, Skip};
+use crate::program::live::{LIVE_RAYS, live_bytes};
+use crate::programs::closest_hit;
 use crate::scene_data::{bvh_growth, origins, traced_vertices};
 use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
 use crate::structures::grid::{Corners, CountedGrid, GridData};
 use crate::structures::irregular::IrregularData;
 use crate::structures::{Structure, grid, irregular};
-use crate::tables::sizes::LIVE_REGIONS;
 
 /// A structure that was built, and the decisions that go with it.
 pub(super) struct Resolved {
@@ -161,7 +162,7 @@ fn check_sizes(
         check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
     }
     if features.live_lists {
-        check_buffer("live_rays", LIVE_REGIONS * 4 * texels, limits)?;
+        check_buffer(LIVE_RAYS, live_bytes(&closest_hit::PROGRAM, texels), limits)?;
     }
     Ok(())
 }

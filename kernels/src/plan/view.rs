@@ -6,10 +6,10 @@ use super::check::{check_buffer, check_rays, image_size};
 use super::decide::features;
 use super::{Allocated, Limits, Plan, PlanError, bound_by};
 use crate::options::{Options, RaySource};
+use crate::program::live::{LIVE_RAYS, live_bytes};
 use crate::scene_data::{SceneData, origins};
 use crate::structures::grid;
 use crate::tables::elements::Size;
-use crate::tables::sizes::LIVE_REGIONS;
 
 impl Plan {
     /// Whether the data of this plan serves another camera too, given options that differ only in their rays. A camera
@@ -18,7 +18,9 @@ impl Plan {
     /// # Errors
     /// If the camera cannot generate rays.
     pub(crate) fn serves(&self, data: &SceneData, scene: &Scene, options: &Options) -> Result<bool, PlanError> {
-        let (RaySource::Camera { .. }, true) = (&options.rays, self.program.course.is_some()) else { return Ok(false) };
+        let (RaySource::Camera { .. }, true) = (&options.rays, self.program.course().is_some()) else {
+            return Ok(false);
+        };
         check_rays(options, data.units)?;
         let now = features(scene, options, self.accelerator, data.units);
         let planned = &self.features;
@@ -37,7 +39,7 @@ impl Plan {
         let (width, height, rays) = image_size(options, limits)?;
         let size = Size { width, height, count: rays as u32 };
         if self.features.live_lists {
-            check_buffer("live_rays", LIVE_REGIONS * 4 * size.texels(), limits)?;
+            check_buffer(LIVE_RAYS, live_bytes(self.program, size.texels()), limits)?;
         }
         let bound = bound_by(&self.variants);
         let Allocated { sets, streams, buffers } =

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::Program;
 use crate::tables::elements::Count;
 use crate::tables::kernel::{Counts, Role};
-use crate::tables::state::{COUNT, StateRole, Tag};
-use crate::tables::stream::Stream;
+use crate::tables::state::{MOST_STATES, StateRole, Tag};
+use crate::tables::stream::{STATE_TAG, Stream};
 use crate::tables::texels::MOST_STREAMS;
 
 /// A problem with a program.
@@ -90,6 +90,16 @@ pub enum Fault {
         /// What is to become it.
         adopted: &'static str,
     },
+    /// Elements that no kernel has written are not unborn.
+    #[error("{program}: stream {stream} does not begin with state {state}")]
+    Begin {
+        /// The program.
+        program: &'static str,
+        /// The stream of states.
+        stream: &'static str,
+        /// The state in which the course begins.
+        state: &'static str,
+    },
     /// No kernel sends elements to a state.
     #[error("{program}: no element is ever in state {state}")]
     Unreached {
@@ -125,7 +135,7 @@ impl Program {
         let tables: [(&'static str, Vec<&'static str>, usize); 5] = [
             ("kernels", self.kernels.iter().map(|k| k.name).collect(), usize::MAX),
             ("streams", self.streams.iter().map(|s| s.name).collect(), MOST_STREAMS),
-            ("states", self.states.iter().map(|s| s.name).collect(), COUNT),
+            ("states", self.states.iter().map(|s| s.name).collect(), MOST_STATES),
             ("buffers", self.buffers.iter().map(|b| b.name).collect(), usize::MAX),
             ("sets of elements", self.elements.iter().map(|e| e.name).collect(), usize::MAX),
         ];
@@ -140,10 +150,9 @@ impl Program {
                 name,
             }));
         }
-        let kernels = self.kernels.iter().enumerate().map(|(i, k)| (i, k.index, k.name));
         let streams = self.streams.iter().enumerate().map(|(i, s)| (i, s.index, s.name));
         let states = self.states.iter().enumerate().map(|(i, s)| (i, s.tag as usize, s.name));
-        let out_of_place = kernels.chain(streams).chain(states).filter(|(i, index, _)| i != index);
+        let out_of_place = streams.chain(states).filter(|(i, index, _)| i != index);
         faults.extend(out_of_place.map(|(.., name)| Fault::Place { program, name }));
     }
 
@@ -162,6 +171,13 @@ impl Program {
                 faults.push(Fault::Missing { program, of: stream.name, missing });
             }
         }
+        for course in self.courses {
+            let begins = course.stream.info().unwritten.get(STATE_TAG).copied();
+            if begins != Some(course.unborn) {
+                let (stream, state) = (course.stream.name(), self.states.name(course.unborn));
+                faults.push(Fault::Begin { program, stream, state });
+            }
+        }
         for elements in self.elements {
             let missing = match elements.count {
                 Count::Found { in_stream, .. } if self.stream(in_stream).is_none() => format!("stream {in_stream:?}"),
@@ -176,15 +192,16 @@ impl Program {
         let program = self.name;
         for kernel in self.kernels() {
             let (info, of) = (kernel.info(), kernel.name());
+            let is_list = |name: &str| self.lists.iter().any(|list| list.name == name);
             let mut missing = |missing: String| faults.push(Fault::Missing { program, of, missing });
             if self.elements(kernel.instance().over.name).is_none() {
                 missing(format!("elements {:?}", kernel.instance().over.name));
             }
-            if info.list.is_some_and(|list| list >= self.lists.len()) {
-                missing(format!("list {}", info.list.unwrap_or_default()));
+            if let (Some(list), None) = (info.list, kernel.list()) {
+                missing(format!("list {:?}", kernel.bound(list)));
             }
             for (_, bound) in kernel.instance().binds {
-                if self.stream(bound).is_none() && self.buffer(bound).is_none() {
+                if self.stream(bound).is_none() && self.buffer(bound).is_none() && !is_list(bound) {
                     missing(format!("{bound:?}"));
                 }
             }
@@ -192,7 +209,7 @@ impl Program {
             for stream in adopts.iter().flat_map(|(to, from)| [to, from]).filter(|s| self.stream(s.name()).is_none()) {
                 missing(format!("{:?}", stream.name()));
             }
-            let tags = info.takes.iter().chain(info.sends.iter().flat_map(|send| [&send.from, &send.to]));
+            let tags = kernel.takes().iter().chain(kernel.sends().iter().flat_map(|send| [&send.from, &send.to]));
             for tag in tags.filter(|&&tag| self.states.role(tag).is_none()) {
                 missing(format!("state {tag}"));
             }
@@ -205,24 +222,24 @@ impl Program {
 
     fn check_states(&'static self, faults: &mut Vec<Fault>) {
         let (program, name) = (self.name, |tag: Tag| self.states.name(tag));
-        let unborn = self.course.map(|course| course.unborn);
         for kernel in self.kernels() {
+            let unborn = kernel.course().map(|course| course.unborn);
             let info = kernel.info();
             let mut add = |problem, tag| {
                 faults.push(Fault::Transition { program, kernel: kernel.name(), problem, state: name(tag) });
             };
-            for &tag in info.takes {
-                if !info.sends.iter().any(|send| send.from == tag) {
+            for &tag in kernel.takes() {
+                if !kernel.sends().iter().any(|send| send.from == tag) {
                     add("sends nothing on from", tag);
                 }
             }
-            for send in info.sends {
+            for send in kernel.sends() {
                 // A kernel that handles an element from start to end may also create it.
                 let makes = info.role == Role::Whole && Some(send.from) == unborn;
-                if !info.takes.contains(&send.from) && !makes {
+                if !kernel.takes().contains(&send.from) && !makes {
                     add("does not take what it sends on from", send.from);
                 }
-                if let Counts::AllTo(to) = info.counts
+                if let Counts::AllTo(to) = kernel.counts()
                     && send.to != to
                     && send.to != send.from
                 {
@@ -231,8 +248,8 @@ impl Program {
             }
         }
         let sent: BTreeSet<Tag> = self.transitions().map(|(_, send)| send.to).collect();
-        let taken: BTreeSet<Tag> = self.kernels().flat_map(|kernel| kernel.info().takes).copied().collect();
-        let begins: Vec<Tag> = self.course.iter().flat_map(|course| [course.unborn, course.born]).collect();
+        let taken: BTreeSet<Tag> = self.kernels().flat_map(|kernel| kernel.takes()).copied().collect();
+        let begins: Vec<Tag> = self.courses.iter().flat_map(|course| [course.unborn, course.born]).collect();
         for state in self.states.iter() {
             if !sent.contains(&state.tag) && !begins.contains(&state.tag) {
                 faults.push(Fault::Unreached { program, state: state.name });

@@ -4,16 +4,19 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-use super::Program;
 use super::breaks::Break;
+use super::ray_state::RayState;
+use super::rounding::Rounding;
+use super::{Course, Program};
 use crate::numbers::real::Real;
 use crate::options::features::Features;
 use crate::options::reasons::{Reason, Run};
 use crate::scene_data::SceneData;
+use crate::shared::launch::BLOCK;
 use crate::tables::elements::Elements;
 use crate::tables::kernel::{Counts, Launch, Role, Transition};
-use crate::tables::state::{StateCounts, Tag};
-use crate::tables::stream::Stream;
+use crate::tables::state::{StateCounts, States, Tag};
+use crate::tables::stream::{Stream, StreamInfo};
 use crate::tables::texels::{Columns, Texels};
 
 /// Processes one element on the CPU.
@@ -83,6 +86,39 @@ impl Proof {
     }
 }
 
+/// The triangle that a pass tested, if any, and why it left a ray as it did: from the ray before and after it.
+pub type Explain = fn(&SceneData, &RayState, &RayState) -> (Option<u32>, String);
+
+/// Where one pass of a kernel takes a ray, along its path through a grid or a BVH.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Nowhere, or all the way at once.
+    Stays,
+    /// Into its first cell, or to the root.
+    Enters,
+    /// Into its next cell, or out of the grid.
+    NextCell,
+    /// To the next node, if the box of its node was tested.
+    NextNode,
+    /// Through several cells or nodes, or none.
+    Several,
+}
+
+/// The tables whose constants a kernel's row and twin name: those of the program that it was written for. In a program
+/// with other tables, an instance says which of its streams and states are meant.
+#[derive(Debug)]
+pub struct Home {
+    /// Streams.
+    pub streams: &'static [StreamInfo],
+    /// States.
+    pub states: States,
+}
+
+impl Home {
+    /// Of kernels whose twins find their streams by name, and whose elements have no states.
+    pub const NONE: Self = Self { streams: &[], states: States(&[]) };
+}
+
 /// A row of a program's table of kernels: all facts about a kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelInfo {
@@ -92,6 +128,8 @@ pub struct KernelInfo {
     pub wgsl: &'static str,
     /// The same algorithm on the CPU.
     pub twin: Twin,
+    /// The tables that this row and the twin refer to.
+    pub home: &'static Home,
     /// Tags of the elements that it works on; empty if it works on all.
     pub takes: &'static [Tag],
     /// The states it sends them to. A transition to the same tag is listed only if the kernel did work on the element.
@@ -107,8 +145,8 @@ pub struct KernelInfo {
     pub counts: Counts,
     /// Whether an element may wait for the kernel's next dispatch because one dispatch allows too few loop iterations.
     pub resumes: fn(&Features) -> bool,
-    /// The list of elements that wait for it, if only live ones are launched: an index into the program's lists.
-    pub list: Option<usize>,
+    /// The name of the list of elements that wait for it, if only live ones are launched.
+    pub list: Option<&'static str>,
     /// Proof that it may run without index checks.
     pub proof: Proof,
     /// Its colour in all diagrams, sRGB: readable on light and dark backgrounds.
@@ -117,26 +155,77 @@ pub struct KernelInfo {
     pub why_absent: fn(&Run<'_>) -> Reason,
     /// One sentence about it.
     pub summary: &'static str,
+    /// How it explains what a pass did to a ray.
+    pub explain: Explain,
+    /// Where one pass of it takes a ray.
+    pub path: Path,
+    /// What a device that rounds otherwise may change in one pass.
+    pub rounding: Rounding,
     /// What breaks it on purpose, for the test of its comparison with its CPU reference: at least one.
     pub breaks: &'static [Break],
 }
 
-/// An instance of a kernel in a program: the elements it is launched over, and the streams bound to its names.
+impl KernelInfo {
+    /// The row of a kernel that runs once on every element of a set without states, one to a thread, and whose elements may
+    /// read each other. `source` is its name and its WGSL.
+    #[must_use]
+    pub const fn once(
+        (name, wgsl): (&'static str, &'static str),
+        twin: PassTwin,
+        colour: [u8; 3],
+        summary: &'static str,
+        why_absent: fn(&Run<'_>) -> Reason,
+        breaks: &'static [Break],
+    ) -> Self {
+        Self {
+            name,
+            wgsl,
+            twin: Twin::Pass(twin),
+            home: &Home::NONE,
+            takes: &[],
+            sends: &[],
+            role: Role::Once,
+            workgroup: BLOCK as u32,
+            launch: Launch::List { each: 1, weight: 1 },
+            counts: Counts::None,
+            resumes: |_| false,
+            list: None,
+            proof: Proof::NONE,
+            colour,
+            why_absent,
+            summary,
+            explain: |_, _, _| (None, String::new()),
+            path: Path::Stays,
+            rounding: Rounding::NONE,
+            breaks,
+        }
+    }
+}
+
+impl Instance {
+    /// The only instance of a kernel in a program, over a set of elements.
+    #[must_use]
+    pub const fn of(kernel: KernelInfo, over: &'static Elements) -> Self {
+        Self { name: kernel.name, kernel, over, parameter: 0, binds: &[], renamed: None, renews: &[], adopts: &[] }
+    }
+}
+
+/// An instance of a kernel in a program: the elements it is launched over, and the streams, lists and states that are bound
+/// to its names.
+#[derive(Clone, Copy, Debug)]
 pub struct Instance {
-    /// Its index in the program's table.
-    pub index: usize,
     /// Its name: the kernel's, if the program has only one instance of it.
     pub name: &'static str,
-    /// The program.
-    pub program: &'static Program,
     /// The kernel.
     pub kernel: KernelInfo,
     /// The set of elements it is launched over.
     pub over: &'static Elements,
     /// The value of `launch.parameter`.
     pub parameter: u32,
-    /// Streams bound under other names: pairs of a name in the WGSL and a stream.
+    /// Streams, buffers and lists bound under other names: pairs of a name in the WGSL and one in the program.
     pub binds: &'static [(&'static str, &'static str)],
+    /// The states of the kernel, if the program calls them otherwise.
+    pub renamed: Option<&'static Renamed>,
     /// Sets whose numbers of elements are read again before it runs. Their streams are unwritten then, unless the number
     /// is the same.
     pub renews: &'static [&'static Elements],
@@ -146,45 +235,122 @@ pub struct Instance {
     pub adopts: &'static [(Stream, Stream)],
 }
 
+/// The states of a kernel as a program calls them in which it is a guest.
+#[derive(Debug)]
+pub struct Renamed {
+    /// Each of the kernel's own states, and the one of the program that is meant.
+    pub tags: Vec<(Tag, Tag)>,
+    takes: Vec<Tag>,
+    sends: Vec<Transition>,
+    counts: Counts,
+}
+
+impl Renamed {
+    /// The states of a kernel, by pairs of a name in its [`Home`] and one in a program with these states; a state that no
+    /// pair names has the same name in both. `None` if one of the two does not have it.
+    #[must_use]
+    pub fn new(kernel: &KernelInfo, states: States, names: &[(&str, &str)]) -> Option<Self> {
+        let here = |name: &'static str| names.iter().find(|(own, _)| *own == name).map_or(name, |(_, here)| here);
+        let is_known = |(own, _): &(&str, &str)| kernel.home.states.tag(own).is_some();
+        if !names.iter().all(is_known) {
+            return None;
+        }
+        let pairs = kernel.home.states.iter().filter_map(|own| Some((own.tag, states.tag(here(own.name))?)));
+        let tags: Vec<(Tag, Tag)> = pairs.collect();
+        let of = |own: Tag| tags.iter().find(|(tag, _)| *tag == own).map(|&(_, here)| here);
+        let takes = kernel.takes.iter().map(|&tag| of(tag)).collect::<Option<_>>()?;
+        let send = |sent: &Transition| Some(Transition { from: of(sent.from)?, when: sent.when, to: of(sent.to)? });
+        let sends = kernel.sends.iter().map(send).collect::<Option<_>>()?;
+        let counts = match kernel.counts {
+            Counts::AllTo(tag) => Counts::AllTo(of(tag)?),
+            other => other,
+        };
+        Some(Self { tags, takes, sends, counts })
+    }
+}
+
 /// An instance of a kernel in a program: a row of the program's table.
 #[derive(Clone, Copy)]
-pub struct Kernel(&'static Instance);
+pub struct Kernel {
+    program: &'static Program,
+    index: usize,
+}
 
 impl Kernel {
-    /// The kernel of an instance.
+    /// The kernel at an index of a program's table, which must be below the table's length.
     #[must_use]
-    pub const fn of(instance: &'static Instance) -> Self {
-        Self(instance)
+    pub const fn at(program: &'static Program, index: usize) -> Self {
+        Self { program, index }
     }
-    /// The facts about the kernel, the same for all instances.
+    /// The facts about the kernel, the same for all instances but for states: see [`takes`](Self::takes).
     #[must_use]
     pub const fn info(self) -> &'static KernelInfo {
-        &self.0.kernel
+        &self.instance().kernel
+    }
+    /// Its row of the program's table.
+    #[must_use]
+    pub const fn instance(self) -> &'static Instance {
+        &self.program.kernels[self.index]
     }
     /// Its index in the program.
     #[must_use]
-    pub const fn instance(self) -> &'static Instance {
-        self.0
+    pub const fn index(self) -> usize {
+        self.index
     }
     /// The program it belongs to.
     #[must_use]
     pub const fn program(self) -> &'static Program {
-        self.0.program
+        self.program
+    }
+    /// Tags of the elements that it works on, in the program; empty if it works on all.
+    #[must_use]
+    pub fn takes(self) -> &'static [Tag] {
+        self.instance().renamed.map_or(self.info().takes, |renamed| &renamed.takes)
+    }
+    /// The states it sends them to, in the program.
+    #[must_use]
+    pub fn sends(self) -> &'static [Transition] {
+        self.instance().renamed.map_or(self.info().sends, |renamed| &renamed.sends)
+    }
+    /// How the host learns to which states it sent elements.
+    #[must_use]
+    pub fn counts(self) -> Counts {
+        self.instance().renamed.map_or(self.info().counts, |renamed| renamed.counts)
+    }
+    /// The course of the elements that it is launched over; `None` if they have no states.
+    #[must_use]
+    pub fn course(self) -> Option<&'static Course> {
+        self.program.course_of(self.instance().over)
+    }
+    /// The index of its list among the program's, if it has one.
+    #[must_use]
+    pub fn list(self) -> Option<usize> {
+        let name = self.bound(self.info().list?);
+        self.program.lists.iter().position(|list| list.name == name)
+    }
+    /// The stream of the program that is bound to one of the kernel's [`Home`].
+    #[must_use]
+    pub fn stream(self, own: Stream) -> Option<Stream> {
+        self.program.stream(self.bound(own.name()))
+    }
+    /// Whether its twin reads the program's streams as they are.
+    pub(crate) fn is_at_home(self) -> bool {
+        std::ptr::eq(self.info().home.streams, self.program.streams) && self.instance().binds.is_empty()
     }
     /// Its name in the program.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        self.0.name
+        self.instance().name
     }
     /// What is bound to a name in its WGSL: the name itself, unless the instance says otherwise.
     #[must_use]
     pub fn bound(self, name: &str) -> &str {
-        self.0.binds.iter().find(|(of, _)| *of == name).map_or(name, |&(_, bound)| bound)
+        self.instance().binds.iter().find(|(of, _)| *of == name).map_or(name, |&(_, bound)| bound)
     }
     /// The state in which it leaves every element that it works on, if there is only one.
     #[must_use]
-    pub const fn sends_all_to(self) -> Option<Tag> {
-        match self.info().counts {
+    pub fn sends_all_to(self) -> Option<Tag> {
+        match self.counts() {
             Counts::AllTo(tag) => Some(tag),
             Counts::Sent | Counts::Anew | Counts::None => None,
         }
@@ -217,13 +383,13 @@ impl Kernel {
     /// Number of these elements it would work on.
     #[must_use]
     pub fn live(self, counts: &StateCounts) -> u32 {
-        self.info().takes.iter().map(|&tag| counts[tag as usize]).sum()
+        counts.in_any(self.takes())
     }
 }
 
 impl PartialEq for Kernel {
     fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self.0, other.0)
+        self.index == other.index && std::ptr::eq(self.program, other.program)
     }
 }
 
@@ -238,14 +404,14 @@ impl PartialOrd for Kernel {
 impl Ord for Kernel {
     /// In table order; the order between kernels of different programs is arbitrary.
     fn cmp(&self, other: &Self) -> Ordering {
-        let key = |kernel: &Self| (kernel.0.index, std::ptr::from_ref(kernel.0).addr());
+        let key = |kernel: &Self| (kernel.index, std::ptr::from_ref(kernel.program).addr());
         key(self).cmp(&key(other))
     }
 }
 
 impl Hash for Kernel {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        std::ptr::from_ref(self.0).hash(state);
+        (self.index, std::ptr::from_ref(self.program)).hash(state);
     }
 }
 
@@ -258,20 +424,19 @@ impl fmt::Debug for Kernel {
 /// Defines a program's table of kernels, and a constant for each of them. A kernel's twin is the function of the same
 /// name in the module of the same name.
 macro_rules! kernels {
-    ($($(#[doc = $doc:literal])* $kernel:ident $module:ident of $over:ident, twin: $twin:ident, { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, $(proof: $proof:expr,)? colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, own: $own:expr, breaks: $breaks:expr, })*) => {
+    ($($(#[doc = $doc:literal])* $kernel:ident $module:ident of $over:ident, twin: $twin:ident, { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, $(proof: $proof:expr,)? colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, explain: $explain:expr, path: $path:expr, rounding: $rounding:expr, breaks: $breaks:expr, })*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Index { $($kernel),* }
 
         /// Every kernel.
         pub static KERNELS: [$crate::program::Instance; [$(Index::$kernel as usize),*].len()] =
             [$($crate::program::Instance {
-                index: Index::$kernel as usize,
                 name: stringify!($module),
-                program: &super::PROGRAM,
                 kernel: $crate::program::KernelInfo {
                     name: stringify!($module),
                     wgsl: include_str!(concat!(stringify!($module), ".wgsl")),
                     twin: $crate::program::kernel::twin!($twin $module),
+                    home: &HOME,
                     takes: $takes,
                     sends: $sends,
                     role: $role,
@@ -284,19 +449,20 @@ macro_rules! kernels {
                     colour: $colour,
                     why_absent: $why_absent,
                     summary: $summary,
+                    explain: $explain,
+                    path: $path,
+                    rounding: $rounding,
                     breaks: $breaks,
                 },
                 over: &$over,
                 parameter: 0,
                 binds: &[],
+                renamed: None,
                 renews: &[],
                 adopts: &[],
             }),*];
 
-        $($(#[doc = $doc])* pub const $kernel: Kernel = Kernel::of(&KERNELS[Index::$kernel as usize]);)*
-
-        /// The program's own data about each of its kernels.
-        pub static OWN: [Own; KERNELS.len()] = [$($own),*];
+        $($(#[doc = $doc])* pub const $kernel: Kernel = Kernel::at(&PROGRAM, Index::$kernel as usize);)*
     };
 }
 pub(crate) use kernels;

@@ -4,11 +4,15 @@
 pub mod breaks;
 pub mod check;
 pub mod kernel;
+pub mod live;
+pub mod ray_state;
 pub mod results;
+pub mod rounding;
 pub mod schedule;
 pub mod sizes;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fmt;
 
 use crate::options::features::Features;
@@ -18,7 +22,8 @@ use crate::tables::kernel::{ListInfo, Transition};
 use crate::tables::state::{States, Tag};
 use crate::tables::stream::{Stream, StreamInfo};
 pub use check::Fault;
-pub use kernel::{Instance, Kernel, KernelInfo, Twin};
+pub use kernel::{Home, Instance, Kernel, KernelInfo, Path, Renamed, Twin};
+pub use ray_state::{Decoding, RayState};
 pub use results::Results;
 
 /// A WGSL module: its name and its text.
@@ -34,13 +39,12 @@ pub struct Program {
     pub elements: &'static [&'static Elements],
     /// Its streams.
     pub streams: &'static [StreamInfo],
-    /// Sets on whose numbers of elements the schedule's repetitions depend; only for a program without states, whose
-    /// [`StateCounts`](crate::tables::state::StateCounts) they are.
-    pub counted: &'static [&'static Elements],
     /// Its states; empty if every kernel works on every element.
     pub states: States,
-    /// The states in which elements begin and end; `None` without states.
-    pub course: Option<Course>,
+    /// The courses of elements through states, at most one for each set; the first is that of the rays, if it has rays.
+    pub courses: &'static [Course],
+    /// How its rays are decoded, for their histories; `None` if it has no rays, or none that can be followed.
+    pub rays: Option<Decoding>,
     /// The streams of its results, if it traces rays.
     pub results: Option<Results>,
     /// Uniforms and storage buffers that its kernels read.
@@ -49,11 +53,12 @@ pub struct Program {
     pub lists: &'static [ListInfo],
     /// Instances of its kernels.
     pub kernels: &'static [Instance],
-    /// WGSL modules that kernels import from, by name: `package::NAME`.
+    /// Its own WGSL modules that kernels import from, by name: `package::NAME`. All may also import what is made of the
+    /// program's rows: see [`live`].
     pub modules: fn(&Features) -> Vec<Module>,
 }
 
-/// The states in which the elements of a program begin and end.
+/// The course of a set's elements through states: where it begins and ends. Elements whose set has none have no states.
 #[derive(Clone, Copy, Debug)]
 pub struct Course {
     /// The stream whose first layer holds the tags.
@@ -73,7 +78,7 @@ pub struct Course {
 impl Program {
     /// Its kernels.
     pub fn kernels(&'static self) -> impl Iterator<Item = Kernel> {
-        self.kernels.iter().map(Kernel::of)
+        (0..self.kernels.len()).map(move |index| Kernel::at(self, index))
     }
 
     /// Its streams.
@@ -105,15 +110,41 @@ impl Program {
         self.elements.iter().copied().find(|elements| elements.name == name)
     }
 
-    /// The stream of states, if it has one.
+    /// The course of its rays, or of the only elements with states.
+    #[must_use]
+    pub fn course(&self) -> Option<&'static Course> {
+        self.courses.first()
+    }
+
+    /// The course of a set's elements.
+    #[must_use]
+    pub fn course_of(&self, elements: &Elements) -> Option<&'static Course> {
+        self.courses.iter().find(|course| course.stream.info().elements.name == elements.name)
+    }
+
+    /// The stream of its rays' states, if it has one.
     #[must_use]
     pub fn state_stream(&self) -> Option<Stream> {
-        self.course.map(|course| course.stream)
+        self.course().map(|course| course.stream)
+    }
+
+    /// Whether a stream has states in its first layer.
+    #[must_use]
+    pub fn has_states(&self, stream: Stream) -> bool {
+        self.courses.iter().any(|course| course.stream == stream)
+    }
+
+    /// The states that elements of a course can be in.
+    #[must_use]
+    pub fn states_of(&'static self, course: &Course) -> BTreeSet<Tag> {
+        let own = self.kernels().filter(|kernel| kernel.course().is_some_and(|of| of.stream == course.stream));
+        let tags = own.flat_map(|kernel| kernel.sends()).flat_map(|sent| [sent.from, sent.to]);
+        tags.chain([course.unborn, course.born, course.given_up, course.done]).collect()
     }
 
     /// The state machine: the transitions in the rows of all kernels.
     pub fn transitions(&'static self) -> impl Iterator<Item = (Kernel, &'static Transition)> {
-        self.kernels().flat_map(|kernel| kernel.info().sends.iter().map(move |transition| (kernel, transition)))
+        self.kernels().flat_map(|kernel| kernel.sends().iter().map(move |transition| (kernel, transition)))
     }
 }
 

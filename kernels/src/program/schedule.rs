@@ -1,34 +1,48 @@
 //! Which kernels run, in what order and until which condition holds: a value that can be checked without a GPU.
 
 use super::kernel::Kernel;
+use crate::tables::elements::Elements;
 use crate::tables::kernel::{Launch, Role};
-use crate::tables::state::StateCounts;
+use crate::tables::state::Population;
 
 /// A step of a schedule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// Run a kernel once, with its instance's parameter.
     Run(Kernel),
-    /// Run a kernel once, with a parameter that counts with the innermost [counted loop](Self::Repeat).
-    RunBy(Kernel, Parameter),
+    /// Run a kernel once, with a parameter that counts with the loops it is in.
+    RunBy(Kernel, Count),
     /// Run a kernel until no ray is active in it; not at all if none is.
     RunUntilIdle(Kernel),
     /// Repeat the steps while any ray is active in one of the kernels.
     LoopWhileActive(Vec<Kernel>, Vec<Step>),
-    /// Run the steps, and repeat them while one of the program's [counted sets](crate::program::Program::counted), named
-    /// by its index, has elements. In a program without states.
-    RepeatWhileAny(usize, Vec<Step>),
-    /// Run the steps so many times.
-    Repeat(u32, Vec<Step>),
+    /// Run the steps, and repeat them while a set has elements.
+    RepeatWhileAny(&'static Elements, Vec<Step>),
+    /// Run the steps so many times, which may depend on the turns of the loops that it is in.
+    Repeat(Count, Vec<Step>),
 }
 
-/// A kernel's `launch.parameter` in a counted loop: `first` in the loop's first turn, and `by` more in each that follows.
+/// A number that counts with the turns of loops: a kernel's `launch.parameter`, or how often a loop runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Parameter {
-    /// In the first turn, and outside of loops.
+pub struct Count {
+    /// In the first turn of each loop, and outside of loops.
     pub first: u32,
-    /// What each turn adds.
-    pub by: u32,
+    /// What each turn of a loop adds, innermost loop first.
+    pub by: &'static [u32],
+}
+
+impl Count {
+    /// Always the same number.
+    #[must_use]
+    pub const fn always(number: u32) -> Self {
+        Self { first: number, by: &[] }
+    }
+
+    /// The number in these turns, outermost loop first.
+    fn at(self, turns: &[At]) -> u32 {
+        let add = |sum: u32, (&by, at): (&u32, &At)| sum.wrapping_add(by.wrapping_mul(at.turn));
+        self.by.iter().zip(turns.iter().rev()).fold(self.first, add)
+    }
 }
 
 /// A pass that is to run: a kernel with its parameter.
@@ -78,7 +92,7 @@ impl Schedule {
                             kernels.push(*k);
                         }
                     }
-                    Step::Repeat(0, _) => {}
+                    Step::Repeat(Count { first: 0, by: [] }, _) => {}
                     Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) | Step::Repeat(_, body) => {
                         collect(body, kernels);
                     }
@@ -96,15 +110,28 @@ impl Schedule {
     #[must_use]
     pub fn passes_expected(&self) -> u64 {
         const TIMES: u64 = 5;
-        fn of(steps: &[Step]) -> u64 {
-            let of_step = |step: &Step| match step {
-                Step::Run(_) | Step::RunBy(..) | Step::RunUntilIdle(_) => 1,
-                Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) => TIMES * of(body),
-                Step::Repeat(times, body) => u64::from(*times).saturating_mul(of(body)),
-            };
-            steps.iter().map(of_step).sum()
+        fn of(steps: &[Step], turns: &mut Vec<At>) -> u64 {
+            let mut passes: u64 = 0;
+            for step in steps {
+                passes = passes.saturating_add(match step {
+                    Step::Run(_) | Step::RunBy(..) | Step::RunUntilIdle(_) => 1,
+                    Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) => {
+                        turns.push(At::default());
+                        let once = of(body, turns);
+                        turns.pop();
+                        TIMES.saturating_mul(once)
+                    }
+                    Step::Repeat(times, body) => (0..times.at(turns)).fold(0u64, |sum, turn| {
+                        turns.push(At { step: 0, turn });
+                        let once = of(body, turns);
+                        turns.pop();
+                        sum.saturating_add(once)
+                    }),
+                });
+            }
+            passes
         }
-        of(&self.steps)
+        of(&self.steps, &mut Vec::new())
     }
 
     /// Whether it repeats its steps for every sample.
@@ -115,9 +142,9 @@ impl Schedule {
 
     /// The counts after a kernel that is not part of the walk, assuming that it sends all of its rays to the next
     /// kernel.
-    fn after_all(&self, kernel: Kernel, counts: &StateCounts) -> StateCounts {
+    fn after_all(&self, kernel: Kernel, counts: &Population) -> Population {
         let first_taken = |is_taker: fn(Role) -> bool| {
-            self.kernels().into_iter().find(|k| is_taker(k.role())).and_then(|k| k.info().takes.first().copied())
+            self.kernels().into_iter().find(|k| is_taker(k.role())).and_then(|k| k.takes().first().copied())
         };
         let to = match kernel.role() {
             Role::Enter => first_taken(Role::is_walk),
@@ -125,10 +152,10 @@ impl Schedule {
             Role::Sample => first_taken(|role| role == Role::Source),
             _ => kernel.sends_all_to(),
         };
-        let mut after = *counts;
+        let mut after = counts.clone();
         if let Some(to) = to {
-            kernel.info().takes.iter().for_each(|&tag| after[tag as usize] = 0);
-            after[to as usize] += kernel.live(counts);
+            after.in_state.clear(kernel.takes().iter().copied());
+            after.in_state.add(to, kernel.live(&counts.in_state));
         }
         after
     }
@@ -140,7 +167,7 @@ pub struct Cursor {
     /// The step at each depth of nesting, outermost first.
     path: Vec<At>,
     /// Number of iterations of the walk's loop that have begun; with several samples per pixel, in this sample. In a
-    /// counted loop, the number of its turns that have begun; 0 before and after it.
+    /// counted loop, the number of its turns that have begun; 0 before and after it. All loops: [`loops`](Self::loops).
     pub iteration: u32,
     /// `launch.parameter` of the pass that [`next`](Self::next) returned last.
     pub parameter: u32,
@@ -153,11 +180,17 @@ pub struct Cursor {
 struct At {
     /// Index of the step.
     step: usize,
-    /// Turns of the counted loop whose body the list is that are complete.
+    /// Turns of the loop whose body the list is that are complete; 0 for the outermost list.
     turn: u32,
 }
 
 impl Cursor {
+    /// The turns of the loops that the pass which [`next`](Self::next) returned last is in, from 0, outermost first.
+    #[must_use]
+    pub fn loops(&self) -> Vec<u32> {
+        self.path[1..].iter().map(|at| at.turn).collect()
+    }
+
     /// The position before the first step.
     #[must_use]
     pub fn start() -> Self {
@@ -165,7 +198,7 @@ impl Cursor {
     }
 
     /// The kernel that runs next, given the number of rays in each state; `None` at the end. Advances past it.
-    pub fn next(&mut self, schedule: &Schedule, counts: &StateCounts) -> Option<Kernel> {
+    pub fn next(&mut self, schedule: &Schedule, counts: &Population) -> Option<Kernel> {
         loop {
             let (steps, parent) = self.steps(schedule);
             let at = self.path.last_mut()?;
@@ -180,52 +213,57 @@ impl Cursor {
                         Role::Sample => self.samples += 1,
                         _ => {}
                     }
-                    self.parameter = match step {
-                        Step::RunBy(_, Parameter { first, by }) => first.wrapping_add(by.wrapping_mul(at.turn)),
-                        _ => kernel.instance().parameter,
-                    };
                     if let Some(Step::Repeat(..)) = parent {
                         self.iteration = at.turn + 1;
                     }
                     at.step += 1;
+                    self.parameter = match step {
+                        Step::RunBy(_, parameter) => parameter.at(&self.path[1..]),
+                        _ => kernel.instance().parameter,
+                    };
                     return Some(*kernel);
                 }
                 Step::RunUntilIdle(kernel) => {
-                    if kernel.live(counts) > 0 {
+                    if kernel.live(&counts.in_state) > 0 {
                         self.parameter = kernel.instance().parameter;
                         return Some(*kernel);
                     }
                     at.step += 1;
                 }
                 Step::LoopWhileActive(kernels, _) => {
-                    if kernels.iter().any(|k| k.live(counts) > 0) {
+                    if kernels.iter().any(|k| k.live(&counts.in_state) > 0) {
                         self.iteration += u32::from(step.is_walk());
                         self.path.push(At::default());
                     } else {
                         at.step += 1;
                     }
                 }
-                Step::Repeat(0, _) => at.step += 1,
+                Step::Repeat(times, _) if times.at(&self.path[1..]) == 0 => self.pass_step(),
                 Step::RepeatWhileAny(..) | Step::Repeat(..) => self.path.push(At::default()),
             }
         }
     }
 
+    /// Goes on to the next step of the innermost list.
+    fn pass_step(&mut self) {
+        self.path.last_mut().into_iter().for_each(|at| at.step += 1);
+    }
+
     /// At the end of a loop's body: back to its first step, to the loop's condition, or past the loop.
-    fn end_turn(&mut self, of: &Step, counts: &StateCounts) {
-        let again = match (of, self.path.last_mut()) {
-            (Step::RepeatWhileAny(counted, _), Some(at)) if counts[*counted] > 0 => Some(at),
-            (Step::Repeat(times, _), Some(at)) if at.turn + 1 < *times => Some(at),
-            _ => None,
+    fn end_turn(&mut self, of: &Step, counts: &Population) {
+        let Some(At { turn, .. }) = self.path.pop() else { return };
+        let goes_on = match of {
+            Step::RepeatWhileAny(counted, _) => counts.of(counted) > 0,
+            Step::Repeat(times, _) => turn + 1 < times.at(&self.path[1..]),
+            Step::LoopWhileActive(kernels, _) => kernels.iter().any(|k| k.live(&counts.in_state) > 0),
+            _ => false,
         };
-        if let Some(at) = again {
-            *at = At { step: 0, turn: at.turn + 1 };
+        if goes_on {
+            self.iteration += u32::from(of.is_walk());
+            self.path.push(At { step: 0, turn: turn + 1 });
             return;
         }
-        self.path.pop();
-        if let (Step::RepeatWhileAny(..) | Step::Repeat(..), Some(at)) = (of, self.path.last_mut()) {
-            at.step += 1;
-        }
+        self.pass_step();
         if let Step::Repeat(..) = of {
             self.iteration = 0;
         }
@@ -236,11 +274,11 @@ impl Cursor {
         let mut ahead = self.clone();
         loop {
             let (steps, parent) = ahead.steps(schedule);
-            match (ahead.path.last_mut().and_then(|at| steps.get(at.step).map(|step| (step, at))), parent) {
-                (Some((Step::Repeat(0, _), at)), _) => at.step += 1,
+            match (ahead.path.last().and_then(|at| steps.get(at.step)), parent) {
+                (Some(Step::Repeat(times, _)), _) if times.at(&ahead.path[1..]) == 0 => ahead.pass_step(),
                 (Some(_), _) | (None, None) => return false,
                 (None, Some(Step::RepeatWhileAny(..))) => return true,
-                (None, Some(of)) => ahead.end_turn(of, &StateCounts::default()),
+                (None, Some(of)) => ahead.end_turn(of, &Population::default()),
             }
         }
     }
@@ -271,12 +309,12 @@ impl Cursor {
     /// is one and that every ray begins to walk: if not, these passes find no rays either. So a sample costs about one
     /// submission.
     #[must_use]
-    pub fn guess(&self, schedule: &Schedule, counts: &StateCounts, most: usize) -> Vec<Call> {
+    pub fn guess(&self, schedule: &Schedule, counts: &Population, most: usize) -> Vec<Call> {
         let mut cursor = self.clone();
         let Some(first) = cursor.next(schedule, counts) else { return Vec::new() };
         let call = |kernel, cursor: &Self| Call { kernel, parameter: cursor.parameter };
         let mut calls = vec![call(first, &cursor)];
-        let mut counts = *counts;
+        let mut counts = counts.clone();
         let mut last = first;
         // These kernels run once, whatever they find, so the next pass is known.
         while last.role() == Role::Once && calls.len() < most && !cursor.may_repeat(schedule) {

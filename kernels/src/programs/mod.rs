@@ -2,13 +2,14 @@
 
 pub mod closest_hit;
 pub mod grid_build;
+pub mod sort;
 
 use crate::options::ProgramName;
 use crate::program::Program;
 use crate::tables::stream::Stream;
 
 /// All programs.
-pub static ALL: [&Program; 2] = [&closest_hit::PROGRAM, &grid_build::PROGRAM];
+pub static ALL: [&Program; 3] = [&closest_hit::PROGRAM, &grid_build::PROGRAM, &sort::PROGRAM];
 
 /// The program with this name.
 #[must_use]
@@ -16,6 +17,7 @@ pub fn named(name: ProgramName) -> &'static Program {
     match name {
         ProgramName::ClosestHit => &closest_hit::PROGRAM,
         ProgramName::GridBuild => &grid_build::PROGRAM,
+        ProgramName::Sort => &sort::PROGRAM,
     }
 }
 

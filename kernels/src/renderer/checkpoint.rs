@@ -8,15 +8,15 @@ use super::records::Records;
 use super::{RenderError, Renderer};
 use crate::plan::Plan;
 use crate::program::schedule::Cursor;
-use crate::tables::state::StateCounts;
+use crate::tables::state::Population;
 
 /// Everything that later passes depend on, after some pass of a run. A GPU's streams are kept on the GPU.
 pub struct Checkpoint {
     plan: Arc<Plan>,
     kept: Kept,
     cursor: Cursor,
-    counts: StateCounts,
-    believed: Option<StateCounts>,
+    population: Population,
+    believed: Option<Population>,
     records: Records,
     unfinished: u64,
     alone: Option<[u32; 2]>,
@@ -57,13 +57,13 @@ impl Renderer {
     /// If there is no memory for it, or the device fails.
     pub async fn checkpoint(&mut self) -> Result<Checkpoint, RenderError> {
         self.settle().await?;
-        let kept = self.executor.snapshot(&self.counts).await?;
+        let kept = self.executor.snapshot(&self.population.in_state).await?;
         Ok(Checkpoint {
             plan: self.plan.clone(),
             kept,
             cursor: self.cursor.clone(),
-            counts: self.counts,
-            believed: self.believed,
+            population: self.population.clone(),
+            believed: self.believed.clone(),
             records: self.records.clone(),
             unfinished: self.unfinished,
             alone: self.alone,
@@ -81,8 +81,8 @@ impl Renderer {
         }
         self.executor.restore(&checkpoint.kept)?;
         self.cursor = checkpoint.cursor.clone();
-        self.counts = checkpoint.counts;
-        self.believed = checkpoint.believed;
+        self.population = checkpoint.population.clone();
+        self.believed.clone_from(&checkpoint.believed);
         self.records.clone_from(&checkpoint.records);
         self.unfinished = checkpoint.unfinished;
         self.alone = checkpoint.alone;

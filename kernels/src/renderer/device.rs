@@ -60,7 +60,8 @@ impl Device {
     }
 
     /// Its limits.
-    pub(crate) fn limits(&self) -> Limits {
+    #[must_use]
+    pub fn limits(&self) -> Limits {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => Limits::from(&**gpu),

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::{RenderError, Renderer};
-use crate::tables::state::{self, StateCounts};
 use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 
 impl Renderer {
@@ -11,10 +10,12 @@ impl Renderer {
     /// differs.
     pub fn write(&mut self, data: &StreamData) -> bool {
         let is_written = self.executor.write(data);
-        if is_written && Some(data.stream) == self.plan.program.state_stream() {
+        let course = self.plan.program.courses.iter().find(|course| course.stream == data.stream);
+        if let Some(course) = course.filter(|_| is_written) {
             // The counts decide which kernel runs next.
-            self.counts = StateCounts::default();
-            data.layer(STATE_TAG).iter().for_each(|&tag| self.counts[(tag as usize).min(state::COUNT - 1)] += 1);
+            let counts = &mut self.population.in_state;
+            counts.clear(self.plan.program.states_of(course));
+            data.layer(STATE_TAG).iter().for_each(|&tag| counts.add(tag, 1));
             self.believe_counts();
         }
         is_written
@@ -36,7 +37,7 @@ impl Renderer {
         if layer >= stream.layers() {
             return Err(RenderError::NoLayer { stream: stream.name(), layer });
         }
-        let is_tag = Some(stream) == self.plan.program.state_stream() && layer == STATE_TAG;
+        let is_tag = self.plan.program.has_states(stream) && layer == STATE_TAG;
         if self.executor.is_gpu() && (is_tag || self.plan.drawn.is_some()) {
             // Counts and lists of live rays depend on every ray's tag; and a part of a texel cannot be written.
             let mut data = self.values(stream).await?;
@@ -44,7 +45,7 @@ impl Renderer {
             data.bits[(layer * height + y as usize) * width + x as usize] = bits;
             self.write(&data);
         } else if let Some(counts) = self.executor.write_component(stream, layer, x, y, bits) {
-            self.counts = counts;
+            self.population.in_state = counts;
             self.believe_counts();
         }
         Ok(())
@@ -71,8 +72,8 @@ impl Renderer {
             self.write(&data);
         }
         self.cursor = other.cursor.clone();
-        self.counts = other.counts;
-        self.believed = other.believed;
+        self.population = other.population.clone();
+        self.believed.clone_from(&other.believed);
         self.records.clone_from(&other.records);
         self.unfinished = other.unfinished;
         self.alone = other.alone;

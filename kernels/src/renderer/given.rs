@@ -17,6 +17,11 @@ pub(super) struct GivenRays {
 }
 
 impl GivenRays {
+    /// The streams that a program is given without rays, if there are any.
+    pub(super) fn inputs(data: &SceneData) -> Option<Self> {
+        (!data.inputs.is_empty()).then(|| Self { streams: data.inputs.clone(), exponents: Vec::new() })
+    }
+
     pub(super) fn new(rays: &[Ray], results: &Results, plan: &Plan, data: &SceneData) -> Self {
         let texels = plan.width as usize * plan.height as usize;
         let rays = &rays[..rays.len().min(texels)];
@@ -42,7 +47,7 @@ impl GivenRays {
             fill(&mut origins, axis, &|ray| ray.origin[axis].to_bits());
             fill(&mut directions, axis, &|ray| ray.direction[axis].to_bits());
         }
-        let born = plan.program.course.map_or(0, |course| course.born);
+        let born = plan.program.course().map_or(0, |course| course.born);
         fill(&mut states, STATE_TAG, &|_| born);
         if data.features.any_hit {
             // The first hit found before the ray's end is the result, so its t needs no place of its own.

@@ -26,11 +26,10 @@ use crate::executor::gpu::GpuExecutor;
 use crate::options::mapping::Until;
 use crate::options::{Options, Ray, RaySource};
 use crate::plan::Plan;
-use crate::program::Course;
 use crate::program::schedule::{Call, Cursor};
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
-use crate::tables::state::{StateCounts, Tag};
+use crate::tables::state::{Population, StateCounts};
 pub use checkpoint::Checkpoint;
 pub use counting::{Counted, CounterSums, Counting};
 use device::Executor;
@@ -64,9 +63,9 @@ pub struct Renderer {
     executor: Executor,
     given: Option<GivenRays>,
     cursor: Cursor,
-    counts: StateCounts,
-    /// Rays in each state as far as occlusion queries tell, if those decide what runs next.
-    believed: Option<StateCounts>,
+    population: Population,
+    /// The same as far as occlusion queries tell, if those decide what runs next.
+    believed: Option<Population>,
     records: Records,
     pass_bound: u64,
     unfinished: u64,
@@ -120,7 +119,7 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         let given = match &options.rays {
             RaySource::Given(rays) => plan.program.results.map(|results| GivenRays::new(rays, &results, &plan, &data)),
-            RaySource::Camera { .. } => None,
+            RaySource::Camera { .. } => GivenRays::inputs(&data),
         };
         let streams = given.as_ref().map_or(&[][..], |given| &given.streams);
         let executor = Executor::new(device, &plan, &data, options, streams, beside).await?;
@@ -162,7 +161,7 @@ impl Renderer {
             executor,
             given,
             cursor: Cursor::start(),
-            counts: StateCounts::default(),
+            population: Population::default(),
             believed: None,
             records: Records::new(options.keep_passes),
             pass_bound,
@@ -188,17 +187,21 @@ impl Renderer {
         self.records.clear();
         self.unfinished = 0;
         self.is_ahead = false;
-        self.counts = StateCounts::default();
-        let texels = self.plan.width * self.plan.height;
-        match &self.given {
-            Some(given) => {
-                let rays = given.exponents.len() as u32;
-                self.count_in(|course| course.born, rays);
-                self.count_in(|course| course.unborn, texels - rays);
-            }
+        let in_set = self.executor.sizes().counts();
+        let (program, in_state) = (self.plan.program, StateCounts::none(self.plan.program.states));
+        self.population = Population { in_state, sets: program.elements, in_set };
+        let given = self.given.as_ref().map(|given| given.exponents.len() as u32);
+        let (courses, is_eye) = (self.plan.program.courses, self.plan.features.eye_rays);
+        for (index, course) in courses.iter().enumerate() {
+            let texels = self.size(course.stream.info().elements).map_or(0, |size| size.texels() as u32);
             // If the fused kernel generates its rays, no other kernel does so before it.
-            None if self.plan.features.eye_rays => self.count_in(|course| course.born, texels),
-            None => self.count_in(|course| course.unborn, texels),
+            let born = match given.filter(|_| index == 0) {
+                Some(given) => given,
+                None if is_eye => texels,
+                None => 0,
+            };
+            self.population.in_state.add(course.born, born);
+            self.population.in_state.add(course.unborn, texels - born);
         }
         if let Some(ray) = self.alone {
             self.leave_out_others(ray);
@@ -209,14 +212,7 @@ impl Renderer {
     /// Lets the schedule know all rays in each state.
     fn believe_counts(&mut self) {
         let is_queried = self.plan.drawn.as_ref().is_some_and(|drawn| drawn.how.until == Until::Query);
-        self.believed = is_queried.then_some(self.counts);
-    }
-
-    /// Sets the number of elements in a state, if the program has states.
-    fn count_in(&mut self, state: impl Fn(&Course) -> Tag, elements: u32) {
-        if let Some(course) = &self.plan.program.course {
-            self.counts[state(course) as usize] = elements;
-        }
+        self.believed = is_queried.then(|| self.population.clone());
     }
 
     /// Makes runs from now on submit exactly these passes, which an earlier run of the same plan needed. Without them,
@@ -297,8 +293,8 @@ impl Renderer {
 
     /// Number of rays in each state.
     #[must_use]
-    pub fn live(&self) -> StateCounts {
-        self.counts
+    pub fn live(&self) -> &StateCounts {
+        &self.population.in_state
     }
 
     /// Number of rays that were still walking when the limit of passes was reached, over all samples. 0 with robust

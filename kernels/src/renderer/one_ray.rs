@@ -28,7 +28,7 @@ impl Renderer {
     pub(super) fn leave_out_others(&mut self, [x, y]: [u32; 2]) {
         let (width, height) = (self.plan.width, self.plan.height);
         let texels = width as usize * height as usize;
-        let Some(course) = self.plan.program.course else { return };
+        let Some(course) = self.plan.program.course() else { return };
         let unwritten = || {
             let layers = course.stream.info().unwritten.iter();
             layers.flat_map(|&bits| std::iter::repeat_n(bits, texels)).collect()

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::{Pass, Progress, RenderError, Renderer};
 use crate::program::Kernel;
 use crate::tables::kernel::Role;
-use crate::tables::state::StateCounts;
+use crate::tables::state::{Population, StateCounts};
 use crate::tables::stream::STATE_TAG;
 
 /// Most rays times passes per submission, unless that is fewer than two passes.
@@ -147,7 +147,7 @@ impl Renderer {
             return Ok(0);
         }
         self.is_ahead = true;
-        let results = self.executor.run(&guess, &self.counts, &self.data).await?;
+        let results = self.executor.run(&guess, &self.population.in_state, &self.data).await?;
         let mut recorded = 0;
         // Whether the rays in each state are known.
         let mut is_counted = true;
@@ -155,29 +155,33 @@ impl Renderer {
             let mut ahead = self.cursor.clone();
             if ahead.next(&self.plan.schedule, self.scheduled()) != Some(result.kernel) {
                 // The remaining passes were submitted ahead, for rays that have already left.
-                let differs = |counts: StateCounts| is_counted && counts != self.counts;
-                if results[recorded..].iter().any(|r| r.counts.is_some_and(differs)) {
+                let differs = |counts: &StateCounts| is_counted && *counts != self.population.in_state;
+                if results[recorded..].iter().any(|r| r.counts.as_ref().is_some_and(differs)) {
                     return Err(RenderError::Overshoot(self.pass_count()));
                 }
                 break;
             }
-            let rays_in = match result.kernel.info().takes {
+            let rays_in = match result.kernel.takes() {
                 [] => result.elements,
-                _ => result.kernel.live(&self.counts),
+                _ => result.kernel.live(&self.population.in_state),
             };
             let sample = self.cursor.samples;
             self.cursor = ahead;
             is_counted &= result.counts.is_some();
-            self.counts = result.counts.unwrap_or(self.counts);
+            if let Some(counts) = &result.counts {
+                self.population.in_state.clone_from(counts);
+            }
+            self.population.in_set.clone_from(&result.sizes);
             self.believe(result.kernel, result.is_active.unwrap_or(rays_in > 0));
             let pass = Pass {
                 index: self.pass_count(),
                 sample,
                 iteration: self.cursor.iteration,
+                loops: self.cursor.loops(),
                 parameter: self.cursor.parameter,
                 kernel: result.kernel,
                 rays_in,
-                counts: self.counts,
+                counts: self.population.in_state.clone(),
                 threads_launched: result.threads_launched,
                 encode_ns: result.encode_ns,
                 begin_ns: result.begin_ns,
@@ -188,16 +192,16 @@ impl Renderer {
             recorded += 1;
         }
         // Passes that were not needed have changed nothing.
-        if let Some(counts) = results.last().and_then(|last| last.counts) {
-            self.counts = counts;
+        if let Some(counts) = results.last().and_then(|last| last.counts.as_ref()) {
+            self.population.in_state.clone_from(counts);
         }
         self.is_ahead = false;
         Ok(recorded)
     }
 
     /// The rays in each state as far as the schedule knows.
-    fn scheduled(&self) -> &StateCounts {
-        self.believed.as_ref().unwrap_or(&self.counts)
+    fn scheduled(&self) -> &Population {
+        self.believed.as_ref().unwrap_or(&self.population)
     }
 
     /// What an occlusion query tells after a pass of a kernel: whether rays were there, not where they are now. If so, some
@@ -206,8 +210,8 @@ impl Renderer {
         let Some(believed) = &mut self.believed else { return };
         let rays = self.plan.width * self.plan.height;
         match is_active {
-            true => kernel.info().sends.iter().for_each(|sent| believed[sent.to as usize] = rays),
-            false => kernel.info().takes.iter().for_each(|&tag| believed[tag as usize] = 0),
+            true => kernel.sends().iter().for_each(|sent| believed.in_state[sent.to as usize] = rays),
+            false => believed.in_state.clear(kernel.takes().iter().copied()),
         }
     }
 
@@ -225,7 +229,7 @@ impl Renderer {
             self.cursor.leave_walk(&self.plan.schedule);
             return Ok(());
         }
-        let Some(course) = self.plan.program.course else { return Ok(()) };
+        let Some(course) = self.plan.program.course() else { return Ok(()) };
         let mut state = self.values(course.stream).await?;
         let rays = state.layer(STATE_TAG).len();
         let tags = &mut state.bits[STATE_TAG * rays..(STATE_TAG + 1) * rays];
@@ -238,14 +242,14 @@ impl Renderer {
     }
 
     fn undecided(&self) -> u64 {
-        self.plan.program.states.walking(&self.counts)
+        self.plan.program.states.walking(&self.population.in_state)
     }
 
     /// Number of rays whose hit is decided; for a program without states, the share of its elements that corresponds to
     /// the share of its passes that have run.
     fn decided(&self) -> u64 {
-        if self.plan.program.course.is_some() {
-            return self.plan.program.states.decided(&self.counts);
+        if self.plan.program.course().is_some() {
+            return self.plan.program.states.decided(&self.population.in_state);
         }
         // Steps may be repeated, how often is not known: what is not complete never looks so.
         let done = self.pass_count() as u64;

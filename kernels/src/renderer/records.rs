@@ -9,7 +9,7 @@ use crate::tables::kernel::Role;
 use crate::tables::state::StateCounts;
 
 /// One pass that has run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pass {
     /// Its index in the run, from 0.
     pub index: usize,
@@ -19,6 +19,8 @@ pub struct Pass {
     /// 0 in a schedule whose walk is one kernel, which needs no loop. In a counted loop, the number of its turns that have
     /// begun.
     pub iteration: u32,
+    /// The turns of the schedule's loops that it is in, from 0, outermost loop first.
+    pub loops: Vec<u32>,
     /// The value of `launch.parameter`.
     pub parameter: u32,
     /// Its kernel.
@@ -53,6 +55,7 @@ impl Pass {
             index: 0,
             sample: 0,
             iteration: 0,
+            loops: Vec::new(),
             parameter: kernel.instance().parameter,
             kernel,
             rays_in: 0,
@@ -170,7 +173,7 @@ impl Records {
     pub(super) fn push(&mut self, pass: Pass, is_counted: bool, draws: &[DrawTime]) {
         self.totals.add_counted(&pass, is_counted);
         self.of_sample = if pass.kernel.role() == Role::Source { 0 } else { self.of_sample + 1 };
-        self.last = Some(pass).filter(|_| is_counted);
+        self.last = is_counted.then(|| pass.clone());
         if self.is_kept {
             self.kept.push(pass);
             if !draws.is_empty() {
@@ -200,7 +203,7 @@ impl Records {
     }
 
     pub(super) fn last(&self) -> Option<Pass> {
-        self.last
+        self.last.clone()
     }
 
     /// Number of passes since rays were last generated, or since the start.

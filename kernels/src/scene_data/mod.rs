@@ -27,6 +27,7 @@ use crate::shared::texture::Texture;
 use crate::structures::Structure;
 use crate::structures::bvh::{BvhNode, WideNode};
 use crate::structures::grid::Corners;
+use crate::tables::stream::StreamData;
 pub use error::SceneDataError;
 use error::reserve;
 pub use shading::BACKGROUND;
@@ -41,6 +42,8 @@ pub use traced::{traced_camera, traced_ray};
 pub struct SceneData {
     /// Options of the kernels.
     pub features: Features,
+    /// Streams that a run begins with, of a program that is given them without a scene.
+    pub inputs: Vec<StreamData>,
     /// Conversion between scene units and traced units.
     pub units: Units,
     /// Uniform `build`.

@@ -13,7 +13,7 @@ struct Launch {
     width: u32,
 }
 
-@group(2) @binding(0) var<uniform> launch: Launch;
+@group(2) @binding(1) var<uniform> launch: Launch;
 
 // Threads per workgroup, one per element.
 const BLOCK: u32 = 256u;

@@ -5,15 +5,12 @@ use crate::tables::stream::{Stream, StreamInfo};
 
 /// Most passes per batch: each has a slot in the executor's buffers of counters.
 pub const COUNT_SLOTS: u64 = 256;
-/// Bytes between two slots: satisfies the alignment of dynamic offsets on every adapter.
+/// Bytes between two slots: room for the counts of [`MOST_STATES`](super::state::MOST_STATES), and satisfies the alignment of dynamic offsets on every adapter.
 pub const COUNT_SLOT_BYTES: u64 = 256;
 /// Texels of each constant that the GPU executor fills streams with.
 pub const FILL_TEXELS: u32 = 1 << 18;
 /// Texels in the longest row of any texture.
 const LONGEST_ROW: u64 = 1 << 15;
-/// Lists of rays that exist at the same time: for each of two kernels, its current list and its next one.
-pub const LIVE_REGIONS: u64 = 4;
-
 /// Bytes between two rows in a buffer: copies require a multiple of 256.
 pub(crate) const ROW_ALIGNMENT: u32 = 256;
 

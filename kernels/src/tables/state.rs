@@ -3,11 +3,15 @@
 //! The kernels' rows say which kernel moves an element from one state to the next. The tags become constants of the
 //! WGSL module `package::state`, generated from the table, so shaders and CPU reference kernels cannot disagree.
 
+use std::ops::{Deref, DerefMut};
+
+use super::elements::Elements;
+
 /// A state: the value in layer [`STATE_TAG`](super::stream::STATE_TAG) of the stream of states.
 pub type Tag = u32;
 
 /// Most states of a program: the GPU's counters of each pass have room for this many.
-pub const COUNT: usize = 8;
+pub const MOST_STATES: usize = 64;
 
 /// How far an element in a state has got.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +42,91 @@ pub struct StateInfo {
 }
 
 /// Number of elements in each state, indexed by tag.
-pub type StateCounts = [u32; COUNT];
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct StateCounts(Vec<u32>);
+
+impl StateCounts {
+    /// No elements, in a program with these states.
+    #[must_use]
+    pub fn none(states: States) -> Self {
+        Self(vec![0; states.0.len()])
+    }
+
+    /// Adds elements to a state. A value that is not a tag has no count.
+    pub fn add(&mut self, tag: Tag, elements: u32) {
+        if let Some(count) = self.0.get_mut(tag as usize) {
+            *count += elements;
+        }
+    }
+
+    /// Sets the number of elements in these states to 0.
+    pub fn clear(&mut self, tags: impl IntoIterator<Item = Tag>) {
+        for tag in tags {
+            self.0.get_mut(tag as usize).into_iter().for_each(|count| *count = 0);
+        }
+    }
+
+    /// Number of elements in these states.
+    #[must_use]
+    pub fn in_any(&self, tags: &[Tag]) -> u32 {
+        tags.iter().filter_map(|&tag| self.0.get(tag as usize)).sum()
+    }
+}
+
+/// How many elements a run has between two passes: what its schedule goes by.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Population {
+    /// Number of elements in each state.
+    pub in_state: StateCounts,
+    /// The program's sets.
+    pub sets: &'static [&'static Elements],
+    /// Number of elements in each of them; 0 in one that has not been counted.
+    pub in_set: Vec<u32>,
+}
+
+impl Population {
+    /// Number of elements in a set.
+    #[must_use]
+    pub fn of(&self, elements: &Elements) -> u32 {
+        let of = self.sets.iter().zip(&self.in_set).find(|(set, _)| set.name == elements.name);
+        of.map_or(0, |(_, &count)| count)
+    }
+}
+
+impl From<StateCounts> for Population {
+    fn from(in_state: StateCounts) -> Self {
+        Self { in_state, ..Self::default() }
+    }
+}
+
+impl<'a> IntoIterator for &'a StateCounts {
+    type Item = &'a u32;
+    type IntoIter = std::slice::Iter<'a, u32>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+impl FromIterator<u32> for StateCounts {
+    fn from_iter<I: IntoIterator<Item = u32>>(counts: I) -> Self {
+        Self(counts.into_iter().collect())
+    }
+}
+
+impl Deref for StateCounts {
+    type Target = [u32];
+
+    fn deref(&self) -> &[u32] {
+        &self.0
+    }
+}
+
+impl DerefMut for StateCounts {
+    fn deref_mut(&mut self) -> &mut [u32] {
+        &mut self.0
+    }
+}
 
 /// A program's states.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +142,12 @@ impl States {
     #[must_use]
     pub fn name(self, tag: Tag) -> &'static str {
         self.0.get(tag as usize).map_or("?", |state| state.name)
+    }
+
+    /// The tag of the state with this name.
+    #[must_use]
+    pub fn tag(self, name: &str) -> Option<Tag> {
+        self.iter().find(|state| state.name == name).map(|state| state.tag)
     }
 
     /// How far an element with a tag has got; `None` for a value that is not a tag.
@@ -89,10 +183,11 @@ impl States {
     /// The WGSL module `package::state`.
     #[must_use]
     pub fn wgsl_module(self) -> String {
-        self.iter().map(|StateInfo { tag, name, .. }| format!("const {name}: u32 = {tag}u;\n")).collect()
+        let tags = self.iter().map(|StateInfo { tag, name, .. }| format!("const {name}: u32 = {tag}u;\n"));
+        tags.chain([format!("const STATES: u32 = {}u;\n", self.0.len())]).collect()
     }
 }
 
 fn sum(counts: &StateCounts, is_counted: impl Fn(Tag) -> bool) -> u64 {
-    (0..).zip(counts).filter(|&(tag, _)| is_counted(tag)).map(|(_, &rays)| u64::from(rays)).sum()
+    (0..).zip(counts.iter()).filter(|&(tag, _)| is_counted(tag)).map(|(_, &rays)| u64::from(rays)).sum()
 }

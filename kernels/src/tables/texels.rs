@@ -1,7 +1,7 @@
 //! The texels of one ray, for a twin to read and write.
 
 use crate::numbers::real::{Real, Vec3};
-use crate::tables::stream::Stream;
+use crate::tables::stream::{Stream, StreamInfo};
 
 /// Most streams of a program.
 pub const MOST_STREAMS: usize = 96;
@@ -13,12 +13,14 @@ pub(crate) struct Layout {
     pub(crate) first: [Option<usize>; MOST_STREAMS],
     /// Components per row.
     pub(crate) stride: usize,
+    /// The table of the streams, whose indices `first` has.
+    pub(crate) table: &'static [StreamInfo],
 }
 
 impl Layout {
-    /// The layout of these streams, side by side.
-    pub(crate) fn of(streams: impl Iterator<Item = Stream>) -> Self {
-        let mut layout = Self { first: [None; MOST_STREAMS], stride: 0 };
+    /// The layout of these streams of a program's table, side by side.
+    pub(crate) fn of(table: &'static [StreamInfo], streams: impl Iterator<Item = Stream>) -> Self {
+        let mut layout = Self { first: [None; MOST_STREAMS], stride: 0, table };
         for stream in streams {
             layout.first[stream.index()] = Some(layout.stride);
             layout.stride += stream.layers();
@@ -43,6 +45,10 @@ impl<'a, R: Real> Texels<'a, R> {
         Self { row, layout, x, y }
     }
     fn index(&self, stream: Stream, layer: usize) -> usize {
+        debug_assert!(
+            self.layout.table.get(stream.index()).is_some_and(|info| Stream::of(info) == stream),
+            "{stream:?}"
+        );
         // A stream that the plan left out is never accessed: the twins branch on the same options.
         self.layout.first[stream.index()].map_or(usize::MAX, |first| first + layer)
     }

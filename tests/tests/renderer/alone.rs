@@ -17,15 +17,16 @@ fn pixels() -> impl Iterator<Item = [u32; 2]> {
 
 /// All rays as they are now.
 async fn states(renderer: &Renderer) -> Vec<RayState> {
+    let rays = renderer.plan().program.rays.expect("rays");
     let whole = Region { x: 0, y: 0, width: WIDTH, height: HEIGHT };
     let mut streams = Vec::new();
-    for stream in RayState::STREAMS.into_iter().filter(|&stream| renderer.plan().has_stream(stream)) {
+    for stream in rays.streams.iter().copied().filter(|&stream| renderer.plan().has_stream(stream)) {
         streams.push(renderer.region(stream, whole).await.expect("a stream"));
     }
     let of = |ray: usize| {
         let texels: Vec<Vec<u32>> =
             streams.iter().map(|s| (0..s.stream.layers()).map(|layer| s.layer(layer)[ray]).collect()).collect();
-        RayState::of(|stream| streams.iter().position(|s| s.stream == stream).map(|i| texels[i].as_slice()))
+        (rays.decode)(&|stream| streams.iter().position(|s| s.stream == stream).map(|i| texels[i].as_slice()))
     };
     (0..(WIDTH * HEIGHT) as usize).map(of).collect()
 }
@@ -37,7 +38,7 @@ async fn rows(renderer: &mut Renderer) -> Vec<Vec<TraceRow>> {
     while let Some(pass) = renderer.step().await.expect("a pass") {
         let after = states(renderer).await;
         for ((rows, before), after) in rows.iter_mut().zip(&before).zip(&after) {
-            if pass.kernel.info().takes.contains(&before.tag) {
+            if pass.kernel.takes().contains(&before.tag) {
                 rows.push(TraceRow::new(&pass, renderer.data(), before, after));
             }
         }

@@ -43,9 +43,10 @@ pub(super) struct IndexPass {
     pub(super) kernel: &'static str,
     /// Why it did not run, otherwise `null`. Its results are then unknown.
     pub(super) left_out: Option<&'static str>,
-    /// As in `passes.csv`, like the next three.
+    /// As in `passes.csv`, like the next four.
     sample: Option<u32>,
     iteration: Option<u32>,
+    loops: Vec<u32>,
     rays_in: Option<u32>,
     rays_out: Option<u32>,
     rays_by_state: Option<std::collections::BTreeMap<&'static str, u32>>,
@@ -74,6 +75,7 @@ pub(super) fn index(
         left_out: None,
         sample: Some(pass.sample),
         iteration: Some(pass.iteration),
+        loops: pass.loops.clone(),
         rays_in: Some(pass.rays_in),
         rays_out: csv::rays_out(pass),
         rays_by_state: Some(json::states(plan.program, &pass.counts)),

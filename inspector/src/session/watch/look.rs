@@ -147,7 +147,7 @@ fn own_streams(renderer: &Renderer) -> Vec<Stream> {
 
 /// Texels of `state` and `hit`; in a program without states all texels of the element, one after the other.
 async fn ray_texels(renderer: &Renderer, [x, y]: [u32; 2]) -> Result<[Vec<u32>; 2], RenderError> {
-    if renderer.plan().program.course.is_none() {
+    if renderer.plan().program.course().is_none() {
         return Ok([renderer.texels(&own_streams(renderer), x, y).await?.concat(), Vec::new()]);
     }
     let mut texels = renderer.texels(&[streams::STATE, streams::HIT], x, y).await?.into_iter();
@@ -210,7 +210,7 @@ fn texel_change(renderer: &Renderer, before: &[u32], now: &[u32]) -> Option<Stri
 fn ray_change(renderer: &Renderer, watch: Watch, before: &[Vec<u32>; 2], now: &[Vec<u32>; 2]) -> Option<String> {
     let [(state_before, hit_before), (state_now, hit_now)] = [before, now].map(|[state, hit]| (state, hit));
     let both = |layer: usize| Some((*state_before.get(layer)?, *state_now.get(layer)?));
-    if renderer.plan().program.course.is_none() {
+    if renderer.plan().program.course().is_none() {
         return if watch == Watch::RayState { texel_change(renderer, state_before, state_now) } else { None };
     }
     match watch {

@@ -67,7 +67,7 @@ pub(super) fn states(ui: &mut Ui, model: &Model) {
     let current = current_row(life, model.place).and_then(|row| life.rows.get(row)).map(|row| row.after.state);
     ui.add_space(6.0);
     let mut kernels: Vec<_> = opened.plan.schedule.kernels();
-    kernels.sort_by_key(|kernel| kernel.info().takes.first().copied());
+    kernels.sort_by_key(|kernel| kernel.takes().first().copied());
     for kernel in kernels {
         let info = kernel.info();
         for &state in info.takes {

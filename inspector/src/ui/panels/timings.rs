@@ -297,7 +297,7 @@ mod tests {
         let texts = [&short, &told, &unknown, &fine].map(time_of);
         let expected = [Some("< 67.6 µs"), Some("20.0 µs ± 2.0 µs"), None, Some("20.0 µs")];
         assert_eq!(texts.each_ref().map(Option::as_deref), expected);
-        assert_eq!(too_short(&[short, told, short]), "; 2 too short to tell: < 67.6 µs each");
+        assert_eq!(too_short(&[short.clone(), told.clone(), short]), "; 2 too short to tell: < 67.6 µs each");
         assert_eq!(too_short(&[told, unknown]), "");
         let bounds = [999_999, 1_000_001, 1_000_000_001].map(less_than);
         assert_eq!(bounds, ["< 1.00 ms", "< 1.01 ms", "< 1.01 s"], "rounded up");

@@ -318,8 +318,8 @@ impl Replay {
         let executor = machine.wait(executor).map_err(|e| e.to_string())?;
         let mut before = StateCounts::default();
         let submissions = renderer.passes().chunks(MOST_PASSES).map(|passes| {
-            let counts = before;
-            before = passes.last().map_or(before, |pass| pass.counts);
+            let counts = before.clone();
+            passes.last().into_iter().for_each(|pass| before.clone_from(&pass.counts));
             (passes.iter().map(Pass::call).collect(), counts)
         });
         Ok(Self { executor, submissions: submissions.collect() })

@@ -2,7 +2,7 @@
 
 use raystep_kernels::executor::cpu::CpuError;
 use raystep_kernels::plan::Plan;
-use raystep_kernels::programs::closest_hit::rounding::Ties;
+use raystep_kernels::program::rounding::Ties;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
@@ -85,7 +85,7 @@ impl Rounding<'_> {
             .map(|(ours, twin, layer)| (ours.stream, layer, ours.layer(layer), twin.layer(layer)))
             .collect();
         let rays = layers.iter().map(|(_, _, ours, twin)| ours.len().min(twin.len())).min().unwrap_or(0);
-        let hits = after.iter().map(|[_, twin]| twin).find(|s| s.stream == streams::HIT);
+        let hits = self.bound(streams::HIT, after.iter().map(|[_, twin]| *twin));
         let gather = |ray: usize, components: &mut Vec<Component>| {
             components.clear();
             let mut possible = None;
@@ -131,8 +131,11 @@ impl Rounding<'_> {
     /// Whether only the number of repeated tests differs, because its search, which repeats the walk from the start,
     /// may begin in another cell.
     fn is_other_count(&self, ray: usize, components: &[Component]) -> bool {
-        self.row().ties == Ties::Triangle
-            && components.iter().filter(|c| !c.is_allowed).all(|c| (c.stream, c.layer) == REPEATED)
+        self.kernel.info().rounding.ties == Ties::Triangle
+            && components
+                .iter()
+                .filter(|c| !c.is_allowed)
+                .all(|c| (Some(c.stream), c.layer) == (self.kernel.stream(REPEATED.0), REPEATED.1))
             && self.walk_may_begin_elsewhere(ray)
     }
 }

@@ -67,8 +67,8 @@ impl Lanes {
         }
         // A kernel that traces whole rays may also generate them.
         let makes = plan.features.eye_rays && kernel.role() == Role::Whole;
-        let begins = plan.program.course.filter(|_| makes).map(|course| [course.unborn, course.born]);
-        let takes = begins.as_ref().map_or(kernel.info().takes, |tags| tags.as_slice());
+        let begins = plan.program.course().filter(|_| makes).map(|course| [course.unborn, course.born]);
+        let takes = begins.as_ref().map_or(kernel.takes(), |tags| tags.as_slice());
         let is_active = |tag: &Tag| takes.contains(tag);
         let mut histogram = [0; LANES + 1];
         for group in threads(kernel, [width, height]).chunks(LANES) {

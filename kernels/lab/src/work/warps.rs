@@ -125,7 +125,7 @@ impl Survey {
     /// rays.
     #[must_use]
     pub fn new(plan: &Plan, lanes: usize) -> Option<Self> {
-        plan.program.course?;
+        plan.program.course()?;
         let (size, kernels) = ([plan.width, plan.height], plan.schedule.kernels());
         let is_listed = plan.features.live_lists;
         let begins = |kernel: &&Kernel| if is_listed { kernel.role() == Role::Enter } else { kernel.is_walk() };
@@ -139,7 +139,7 @@ impl Survey {
         }
         let list_of_tag = |tag: Tag| {
             let mut walk = kernels.iter().filter(|kernel| kernel.is_walk());
-            walk.find(|kernel| kernel.info().takes.contains(&tag)).and_then(|kernel| kernel.info().list)
+            walk.find(|kernel| kernel.takes().contains(&tag)).and_then(|kernel| kernel.list())
         };
         Some(Self {
             lanes,
@@ -163,11 +163,11 @@ impl Survey {
             return;
         }
         let is_list = self.is_listed && kernel.is_walk();
-        let order = match kernel.info().list {
+        let order = match kernel.list() {
             Some(list) if is_list => self.lists.get_mut(list).map(std::mem::take).unwrap_or_default(),
             _ => threads(kernel, self.size),
         };
-        let takes = kernel.info().takes;
+        let takes = kernel.takes();
         let has_work = |ray: u32| before.get(ray as usize).is_some_and(|tag| takes.contains(tag));
         let mut now = PassLanes {
             kernel,

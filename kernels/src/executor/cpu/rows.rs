@@ -4,7 +4,7 @@ use crate::numbers::parallel::for_chunks;
 use crate::plan::Bytes;
 use crate::program::kernel::Precision;
 use crate::tables::elements::Size;
-use crate::tables::state::{self, StateCounts};
+use crate::tables::state::{StateCounts, States};
 use crate::tables::stream::Stream;
 use crate::tables::texels::Layout;
 
@@ -57,10 +57,10 @@ impl<R: Precision> Rows<R> {
 }
 
 /// Elements in each state, of rows that have the tag at this place.
-pub(super) fn count_tags<R: Precision>(texels: &[R::Bits], stride: usize, tag: usize) -> StateCounts {
-    let mut counts = StateCounts::default();
+pub(super) fn count_tags<R: Precision>(texels: &[R::Bits], stride: usize, tag: usize, states: States) -> StateCounts {
+    let mut counts = StateCounts::none(states);
     for row in texels.chunks_exact(stride) {
-        counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
+        counts.add(R::bits_to_u32(row[tag]), 1);
     }
     counts
 }

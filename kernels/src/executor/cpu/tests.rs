@@ -6,17 +6,21 @@ use super::*;
 use crate::numbers::real::Real;
 use crate::options::{Accelerator, Options, ProgramName, RaySource};
 use crate::plan::Limits;
-use crate::program::{Instance, KernelInfo};
+use crate::program::{Home, Instance, KernelInfo, Program};
 use crate::programs::closest_hit::kernels::GENERATE;
 use crate::programs::closest_hit::states::{DONE, UNWRITTEN};
 use crate::programs::closest_hit::streams::{COLOR, STATE};
 use crate::programs::grid_build::streams::FIRST_SPAN;
+use crate::programs::{closest_hit, grid_build};
+use crate::tables::texels::Texels;
 
-/// A kernel that takes all states and works on an element at a time, launched over the elements of a stream.
-fn takes_all(stream: Stream, f32: ElementTwin<f32>, f64: ElementTwin<f64>) -> Kernel {
-    let kernel = KernelInfo { takes: &[], sends: &[], twin: Twin::Element { f32, f64 }, ..*GENERATE.info() };
+/// A kernel that takes all states and works on an element at a time, launched over the elements of a program's stream.
+fn takes_all(of: &'static Program, stream: Stream, f32: ElementTwin<f32>, f64: ElementTwin<f64>) -> Kernel {
+    let home = Box::leak(Box::new(Home { streams: of.streams, states: of.states }));
+    let kernel = KernelInfo { takes: &[], sends: &[], twin: Twin::Element { f32, f64 }, home, ..*GENERATE.info() };
     let instance = Instance { kernel, over: stream.info().elements, ..*GENERATE.instance() };
-    Kernel::of(Box::leak(Box::new(instance)))
+    let kernels = Vec::leak(vec![instance]);
+    Kernel::at(Box::leak(Box::new(Program { kernels, ..*of })), 0)
 }
 
 fn finish<R: Real>(ray: &mut Texels<'_, R>, _: &SceneData) {
@@ -36,7 +40,8 @@ fn a_twin_that_takes_all_states_runs_for_every_ray() {
     let (plan, data) = Plan::new(&scene, &Options::new(rays), &Limits::CPU).expect("a plan");
     let mut executor = CpuExecutor::<f32>::new(&Arc::new(plan), None).expect("memory");
     assert_eq!(executor.counts()[UNWRITTEN as usize], 1200);
-    let result = executor.run(Call::of(takes_all(STATE, finish, finish)), &data).expect("a pass");
+    let result =
+        executor.run(Call::of(takes_all(&closest_hit::PROGRAM, STATE, finish, finish)), &data).expect("a pass");
     assert_eq!((result.threads_launched, result.elements), (1200, 1200));
     assert_eq!(result.counts.map(|counts| counts[DONE as usize]), Some(1200));
     let color = executor.read(COLOR).expect("colours");
@@ -50,7 +55,8 @@ fn a_twin_runs_for_every_element_of_a_program_without_states() {
     let options = Options { program: ProgramName::GridBuild, accelerator: Accelerator::Grid, ..Options::new(rays) };
     let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a plan");
     let mut executor = CpuExecutor::<f64>::new(&Arc::new(plan), None).expect("memory");
-    let result = executor.run(Call::of(takes_all(FIRST_SPAN, mark, mark)), &data).expect("a pass");
+    let result =
+        executor.run(Call::of(takes_all(&grid_build::PROGRAM, FIRST_SPAN, mark, mark)), &data).expect("a pass");
     assert_eq!(result.threads_launched, 1280, "20 * 4^3 triangles");
     let spans = executor.read(FIRST_SPAN).expect("a stream");
     assert_eq!(spans.bits.iter().filter(|&&word| word == 77).count(), 1280);

@@ -2,11 +2,13 @@
 
 use std::mem::offset_of;
 
+use super::books::counted_anew;
 use super::books::{Place, blocks_a_dispatch, counts_after, groups, read_sent};
 use super::rounding::Runs;
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::gpu::readback::Readback;
+use crate::executor::sizes::Sizes;
 use crate::executor::{PassResult, timed};
 use crate::program::schedule::Call;
 use crate::program::{Instance, Kernel};
@@ -35,7 +37,9 @@ impl GpuExecutor {
         self.gpu.health()?;
         let passes: Vec<Kernel> = calls.iter().take(MOST_PASSES).map(|call| call.kernel).collect();
         let passes = passes.as_slice();
+        let sizes = self.sizes.clone();
         let passes = self.sized(passes).await?;
+        let counts = &self.with_new_sets(&sizes, counts);
         let passes = self.one_if_repeated(passes);
         let is_repeated = self.can_repeat(passes).await?;
         let count = passes.len() as u64;
@@ -48,6 +52,9 @@ impl GpuExecutor {
         let scopes = self.gpu.push_scopes();
         let sizes: Vec<Size> = passes.iter().map(|&kernel| self.launched_over(kernel)).collect();
         let places = self.books.lay_out(&self.gpu.queue, calls, counts, &sizes);
+        for (&kernel, place) in passes.iter().zip(&places) {
+            self.pipelines.prepare(kernel, place, &self.gpu.device, &self.books)?;
+        }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.books.sent, 0, Some(count * COUNT_SLOT_BYTES));
         if is_repeated {
@@ -69,7 +76,7 @@ impl GpuExecutor {
         // A pass whose rays are counted afterwards is submitted alone.
         let is_counted_anew = matches!(passes, [kernel] if kernel.is_counted_anew(&self.plan.features));
         if is_counted_anew {
-            self.encode_count(&mut encoder)?;
+            self.encode_count(&mut encoder, passes[0])?;
         }
         encoder.copy_buffer_to_buffer(&self.books.sent, 0, &self.books.copy, 0, count * COUNT_SLOT_BYTES);
         let timers = self.timers.as_ref();
@@ -79,7 +86,8 @@ impl GpuExecutor {
         let times = timers.map(|t| (t.ticks, Readback::start(&self.gpu, t.copy.clone(), time_bytes)));
         self.gpu.pop_scopes(scopes).await?;
 
-        let sent = sent.finish(count * COUNT_SLOT_BYTES, read_sent).await?;
+        let states = self.plan.program.states.0.len();
+        let sent = sent.finish(count * COUNT_SLOT_BYTES, |bytes| read_sent(bytes, states)).await?;
         // The passes are over by now; reading their timestamps is not part of their time.
         let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
         self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
@@ -101,7 +109,7 @@ impl GpuExecutor {
         if !self.timers.as_ref().is_some_and(|t| t.each_pass) {
             times = vec![(None, None); passes.len()];
         }
-        let mut now = *counts;
+        let mut now = counts.clone();
         let mut results = Vec::with_capacity(passes.len());
         let launched = passes.iter().zip(&places).zip(sizes);
         let timed = times.into_iter().zip(runs).zip(encoded);
@@ -110,16 +118,14 @@ impl GpuExecutor {
         {
             let threads_launched = place.threads(kernel, &now, size);
             let elements = size.count;
-            now = if is_counted_anew { sent } else { counts_after(kernel, &now, &sent) };
-            if !self.plan.program.counted.is_empty() {
-                now = self.sizes.counted(self.plan.program);
-            }
+            now = if is_counted_anew { counted_anew(kernel, &now, &sent) } else { counts_after(kernel, &now, &sent) };
             let duration_ns = runs.map_or(duration_ns, |runs: Runs| runs.duration_ns());
             let rounding = runs.and_then(|runs| runs.rounding());
-            let counts = Some(now);
+            let (counts, sizes) = (Some(now.clone()), self.sizes.counts());
             results.push(PassResult {
                 kernel,
                 counts,
+                sizes,
                 is_active: None,
                 elements,
                 threads_launched,
@@ -245,12 +251,28 @@ impl GpuExecutor {
     }
 
     /// Counts the elements in each state, after the batch's only pass.
-    fn encode_count(&self, encoder: &mut wgpu::CommandEncoder) -> Result<(), GpuError> {
-        let counter = self.plan.program.kernels().find(|kernel| kernel.role() == Role::Count);
-        let counter = counter.ok_or(GpuError::Missing("count"))?;
+    fn encode_count(&mut self, encoder: &mut wgpu::CommandEncoder, after: Kernel) -> Result<(), GpuError> {
+        let counts = |kernel: &Kernel| kernel.role() == Role::Count && kernel.instance().over == after.instance().over;
+        let counter = self.plan.program.kernels().find(counts).ok_or(GpuError::Missing("count"))?;
+        self.pipelines.prepare(counter, &Place::default(), &self.gpu.device, &self.books)?;
         let label = self.pipelines.get(counter).map(|pipeline| pipeline.label.as_str());
         let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes: None };
         self.dispatch(&mut encoder.begin_compute_pass(&descriptor), counter, &Place::default(), None)
+    }
+
+    /// The counts after some sets may have got other sizes: their elements are unborn.
+    fn with_new_sets(&self, before: &Sizes, counts: &StateCounts) -> StateCounts {
+        let program = self.plan.program;
+        let mut counts = if counts.is_empty() { StateCounts::none(program.states) } else { counts.clone() };
+        for course in program.courses {
+            let elements = course.stream.info().elements;
+            let size = self.sizes.of(program, elements);
+            if before.of(program, elements) != size {
+                counts.clear(program.states_of(course));
+                counts.add(course.unborn, size.map_or(0, |size| size.texels() as u32));
+            }
+        }
+        counts
     }
 
     /// As many of these passes as can be submitted together. A pass that waits for elements to be counted must be the

@@ -2,16 +2,20 @@
 
 use super::buffers::{labelled_buffer, own_buffer};
 use crate::plan::Plan;
+use crate::program::live::LIVE_RAYS;
 use crate::program::schedule::Call;
 use crate::program::{Kernel, Program};
 use crate::shader::{Binding, LAUNCH, Resource};
 use crate::shared;
 use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
 use crate::shared::launch::BLOCK;
-use crate::tables::elements::Size;
+use crate::tables::elements::{Elements, Size};
 use crate::tables::kernel::Launch;
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS};
-use crate::tables::state::{COUNT, StateCounts, Tag};
+use crate::tables::state::{StateCounts, Tag};
+
+/// Words of a list's slot that kernels bind.
+const LIST_WORDS: u64 = 8;
 
 /// Rays per row of an indirect dispatch.
 const RAYS_A_ROW: u32 = LIST_SIDE * LIST_SIDE * LIST_GROUPS;
@@ -29,6 +33,16 @@ struct List {
     slots: [wgpu::Buffer; 2],
     /// How often the kernel has run: its parity tells which half of its part of `live_rays` holds its list.
     turn: u64,
+    /// Where its part of `live_rays` begins, in words, and how long a half of it is.
+    first: u32,
+    texels: u32,
+}
+
+impl List {
+    /// Offset of the list of a kernel's pass in `live_rays`, in words.
+    fn first_ray(&self, turn: u64) -> u32 {
+        self.first + (turn % 2) as u32 * self.texels
+    }
 }
 
 /// The buffers, and the list of each kernel.
@@ -39,7 +53,6 @@ pub(super) struct Books {
     launches: Option<wgpu::Buffer>,
     lists: Vec<Option<List>>,
     live_rays: Option<wgpu::Buffer>,
-    texels: u32,
     program: &'static Program,
 }
 
@@ -74,9 +87,9 @@ impl Place {
         Self { sent: slot, ..self.clone() }
     }
 
-    /// Index of the bind group it uses: bit i is the parity of list i.
-    pub(super) fn group(&self) -> usize {
-        self.next.iter().rev().fold(0, |group, next| 2 * group + (next % 2) as usize)
+    /// Which slots its bind group has: the parity of each list.
+    pub(super) fn parities(&self) -> Vec<bool> {
+        self.next.iter().map(|next| next % 2 == 1).collect()
     }
 
     /// Threads launched by the pass, given the rays in each state before it.
@@ -106,8 +119,9 @@ impl Books {
         let kernels = plan.schedule.kernels();
         let list = |index: usize| {
             let [even, odd] = plan.program.lists[index].slots;
-            let kernel = kernels.iter().copied().find(|kernel| kernel.info().list == Some(index))?;
-            Some(List { kernel, slots: [slots(even)?, slots(odd)?], turn: 0 })
+            let kernel = kernels.iter().copied().find(|kernel| kernel.list() == Some(index))?;
+            let (texels, turn) = (plan.width * plan.height, 0);
+            Some(List { kernel, slots: [slots(even)?, slots(odd)?], turn, first: 2 * index as u32 * texels, texels })
         };
         let own = |name, usage| labelled_buffer(device, &plan.label(name), COUNT_SLOTS * COUNT_SLOT_BYTES, usage);
         Self {
@@ -115,8 +129,7 @@ impl Books {
             copy: own("sent_copy", U::COPY_DST | U::MAP_READ),
             launches: buffer(LAUNCH, U::UNIFORM | U::COPY_DST),
             lists: (0..plan.program.lists.len()).map(list).collect(),
-            live_rays: buffer("live_rays", U::STORAGE | U::COPY_SRC | U::COPY_DST),
-            texels: plan.width * plan.height,
+            live_rays: buffer(LIVE_RAYS, U::STORAGE | U::COPY_SRC | U::COPY_DST),
             program: plan.program,
         }
     }
@@ -129,22 +142,26 @@ impl Books {
             let Some(list) = list else { continue };
             all.extend(info.slots.into_iter().zip(&list.slots).map(|(name, b)| (name, b.size())));
         }
-        all.extend(self.live_rays.iter().map(|b| ("live_rays", b.size())));
+        all.extend(self.live_rays.iter().map(|b| (LIVE_RAYS, b.size())));
         all
     }
 
-    /// The resource bound to a name of a kernel, in the bind group with this index; see [`Place::group`].
-    pub(super) fn binding(&self, kernel: Kernel, name: &str, group: usize) -> Option<wgpu::BindingResource<'_>> {
-        let parity = |list: usize| group >> list & 1;
-        let slots = |list: usize, parity: usize| Some(&self.lists.get(list)?.as_ref()?.slots[parity]);
+    /// The resource bound to a name of a kernel, in the bind group for these slots; see [`Place::parities`].
+    pub(super) fn binding(&self, kernel: Kernel, name: &str, parities: &[bool]) -> Option<wgpu::BindingResource<'_>> {
+        let parity = |list: usize| parities.get(list).is_some_and(|&is_odd| is_odd);
+        let slots = |list: usize, is_odd: bool| Some(&self.lists.get(list)?.as_ref()?.slots[usize::from(is_odd)]);
         let buffer = match name {
             "sent" => &self.sent,
             LAUNCH => self.launches.as_ref()?,
-            "own_list" => kernel.info().list.and_then(|list| slots(list, 1 - parity(list)))?,
-            "live_rays" => return self.live_rays.as_ref().map(wgpu::Buffer::as_entire_binding),
+            "own_list" => kernel.list().and_then(|list| slots(list, !parity(list)))?,
+            LIVE_RAYS => return self.live_rays.as_ref().map(wgpu::Buffer::as_entire_binding),
             _ => list_named(self.program, name).and_then(|list| slots(list, parity(list)))?,
         };
-        let bytes = if name == LAUNCH { size_of::<shared::launch::Launch>() as u64 } else { 4 * COUNT as u64 };
+        let bytes = match name {
+            LAUNCH => size_of::<shared::launch::Launch>() as u64,
+            "sent" => 4 * self.program.states.0.len() as u64,
+            _ => LIST_WORDS * 4,
+        };
         let size = std::num::NonZeroU64::new(bytes);
         Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }))
     }
@@ -178,7 +195,7 @@ impl Books {
                 let label = Some(label.as_str());
                 let rays =
                     device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false });
-                let first = 4 * u64::from(self.first_ray(index, list.turn));
+                let first = 4 * u64::from(list.first_ray(list.turn));
                 encoder.copy_buffer_to_buffer(live_rays, first, &rays, 0, size);
                 kept.rays[index] = Some(rays);
             }
@@ -188,33 +205,27 @@ impl Books {
 
     /// Copies the lists back.
     pub(super) fn restore(&mut self, encoder: &mut wgpu::CommandEncoder, kept: &KeptLists) {
-        for index in 0..self.lists.len() {
-            let Some(list) = &mut self.lists[index] else { continue };
+        for (index, list) in self.lists.iter_mut().enumerate() {
+            let Some(list) = list else { continue };
             list.turn = kept.turns[index];
             if let (Some(live_rays), Some(rays)) = (&self.live_rays, &kept.rays[index]) {
-                let first = 4 * u64::from(self.first_ray(index, kept.turns[index]));
+                let first = 4 * u64::from(list.first_ray(list.turn));
                 encoder.copy_buffer_to_buffer(rays, 0, live_rays, first, rays.size());
             }
         }
     }
 
-    /// Offset of the list of a kernel's pass in `live_rays`, in words.
-    fn first_ray(&self, list: usize, turn: u64) -> u32 {
-        (2 * list as u32 + (turn % 2) as u32) * self.texels
-    }
-
-    /// Rebuilds the lists from the tags, after the state stream was replaced from outside.
-    pub(super) fn relist(&mut self, queue: &wgpu::Queue, tags: &[Tag], width: u32) {
+    /// Rebuilds the lists of a set from the tags, after the stream of its states was replaced from outside.
+    pub(super) fn relist(&mut self, queue: &wgpu::Queue, of: &Elements, tags: &[Tag], width: u32) {
         let Some(live_rays) = &self.live_rays else { return };
-        for (index, list) in self.lists.iter().enumerate() {
-            let Some(list) = list else { continue };
+        for list in self.lists.iter().flatten().filter(|list| list.kernel.instance().over.name == of.name) {
             let ids: Vec<u32> = (0u32..)
                 .zip(tags)
-                .filter(|(_, tag)| list.kernel.info().takes.contains(tag))
+                .filter(|(_, tag)| list.kernel.takes().contains(tag))
                 .map(|(i, _)| (i % width) | ((i / width) << 16))
                 .collect();
             if !ids.is_empty() {
-                let first = 4 * u64::from(self.first_ray(index, list.turn));
+                let first = 4 * u64::from(list.first_ray(list.turn));
                 queue.write_buffer(live_rays, first, bytemuck::cast_slice(&ids));
             }
         }
@@ -236,7 +247,7 @@ impl Books {
         let mut run = vec![0u32; self.lists.len()];
         let mut places = Vec::with_capacity(calls.len());
         for (sent, &Call { kernel, .. }) in (0..).zip(calls) {
-            let list = kernel.info().list.filter(|&l| self.lists[l].is_some());
+            let list = kernel.list().filter(|&l| self.lists[l].is_some());
             let mut place = Place { sent, own: 0, next: run.clone(), list };
             if let Some(list) = list {
                 place.own = run[list];
@@ -246,8 +257,8 @@ impl Books {
             places.push(place);
         }
         for (index, &turns) in run.iter().enumerate() {
-            let first = [0, 1].map(|i| self.lists[index].as_ref().map_or(0, |l| self.first_ray(index, l.turn + i)));
             let Some(list) = &mut self.lists[index] else { continue };
+            let first = [0, 1].map(|i| list.first_ray(list.turn + i));
             let live = list.kernel.live(counts);
             for (parity, slots) in list.slots.iter().enumerate() {
                 let count = (turns as usize + 2 - parity) / 2;
@@ -297,7 +308,7 @@ fn list_named(program: &Program, name: &str) -> Option<usize> {
 pub(super) fn is_dynamic(binding: &Binding) -> bool {
     match binding.resource {
         Resource::Launch => true,
-        Resource::Live { .. } => binding.name != "live_rays",
+        Resource::Live { .. } => binding.name != LIVE_RAYS,
         _ => false,
     }
 }
@@ -346,24 +357,27 @@ fn threads_of(kernel: Kernel) -> u64 {
 
 /// Counts after a pass, from those before it and the numbers of rays it sent.
 pub(super) fn counts_after(kernel: Kernel, before: &StateCounts, sent: &StateCounts) -> StateCounts {
-    let mut after = *before;
-    let active = kernel.info().takes;
-    active.iter().for_each(|&tag| after[tag as usize] = 0);
+    let mut after = before.clone();
+    after.clear(kernel.takes().iter().copied());
     match kernel.sends_all_to() {
-        Some(to) => after[to as usize] += kernel.live(before),
+        Some(to) => after.add(to, kernel.live(before)),
         None => after.iter_mut().zip(sent).for_each(|(a, s)| *a += s),
     }
     after
 }
 
-pub(super) fn read_sent(bytes: &[u8]) -> Vec<StateCounts> {
+/// Counts after a pass whose elements were counted anew.
+pub(super) fn counted_anew(kernel: Kernel, before: &StateCounts, counted: &StateCounts) -> StateCounts {
+    let mut after = before.clone();
+    after.clear(kernel.course().into_iter().flat_map(|course| kernel.program().states_of(course)));
+    after.iter_mut().zip(counted).for_each(|(a, n)| *a += n);
+    after
+}
+
+pub(super) fn read_sent(bytes: &[u8], states: usize) -> Vec<StateCounts> {
+    let word = |word: &[u8]| word.try_into().map_or(0, u32::from_le_bytes);
     bytes
         .chunks_exact(COUNT_SLOT_BYTES as usize)
-        .map(|slot| {
-            let word = |i: usize| u32::from_le_bytes([slot[4 * i], slot[4 * i + 1], slot[4 * i + 2], slot[4 * i + 3]]);
-            let mut counts = [0; COUNT];
-            counts.iter_mut().enumerate().for_each(|(i, c)| *c = word(i));
-            counts
-        })
+        .map(|slot| slot.chunks_exact(4).take(states).map(word).collect())
         .collect()
 }

@@ -1,10 +1,13 @@
 //! Pipelines and bind groups, made from the reflection of each variant: the host binds by name.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
 use super::books::{Books, Place, is_dynamic};
 use super::compiled::Compiled;
 use super::{Gpu, GpuError};
 use crate::plan::Plan;
-use crate::program::Kernel;
+use crate::program::{Kernel, live};
 use crate::scene_data::SceneData;
 use crate::shader::{Binding, Resource, Variant};
 use crate::tables::stream::Stream;
@@ -24,8 +27,8 @@ pub(super) struct KernelPipeline {
 struct Bound {
     /// Groups 0 and 1: streams and scene data.
     groups: Vec<wgpu::BindGroup>,
-    /// Group 2: counters and lists, one group for each combination of even and odd slots; empty if it binds none.
-    live: Vec<wgpu::BindGroup>,
+    /// Group 2: counters and lists, a group for each combination of even and odd slots that a pass has needed.
+    live: HashMap<Vec<bool>, wgpu::BindGroup>,
     /// Names in group 2 with dynamic offsets, in order.
     offsets: Vec<String>,
 }
@@ -35,7 +38,6 @@ pub(super) struct Bindable<'a> {
     pub(super) device: &'a wgpu::Device,
     pub(super) streams: &'a [(Stream, wgpu::Texture)],
     pub(super) buffers: &'a [(&'static str, wgpu::Buffer)],
-    pub(super) books: &'a Books,
 }
 
 pub(super) struct Pipelines(Vec<KernelPipeline>);
@@ -68,6 +70,17 @@ impl Pipelines {
         Ok(())
     }
 
+    /// Makes what passes of this kernel bind, if it is not there yet.
+    pub(super) fn prepare(
+        &mut self,
+        kernel: Kernel,
+        place: &Place,
+        device: &wgpu::Device,
+        books: &Books,
+    ) -> Result<(), GpuError> {
+        self.0.iter_mut().filter(|p| p.kernel == kernel).try_for_each(|p| p.prepare(place, device, books))
+    }
+
     pub(super) fn get(&self, kernel: Kernel) -> Option<&KernelPipeline> {
         self.0.iter().find(|p| p.kernel == kernel)
     }
@@ -80,24 +93,11 @@ impl Bound {
     fn new(of: &KernelPipeline, with: &Bindable<'_>) -> Result<Self, GpuError> {
         let (kernel, label) = (of.kernel, Some(of.label.as_str()));
         let missing = || GpuError::Missing(kernel.name());
-        let (mut groups, mut live, mut offsets) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut groups, mut offsets) = (Vec::new(), Vec::new());
         for (group, layout) in (0..).zip(&of.compiled.layouts) {
             let bindings: Vec<_> = of.bindings.iter().filter(|b| b.group == group).collect();
-            let make = |resources: Vec<wgpu::BindingResource<'_>>| {
-                let entries: Vec<_> = bindings
-                    .iter()
-                    .zip(resources)
-                    .map(|(b, resource)| wgpu::BindGroupEntry { binding: b.index, resource })
-                    .collect();
-                with.device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
-            };
             if group == LIVE_GROUP {
                 offsets = bindings.iter().filter(|b| is_dynamic(b)).map(|b| b.name.clone()).collect();
-                for slots in 0..1 << kernel.program().lists.len() {
-                    let resource = |b: &&Binding| with.books.binding(kernel, &b.name, slots);
-                    let resources: Option<Vec<_>> = bindings.iter().map(resource).collect();
-                    live.push(make(resources.ok_or_else(missing)?));
-                }
             } else {
                 let views = bindings.iter().map(|b| view(b, with.streams)).collect::<Vec<_>>();
                 let mut resources = Vec::new();
@@ -108,14 +108,53 @@ impl Bound {
                         None => buffer().map(|(_, b)| b.as_entire_binding()).ok_or_else(missing)?,
                     });
                 }
-                groups.push(make(resources));
+                groups.push(bind_group(with.device, label, layout, &bindings, resources));
             }
         }
-        Ok(Self { groups, live, offsets })
+        Ok(Self { groups, live: HashMap::new(), offsets })
     }
 }
 
+fn bind_group(
+    device: &wgpu::Device,
+    label: Option<&str>,
+    layout: &wgpu::BindGroupLayout,
+    bindings: &[&Binding],
+    resources: Vec<wgpu::BindingResource<'_>>,
+) -> wgpu::BindGroup {
+    let entry = |(b, resource): (&&Binding, _)| wgpu::BindGroupEntry { binding: b.index, resource };
+    let entries: Vec<_> = bindings.iter().zip(resources).map(entry).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
+}
+
 impl KernelPipeline {
+    /// Which of a pass's slots its bind group has: only those of lists that it binds matter.
+    fn parities(&self, place: &Place) -> Vec<bool> {
+        let (program, mut parities) = (self.kernel.program(), place.parities());
+        for (list, is_odd) in program.lists.iter().zip(&mut parities) {
+            let is_bound = |b: &Binding| b.name == list.name;
+            let is_own = || self.kernel.list().is_some_and(|own| program.lists[own].name == list.name);
+            *is_odd &= self.bindings.iter().any(is_bound) || is_own();
+        }
+        parities
+    }
+
+    /// Makes the bind group of counters and lists for a pass, if it is the first with these slots.
+    fn prepare(&mut self, place: &Place, device: &wgpu::Device, books: &Books) -> Result<(), GpuError> {
+        let (parities, kernel) = (self.parities(place), self.kernel);
+        let Some(bound) = &mut self.bound else { return Ok(()) };
+        let Some(layout) = self.compiled.layouts.get(LIVE_GROUP as usize) else { return Ok(()) };
+        if let Entry::Vacant(place) = bound.live.entry(parities) {
+            let parities = place.key();
+            let bindings: Vec<&Binding> = self.bindings.iter().filter(|b| b.group == LIVE_GROUP).collect();
+            let resources = bindings.iter().map(|b| books.binding(kernel, &b.name, parities));
+            let resources = resources.collect::<Option<Vec<_>>>().ok_or(GpuError::Missing(kernel.name()))?;
+            let group = bind_group(device, Some(&self.label), layout, &bindings, resources);
+            place.insert(group);
+        }
+        Ok(())
+    }
+
     /// Sets pipeline and bindings for a pass.
     pub(super) fn set(&self, pass: &mut wgpu::ComputePass<'_>, place: &Place) -> Result<(), GpuError> {
         let bound = self.bound.as_ref().ok_or(GpuError::Missing(self.kernel.name()))?;
@@ -123,7 +162,7 @@ impl KernelPipeline {
         for (group, bind_group) in (0..).zip(&bound.groups) {
             pass.set_bind_group(group, bind_group, &[]);
         }
-        if let Some(group) = bound.live.get(place.group()) {
+        if let Some(group) = bound.live.get(&self.parities(place)) {
             let offset = |name: &String| place.offset(self.kernel.program(), name);
             let offsets: Vec<u32> = bound.offsets.iter().filter_map(offset).collect();
             pass.set_bind_group(LIVE_GROUP, group, &offsets);
@@ -136,7 +175,7 @@ impl KernelPipeline {
 /// even if the plan was changed since, and the data was validated for exactly these options.
 fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
     variant.kernel.info().proof.holds(data, &plan.features)
-        && Variant::new(variant.kernel, &plan.features)
+        && Variant::new(variant.kernel, &plan.features, &live::lists(&plan.schedule.kernels(), &plan.features))
             .is_ok_and(|own| own.source == variant.source && own.bindings == variant.bindings)
 }
 
@@ -182,7 +221,7 @@ mod tests {
             assert!(!is_proved(&plan, &changed, &data), "{accelerator}: other bindings");
             let mut resumes = plan.clone();
             resumes.features.resumes = true;
-            let variant = Variant::new(kernels::FUSED, &resumes.features).expect("a variant");
+            let variant = Variant::new(kernels::FUSED, &resumes.features, &[]).expect("a variant");
             assert!(!is_proved(&resumes, &variant, &data), "{accelerator}: places that streams hold");
             let mut broken = data.clone();
             broken.packed_triangles.clear();

@@ -1,7 +1,8 @@
 use super::*;
 use crate::executor::{DrawTime, Drawing, Rounding};
-use crate::programs::closest_hit::kernels;
 use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+use crate::programs::closest_hit::{self, kernels};
+use crate::tables::state::StateCounts;
 
 fn run(timer: Option<Timer>) -> RunContext {
     RunContext {
@@ -24,7 +25,7 @@ fn run(timer: Option<Timer>) -> RunContext {
 }
 
 fn pass(duration_ns: Option<u64>) -> Pass {
-    let mut counts = [0; crate::tables::state::COUNT];
+    let mut counts = StateCounts::none(closest_hit::states::STATES);
     (counts[ISECT_NO_HIT as usize], counts[ISECT_HIT as usize]) = (3, 4);
     (counts[TRAV as usize], counts[SHADE as usize]) = (60, 5);
     Pass {

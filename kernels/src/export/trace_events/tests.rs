@@ -5,9 +5,10 @@ use serde_json::Value;
 
 use super::*;
 use crate::executor::{DrawTime, Rounding};
+use crate::tables::state::StateCounts;
 
 fn pass(index: usize, time: Option<(u64, u64)>, shaded: u32) -> Pass {
-    let mut counts = [0; COUNT];
+    let mut counts = StateCounts::none(states::STATES);
     counts[states::SHADE as usize] = shaded;
     counts[states::TRAV as usize] = 10 - shaded;
     let (begin_ns, duration_ns) = time.unzip();

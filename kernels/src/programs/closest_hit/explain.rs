@@ -7,9 +7,8 @@ mod irregular;
 mod test;
 mod tree;
 
-use super::ray_state::RayState;
 use super::states;
-use crate::program::Kernel;
+use crate::program::RayState;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LIGHTS_SUMMED, NO_TRIANGLE, NODES_A_STEP};
 use grid::{cell_at, explain_start, explain_step};
@@ -18,12 +17,6 @@ use tree::explain_node;
 
 /// The triangle that a pass tested, if any, and why the pass left the ray as it did.
 pub(super) type Why = (Option<u32>, String);
-
-/// The triangle that a pass tested, and why it left the ray as it did; empty for a kernel of another program.
-#[must_use]
-pub fn explain(kernel: Kernel, data: &SceneData, before: &RayState, after: &RayState) -> (Option<u32>, String) {
-    super::own(kernel).map_or_else(Default::default, |own| (own.explain)(data, before, after))
-}
 
 pub(super) fn of_generate(data: &SceneData, before: &RayState, _: &RayState) -> Why {
     let why = match data.features.samples {

@@ -2,9 +2,10 @@
 
 use super::elements::RAYS;
 use super::states::{BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE as SHADED, TRAV, TRAV_SETUP, UNWRITTEN};
-use super::{Own, Path, breaks, explain, rounding};
+use super::{HOME, PROGRAM, breaks, explain, rounding};
 use crate::options::reasons::{Because, EYE_RAYS, GIVEN, NO_SHADE, ONE_SAMPLE, On, Passes, WALKED};
-use crate::program::kernel::{Kernel, Proof, kernels};
+use crate::program::kernel::{Kernel, Path, Proof, kernels};
+use crate::program::rounding::Rounding;
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
 use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};
 use crate::tables::state::Tag;
@@ -14,12 +15,12 @@ const fn send(from: Tag, when: &'static str, to: Tag) -> Transition {
 }
 
 /// Every list of live rays.
-pub static LISTS: [ListInfo; 2] = [
+pub const LISTS: [ListInfo; 2] = [
     ListInfo { name: "intersect_list", slots: ["intersect_list_even", "intersect_list_odd"] },
     ListInfo { name: "traverse_list", slots: ["traverse_list_even", "traverse_list_odd"] },
 ];
-const INTERSECT_LIST: usize = 0;
-const TRAVERSE_LIST: usize = 1;
+const INTERSECT_LIST: Option<&str> = Some(LISTS[0].name);
+const TRAVERSE_LIST: Option<&str> = Some(LISTS[1].name);
 
 /// Where a step from cell to cell sends a ray.
 const TO_CELLS: &[Transition] = &[
@@ -46,11 +47,9 @@ kernels! {
         colour: [23, 150, 160],
         why_absent: |run| if run.features.eye_rays { EYE_RAYS } else { GIVEN },
         summary: "generates a ray for every pixel",
-        own: Own {
-            explain: explain::of_generate,
-            path: Path::Stays,
-            rounding: rounding::OF_GENERATE,
-        },
+        explain: explain::of_generate,
+        path: Path::Stays,
+        rounding: rounding::OF_GENERATE,
         breaks: breaks::OF_GENERATE,
     }
     /// Finds a ray's first cell.
@@ -70,11 +69,9 @@ kernels! {
         colour: [150, 120, 190],
         why_absent: |run| run.needed_only(On::Any, Passes::Stepped),
         summary: "finds where the ray's walk begins, or that it misses the grid",
-        own: Own {
-            explain: explain::of_setup,
-            path: Path::Enters,
-            rounding: rounding::OF_SETUP,
-        },
+        explain: explain::of_setup,
+        path: Path::Enters,
+        rounding: rounding::OF_SETUP,
         breaks: breaks::OF_SETUP,
     }
     /// Moves a ray to its next cell.
@@ -86,15 +83,13 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |_| false,
-        list: Some(TRAVERSE_LIST),
+        list: TRAVERSE_LIST,
         colour: [66, 124, 200],
         why_absent: |run| run.needed_only(On::Grid, Passes::OneStep),
         summary: "moves the ray to its next cell",
-        own: Own {
-            explain: explain::of_traverse_grid,
-            path: Path::NextCell,
-            rounding: rounding::OF_TRAVERSE_GRID,
-        },
+        explain: explain::of_traverse_grid,
+        path: Path::NextCell,
+        rounding: rounding::OF_TRAVERSE_GRID,
         breaks: breaks::OF_TRAVERSE_GRID,
     }
     /// Moves a ray to its next cell of the irregular grid.
@@ -106,15 +101,13 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |_| false,
-        list: Some(TRAVERSE_LIST),
+        list: TRAVERSE_LIST,
         colour: [66, 124, 200],
         why_absent: |run| run.needed_only(On::Irregular, Passes::OneStep),
         summary: "moves the ray to its next cell of the irregular grid",
-        own: Own {
-            explain: explain::of_traverse_irregular,
-            path: Path::NextCell,
-            rounding: rounding::OF_TRAVERSE_IRREGULAR,
-        },
+        explain: explain::of_traverse_irregular,
+        path: Path::NextCell,
+        rounding: rounding::OF_TRAVERSE_IRREGULAR,
         breaks: breaks::OF_TRAVERSE_IRREGULAR,
     }
     /// Moves a ray to its next node of the BVH.
@@ -132,15 +125,13 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |_| false,
-        list: Some(TRAVERSE_LIST),
+        list: TRAVERSE_LIST,
         colour: [66, 124, 200],
         why_absent: |run| run.needed_only(On::Bvh, Passes::OneStep),
         summary: "moves the ray to its next node of the BVH",
-        own: Own {
-            explain: explain::of_traverse_bvh,
-            path: Path::NextNode,
-            rounding: rounding::OF_TRAVERSE_BVH,
-        },
+        explain: explain::of_traverse_bvh,
+        path: Path::NextNode,
+        rounding: rounding::OF_TRAVERSE_BVH,
         breaks: breaks::OF_TRAVERSE_BVH,
     }
     /// Tests one triangle.
@@ -161,15 +152,13 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |features| features.resumes_scan,
-        list: Some(INTERSECT_LIST),
+        list: INTERSECT_LIST,
         colour: [232, 140, 60],
         why_absent: |run| run.needed_only(On::Any, Passes::OneStep),
         summary: "tests the ray against one triangle of its cell or leaf",
-        own: Own {
-            explain: explain::of_intersect,
-            path: Path::Stays,
-            rounding: rounding::OF_INTERSECT,
-        },
+        explain: explain::of_intersect,
+        path: Path::Stays,
+        rounding: rounding::OF_INTERSECT,
         breaks: breaks::OF_INTERSECT,
     }
     /// Advances a ray by several steps.
@@ -191,15 +180,13 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |features| features.resumes,
-        list: Some(INTERSECT_LIST),
+        list: INTERSECT_LIST,
         colour: [190, 150, 30],
         why_absent: |_| WALKED,
         summary: "moves the ray by several cells or nodes",
-        own: Own {
-            explain: explain::of_walk,
-            path: Path::Several,
-            rounding: rounding::OF_WALK,
-        },
+        explain: explain::of_walk,
+        path: Path::Several,
+        rounding: rounding::OF_WALK,
         breaks: breaks::OF_WALK,
     }
     /// Traces a ray from its start to its hit.
@@ -237,11 +224,9 @@ kernels! {
         colour: [200, 80, 140],
         why_absent: |run| run.needed_only(On::Any, Passes::Fused),
         summary: "takes the ray from its start to its nearest hit",
-        own: Own {
-            explain: explain::of_fused,
-            path: Path::Stays,
-            rounding: rounding::OF_FUSED,
-        },
+        explain: explain::of_fused,
+        path: Path::Stays,
+        rounding: rounding::OF_FUSED,
         breaks: breaks::OF_FUSED,
     }
     /// Colours what was hit.
@@ -261,11 +246,9 @@ kernels! {
         colour: [90, 165, 90],
         why_absent: |_| NO_SHADE,
         summary: "colours the ray from its hit, or the background",
-        own: Own {
-            explain: explain::of_shade,
-            path: Path::Stays,
-            rounding: rounding::OF_SHADE,
-        },
+        explain: explain::of_shade,
+        path: Path::Stays,
+        rounding: rounding::OF_SHADE,
         breaks: breaks::OF_SHADE,
     }
     /// Adds a sample to its pixel's mean.
@@ -284,11 +267,9 @@ kernels! {
         colour: [120, 130, 140],
         why_absent: |_| ONE_SAMPLE,
         summary: "adds the sample to its pixel's mean, and requests the next one",
-        own: Own {
-            explain: explain::of_accumulate,
-            path: Path::Stays,
-            rounding: rounding::OF_ACCUMULATE,
-        },
+        explain: explain::of_accumulate,
+        path: Path::Stays,
+        rounding: rounding::OF_ACCUMULATE,
         breaks: breaks::OF_ACCUMULATE,
     }
     /// Counts the rays in each state.
@@ -304,11 +285,9 @@ kernels! {
         colour: [120, 120, 120],
         why_absent: |_| (Because::Options, "needed only after a kernel that does not count the rays that it sends on, such as fused"),
         summary: "counts the rays in each state, after a kernel that does not",
-        own: Own {
-            explain: explain::of_count,
-            path: Path::Stays,
-            rounding: rounding::NONE,
-        },
+        explain: explain::of_count,
+        path: Path::Stays,
+        rounding: Rounding::NONE,
         breaks: breaks::OF_COUNT,
     }
 }

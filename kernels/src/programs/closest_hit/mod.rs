@@ -15,7 +15,7 @@ pub mod grid_lists;
 pub mod intersect;
 pub mod kernels;
 pub mod ray;
-pub mod ray_state;
+mod ray_state;
 pub mod rounding;
 pub mod schedule;
 pub mod setup;
@@ -30,14 +30,13 @@ pub mod walk;
 
 use std::borrow::Cow;
 
-use ray_state::RayState;
-use rounding::Rounding;
-
 use crate::options::features::Features;
-use crate::program::{Course, Kernel, Program, Results};
-use crate::scene_data::SceneData;
-use crate::shared::{self, constants};
+use crate::program::{Course, Home, Program, Results};
+use crate::shared;
 use crate::tables::stream::Component;
+
+/// The tables that its kernels name.
+pub static HOME: Home = Home { streams: &streams::STREAMS, states: states::STATES };
 
 /// The program.
 pub static PROGRAM: Program = Program {
@@ -45,16 +44,16 @@ pub static PROGRAM: Program = Program {
     summary: "every ray to its closest hit, and its colour from there",
     elements: &[&elements::RAYS],
     streams: &streams::STREAMS,
-    counted: &[],
     states: states::STATES,
-    course: Some(Course {
+    courses: &[Course {
         stream: streams::STATE,
         inputs: &streams::INPUTS,
         unborn: states::UNWRITTEN,
         born: states::TRAV_SETUP,
         given_up: states::BACKGROUND,
         done: states::DONE,
-    }),
+    }],
+    rays: Some(ray_state::DECODING),
     results: Some(Results {
         origin: streams::RAY_ORIGIN,
         direction: streams::RAY_DIRECTION,
@@ -73,51 +72,13 @@ pub static PROGRAM: Program = Program {
     modules,
 };
 
-/// What this program alone says of one of its kernels.
-pub struct Own {
-    /// The triangle that a pass tested, and why it left a ray as it did.
-    pub explain: fn(&SceneData, &RayState, &RayState) -> (Option<u32>, String),
-    /// Where one pass of it takes a ray.
-    pub path: Path,
-    /// What a device that rounds otherwise may change in one pass.
-    pub rounding: Rounding,
-}
-
-/// Where one pass of a kernel takes a ray, along its path through a grid or a BVH.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Path {
-    /// Nowhere, or all the way at once.
-    Stays,
-    /// Into its first cell, or to the root.
-    Enters,
-    /// Into its next cell, or out of the grid.
-    NextCell,
-    /// To the next node, if the box of its node was tested.
-    NextNode,
-    /// Through several cells or nodes, or none.
-    Several,
-}
-
-/// What this program says of a kernel; `None` for another program's.
-#[must_use]
-pub fn own(kernel: Kernel) -> Option<&'static Own> {
-    std::ptr::eq(kernel.program(), &PROGRAM).then(|| &kernels::OWN[kernel.instance().index])
-}
-
 /// WGSL modules that kernels import from, by name: `package::NAME`.
-fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
-    let live = if features.fragments { include_str!("live_fragment.wgsl") } else { include_str!("live.wgsl") };
+fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let own = [
-        ("live", live),
         ("ray", include_str!("ray.wgsl")),
         ("arrival", include_str!("arrival.wgsl")),
         ("grid_lists", include_str!("grid_lists.wgsl")),
         ("tracing", include_str!("tracing.wgsl")),
     ];
-    let made = [
-        ("constants", Cow::Owned(constants::wgsl_module(features.stack, features.turns))),
-        ("state", Cow::Owned(states::STATES.wgsl_module())),
-    ];
-    let shared = shared::MODULES.iter().chain(&own).map(|&(name, source)| (name, Cow::Borrowed(source)));
-    made.into_iter().chain(shared).collect()
+    shared::MODULES.iter().chain(&own).map(|&(name, source)| (name, Cow::Borrowed(source))).collect()
 }

@@ -61,7 +61,7 @@ mod tests {
     fn the_table_is_in_the_order_of_a_rays_course() {
         assert!(STATES.0.is_sorted_by_key(|state| state.role as u8));
         assert_eq!((STATES.name(99), STATES.role(99), STATES.is_decided(99)), ("?", None, false));
-        let counts = [1, 2, 4, 8, 16, 32, 64, 128];
+        let counts = [1, 2, 4, 8, 16, 32, 64, 128].into_iter().collect();
         assert_eq!((STATES.walking(&counts), STATES.decided(&counts)), (30, 224));
     }
 }

@@ -20,18 +20,17 @@ macro_rules! instances {
 
         /// All instances, in the order of the build.
         pub static KERNELS: [Instance; [$(Index::$id as usize),*].len()] = [$(Instance {
-            index: Index::$id as usize,
             name: $name,
-            program: &PROGRAM,
             kernel: instances!(@row $row $($kind)?),
             over: &$over,
             parameter: 0 $(+ $parameter)?,
             binds: instances!(@list $($binds)?),
+            renamed: None,
             renews: instances!(@list $($renews)?),
             adopts: instances!(@list $($adopts)?),
         }),*];
 
-        $(pub(super) const $id: Kernel = Kernel::of(&KERNELS[Index::$id as usize]);)*
+        $(pub(super) const $id: Kernel = Kernel::at(&PROGRAM, Index::$id as usize);)*
     };
     (@row $row:ident) => { $row };
     (@row $row:ident $kind:ident) => { KernelInfo { why_absent: reasons::$kind, ..$row } };

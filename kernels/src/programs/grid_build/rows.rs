@@ -3,37 +3,19 @@
 use super::reasons;
 use crate::options::{Accelerator, Options};
 use crate::program::breaks::Break;
-use crate::program::kernel::{KernelInfo, PassTwin, Proof, Twin};
-use crate::shared::launch::BLOCK;
-use crate::tables::kernel::{Counts, Launch, Role};
+use crate::program::kernel::{KernelInfo, PassTwin};
+use crate::tables::kernel::Launch;
 
-/// The row of a kernel; all other fields are the same for every kernel.
+/// The row of a kernel with so many elements per thread.
 pub(super) const fn row(
-    (name, wgsl): (&'static str, &'static str),
+    source: (&'static str, &'static str),
     twin: PassTwin,
     each: u32,
     colour: [u8; 3],
     summary: &'static str,
     breaks: &'static [Break],
 ) -> KernelInfo {
-    KernelInfo {
-        name,
-        wgsl,
-        twin: Twin::Pass(twin),
-        takes: &[],
-        sends: &[],
-        role: Role::Once,
-        workgroup: BLOCK as u32,
-        launch: Launch::List { each, weight: 1 },
-        counts: Counts::None,
-        resumes: |_| false,
-        list: None,
-        proof: Proof::NONE,
-        colour,
-        why_absent: reasons::every,
-        summary,
-        breaks,
-    }
+    in_portions(each, 1, KernelInfo::once(source, twin, colour, summary, reasons::every, breaks))
 }
 
 /// A kernel whose elements take long: tests of boxes, or of many neighbours.

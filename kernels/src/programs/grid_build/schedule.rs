@@ -1,9 +1,10 @@
 //! The order of the build's kernels.
 
+use super::elements::{LEFT, ROUNDS_AHEAD};
 use super::instances::*;
 use super::radix::digits_of;
 use crate::program::Kernel;
-use crate::program::schedule::{Parameter, Schedule, Step};
+use crate::program::schedule::{Count, Schedule, Step};
 
 /// What is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,10 +69,6 @@ const EXPANDED: [Kernel; 5] = [NAME_TOP, NAME_BLOCKS, EXPAND_CELLS, FINISH_EXPAN
 const CHECKED: [Kernel; 4] = [CHECK_LISTS, CHECK_ALL_CELLS, CHECK_TOP, CHECK_BLOCKS];
 const CHECKED_ITEMS: [Kernel; 2] = [CHECK_EVEN, CHECK_ODD];
 
-/// The sets on which repetitions depend, by their index in the program's table.
-const WHILE_SOME_ARE_LEFT: usize = 0;
-const WHILE_ROUNDS_ARE_AHEAD: usize = 1;
-
 /// The schedule for a grid whose top level, or only one, has so many cells.
 #[must_use]
 pub fn of(kind: Kind, cells: u32) -> Schedule {
@@ -81,10 +78,10 @@ pub fn of(kind: Kind, cells: u32) -> Schedule {
     // Sorts by a digit, in a loop over pairs of digits.
     let sort = |digit: u32| {
         let [count, scatter] =
-            SORTED[digit as usize % 2].map(|kernel| Step::RunBy(kernel, Parameter { first: digit, by: 2 }));
+            SORTED[digit as usize % 2].map(|kernel| Step::RunBy(kernel, Count { first: digit, by: &[2] }));
         [vec![count], run(&TALLIED), vec![scatter]].concat()
     };
-    steps.push(Step::Repeat(digits / 2, [sort(0), sort(1)].concat()));
+    steps.push(Step::Repeat(Count::always(digits / 2), [sort(0), sort(1)].concat()));
     if !digits.is_multiple_of(2) {
         steps.extend(sort(digits - 1));
     }
@@ -93,7 +90,7 @@ pub fn of(kind: Kind, cells: u32) -> Schedule {
     steps.extend(run(&STARTED));
     if kind != Kind::Uniform {
         steps.extend(run(&[COUNT_TOP_LEVEL, MAKE_FIRST_LEAVES, FIND_DEPTH, TAKEN[digits % 2]]));
-        steps.push(Step::RepeatWhileAny(WHILE_SOME_ARE_LEFT, run(&REFINED)));
+        steps.push(Step::RepeatWhileAny(&LEFT, run(&REFINED)));
         steps.extend(run(&MAPPED));
     }
     match kind {
@@ -101,7 +98,7 @@ pub fn of(kind: Kind, cells: u32) -> Schedule {
         Kind::TwoLevels => steps.extend(run(&[FINISH_LEAVES, FINISH_LISTS])),
         Kind::Irregular => {
             steps.extend(run(&[BEGIN_MERGING]));
-            steps.push(Step::RepeatWhileAny(WHILE_ROUNDS_ARE_AHEAD, run(&MERGED)));
+            steps.push(Step::RepeatWhileAny(&ROUNDS_AHEAD, run(&MERGED)));
             steps.extend(run(&EXPANDED));
         }
     }
@@ -115,11 +112,11 @@ pub fn of(kind: Kind, cells: u32) -> Schedule {
 mod tests {
     use super::*;
     use crate::program::schedule::Cursor;
-    use crate::tables::state::StateCounts;
+    use crate::tables::state::Population;
 
     /// The passes of a schedule: kernel, parameter and iteration.
     fn passes(schedule: &Schedule) -> Vec<(Kernel, u32, u32)> {
-        let (mut cursor, counts) = (Cursor::start(), StateCounts::default());
+        let (mut cursor, counts) = (Cursor::start(), Population::default());
         std::iter::from_fn(|| {
             let ahead = cursor.guess(schedule, &counts, usize::MAX);
             let kernel = cursor.next(schedule, &counts)?;
@@ -146,11 +143,14 @@ mod tests {
 
     #[test]
     fn counted_loops_run_so_often_one_in_the_other_and_all_is_known_ahead() {
-        let by = |kernel, first, by| Step::RunBy(kernel, Parameter { first, by });
-        let inner = Step::Repeat(3, vec![by(FIND_BOUNDS, 10, 2), Step::Run(CHECK_BLOCKS)]);
-        let never = Step::Repeat(0, vec![Step::Run(FIND_HALVES)]);
-        let steps =
-            vec![by(SCAN_SPANS, 7, 5), Step::Repeat(2, vec![inner, never, by(ADD_SPANS, 0, 1)]), Step::Run(TEST_SPANS)];
+        let by = |kernel, first, by| Step::RunBy(kernel, Count { first, by });
+        let inner = Step::Repeat(Count::always(3), vec![by(FIND_BOUNDS, 10, &[2]), Step::Run(CHECK_BLOCKS)]);
+        let never = Step::Repeat(Count::always(0), vec![Step::Run(FIND_HALVES)]);
+        let steps = vec![
+            by(SCAN_SPANS, 7, &[5]),
+            Step::Repeat(Count::always(2), vec![inner, never, by(ADD_SPANS, 0, &[1])]),
+            Step::Run(TEST_SPANS),
+        ];
         let schedule = Schedule { steps };
         let turn = |first| {
             let of = |turn: u32| [(FIND_BOUNDS, 10 + 2 * turn, turn + 1), (CHECK_BLOCKS, 1, turn + 1)];
@@ -158,15 +158,16 @@ mod tests {
         };
         let expected = [vec![(SCAN_SPANS, 7, 0)], turn(0), turn(1), vec![(TEST_SPANS, 0, 0)]].concat();
         assert_eq!(passes(&schedule), expected);
-        let ahead = Cursor::start().guess(&schedule, &StateCounts::default(), usize::MAX);
+        let ahead = Cursor::start().guess(&schedule, &Population::default(), usize::MAX);
         let ahead: Vec<_> = ahead.into_iter().map(|call| (call.kernel, call.parameter)).collect();
         assert_eq!(ahead, expected.iter().map(|&(kernel, parameter, _)| (kernel, parameter)).collect::<Vec<_>>());
         assert_eq!(schedule.passes_expected(), expected.len() as u64);
         // Nothing is known beyond the end of a loop whose condition is counted.
-        let open = Schedule { steps: vec![Step::RepeatWhileAny(0, schedule.steps.clone())] };
-        assert_eq!(Cursor::start().guess(&open, &StateCounts::default(), usize::MAX).len(), expected.len());
-        let last = vec![Step::RepeatWhileAny(0, vec![Step::Repeat(2, vec![Step::Run(FIND_BOUNDS)])])];
-        assert_eq!(Cursor::start().guess(&Schedule { steps: last }, &StateCounts::default(), usize::MAX).len(), 2);
+        let open = Schedule { steps: vec![Step::RepeatWhileAny(&LEFT, schedule.steps.clone())] };
+        assert_eq!(Cursor::start().guess(&open, &Population::default(), usize::MAX).len(), expected.len());
+        let last =
+            vec![Step::RepeatWhileAny(&LEFT, vec![Step::Repeat(Count::always(2), vec![Step::Run(FIND_BOUNDS)])])];
+        assert_eq!(Cursor::start().guess(&Schedule { steps: last }, &Population::default(), usize::MAX).len(), 2);
         assert!(!schedule.kernels().contains(&FIND_HALVES), "what never runs is not compiled");
     }
 }

@@ -126,7 +126,14 @@ mod tests {
         let mut counts = [0; 8];
         (counts[states::TRAV as usize], counts[states::SHADE as usize]) = (walking, resolved);
         let kernel = if index == 2 { kernels::SHADE } else { kernels::TRAVERSE_GRID };
-        Pass { index, iteration: 1, rays_in: walking, counts, threads_launched: 1, ..Pass::of(kernel) }
+        Pass {
+            index,
+            iteration: 1,
+            rays_in: walking,
+            counts: counts.into_iter().collect(),
+            threads_launched: 1,
+            ..Pass::of(kernel)
+        }
     }
 
     #[test]

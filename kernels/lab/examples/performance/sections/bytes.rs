@@ -216,17 +216,19 @@ fn texels(source: &str, call: &str) -> BTreeSet<(String, String)> {
 #[cfg(test)]
 mod tests {
     use raystep_kernels::options::features::Features;
+    use raystep_kernels::program::live;
 
     use super::*;
 
     #[test]
     fn texels_of_a_step_through_the_grid() {
         let features = Features { robust: true, grid: true, perspective: true, ..Features::default() };
-        let variant = Variant::new(kernels::TRAVERSE_GRID, &features).expect("a kernel");
+        let variant = Variant::new(kernels::TRAVERSE_GRID, &features, &[]).expect("a kernel");
         // Loads: origin and direction 6, state tag, t and cell 3, tmax 3. Stores: tmax 3, state tag, cell, item 3.
         assert_eq!(bytes_a_ray(&variant), Ok(4 * (12 + 6)));
-        let listed =
-            Variant::new(kernels::TRAVERSE_GRID, &Features { live_lists: true, ..features }).expect("a kernel");
+        let features = Features { live_lists: true, ..features };
+        let lists = live::lists(&[kernels::TRAVERSE_GRID], &features);
+        let listed = Variant::new(kernels::TRAVERSE_GRID, &features, &lists).expect("a kernel");
         assert_eq!(bytes_a_ray(&listed), Ok(4 * (12 + 6) + 8));
     }
 }

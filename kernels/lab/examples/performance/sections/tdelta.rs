@@ -86,7 +86,7 @@ struct Steps {
 impl Steps {
     fn new(gpu: &Gpu, size: (u32, u32), (_, ray, constants): &Loading) -> Result<Self, String> {
         let features = Features { grid: true, perspective: true, ..Features::default() };
-        let mut variant = Variant::new(kernels::TRAVERSE_GRID, &features).map_err(|e| e.to_string())?;
+        let mut variant = Variant::new(kernels::TRAVERSE_GRID, &features, &[]).map_err(|e| e.to_string())?;
         // Rays that are not intersected in between continue at once.
         let next = "let tag = select(ISECT_NO_HIT, ISECT_HIT, keeps_hit(texel));";
         let source = replaced(&variant.source, next, "let tag = TRAV;")?;

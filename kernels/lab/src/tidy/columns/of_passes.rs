@@ -20,6 +20,10 @@ pub(super) const OF_PASSES: &[Column] = &[
     text("kernel", "the kernel that ran"),
     text("mapping", "how kernels are mapped to the GPU: compute, or fragment and its choices"),
     text("traversal", "how rays walk through a uniform grid: amanatides-woo or 3d-dda"),
+    text(
+        "loops",
+        "turns of the schedule's loops that the pass is in, from 0, outermost loop first, separated by spaces",
+    ),
     count(
         "draw",
         "part of a pass that is drawn, from 0: copies, depths, draws of the kernel; what belongs to the whole pass (rays, \

@@ -59,7 +59,8 @@ impl FragmentExecutor {
         let statistics = statistics.map(|(copy, bytes)| (read(&copy, bytes), bytes));
         self.gpu.pop_scopes(scopes).await?;
 
-        let sent = sent.finish(sent_bytes, read_sent).await?;
+        let states = self.plan.program.states.0.len();
+        let sent = sent.finish(sent_bytes, |bytes| read_sent(bytes, states)).await?;
         let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
         self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
         let mut active = Vec::new();
@@ -91,7 +92,8 @@ impl FragmentExecutor {
             let drawn = draws.iter().filter(|draw| draw.what != Drawing::Copies).count() as u64;
             PassResult {
                 kernel,
-                counts: is_counted.then(|| sent[index]),
+                counts: is_counted.then(|| sent[index].clone()),
+                sizes: vec![size.count],
                 is_active: active.get(index).copied(),
                 elements: size.count,
                 threads_launched: size.texels() * drawn,
@@ -114,6 +116,7 @@ impl FragmentExecutor {
         is_last: bool,
         parts: &mut Parts,
     ) -> Result<(), GpuError> {
+        let states = self.plan.program.states.0.len() as u64;
         let Self { pipelines, streams, timers, results, buffers, gpu, how, copies, .. } = self;
         let index = pipelines.index(kernel).ok_or(GpuError::Missing(kernel.name()))?;
         let timers = timers.as_ref();
@@ -131,7 +134,8 @@ impl FragmentExecutor {
             let (from, to) = (textures.current(), textures.other());
             encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
         }
-        let with = Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, slot, copied: &copied };
+        let with =
+            Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, states, slot, copied: &copied };
         let statistics = results.statistics.as_ref();
         let draws = pipelines.drawn[index].draws.len();
         if pipelines.has_depth() {
@@ -157,7 +161,8 @@ impl FragmentExecutor {
             }
         }
         if self.counts_each || is_last {
-            let with = Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, slot, copied: &[] };
+            let with =
+                Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, states, slot, copied: &[] };
             pipelines.count(encoder, &with)?;
         }
         Ok(())

@@ -7,7 +7,6 @@ use crate::executor::gpu::GpuError;
 use crate::fragment::Shader;
 use crate::shader::{Binding, Resource};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
-use crate::tables::state::COUNT;
 use crate::tables::stream::Stream;
 
 /// What a shader binds.
@@ -31,6 +30,8 @@ pub(super) struct Bindable<'a> {
     pub(super) streams: &'a StreamTextures,
     pub(super) buffers: &'a [(&'static str, wgpu::Buffer)],
     pub(super) sent: &'a wgpu::Buffer,
+    /// Number of states that it counts.
+    pub(super) states: u64,
     /// The pass's slot in `sent`.
     pub(super) slot: u32,
     /// The streams that are read from their other texture, where the copy is.
@@ -100,7 +101,7 @@ impl Bound {
                         (None, Resource::Live { .. }) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                             buffer: with.sent,
                             offset: 0,
-                            size: std::num::NonZeroU64::new(4 * COUNT as u64),
+                            size: std::num::NonZeroU64::new(4 * with.states),
                         }),
                         (None, _) => {
                             let found = with.buffers.iter().find(|(name, _)| *name == binding.name);

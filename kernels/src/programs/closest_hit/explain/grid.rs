@@ -1,9 +1,9 @@
 //! The walk through the grid: its start, steps, skips over empty cells, and the paper's wrap over a face.
 
-use super::super::ray_state::RayState;
 use super::super::states;
 use super::listing;
 use crate::numbers::real::Vec3;
+use crate::program::RayState;
 use crate::scene_data::SceneData;
 use crate::shared::constants::INF;
 use crate::shared::dda;

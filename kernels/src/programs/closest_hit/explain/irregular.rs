@@ -1,8 +1,8 @@
 //! The walk through the irregular grid: its start, and steps from box to box.
 
-use super::super::ray_state::RayState;
 use super::super::states;
 use super::listing;
+use crate::program::RayState;
 use crate::scene_data::SceneData;
 use crate::shared::constants::INF;
 

@@ -1,10 +1,10 @@
 //! The test of a triangle, and what follows when a list ends.
 
-use super::super::ray_state::RayState;
 use super::super::states;
 use super::grid::leap_from;
 use super::has_new_hit;
 use crate::numbers::real::Vec3;
+use crate::program::RayState;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, PAPER_EPSILON};
 use crate::shared::triangle::{Candidate, Shear, hit_triangle, plane_hit};

@@ -1,8 +1,8 @@
 //! The walk through the BVH: a node's box, and where the ray continues.
 
-use super::super::ray_state::RayState;
 use super::super::states;
 use super::listing;
+use crate::program::RayState;
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::parent_of;
 use crate::shared::constants::NO_NODE;

@@ -5,22 +5,26 @@ use super::*;
 use crate::program::Kernel;
 use crate::program::schedule::Cursor;
 use crate::programs::closest_hit::states::{DONE, ISECT_NO_HIT, SHADE as SHADED, TRAV};
-use crate::tables::state::StateCounts;
+use crate::tables::state::{Population, StateCounts, Tag};
 
-fn counts(isect: u32, trav: u32, shade: u32) -> StateCounts {
-    let mut c = StateCounts::default();
-    (c[ISECT_NO_HIT as usize], c[TRAV as usize], c[SHADED as usize]) = (isect, trav, shade);
-    c
+fn counts(isect: u32, trav: u32, shade: u32) -> Population {
+    in_states(&[(ISECT_NO_HIT, isect), (TRAV, trav), (SHADED, shade)])
 }
 
-fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[StateCounts]) -> Vec<&'static str> {
+fn in_states(rays: &[(Tag, u32)]) -> Population {
+    let mut counts = StateCounts::none(states::STATES);
+    rays.iter().for_each(|&(tag, rays)| counts.add(tag, rays));
+    counts.into()
+}
+
+fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[Population]) -> Vec<&'static str> {
     let schedule = new(kind, accelerator, false, true, false, false);
     let mut cursor = Cursor::start();
     let mut now = counts(0, 0, 0);
     let mut names = Vec::new();
     for after in script {
         names.push(cursor.next(&schedule, &now).map_or("end", Kernel::name));
-        now = *after;
+        now = after.clone();
     }
     names.push(cursor.next(&schedule, &now).map_or("end", Kernel::name));
     names
@@ -28,8 +32,7 @@ fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[StateCounts]) -> 
 
 #[test]
 fn second_takes_turns_until_both_are_idle() {
-    let (c, mut done) = (counts, StateCounts::default());
-    done[DONE as usize] = 9;
+    let (c, done) = (counts, in_states(&[(DONE, 9)]));
     let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(9, 0, 0), c(0, 4, 5), c(0, 0, 9), done];
     let names = run(ScheduleKind::Second, Accelerator::Grid, &script);
     let expected = ["generate", "setup", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
@@ -61,10 +64,10 @@ fn sampled(kind: ScheduleKind, accelerator: Accelerator, many_steps: bool) -> Sc
 #[test]
 fn all_steps_come_again_as_long_as_a_pixel_wants_a_sample() {
     let schedule = sampled(ScheduleKind::Second, Accelerator::Grid, false);
-    let (c, all) = (counts, |tag: u32| std::array::from_fn(|i| if i == tag as usize { 9 } else { 0 }));
-    let (unwritten, done) = (all(0), all(DONE));
+    let c = counts;
+    let (unwritten, done) = (in_states(&[(states::UNWRITTEN, 9)]), in_states(&[(DONE, 9)]));
     let mut cursor = Cursor::start();
-    let once = [unwritten, c(0, 0, 0), c(9, 0, 0), c(0, 9, 0), c(0, 0, 9), done];
+    let once = [unwritten, c(0, 0, 0), c(9, 0, 0), c(0, 9, 0), c(0, 0, 9), done.clone()];
     let names = ["generate", "setup", "intersect", "traverse_grid", "shade", "accumulate"];
     for turn in 0..3 {
         for ((now, name), iteration) in once.iter().zip(names).zip([0, 0, 1, 1, 1, 1]) {
@@ -90,7 +93,7 @@ fn a_walk_that_is_left_goes_on_with_its_own_sample() {
         {
             let mut cursor = Cursor::start();
             let mut unwritten = counts(5, 5, 0);
-            unwritten[states::UNWRITTEN as usize] = 1;
+            unwritten.in_state.add(states::UNWRITTEN, 1);
             while !cursor.next(&schedule, &unwritten).expect("a walk").is_walk() {
                 let mut outside = cursor.clone();
                 outside.leave_walk(&schedule);
@@ -107,7 +110,7 @@ fn a_walk_that_is_left_goes_on_with_its_own_sample() {
 }
 
 /// The kernels that are submitted ahead.
-fn guess(cursor: &Cursor, schedule: &Schedule, counts: &StateCounts, most: usize) -> Vec<Kernel> {
+fn guess(cursor: &Cursor, schedule: &Schedule, counts: &Population, most: usize) -> Vec<Kernel> {
     cursor.guess(schedule, counts, most).into_iter().map(|call| call.kernel).collect()
 }
 
@@ -115,8 +118,7 @@ fn guess(cursor: &Cursor, schedule: &Schedule, counts: &StateCounts, most: usize
 fn a_guess_goes_on_to_the_next_sample_and_no_farther_than_its_walk() {
     let guesses = |schedule: &Schedule, most: usize| {
         let mut cursor = Cursor::start();
-        let mut unwritten = StateCounts::default();
-        unwritten[states::UNWRITTEN as usize] = 9;
+        let unwritten = in_states(&[(states::UNWRITTEN, 9)]);
         let first = guess(&cursor, schedule, &unwritten, most);
         while cursor.next(schedule, &unwritten) != Some(SHADE) {}
         (first, guess(&cursor.before(), schedule, &counts(0, 0, 9), most))

@@ -6,22 +6,20 @@
 // indirect arguments (x groups, y groups, z), its number of rays, and its start in live_rays; a ray is x | y << 16.
 
 import package::constants::{LIST_SIDE, LIST_GROUPS, NOBODY};
-import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT};
+import package::state::{STATES};
+// Made from the program's rows: the number of lists in use, the list of the kernel that takes a state (LISTS if none
+// does), and a function that reserves room in a list.
+@if(live_lists) import package::lists::{LISTS, list_of, reserve};
 
-@group(2) @binding(0) var<storage, read_write> sent: array<atomic<u32>, 8>;
-@if(live_lists) @group(2) @binding(1) var<storage, read> own_list: array<u32, 8>;
-@if(live_lists) @group(2) @binding(2) var<storage, read_write> intersect_list: array<atomic<u32>, 8>;
-@if(live_lists && !many_steps && (grid || irregular || bvh)) @group(2) @binding(3) var<storage, read_write> traverse_list: array<atomic<u32>, 8>;
-@if(live_lists) @group(2) @binding(4) var<storage, read_write> live_rays: array<u32>;
+@group(2) @binding(0) var<storage, read_write> sent: array<atomic<u32>, STATES>;
+@if(live_lists) @group(2) @binding(2) var<storage, read> own_list: array<u32, 8>;
+@if(live_lists) @group(2) @binding(100) var<storage, read_write> live_rays: array<u32>;
 
-var<workgroup> sent_here: array<atomic<u32>, 8>;
-const TO_INTERSECT: u32 = 0u;
-const TO_TRAVERSE: u32 = 1u;
-const TO_NO_LIST: u32 = 2u;
+var<workgroup> sent_here: array<atomic<u32>, STATES>;
 
 // For each list: a bit for each thread of the workgroup that appends to it, and where in live_rays they begin.
-@if(live_lists) var<workgroup> appending: array<array<atomic<u32>, LANE_WORDS>, 2>;
-@if(live_lists) var<workgroup> first_ray: array<u32, 2>;
+@if(live_lists) var<workgroup> appending: array<array<atomic<u32>, LANE_WORDS>, LISTS>;
+@if(live_lists) var<workgroup> first_ray: array<u32, LISTS>;
 
 const LANES: u32 = LIST_SIDE * LIST_SIDE;
 const LANE_WORDS: u32 = LANES / 32u;
@@ -45,7 +43,7 @@ fn listed_texel(group: vec3u, lane: u32) -> vec2u {
 }
 
 fn note_sent(tag: u32) {
-    if (tag < 8u) {
+    if (tag < STATES) {
         atomicAdd(&sent_here[tag], 1u);
     }
 }
@@ -61,7 +59,7 @@ fn add_sent(state: u32) {
 fn book(lane: u32, tag: u32) {
     note_sent(tag);
     workgroupBarrier();
-    if (lane < 8u) {
+    if (lane < STATES) {
         add_sent(lane);
     }
 }
@@ -70,11 +68,6 @@ fn book(lane: u32, tag: u32) {
 @if(!live_lists)
 fn send(lane: u32, texel: vec2u, tag: u32) {
     book(lane, tag);
-}
-
-@if(live_lists)
-fn rows_of(rays: u32) -> u32 {
-    return (rays + LANES * LIST_GROUPS - 1u) / (LANES * LIST_GROUPS);
 }
 
 // How many threads append to a list: those in the first words, and those in the mask of the next word.
@@ -93,43 +86,24 @@ fn appended(list: u32, words: u32, mask: u32) -> u32 {
 @if(live_lists)
 fn send(lane: u32, texel: vec2u, tag: u32) {
     note_sent(tag);
-    // With several steps per pass, both kernels share one list.
-    @if(many_steps) let traverses_to = TO_INTERSECT;
-    @else let traverses_to = TO_TRAVERSE;
-    let intersects = tag == ISECT_NO_HIT || tag == ISECT_HIT;
-    let list = select(select(TO_NO_LIST, traverses_to, tag == TRAV), TO_INTERSECT, intersects);
+    let list = list_of(tag);
     let word = lane / 32u;
     let bit = 1u << (lane % 32u);
-    if (list != TO_NO_LIST) {
+    if (list < LISTS) {
         atomicOr(&appending[list][word], bit);
     }
     workgroupBarrier();
-    // One thread reserves room in each list for the whole workgroup.
-    if (lane == 0u) {
-        let rays = appended(TO_INTERSECT, LANE_WORDS, 0u);
+    // One thread reserves room in each list for the whole workgroup; others add up where rays went.
+    if (lane < LISTS) {
+        let rays = appended(lane, LANE_WORDS, 0u);
         if (rays > 0u) {
-            let first = atomicAdd(&intersect_list[3], rays);
-            first_ray[TO_INTERSECT] = first + atomicLoad(&intersect_list[4]);
-            if (rows_of(first + rays) != rows_of(first)) {
-                atomicMax(&intersect_list[1], rows_of(first + rays));
-            }
+            first_ray[lane] = reserve(lane, rays);
         }
-    }
-    @if(!many_steps && (grid || irregular || bvh)) if (lane == 1u) {
-        let rays = appended(TO_TRAVERSE, LANE_WORDS, 0u);
-        if (rays > 0u) {
-            let first = atomicAdd(&traverse_list[3], rays);
-            first_ray[TO_TRAVERSE] = first + atomicLoad(&traverse_list[4]);
-            if (rows_of(first + rays) != rows_of(first)) {
-                atomicMax(&traverse_list[1], rows_of(first + rays));
-            }
-        }
-    }
-    if (lane >= 8u && lane < 16u) {
-        add_sent(lane - 8u);
+    } else if (lane < LISTS + STATES) {
+        add_sent(lane - LISTS);
     }
     workgroupBarrier();
-    if (list != TO_NO_LIST) {
+    if (list < LISTS) {
         // Rays keep the order of their threads in every pass, so that neighbouring rays stay together.
         let place = appended(list, word, bit - 1u);
         live_rays[first_ray[list] + place] = texel.x | (texel.y << 16u);

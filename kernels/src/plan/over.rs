@@ -1,0 +1,76 @@
+//! Plans a program without rays: over sets of elements of given sizes.
+
+use super::check::PlanError;
+use super::decide::absent;
+use super::{Limits, Plan, Planned, PlannedSet, bound_by, housekeeping, planned_buffers, planned_streams, variants};
+use crate::options::{Accelerator, Options};
+use crate::program::Program;
+use crate::program::schedule::Schedule;
+use crate::program::sizes::derive;
+use crate::scene_data::SceneData;
+use crate::tables::elements::{Elements, Size};
+use crate::tables::sizes::{fill_bytes, given_bytes};
+
+/// A run of a program over sets of elements.
+pub(super) struct Over<'a> {
+    pub(super) program: &'static Program,
+    pub(super) schedule: Schedule,
+    /// The sets whose sizes are known, and these; the first is the program's main set.
+    pub(super) given: &'a [(&'static Elements, u64)],
+    /// The structure that is built; [`Accelerator::None`] if none is.
+    pub(super) accelerator: Accelerator,
+}
+
+impl Over<'_> {
+    /// Plans the run; `data` is what its kernels read.
+    pub(super) fn plan(self, data: &SceneData, options: &Options, limits: &Limits) -> Result<Plan, PlanError> {
+        let Self { program, schedule, given, accelerator } = self;
+        let too_many = |elements: &str, count| PlanError::TooMany {
+            elements: elements.to_owned(),
+            count,
+            side: limits.image_side,
+        };
+        let mut known = vec![None; program.elements.len()];
+        for (size, elements) in known.iter_mut().zip(program.elements) {
+            if let Some(&(_, count)) = given.iter().find(|(set, _)| set.name == elements.name) {
+                let folded = Size::folded(count, limits.image_side);
+                *size = Some(folded.ok_or_else(|| too_many(elements.name, count))?);
+            }
+        }
+        derive(program, &mut known, limits.image_side).map_err(|error| too_many(error.elements, error.count))?;
+        let sets: Vec<_> = program.elements.iter().zip(known).map(|(&what, size)| PlannedSet { what, size }).collect();
+        let variants = variants(program, &schedule, &data.features)?;
+        let bound = bound_by(&variants);
+        let size = sets[0].size.unwrap_or(Size { width: 1, height: 1, count: 0 });
+        let streams = planned_streams(program, &sets, &bound);
+        let mut buffers = planned_buffers(program, &bound, data, limits)?;
+        buffers.extend(housekeeping(program, &bound, size.texels()));
+        buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
+        if !data.inputs.is_empty() {
+            let bytes = data.inputs.iter().map(|input| given_bytes(input.stream, input.width, input.height)).sum();
+            buffers.push(Planned { what: "given", bytes });
+        }
+        let mut plan = Plan {
+            program,
+            sets,
+            image_side: limits.image_side,
+            most_elements: limits.rays.min(limits.storage_bytes / 4),
+            width: size.width,
+            height: size.height,
+            rays: u64::from(size.count),
+            triangles: (data.vertices.len() / 9) as u64,
+            accelerator,
+            is_gpu: limits.is_gpu,
+            features: data.features,
+            pass_bound: schedule.steps.len() as u64,
+            schedule,
+            variants,
+            drawn: None,
+            streams,
+            buffers,
+            left_out: Vec::new(),
+        };
+        plan.left_out = absent(&plan, options);
+        Ok(plan)
+    }
+}

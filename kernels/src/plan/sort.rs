@@ -1,0 +1,31 @@
+//! Plans a sort of random keys.
+
+use super::check::{PlanError, check_buffer};
+use super::over::Over;
+use super::{Limits, Plan};
+use crate::options::{Accelerator, Options};
+use crate::programs::sort::{KEY, KEYS, MOST_KEYS, PROGRAM, random_keys, schedule};
+use crate::scene_data::SceneData;
+use crate::tables::elements::Size;
+use crate::tables::stream::StreamData;
+
+/// Plans the sort of as many keys as the options say, which are random and the same for the same seed.
+pub(super) fn plan(options: &Options, limits: &Limits) -> Result<(Plan, SceneData), PlanError> {
+    let keys = options.elements;
+    let too_many =
+        || PlanError::TooMany { elements: KEYS.name.to_owned(), count: keys.into(), side: limits.image_side };
+    if keys > MOST_KEYS {
+        return Err(PlanError::TooManyKeys { keys, most: MOST_KEYS });
+    }
+    let Size { width, height, .. } = Size::folded(keys.into(), limits.image_side).ok_or_else(too_many)?;
+    let texels = width as usize * height as usize;
+    check_buffer("given", KEY.bytes(texels as u64).unwrap_or(u64::MAX), limits)?;
+    let mut bits = random_keys(keys, options.samples.seed);
+    bits.resize(texels, 0);
+    bits.extend(0..texels as u32);
+    let inputs = vec![StreamData { stream: KEY, width, height, bits }];
+    let data = SceneData { inputs, ..SceneData::default() };
+    let given = [(&KEYS, u64::from(keys))];
+    let run = Over { program: &PROGRAM, schedule: schedule(keys), given: &given, accelerator: Accelerator::None };
+    Ok((run.plan(&data, options, limits)?, data))
+}

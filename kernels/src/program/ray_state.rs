@@ -1,0 +1,67 @@
+//! A ray of a run, decoded from its texels: what explanations, histories and drawings of walks read.
+
+use crate::tables::state::Tag;
+use crate::tables::stream::Stream;
+
+/// A ray's texels after some pass, decoded. Lengths and t are in traced units, as in the streams.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct RayState {
+    /// Origin.
+    pub origin: [f32; 3],
+    /// Direction.
+    pub direction: [f32; 3],
+    /// The t between which hits count; absent if no ray of the run has an interval.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub interval: Option<[f32; 2]>,
+    /// The tag's name.
+    pub state: &'static str,
+    /// Tag of the state stream.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub tag: Tag,
+    /// Nearest t so far.
+    pub t: Option<f32>,
+    /// Whether it is in a cell or at a node: its walk has begun and is not over.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub is_walking: bool,
+    /// 1-D index of the cell, or index of the BVH's node.
+    pub cell_index: u32,
+    /// The BVH's previous node; `None` without a BVH.
+    pub previous: Option<u32>,
+    /// Offset into the cell's list.
+    pub item: u32,
+    /// t at which the ray leaves its cell, per axis; `None` for an axis along which it never does.
+    pub tmax: [Option<f32>; 3],
+    /// Control terms of a 3D-DDA, per axis, in cells; absent without one.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub control: Option<[f32; 3]>,
+    /// Nearest triangle hit so far.
+    pub triangle: Option<u32>,
+    /// Weights of vertices 1 and 2 at the hit.
+    pub barycentric: Option<[f32; 2]>,
+    /// Linear colour.
+    pub color: Option<[f32; 3]>,
+    /// Samples in the pixel's mean; absent if a pixel has one.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub samples: Option<u32>,
+}
+
+impl RayState {
+    /// What decides by which face the ray leaves its cell, per axis: the control terms of a 3D-DDA, or tMax.
+    #[must_use]
+    pub fn per_axis(&self) -> [Option<f32>; 3] {
+        self.control.map_or(self.tmax, |control| control.map(Some))
+    }
+}
+
+/// A ray's texel in a stream, one word per layer; `None` for a stream that the run leaves out.
+pub type Texel<'t> = &'t dyn Fn(Stream) -> Option<&'t [u32]>;
+
+/// How a program's rays are decoded.
+#[derive(Clone, Copy, Debug)]
+pub struct Decoding {
+    /// The streams that it reads, as far as a run has them.
+    pub streams: &'static [Stream],
+    /// Decodes a ray's texels.
+    pub decode: fn(Texel<'_>) -> RayState,
+}
