@@ -39,8 +39,8 @@ fn one_step_a_pass_is_the_second_strategy_ray_by_ray() {
             for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
                 let second = Way::new(accelerator, ScheduleKind::Second, 1);
                 let compact = Way::new(accelerator, ScheduleKind::Compact, 1);
-                for (second, compact) in [(second, compact), (second.leaping(), compact.leaping())] {
-                    if compact.accelerator != Accelerator::Grid && compact == compact.leaping() {
+                for (second, compact) in [(second, compact), (second.skipping(), compact.skipping())] {
+                    if compact.accelerator != Accelerator::Grid && compact == compact.skipping() {
                         continue;
                     }
                     let label = format!("{file} {name} {compact}");

@@ -43,7 +43,7 @@ fn a_device_that_keeps_the_rules_parts_at_ties_only() {
     use ScheduleKind::{Compact, First, Fused};
     for way in [
         STEPPED,
-        STEPPED.leaping(),
+        STEPPED.skipping(),
         Way::new(Grid, Compact, 1),
         Way::new(Grid, Compact, 8),
         Way::new(Bvh, Compact, 1),

@@ -8,7 +8,7 @@ use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, Renderer, Rule};
 use raystep_lab::judge::Judge;
 use raystep_lab::reference::{Verdict, possible};
-use raystep_lab::stability::{self, CASES, Variant};
+use raystep_lab::stability::{self, CASES, configurations};
 use raystep_tests::ways::{FAST, STEPPED};
 use raystep_tests::{
     Checked, block_on, check, check_ways, devices, gpu, gpu_of, mistakes_among, options, rays, scene, scene_files,
@@ -177,10 +177,10 @@ fn what_a_ray_passes_edge_on_it_does_not_hit() {
         for (name, device) in devices() {
             let mut judge = Judge::default();
             for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
-                for variant in Variant::of(accelerator).into_iter().filter(|v| v.numerics == Numerics::Robust) {
-                    let running = stability::run(case, &workload, variant, &device, &mut judge);
+                for one in configurations(accelerator).into_iter().filter(|one| one.numerics == Numerics::Robust) {
+                    let running = stability::run(case, &workload, one, &device, &mut judge);
                     let score = block_on(gpu_of(&device), running).expect("a run").score;
-                    let label = format!("{} on {name}, {variant:?}", case.name);
+                    let label = format!("{} on {name}, {one:?}", case.name);
                     assert_eq!(score.counts.errors(), 0, "{label}");
                     println!("{label}: {} seen edge-on are hit", score.edge_on);
                     assert!(score.counts.ties <= case.undecided.count(case.rays as u64), "{label}");

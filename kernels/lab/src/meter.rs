@@ -115,6 +115,15 @@ pub fn ratios(of: &[Option<f64>], to: &[Option<f64>]) -> Vec<f64> {
 }
 
 impl Meter {
+    /// Nanoseconds of a run by the clock that times passes, or by the host's without one; `None` without a valid time.
+    #[must_use]
+    pub fn ns(&self, time: Time) -> Option<f64> {
+        match self.machine.timer().times_passes() {
+            true => time.device_ns.map(|ns| ns as f64),
+            false => Some(time.wall_ns as f64),
+        }
+    }
+
     /// A meter for a machine.
     #[must_use]
     pub fn new(machine: Machine) -> Self {
@@ -164,6 +173,15 @@ impl Meter {
         while start.elapsed() < time {
             self.machine.wait(self.keep_clocks());
         }
+    }
+
+    /// One run from its start, stopped if it takes longer.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn run_within(&self, longest: Duration, renderer: &mut Renderer) -> Result<Ended, RenderError> {
+        self.run(renderer, |_, spent| if spent > longest { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+            .await
     }
 
     /// One run from its start, until it ends or `watch` stops it; `watch` also gets the time so far.

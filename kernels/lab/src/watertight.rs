@@ -7,8 +7,8 @@ use raystep_kernels::{Device, GridSize, Options, RaySource, RenderError, Rendere
 use raystep_scenes::Scene;
 use raystep_scenes::generate::{self, GenerateError};
 
+use crate::configuration::Configuration;
 use crate::rays;
-use crate::ways::Way;
 
 /// An icosphere of 1,280 triangles, its vertices rounded at this scale.
 ///
@@ -29,7 +29,7 @@ pub fn closed_mesh(scale: f64) -> Result<Scene, GenerateError> {
 pub async fn misses(
     device: &Device,
     scene: &Scene,
-    way: Way,
+    way: Configuration,
     count: usize,
     grid: GridSize,
     seed: u64,

@@ -102,7 +102,7 @@ fn other_rounding_is_not_broken() {
     for (kernel, way, from, to) in [
         (kernels::WALK, Way::new(Grid, Compact, 8), "trace.t = candidate.t", "trace.t = candidate.t * 1.0000001"),
         (kernels::WALK, Way::new(Grid, Compact, 8), "- ray.origin)", "- ray.origin * 0.9999999)"),
-        (kernels::WALK, Way::new(Grid, Compact, 8).leaping(), "ray.direction * t", "ray.direction * (t * 1.0000001)"),
+        (kernels::WALK, Way::new(Grid, Compact, 8).skipping(), "ray.direction * t", "ray.direction * (t * 1.0000001)"),
         (kernels::WALK, Way::new(Bvh, Compact, 8), "node.min - origin", "node.min * 0.9999999 - origin"),
         (kernels::WALK, Way::new(Bvh, Compact, 8).padded(), "node.min - origin", "node.min * 0.9999999 - origin"),
         (kernels::FUSED, Way::new(Grid, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),

@@ -91,7 +91,7 @@ fn a_ray_alone_has_the_history_that_the_streams_tell() {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, First, Second};
     let ways = [
-        Way::new(Grid, Compact, 1).leaping(),
+        Way::new(Grid, Compact, 1).skipping(),
         Way::new(Bvh, Compact, 1),
         Way::new(Grid, Second, 1),
         Way::new(Grid, Second, 1).paper(),

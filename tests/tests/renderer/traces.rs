@@ -47,8 +47,8 @@ fn the_words_of_every_pass_say_what_the_streams_say() {
     use ScheduleKind::{Compact, Second};
     let ways = [
         Way::new(Grid, Second, 1),
-        Way::new(Grid, Compact, 1).leaping(),
-        Way::new(Grid, Compact, 8).leaping(),
+        Way::new(Grid, Compact, 1).skipping(),
+        Way::new(Grid, Compact, 8).skipping(),
         Way::new(Grid, Compact, 8),
         Way::new(Grid, Second, 1).paper(),
         Way::new(Bvh, Compact, 1),
@@ -150,7 +150,7 @@ fn a_ray_alone_does_what_it_does_beside_all_others() {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, First, Second};
     let ways = [
-        Way::new(Grid, Compact, 1).leaping(),
+        Way::new(Grid, Compact, 1).skipping(),
         Way::new(Grid, Second, 1),
         Way::new(Grid, Compact, 8),
         Way::new(Grid, Second, 1).paper(),

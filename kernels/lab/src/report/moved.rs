@@ -42,28 +42,13 @@ use crate::tidy::fill::{Drawn, per_million, verdicts};
 use crate::tidy::{KEYS, Row, Table, VERDICTS, count, joined};
 use errors::measure;
 
-const ERRORS: &[&str] = &[
-    "numerics",
-    "stratum",
-    "rays",
-    "measured_rays",
-    "arithmetic_error_extents_largest",
-    "arithmetic_error_extents_median",
-    "arithmetic_bound_extents_largest",
-    "arithmetic_bound_extents_median",
-    "arithmetic_error_by_bound_largest",
-    "depth_rounding_extents_largest",
-    "arithmetic_by_depth_rounding",
-    "forward_error_extents_largest",
-    "forward_error_extents_median",
-    "forward_bound_extents_largest",
-    "forward_bound_extents_median",
-    "forward_error_by_bound_largest",
-    "beyond_forward_bound_rays",
-    "changed_rays",
-    "changed_per_million",
-    "changed_per_million_low",
-    "changed_per_million_high",
+const ERRORS: &[&str] = columns![
+    numerics stratum rays measured_rays arithmetic_error_extents_largest arithmetic_error_extents_median
+    arithmetic_bound_extents_largest arithmetic_bound_extents_median arithmetic_error_by_bound_largest
+    depth_rounding_extents_largest arithmetic_by_depth_rounding forward_error_extents_largest
+    forward_error_extents_median forward_bound_extents_largest forward_bound_extents_median
+    forward_error_by_bound_largest beyond_forward_bound_rays changed_rays changed_per_million
+    changed_per_million_low changed_per_million_high
 ];
 
 const MOVED: &[&[&str]] = &[KEYS, &["offset_extents"], ERRORS, VERDICTS];
@@ -116,13 +101,8 @@ fn run(work: &Work<'_>, table: &mut Table, column: &'static str, places: &[Place
         }
         work.stage(&format!("error at {place}"));
         work.reporter.part("places", i as u64, places.len() as u64);
-        match one(work, &here, place, table.columns, &mut part) {
-            Ok(rows) => table.rows.extend(rows),
-            Err(error) => {
-                work.can_go_on()?;
-                part.notes.push(format!("{place}: {}", work.explain(&error)));
-            }
-        }
+        let rows = one(work, &here, place, table.columns, &mut part);
+        table.rows.extend(work.noted(&mut part, &place.to_string(), rows)?.into_iter().flatten());
     }
     part.notes.extend(work.left_out(&left_out));
     let rows = &table.rows[first..];
@@ -130,9 +110,7 @@ fn run(work: &Work<'_>, table: &mut Table, column: &'static str, places: &[Place
     part.figure("bound", plots::by_bound(column, rows), words::bound_caption(rows));
     part.figure("wrong", plots::wrong(column, rows), words::wrong_caption(column, rows));
     part.figure("changed", plots::changed(column, rows), words::changed_caption(column, rows));
-    let is_shown = |c: &&str| !KEYS.contains(c) && *c != "at_bound";
-    let columns: Vec<&str> = table.columns.iter().copied().filter(is_shown).collect();
-    part.table(rows, &columns);
+    part.table(rows);
     words::say(column, rows, &mut part);
     Ok(part)
 }
@@ -284,8 +262,7 @@ fn changed(row: Row, found: impl ExactSizeIterator<Item = Option<u32>>, here: &H
     let ends = interval_or_bound(changed, of);
     row.set("changed_rays", changed)
         .set("changed_per_million", per_million(changed, of))
-        .set("changed_per_million_low", ends.map(|ends| 1e6 * ends[0]))
-        .set("changed_per_million_high", ends.map(|ends| 1e6 * ends[1]))
+        .ends("changed_per_million", ends.map(|ends| ends.map(|share| 1e6 * share)))
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         let caption = format!("{}: {}. {}", family.family.title, family.family.what, stiff::CAPTION);
         part.figure(family.family.name, family.curves, caption);
     }
-    part.table(own_rows, SHOWN);
+    part.table(own_rows);
     table.rows.extend(own.rows.rows);
     Ok(part)
 }
@@ -59,18 +59,3 @@ fn record(work: &Work<'_>, rows: &[Row], runs: &[Row]) {
     };
     work.record.add_runs(runs.iter().filter_map(complete));
 }
-
-const SHOWN: &[&str] = &[
-    "accelerator",
-    "rule",
-    "ns_per_ray",
-    "time_ratio",
-    "cells_per_ray",
-    "tests_per_ray",
-    "build_s",
-    "structure_bytes",
-    "judged_rays",
-    "wrong_rays",
-    "undecided",
-    "stiffness",
-];

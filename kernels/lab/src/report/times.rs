@@ -290,12 +290,9 @@ impl Work<'_> {
         runs.iter().map(|run| self.ns(run.time)).collect()
     }
 
-    /// The time of a run by the clock that [times passes](Self::clock); `None` if it had no valid time.
+    /// The time of a run, if it had a valid one.
     pub(super) fn ns(&self, time: Time) -> Option<f64> {
-        match self.machine().timer().times_passes() {
-            true => time.device_ns.map(|ns| ns as f64),
-            false => Some(time.wall_ns as f64),
-        }
+        self.meter.ns(time)
     }
 }
 

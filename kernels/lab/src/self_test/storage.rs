@@ -93,7 +93,7 @@ fn run(bench: &mut Bench) -> Found {
         let (given, read) = all.first()?;
         Some(format!("{name}: {given:#010x} came back as {read:#010x}, and {} others changed", all.len() - 1))
     });
-    let told = |is: fn(u32) -> bool, verb: &str| {
+    let share = |is: fn(u32) -> bool, verb: &str| {
         let differs = |way: &usize| *way != WAY_OF_WORDS && !changed(is, *way).is_empty();
         let ways: Vec<&str> = (0..WAYS.len()).filter(differs).map(|way| WAYS[way]).collect();
         if ways.is_empty() { "all kept".to_owned() } else { format!("{verb} when {}", ways.join(", ")) }
@@ -102,8 +102,8 @@ fn run(bench: &mut Bench) -> Found {
     let normal = found(NORMAL, Verdict::Right, "every bit is kept".into());
     let all = vec![
         normal.counting(&[("values", (WAYS.len() * patterns.len()) as u64)]).wrong_by(wrong.collect()),
-        found(SUBNORMAL, Verdict::Information, told(is_subnormal, "flushed")),
-        found(NOT_FINITE, Verdict::Information, told(|bits| !f32::from_bits(bits).is_finite(), "changed")),
+        found(SUBNORMAL, Verdict::Information, share(is_subnormal, "flushed")),
+        found(NOT_FINITE, Verdict::Information, share(|bits| !f32::from_bits(bits).is_finite(), "changed")),
     ];
     Ok((all, Vec::new()))
 }
@@ -135,15 +135,15 @@ async fn through(gpu: &Arc<Gpu>, patterns: &[u32]) -> Result<[Vec<u32>; 5], GpuE
     let of_textures = views.iter().map(wgpu::BindingResource::TextureView);
     let resources = of_textures.chain(given.iter().chain([&loaded, &copied]).map(wgpu::Buffer::as_entire_binding));
     let size = loaded.size();
-    let copy = |encoder: &mut wgpu::CommandEncoder, told: &wgpu::Buffer| {
-        encoder.copy_buffer_to_buffer(&loaded, 0, told, 0, size);
+    let copy = |encoder: &mut wgpu::CommandEncoder, read_back: &wgpu::Buffer| {
+        encoder.copy_buffer_to_buffer(&loaded, 0, read_back, 0, size);
         for (place, texture) in (1..).zip(&textures) {
             let (bytes_per_row, rows_per_image) = (Some(4 * TEXELS), Some(1));
             let layout = wgpu::TexelCopyBufferLayout { offset: place * size, bytes_per_row, rows_per_image };
-            let to = wgpu::TexelCopyBufferInfo { buffer: told, layout };
+            let to = wgpu::TexelCopyBufferInfo { buffer: read_back, layout };
             encoder.copy_texture_to_buffer(texture.as_image_copy(), to, EXTENT);
         }
-        encoder.copy_buffer_to_buffer(&copied, 0, told, 4 * size, size);
+        encoder.copy_buffer_to_buffer(&copied, 0, read_back, 4 * size, size);
     };
     let words = shader.run(resources, [TEXELS / 64, 1], WAYS.len() * patterns.len(), copy).await?;
     let of_way = |way: usize| {

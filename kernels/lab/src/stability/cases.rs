@@ -3,12 +3,13 @@
 use glam::DVec3;
 use raystep_kernels::options::Accelerator::Grid;
 
+use crate::Error;
 use crate::stability::claims::{
     AT_CORNERS, AT_EDGES, BY_CHANCE, EDGES_CRACK, HALF_AT_EDGES, NONE, OUTSIDE, SMALL, fails, up_to,
 };
 use crate::stability::make::{self, At};
 use crate::stability::planes::{On, on_planes};
-use crate::stability::{Case, Paper, StabilityError, Truth, Workload};
+use crate::stability::{Case, Paper, Truth, Workload};
 
 /// Rays inside a closed sphere, on which the paper's numerics may fail, but need not.
 const CASE: Case = Case {
@@ -21,7 +22,7 @@ const CASE: Case = Case {
     paper: Paper { fails_on: &[], because: "" },
 };
 
-fn closed(n: usize, at: At) -> Result<Workload, StabilityError> {
+fn closed(n: usize, at: At) -> Result<Workload, Error> {
     Ok(make::aimed(make::sphere(3, |p| p)?, n, at, DVec3::ZERO))
 }
 

@@ -8,12 +8,13 @@ use raystep_kernels::GridSize;
 use raystep_kernels::options::{Ray, RaySource};
 use raystep_scenes::{Camera, Material, Projection, Scene, generate};
 
+use crate::Error;
 use crate::rays::Random;
+use crate::stability::Workload;
 use crate::stability::planes::Planes;
-use crate::stability::{StabilityError, Workload};
 
 pub(crate) type Triangle = [[f32; 3]; 3];
-type Made = Result<Workload, StabilityError>;
+type Made = Result<Workload, Error>;
 
 /// Seed of all random numbers.
 pub(super) const SEED: u32 = 2007;
@@ -30,7 +31,7 @@ pub(crate) fn given(scene: Scene, rays: Vec<Ray>) -> Workload {
 }
 
 /// A closed unit sphere with its vertices moved.
-pub(crate) fn sphere(subdivisions: u64, moved: impl Fn(DVec3) -> DVec3) -> Result<Scene, StabilityError> {
+pub(crate) fn sphere(subdivisions: u64, moved: impl Fn(DVec3) -> DVec3) -> Result<Scene, Error> {
     let triangles = generate::icosphere(subdivisions)?.triangles;
     let corner = |p: [f32; 3]| moved(vec(p)).as_vec3().to_array();
     Ok(scene_of(triangles.into_iter().map(|t| t.map(corner)).collect()))
@@ -386,13 +387,13 @@ pub(super) fn picture_on_plane(side: u32, fov_deg: f64) -> Made {
 pub(super) fn walls(count: usize) -> Made {
     let side = (count.isqrt() as u32).max(1);
     let scene = generate::cornell_box();
-    let camera = scene.cameras.first().cloned().ok_or(StabilityError::NoView)?;
+    let camera = scene.cameras.first().cloned().ok_or(Error::NoView)?;
     let rays = RaySource::Camera { camera, width: side, height: side };
     Ok(Workload { scene, rays, grid: GridSize::Cells([20; 3]) })
 }
 
 fn camera(scene: Scene, eye: DVec3, target: DVec3, [width, height]: [u32; 2], fov_deg: f64, grid: GridSize) -> Made {
     let projection = Projection::Perspective { vertical_fov: fov_deg.to_radians() };
-    let camera = Camera::look_at(eye, target, DVec3::Y, projection).ok_or(StabilityError::NoView)?;
+    let camera = Camera::look_at(eye, target, DVec3::Y, projection).ok_or(Error::NoView)?;
     Ok(Workload { scene, rays: RaySource::Camera { camera, width, height }, grid })
 }

@@ -2,7 +2,8 @@
 //! `scenes`.
 
 use super::scenes;
-use crate::stability::{StabilityError, Workload};
+use crate::Error;
+use crate::stability::Workload;
 
 /// Scenes that differ in one parameter, with rays towards what the parameter makes hard.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +21,7 @@ pub struct Family {
     /// How the rays' targets are chosen.
     pub stratum: &'static str,
     /// Generates scene and rays, by parameter, number of rays and seed.
-    pub(super) make: fn(f64, usize, u32) -> Result<Workload, StabilityError>,
+    pub(super) make: fn(f64, usize, u32) -> Result<Workload, Error>,
 }
 
 /// Random points on random edges of the object.

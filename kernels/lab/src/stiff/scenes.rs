@@ -6,11 +6,12 @@ use glam::{DMat3, DVec3};
 use raystep_kernels::{GridSize, Ray};
 use raystep_scenes::{Scene, generate};
 
+use crate::Error;
 use crate::rays::Random;
+use crate::stability::Workload;
 use crate::stability::make::{Triangle, given, ray, scene_of, sphere, vec};
-use crate::stability::{StabilityError, Workload};
 
-type Made = Result<Workload, StabilityError>;
+type Made = Result<Workload, Error>;
 
 /// Where objects stand: on no plane of an automatic grid.
 const PLACE: DVec3 = DVec3::new(0.11, -0.07, 0.13);
