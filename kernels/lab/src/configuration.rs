@@ -55,7 +55,7 @@ impl Configuration {
         }
     }
 
-    /// What the command line takes unless told otherwise; without a structure, [`TESTS_PER_PASS`] steps a pass.
+    /// What the command line takes by default; without a structure, [`TESTS_PER_PASS`] steps a pass.
     #[must_use]
     pub fn usual(accelerator: Accelerator, schedule: ScheduleKind) -> Self {
         let steps = if accelerator == Accelerator::None { TESTS_PER_PASS } else { STEPS_PER_PASS };

@@ -14,6 +14,7 @@ use web_time::Instant;
 use crate::machine::Machine;
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::median;
+use crate::tidy::Row;
 pub use turns::{Rounds, Turns, in_turn};
 
 /// A machine that can time runs.
@@ -115,6 +116,15 @@ pub fn ratios(of: &[Option<f64>], to: &[Option<f64>]) -> Vec<f64> {
 }
 
 impl Meter {
+    /// Fills the columns of a counted run.
+    pub(crate) fn fill_run(&self, run: &Run, row: Row) -> Row {
+        row.set("round", run.round)
+            .set("place", run.place)
+            .set("time_ns", self.ns(run.time).map(|ns| ns as u64))
+            .set("wall_ns", run.time.wall_ns)
+            .set("clock", self.machine.timer().name())
+    }
+
     /// Nanoseconds of a run by the clock that times passes, or by the host's without one; `None` without a valid time.
     #[must_use]
     pub fn ns(&self, time: Time) -> Option<f64> {

@@ -36,7 +36,7 @@ use raystep_kernels::{Accelerator, Ray, RaySource, Rule, ScheduleKind};
 use raystep_scenes::Scene;
 
 use crate::configuration::{Configuration, has_rule};
-use crate::meter::{Meter, Time};
+use crate::meter::Meter;
 use crate::reporter::Reporter;
 use crate::stability::Workload;
 use crate::tidy::package::Resource;
@@ -155,24 +155,6 @@ pub struct Cost {
 impl Cost {
     fn new(run_id: &str) -> Self {
         Self { rows: Table::new(COLUMNS), runs: Table::new(RUN_COLUMNS), notes: Vec::new(), run_id: run_id.to_owned() }
-    }
-
-    fn run_id(&self) -> &str {
-        &self.run_id
-    }
-
-    fn add_runs(&mut self, row: &Row, runs: &[(usize, usize, Time)], ns: impl Fn(Time) -> Option<f64>) {
-        let one = |&(round, place, time): &(usize, usize, Time)| {
-            Row::new(RUN_COLUMNS)
-                .set("run_id", row.get("run_id"))
-                .set("configuration", row.get("configuration"))
-                .set("round", round)
-                .set("place", place)
-                .set("time_ns", ns(time).map(|ns| ns as u64))
-                .set("wall_ns", time.wall_ns)
-                .set("clock", row.get("clock"))
-        };
-        self.runs.rows.extend(runs.iter().map(one));
     }
 
     /// Both files with their names.

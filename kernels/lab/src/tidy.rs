@@ -229,6 +229,16 @@ impl Row {
         self
     }
 
+    /// Fills the columns that another row has.
+    pub(crate) fn like(mut self, other: &Self) -> Self {
+        for (column, field) in other.columns.iter().zip(&other.fields) {
+            if let Some(place) = self.position(column) {
+                self.fields[place].clone_from(field);
+            }
+        }
+        self
+    }
+
     /// Fills the columns of how the scene is traced, those that there are.
     pub(crate) fn configured(mut self, configuration: &Configuration) -> Self {
         for (column, field) in configuration.fields() {

@@ -52,10 +52,7 @@ fn record(work: &Work<'_>, rows: &[Row], runs: &[Row]) {
     let keys = ["run_id", "configuration"];
     let complete = |run: &Row| {
         let row = rows.iter().find(|row| row.is(&keys.map(|key| (key, run.get(key)))))?;
-        let all = Row::new(RUN_COLUMNS).set("section", work.section);
-        let all = ["scene", "scene_hash", "adapter"].iter().fold(all, |all, column| all.set(column, row.get(column)));
-        let of_run = ["run_id", "configuration", "round", "place", "time_ns", "wall_ns", "clock"];
-        Some(of_run.iter().fold(all, |all, column| all.set(column, run.get(column))))
+        Some(Row::new(RUN_COLUMNS).like(row).like(run).set("section", work.section))
     };
     work.record.add_runs(runs.iter().filter_map(complete));
 }

@@ -278,14 +278,8 @@ impl Work<'_> {
     /// Records runs, and returns their times.
     fn recorded(&self, name: &str, runs: &[Run]) -> Vec<Option<f64>> {
         self.record.add_runs(runs.iter().map(|run| {
-            self.row(RUN_COLUMNS)
-                .set("section", self.section)
-                .set("configuration", name)
-                .set("round", run.round)
-                .set("place", run.place)
-                .set("time_ns", self.ns(run.time))
-                .set("wall_ns", run.time.wall_ns)
-                .set("clock", self.clock())
+            let row = self.row(RUN_COLUMNS).set("section", self.section).set("configuration", name);
+            self.meter.fill_run(run, row)
         }));
         runs.iter().map(|run| self.ns(run.time)).collect()
     }

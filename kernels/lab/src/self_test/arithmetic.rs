@@ -74,8 +74,8 @@ struct Tally {
     wrong: Vec<String>,
 }
 
-/// Most wrong results that are told of a check.
-const MOST_TOLD: usize = 20;
+/// Most wrong results that are shown of a check.
+const MOST_SHOWN: usize = 20;
 
 impl Tally {
     fn add(&mut self, operation: &Operation, inputs: Inputs, result: u32) {
@@ -104,7 +104,7 @@ impl Tally {
             }
             Judge::OneOf(all) => self.name(expression(operation), all(inputs), result).and_then(wrong),
         };
-        self.wrong.extend(wrong.filter(|_| self.wrong.len() < MOST_TOLD));
+        self.wrong.extend(wrong.filter(|_| self.wrong.len() < MOST_SHOWN));
     }
 
     /// Counts a result under its name, unless it has two. Returns what it should have been if it has none.

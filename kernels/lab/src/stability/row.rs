@@ -80,7 +80,6 @@ impl Row {
         let Configuration { accelerator, schedule, numerics, .. } = configuration;
         let triangle_test = triangle_test(&configuration);
         let id = [case.name, device.device, accelerator.name(), schedule.name(), numerics.name(), triangle_test];
-        let counts = &score.counts;
         let mut fields = tidy::Row::new(COLUMNS)
             .set("run_id", run_id)
             .set("configuration", id.join("/"))
@@ -92,11 +91,8 @@ impl Row {
             .set("triangle_test", triangle_test)
             .with(device)
             .set("judged_rays", rays)
-            .set("missed", counts.missed)
-            .set("false_hits", counts.false_hits)
-            .set("wrong_hits", counts.wrong)
-            .set("undecided", counts.ties)
-            .set("wrong_rays", counts.errors())
+            .with(&score.counts)
+            .set("wrong_rays", score.counts.errors())
             .set("undecided_ceiling", ceiling)
             .set("undecidable", score.undecidable)
             .set("edge_on", score.edge_on)

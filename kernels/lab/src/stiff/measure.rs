@@ -9,11 +9,11 @@ use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Rende
 use raystep_scenes::Scene;
 
 use super::number::Predicted;
-use super::row::{self, Verdicts};
+use super::row::{self, RUN_COLUMNS, Verdicts};
 use super::{Cost, Wanted};
 use crate::configuration::Configuration;
 use crate::judge::{Cracks, Judge, Traced};
-use crate::meter::{Ended, Meter, Time, Turns, in_turn};
+use crate::meter::{Ended, Meter, Run, Time, Turns, in_turn};
 use crate::reporter::Reporter;
 use crate::statistics::interval::FEWEST;
 use crate::tidy::Row;
@@ -188,16 +188,15 @@ impl Work<'_> {
         let mut rows: Vec<Row> = Vec::new();
         for (one, times) in ready.iter().zip(&times) {
             let verdicts = self.judge(one, judges.entry(one.rays).or_default())?;
-            let runs: Vec<_> = times.runs.iter().map(|run| (run.round, run.place, run.time)).collect();
             let runs = match one.only {
-                Some(time) => vec![(0, 0, time)],
+                Some(time) => vec![Run { round: 0, place: 0, time }],
                 None if one.stopped.is_some() => Vec::new(),
-                None => runs,
+                None => times.runs.clone(),
             };
-            let row = self.row(point, one, cost.run_id());
-            let ns: Vec<Option<f64>> = runs.iter().map(|(.., time)| self.meter.ns(*time)).collect();
+            let row = self.row(point, one, &cost.run_id);
+            let ns: Vec<Option<f64>> = runs.iter().map(|run| self.meter.ns(run.time)).collect();
             let row = verdicts.fill(row::times(row, &ns, one.stopped, one.rays));
-            cost.add_runs(&row, &runs, |time| self.meter.ns(time));
+            cost.runs.rows.extend(runs.iter().map(|run| self.meter.fill_run(run, Row::new(RUN_COLUMNS).like(&row))));
             rows.push(row);
         }
         for i in 0..rows.len() {

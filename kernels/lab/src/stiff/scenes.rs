@@ -9,7 +9,7 @@ use raystep_scenes::{Scene, generate};
 use crate::Error;
 use crate::rays::Random;
 use crate::stability::Workload;
-use crate::stability::make::{Triangle, given, ray, scene_of, sphere, vec};
+use crate::stability::make::{self, Triangle, given, ray, scene_of, sphere, towards, vec};
 
 type Made = Result<Workload, Error>;
 
@@ -26,14 +26,8 @@ fn triangle(corners: [DVec3; 3]) -> Triangle {
 }
 
 /// Two triangles.
-fn quad([a, b, c, d]: [DVec3; 4]) -> [Triangle; 2] {
-    [triangle([a, b, c]), triangle([a, c, d])]
-}
-
-/// A ray from the origin as rounded to f32.
-fn towards(target: DVec3, origin: DVec3) -> Ray {
-    let origin = origin.as_vec3().as_dvec3();
-    ray(origin, target - origin)
+fn quad(corners: [DVec3; 4]) -> [Triangle; 2] {
+    make::quad(corners.map(|p| p.as_vec3().to_array()))
 }
 
 fn drawn(count: usize, seed: u32, mut one: impl FnMut(&mut Random) -> Ray) -> Vec<Ray> {

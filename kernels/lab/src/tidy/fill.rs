@@ -65,12 +65,7 @@ impl Drawn {
 
 /// Fills the columns of verdicts, but for rays without a result.
 pub(crate) fn verdicts(row: Row, counts: &Counts, drawn: Drawn) -> Row {
-    let row = row
-        .set("missed", counts.missed)
-        .set("false_hits", counts.false_hits)
-        .set("wrong_hits", counts.wrong)
-        .set("undecided", counts.ties);
-    shares(row, counts.errors(), counts.rays(), drawn)
+    shares(row.with(counts), counts.errors(), counts.rays(), drawn)
 }
 
 /// Fills the columns of wrong rays among judged ones.
