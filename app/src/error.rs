@@ -120,7 +120,7 @@ impl From<raystep_lab::Error> for Error {
 
 impl From<&raystep_lab::Error> for Error {
     fn from(error: &raystep_lab::Error) -> Self {
-        use raystep_lab::Error::{Case, NoRays, Plan, Render, Stability};
+        use raystep_lab::Error::{Case, NoRays, Plan, Render};
         match error {
             Plan(error) => error.into(),
             Render(error) => error.into(),

@@ -1,6 +1,6 @@
 //! Rays per second by kind of ray, what rays do, the fastest configurations, and the machines.
 
-use raystep_lab::human::{digits, time};
+use raystep_lab::human::{digits, thousands, time};
 use raystep_lab::tidy::Row;
 
 use super::{Measured, distinct, mray_per_s, name, or_dash, percent, ratio, table};
@@ -20,7 +20,7 @@ pub(super) fn answer(machine: &Measured) -> String {
         let is_stepped = |row: &Row| row.get("schedule") != "fused";
         let [scene, triangles, kind] = &group;
         lines.push(vec![
-            format!("{scene}, {triangles} triangles"),
+            format!("{scene}, {} triangles", triangles.parse().map_or_else(|_| triangles.clone(), thousands)),
             kind.clone(),
             cell(&|_| true),
             cell(&|row| row.get("accelerator") == "irregular"),
@@ -61,7 +61,7 @@ pub(super) fn tables(machine: &Measured) -> String {
         let lines: Vec<Vec<String>> = distinct(rows.iter().map(|row| name(row))).into_iter().map(line).collect();
         text += &format!(
             "{scene}, {} triangles, {} pixels, million rays per second:\n\n{}",
-            first.get("triangles"),
+            or_dash(first.number("triangles"), thousands),
             size(first),
             table(&[&["configuration"], &kinds[..]].concat(), &lines)
         );
