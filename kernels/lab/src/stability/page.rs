@@ -18,7 +18,7 @@ const STYLE: &str = "\
 figure{display:inline-block;margin:.4rem 1rem .4rem 0;vertical-align:top}figcaption{max-width:16rem}img{image-rendering:\
 pixelated;border:1px solid var(--rule);width:16rem}.key{display:inline-block;width:.8em;height:.8em;margin:0 .3em 0 1em;\
 vertical-align:middle}.curves figcaption{max-width:27.5rem}figure.plot figcaption{max-width:50rem}details{margin:.5rem 0}\
-summary{cursor:pointer}h3{font-size:1rem;margin:1.2rem 0 .2rem}.w{display:inline-block;white-space:normal;width:24rem}";
+summary{cursor:pointer}h3{font-size:1rem;margin:1.2rem 0 .2rem}.w{display:inline-block;white-space:normal;width:16rem}";
 
 /// The page: a line a case, then what stiff scenes cost, pictures of errors, and everything else folded.
 pub(super) fn html(report: &Report) -> Result<String, Error> {
