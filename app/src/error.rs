@@ -5,7 +5,6 @@ use std::fmt;
 use raystep_kernels::plan::Bytes;
 use raystep_kernels::structures::grid::GridError;
 use raystep_kernels::{GpuError, Limits, PlanError, RenderError};
-use raystep_lab::stability::StabilityError;
 
 /// The work failed.
 pub(crate) const FAILED: u8 = 1;
@@ -121,12 +120,10 @@ impl From<raystep_lab::Error> for Error {
 
 impl From<&raystep_lab::Error> for Error {
     fn from(error: &raystep_lab::Error) -> Self {
-        use raystep_lab::Error::{Case, NoRays, Plan, Render, Stability};
+        use raystep_lab::Error::{Case, NoRays, Plan, Render};
         match error {
             Plan(error) => error.into(),
             Render(error) => error.into(),
-            Stability(StabilityError::Plan(error)) => error.into(),
-            Stability(StabilityError::Render(error)) => error.into(),
             Case { name, error } => Self::failed(format!("{name}: {}", Self::from(&**error).message)),
             NoRays => Self::failed("nothing to measure: no pixel has a ray of the kinds in --rays"),
             _ => Self::failed(error),

@@ -14,7 +14,7 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Keep, Options, RaySource, Renderer, ScheduleKind};
 use raystep_lab::Machine;
 use raystep_lab::bench::grid_text;
-use raystep_lab::ways::{MISSES_ALL, misses_all};
+use raystep_lab::outside::{MISSES_ALL, misses_all};
 use raystep_scenes::Scene;
 
 use crate::args::{RunArgs, SceneArgs, ViewArgs};

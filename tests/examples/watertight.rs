@@ -3,7 +3,7 @@
 //! of misses.
 
 use raystep_kernels::GridSize;
-use raystep_tests::ways::FAST;
+use raystep_tests::configurations::FAST;
 use raystep_tests::{devices, watertight};
 
 fn main() {
@@ -13,14 +13,14 @@ fn main() {
     for (name, device) in devices() {
         for scale in [1e-6, 1e-3, 1.0, 1e3, 1e6, 0.7] {
             let scene = watertight::closed_mesh(scale);
-            for way in FAST {
+            for configuration in FAST {
                 let (mut missed, mut done, mut seed) = (0, 0, 1);
                 while done < rays {
                     let count = CHUNK.min(rays - done);
-                    missed += watertight::misses(&device, &scene, way, count, GridSize::Auto, seed);
+                    missed += watertight::misses(&device, &scene, configuration, count, GridSize::Auto, seed);
                     (done, seed) = (done + count, seed + 4);
                 }
-                println!("{name}, scale {scale:e}, {way}: {missed} of {done} rays missed");
+                println!("{name}, scale {scale:e}, {configuration}: {missed} of {done} rays missed");
                 all += missed;
             }
         }

@@ -4,22 +4,22 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
+use configurations::Configuration;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, Renderer, ScheduleKind, Stream, StreamData};
 use raystep_lab::judge::{Cracks, Judge, Report, Traced, check_rays};
 use raystep_lab::reference::Mistake;
 use raystep_scenes::{Camera, LoadOptions, Resolver, Scene};
-use ways::Way;
 
 pub use raystep_lab::block_on;
 pub use raystep_lab::machine::now_ns;
 
+pub mod configurations;
 pub mod floors;
 pub mod parity;
 pub mod rays;
 pub mod sessions;
 pub mod watertight;
-pub mod ways;
 pub mod words;
 
 /// Whether to run long tests, as `sh tests/full.sh` requests with the variable `RAYSTEP_THOROUGH`: more scenes, rays
@@ -167,7 +167,7 @@ pub fn mistakes_among(renderer: &Renderer, rays: &[usize]) -> Vec<Mistake> {
 #[derive(Clone, Debug)]
 pub struct Checked {
     /// The configuration.
-    pub way: Way,
+    pub configuration: Configuration,
     /// Comparison with f64 brute force.
     pub report: Report,
     /// The triangle hit by each ray.
@@ -176,13 +176,13 @@ pub struct Checked {
 
 /// Traces the same rays in several configurations and compares each with f64 brute force.
 #[must_use]
-pub fn check_ways(scene: &Scene, options: &Options, ways: &[Way], device: &Device) -> Vec<Checked> {
+pub fn check_each(scene: &Scene, options: &Options, configurations: &[Configuration], device: &Device) -> Vec<Checked> {
     let mut seen: Vec<([Vec<u32>; 3], Report)> = Vec::new();
-    let check = |way: &Way| {
+    let check = |configuration: &Configuration| {
         // A fused kernel that does not shade generates its rays itself, so brute force could not read them.
-        let shade = way.schedule == ScheduleKind::Fused && matches!(options.rays, RaySource::Camera { .. });
-        let renderer = traced(scene, &Options { shade, ..way.of(options) }, device);
-        assert_eq!(renderer.unfinished(), 0, "{way}");
+        let shade = configuration.schedule == ScheduleKind::Fused && matches!(options.rays, RaySource::Camera { .. });
+        let renderer = traced(scene, &Options { shade, ..configuration.of(options) }, device);
+        assert_eq!(renderer.unfinished(), 0, "{configuration}");
         let traced = read(&renderer);
         // The same rays with the same hits need no second check: on one device most configurations agree.
         let [origins, directions, state, hit] = &traced.streams;
@@ -195,7 +195,11 @@ pub fn check_ways(scene: &Scene, options: &Options, ways: &[Way], device: &Devic
                 report
             }
         };
-        Checked { way: *way, report, triangles: hit.layer(2)[..renderer.plan().rays as usize].to_vec() }
+        Checked {
+            configuration: *configuration,
+            report,
+            triangles: hit.layer(2)[..renderer.plan().rays as usize].to_vec(),
+        }
     };
-    ways.iter().map(check).collect()
+    configurations.iter().map(check).collect()
 }

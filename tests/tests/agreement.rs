@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::{Accelerator, Renderer, ScheduleKind, Skip};
 use raystep_lab::judge::sample;
-use raystep_tests::ways::EVERY;
+use raystep_tests::configurations::EVERY;
 use raystep_tests::{devices, hits, mistakes_among, options, scene, scene_files, thorough, traced};
 
 /// Number of rays to judge in an image of more than 2,000 triangles, whether or not devices agree on them.
@@ -99,17 +99,22 @@ fn every_combination_ends_in_the_same_hits() {
 fn both_executors_take_the_same_passes() {
     for file in ["cornell-box.gltf", "sphere-flake.glb"] {
         let scene = scene(file);
-        for way in EVERY.iter().filter(|way| way.accelerator != Accelerator::None) {
-            let options = way.of(&options(&scene, 64, 64));
+        for configuration in EVERY.iter().filter(|configuration| configuration.accelerator != Accelerator::None) {
+            let options = configuration.of(&options(&scene, 64, 64));
             let [on_gpu, on_cpu] = [0, 1].map(|i| traced(&scene, &options, &devices()[i].1));
             let passes = |r: &Renderer| r.passes().iter().map(|p| p.kernel).collect::<Vec<_>>();
             let (left, right) = (passes(&on_gpu), passes(&on_cpu));
             // A ray on a rounding boundary may enter another cell on a GPU with inexact division, and then visit one or
             // two cells more.
-            assert!(left.len().abs_diff(right.len()) <= 4, "{file} {way}: {} and {} passes", left.len(), right.len());
+            assert!(
+                left.len().abs_diff(right.len()) <= 4,
+                "{file} {configuration}: {} and {} passes",
+                left.len(),
+                right.len()
+            );
             let parted = left.iter().zip(&right).position(|(a, b)| a != b);
             let shorter = left.len().min(right.len());
-            assert!(parted.is_none_or(|i| i + 4 >= shorter), "{file} {way}: part at {parted:?} of {shorter}");
+            assert!(parted.is_none_or(|i| i + 4 >= shorter), "{file} {configuration}: part at {parted:?} of {shorter}");
         }
     }
 }

@@ -6,7 +6,7 @@ use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, Renderer};
 use raystep_lab::rays::PrimaryHits;
 use raystep_lab::reference::{Possible, possible};
 use raystep_scenes::Scene;
-use raystep_tests::ways::EVERY;
+use raystep_tests::configurations::EVERY;
 use raystep_tests::{block_on, camera, devices, options, rays, scene, thorough, traced, values};
 
 /// The result of f64 brute force for a ray.
@@ -74,22 +74,28 @@ fn what_lies_before_a_rays_end_is_found_and_what_lies_behind_is_not() {
         // Three quarters of the segments start or end on a surface, which is a tie unless they hit another triangle.
         assert!(10 * (hits + free) > 6 * truth.len(), "{file}: {hits} rays hit, {free} do not, of {}", truth.len());
         for (name, device) in devices() {
-            for (row, way) in EVERY.into_iter().enumerate() {
+            for (row, configuration) in EVERY.into_iter().enumerate() {
                 // Every way is tried on every other scene; in the full suite, on every scene.
                 if (row + place) % 2 > 0 && !thorough() {
                     continue;
                 }
                 // These need as many passes as there are triangles.
-                if way.accelerator == Accelerator::None && way.steps == 1 && scene.triangles.len() > 500 {
+                if configuration.accelerator == Accelerator::None
+                    && configuration.steps == 1
+                    && scene.triangles.len() > 500
+                {
                     continue;
                 }
-                let renderer = traced(&scene, &way.of(&options), &device);
-                assert_eq!(renderer.unfinished(), 0, "{file} {name} {way}");
+                let renderer = traced(&scene, &configuration.of(&options), &device);
+                assert_eq!(renderer.unfinished(), 0, "{file} {name} {configuration}");
                 let (state, hit) = (values(&renderer, streams::STATE), values(&renderer, streams::HIT));
                 for (ray, truth) in truth.iter().enumerate() {
                     let (triangle, t) = (hit.get(2, ray), state.get_f32(1, ray));
                     let wrong = mistake(truth, triangle, t);
-                    assert_eq!(wrong, None, "{file} {name} {way}: ray {ray} at {t}, triangle {triangle}: {truth:?}");
+                    assert_eq!(
+                        wrong, None,
+                        "{file} {name} {configuration}: ray {ray} at {t}, triangle {triangle}: {truth:?}"
+                    );
                 }
             }
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use raystep_kernels::{Accelerator, AdapterChoice, Device, Gpu, Options, Pass, Renderer, Samples, ScheduleKind};
 use raystep_scenes::Scene;
-use raystep_tests::ways::Way;
+use raystep_tests::configurations::Configuration;
 use raystep_tests::{block_on, now_ns, options, scene, streams_of, thorough, values};
 
 const MS: u64 = 1_000_000;
@@ -71,8 +71,8 @@ fn repeated_passes_leave_every_stream_as_a_single_run_does() {
         let both = [Accelerator::Grid, Accelerator::Bvh];
         let accelerators = if thorough() { &both[..] } else { &both[i % 2..][..1] };
         for &accelerator in accelerators {
-            let way = Way::new(accelerator, schedule, 1);
-            let mut options = way.of(&options(&scene, 40, 24));
+            let configuration = Configuration::new(accelerator, schedule, 1);
+            let mut options = configuration.of(&options(&scene, 40, 24));
             // Counters are added to in place.
             options.counters = true;
             if (accelerator, schedule) == (Accelerator::Grid, ScheduleKind::Compact) {
@@ -81,7 +81,7 @@ fn repeated_passes_leave_every_stream_as_a_single_run_does() {
             let (mut once, mut often) = (renderer(&scene, &options, &fine), renderer(&scene, &options, &coarse));
             while let Some(expected) = step(&mut once) {
                 let pass = step(&mut often).expect("as many passes");
-                let what = format!("{way}, pass {}: {}", pass.index, pass.kernel.name());
+                let what = format!("{configuration}, pass {}: {}", pass.index, pass.kernel.name());
                 assert_eq!((pass.kernel, &pass.counts), (expected.kernel, &expected.counts), "{what}");
                 assert_eq!((expected.rounding, expected.below_ns()), (None, None), "{what}");
                 for stream in streams_of(once.plan()) {
@@ -90,15 +90,15 @@ fn repeated_passes_leave_every_stream_as_a_single_run_does() {
                 repeated += usize::from(pass.rounding.expect("a coarse clock").runs > 1);
                 all += 1;
             }
-            assert_eq!(step(&mut often), None, "{way}");
+            assert_eq!(step(&mut often), None, "{configuration}");
             // All passes at once, and back to before the first.
             let mut counts = Vec::new();
             for renderer in [&mut once, &mut often] {
                 counts.push(passes(renderer).iter().map(|pass| (pass.kernel, pass.counts.clone())).collect::<Vec<_>>());
             }
-            assert_eq!(counts[0], counts[1], "{way}");
+            assert_eq!(counts[0], counts[1], "{configuration}");
             for stream in streams_of(once.plan()) {
-                assert_eq!(values(&often, stream), values(&once, stream), "{way}, {}", stream.name());
+                assert_eq!(values(&often, stream), values(&once, stream), "{configuration}, {}", stream.name());
             }
             let names =
                 |renderer: &Renderer| renderer.gpu().expect("a GPU").allocated().into_iter().map(|(name, _)| name);
@@ -125,7 +125,7 @@ fn medians(passes: &[Pass]) -> BTreeMap<&'static str, f64> {
 #[test]
 fn times_of_repeated_passes_are_those_of_a_fine_clock() {
     let scene = scene("cornell-box.gltf");
-    let options = Way::new(Accelerator::Grid, ScheduleKind::Second, 1).of(&options(&scene, 64, 64));
+    let options = Configuration::new(Accelerator::Grid, ScheduleKind::Second, 1).of(&options(&scene, 64, 64));
     let mut fine = renderer(&scene, &options, &device());
     let longest = medians(&warm_passes(&mut fine)).into_values().fold(0.0, f64::max);
     let step_ns = 2.0 * longest.floor();
@@ -161,7 +161,7 @@ fn times_of_repeated_passes_are_those_of_a_fine_clock() {
 fn a_pass_far_below_the_step_is_marked_as_too_short() {
     const STEP_NS: u64 = 20 * MS;
     let scene = scene("cornell-box.gltf");
-    let options = Way::new(Accelerator::Bvh, ScheduleKind::Compact, 1).of(&options(&scene, 8, 8));
+    let options = Configuration::new(Accelerator::Bvh, ScheduleKind::Compact, 1).of(&options(&scene, 8, 8));
     let mut renderer = renderer(&scene, &options, &rounded(STEP_NS));
     let passes = passes(&mut renderer);
     let short: Vec<&Pass> = passes.iter().filter(|pass| pass.duration_ns.is_none()).collect();

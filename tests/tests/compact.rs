@@ -3,12 +3,12 @@
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Device, ScheduleKind};
 use raystep_scenes::Scene;
-use raystep_tests::ways::Way;
+use raystep_tests::configurations::Configuration;
 use raystep_tests::{block_on, devices, hits, options, scene, values};
 
 /// The sequence of each ray's states (tag, t, cell or node, item), and the final hits.
-fn lives(scene: &Scene, way: Way, device: &Device) -> (Vec<Vec<[u32; 4]>>, [Vec<u32>; 4]) {
-    let mut options = way.of(&options(scene, 21, 19));
+fn lives(scene: &Scene, configuration: Configuration, device: &Device) -> (Vec<Vec<[u32; 4]>>, [Vec<u32>; 4]) {
+    let mut options = configuration.of(&options(scene, 21, 19));
     options.shade = false;
     let start = raystep_kernels::Renderer::new(scene, &options, device);
     let gpu = match device {
@@ -37,15 +37,15 @@ fn one_step_a_pass_is_the_second_strategy_ray_by_ray() {
         let scene = scene(file);
         for (name, device) in devices() {
             for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
-                let second = Way::new(accelerator, ScheduleKind::Second, 1);
-                let compact = Way::new(accelerator, ScheduleKind::Compact, 1);
-                for (second, compact) in [(second, compact), (second.leaping(), compact.leaping())] {
-                    if compact.accelerator != Accelerator::Grid && compact == compact.leaping() {
+                let second = Configuration::new(accelerator, ScheduleKind::Second, 1);
+                let compact = Configuration::new(accelerator, ScheduleKind::Compact, 1);
+                for (second, compact) in [(second, compact), (second.skipping(), compact.skipping())] {
+                    if compact.accelerator != Accelerator::Grid && compact == compact.skipping() {
                         continue;
                     }
                     let label = format!("{file} {name} {compact}");
                     let [(expected, hits), (found, hits_too)] =
-                        [second, compact].map(|way| lives(&scene, way, &device));
+                        [second, compact].map(|configuration| lives(&scene, configuration, &device));
                     let parted = expected.iter().zip(&found).position(|(a, b)| a != b);
                     assert_eq!(parted, None, "{label}: the first ray with another history");
                     assert!(hits == hits_too, "{label}: other hits");

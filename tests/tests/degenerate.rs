@@ -6,9 +6,9 @@ mod long_lists;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Accelerator, Options, Ray, RaySource};
 use raystep_scenes::{Camera, Material, Scene, generate};
+use raystep_tests::configurations::{Configuration, EVERY};
 use raystep_tests::rays::{self, Random};
-use raystep_tests::ways::{EVERY, Way};
-use raystep_tests::{Checked, check_ways, devices, scene, thorough};
+use raystep_tests::{Checked, check_each, devices, scene, thorough};
 
 /// A third of random rays start on a surface, where t = 0 is a tie.
 const ON_SURFACE: f64 = 0.34;
@@ -27,11 +27,17 @@ fn picture(scene: &Scene, side: u32) -> Options {
 
 /// Traces every configuration on every device; at most the share `ties` of all rays may be ties. Returns every ray's
 /// triangle.
-fn expect_no_errors(name: &str, scene: &Scene, options: &Options, ways: &[Way], ties: f64) -> Vec<Vec<u32>> {
+fn expect_no_errors(
+    name: &str,
+    scene: &Scene,
+    options: &Options,
+    configurations: &[Configuration],
+    ties: f64,
+) -> Vec<Vec<u32>> {
     let mut found = Vec::new();
     for (device_name, device) in devices() {
-        for Checked { way, report, triangles } in check_ways(scene, options, ways, &device) {
-            let label = format!("{name}, {device_name} {way}: {report}");
+        for Checked { configuration, report, triangles } in check_each(scene, options, configurations, &device) {
+            let label = format!("{name}, {device_name} {configuration}: {report}");
             assert_eq!(report.errors(), 0, "{label}\n{:#?}", report.mistakes);
             assert!(report.counts.ties as f64 <= ties * report.counts.rays() as f64, "{label}");
             found.push(triangles);
@@ -44,7 +50,10 @@ fn expect_no_errors(name: &str, scene: &Scene, options: &Options, ways: &[Way], 
 fn ten_thousand_identical_triangles_are_hit_as_the_first() {
     identical_triangles(
         10_000,
-        &EVERY.into_iter().filter(|way| way.steps > 1 || !way.is_stepped()).collect::<Vec<_>>(),
+        &EVERY
+            .into_iter()
+            .filter(|configuration| configuration.steps > 1 || !configuration.is_stepped())
+            .collect::<Vec<_>>(),
     );
     identical_triangles(1_000, &EVERY);
 }
@@ -56,9 +65,9 @@ fn ten_thousand_identical_triangles_are_walked_step_by_step() {
     identical_triangles(10_000, &EVERY);
 }
 
-fn identical_triangles(count: usize, ways: &[Way]) {
+fn identical_triangles(count: usize, configurations: &[Configuration]) {
     let scene = made_of(vec![[[-1.0, -1.0, 0.3], [1.0, -0.8, -0.2], [0.1, 1.0, 0.4]]; count]);
-    for triangles in expect_no_errors("identical", &scene, &picture(&scene, 12), ways, 0.0) {
+    for triangles in expect_no_errors("identical", &scene, &picture(&scene, 12), configurations, 0.0) {
         let hit = triangles.iter().filter(|&&id| id == 0).count();
         assert!(hit > 20 && triangles.iter().all(|&id| id == 0 || id == NO_TRIANGLE), "{hit} hit the first");
     }
@@ -81,7 +90,8 @@ fn ten_thousand_triangles_without_an_area_hide_no_other() {
     let scene = made_of(triangles);
     expect_no_errors("without an area", &scene, &picture(&scene, 12), &EVERY, 0.01);
     // One step per pass through all triangles is tested above.
-    let few: Vec<Way> = EVERY.into_iter().filter(|w| w.accelerator != Accelerator::None || w.steps > 1).collect();
+    let few: Vec<Configuration> =
+        EVERY.into_iter().filter(|w| w.accelerator != Accelerator::None || w.steps > 1).collect();
     let given = Options::new(RaySource::Given(rays::random(&made_of(vec![scene.triangles[4321]]), 500, 2)));
     for triangles in expect_no_errors("without an area", &scene, &Options { shade: false, ..given }, &few, ON_SURFACE) {
         let hit = triangles.iter().filter(|&&id| id == 4321).count();

@@ -8,7 +8,7 @@ use raystep_kernels::{
     AdapterChoice, Device, Gpu, GpuError, GridSize, Limits, Options, Plan, PlanError, RenderError, Renderer,
 };
 use raystep_scenes::generate;
-use raystep_tests::ways::stepped;
+use raystep_tests::configurations::stepped;
 use raystep_tests::{block_on, gpu, now_ns, options, scene};
 
 #[test]
@@ -68,8 +68,8 @@ fn passes_have_times_only_where_the_adapters_clock_agrees_with_the_hosts() {
     let gpu = a_device_of_its_own();
     assert!(gpu.timestamp_period_ns.is_some(), "{} has no timestamps", gpu.info.name);
     let scene = scene("cornell-box.gltf");
-    let ways = [stepped(&scene, 256, 256), options(&scene, 256, 256)];
-    for options in &ways {
+    let configurations = [stepped(&scene, 256, 256), options(&scene, 256, 256)];
+    for options in &configurations {
         let options = Options { timings: true, ..options.clone() };
         let (timed, _, device_ns, host_ns) = times(&gpu, &options);
         assert_eq!((timed, device_ns, host_ns), (0, None, None), "the clocks have not been compared");
@@ -79,7 +79,7 @@ fn passes_have_times_only_where_the_adapters_clock_agrees_with_the_hosts() {
     eprintln!("{}: {check}", gpu.info.name);
     assert_eq!(gpu.clock_period_ns().is_some(), check.agrees(), "{check}");
     assert_eq!(gpu.why_no_times().is_none(), check.agrees(), "{:?}", gpu.why_no_times());
-    for options in ways {
+    for options in configurations {
         let options = Options { timings: true, ..options };
         let (timed, passes, device_ns, host_ns) = times(&gpu, &options);
         let host_ns = host_ns.expect("a host's clock");

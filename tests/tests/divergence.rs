@@ -6,12 +6,12 @@ use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Options, Plan, Renderer, ScheduleKind};
 use raystep_lab::divergence::{Against, Class, DivergenceMap, divergence};
-use raystep_tests::ways::{STEPPED, Way};
+use raystep_tests::configurations::{Configuration, STEPPED};
 use raystep_tests::{block_on, gpu, options, scene};
 
 /// The room, with a grid resolution at which the eye does not lie on a plane.
-fn room(way: Way) -> Options {
-    let options = way.of(&options(&scene("cornell-box.gltf"), 40, 40));
+fn room(configuration: Configuration) -> Options {
+    let options = configuration.of(&options(&scene("cornell-box.gltf"), 40, 40));
     Options { counters: true, grid: GridSize::Cells([7, 7, 9]), ..options }
 }
 
@@ -41,26 +41,26 @@ fn change(kernel: Kernel, from: &'static str, to: &'static str) -> impl FnOnce(&
 fn a_device_that_keeps_the_rules_parts_at_ties_only() {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, First, Fused};
-    for way in [
+    for configuration in [
         STEPPED,
-        STEPPED.leaping(),
-        Way::new(Grid, Compact, 1),
-        Way::new(Grid, Compact, 8),
-        Way::new(Bvh, Compact, 1),
-        Way::new(None, First, 1),
-        Way::new(Grid, Fused, 1),
+        STEPPED.skipping(),
+        Configuration::new(Grid, Compact, 1),
+        Configuration::new(Grid, Compact, 8),
+        Configuration::new(Bvh, Compact, 1),
+        Configuration::new(None, First, 1),
+        Configuration::new(Grid, Fused, 1),
     ] {
-        let map = compared(&room(way), |_| {});
+        let map = compared(&room(configuration), |_| {});
         for class in [Class::Excess, Class::Decision, Class::Precision] {
             let first = map.rays(class).next().and_then(|ray| map.first(class, ray));
-            assert_eq!(first, Option::None, "{way}");
+            assert_eq!(first, Option::None, "{configuration}");
         }
         // Few of the 1,600 rays are at edges; a device that rounds differently from its twin may diverge there as well.
-        assert!(map.count(Class::Tie) < 40, "{way}: {} ties", map.count(Class::Tie));
+        assert!(map.count(Class::Tie) < 40, "{configuration}: {} ties", map.count(Class::Tie));
         if gpu().info.device_type == wgpu::DeviceType::Cpu {
-            assert_eq!(map.count(Class::Rounding), 0, "{way}: software Vulkan rounds as the twins do");
+            assert_eq!(map.count(Class::Rounding), 0, "{configuration}: software Vulkan rounds as the twins do");
             let of_device = |ray: &usize| map.partings(*ray).iter().any(|p| p.against == Against::Device);
-            assert_eq!(map.rays(Class::Tie).find(of_device), Option::None, "{way}");
+            assert_eq!(map.rays(Class::Tie).find(of_device), Option::None, "{configuration}");
         }
     }
 }

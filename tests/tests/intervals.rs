@@ -5,8 +5,8 @@ use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Accelerator, Device, Kernel, Limits, Options, Plan, Ray, RaySource, ScheduleKind};
 use raystep_lab::rays::Random;
 use raystep_scenes::Scene;
+use raystep_tests::configurations::{Configuration, EVERY};
 use raystep_tests::parity::{self, Parity};
-use raystep_tests::ways::{EVERY, Way};
 use raystep_tests::{block_on, check, devices, gpu, hits, rays, scene, traced, values};
 
 /// Random rays through a scene, cut at and between the t of their own hits: at the nearest hit, before it and behind
@@ -45,18 +45,21 @@ fn hits_outside_of_a_rays_interval_do_not_count() {
         let options = given(cut_rays(&scene, 1200, false), false);
         for (name, device) in devices() {
             let mut first: Option<[Vec<u32>; 4]> = None;
-            for way in EVERY {
-                if way.accelerator == Accelerator::None && scene.triangles.len() > 500 {
+            for configuration in EVERY {
+                if configuration.accelerator == Accelerator::None && scene.triangles.len() > 500 {
                     continue;
                 }
-                let renderer = traced(&scene, &way.of(&options), &device);
+                let renderer = traced(&scene, &configuration.of(&options), &device);
                 let report = check(&renderer);
-                assert_eq!(report.errors(), 0, "{file} {name} {way}: {report}\n{:#?}", report.mistakes);
-                assert!(5 * report.counts.same > 3 * report.counts.rays(), "{file} {name} {way}: {report}");
+                assert_eq!(report.errors(), 0, "{file} {name} {configuration}: {report}\n{:#?}", report.mistakes);
+                assert!(5 * report.counts.same > 3 * report.counts.rays(), "{file} {name} {configuration}: {report}");
                 let found = hits(&renderer);
                 let hit = found[3].iter().filter(|&&triangle| triangle != NO_TRIANGLE).count();
-                assert!((200..1000).contains(&hit), "{file} {name} {way}: {hit} rays hit");
-                assert!(first.get_or_insert_with(|| found.clone()) == &found, "{file} {name} {way} finds other hits");
+                assert!((200..1000).contains(&hit), "{file} {name} {configuration}: {hit} rays hit");
+                assert!(
+                    first.get_or_insert_with(|| found.clone()) == &found,
+                    "{file} {name} {configuration} finds other hits"
+                );
             }
         }
     }
@@ -85,20 +88,23 @@ fn the_ends_of_an_interval_do_not_count_themselves() {
     let triangles: Vec<u32> = expected.iter().map(|(_, triangle)| *triangle).collect();
     let twins = [("f32 twins", Device::Cpu(None)), ("f64 twins", Device::CpuF64(None))];
     for (name, device) in devices().into_iter().chain(twins) {
-        for way in
-            EVERY.into_iter().chain(EVERY.into_iter().filter(|way| way.skip == Default::default()).map(Way::paper))
-        {
+        for configuration in EVERY.into_iter().chain(
+            EVERY
+                .into_iter()
+                .filter(|configuration| configuration.skip == Default::default())
+                .map(Configuration::paper),
+        ) {
             let mut kinds = vec![false];
-            kinds.extend((way.numerics == Default::default()).then_some(true));
+            kinds.extend((configuration.numerics == Default::default()).then_some(true));
             for any_hit in kinds {
-                let renderer = traced(&scene, &way.of(&given(rays.clone(), any_hit)), &device);
+                let renderer = traced(&scene, &configuration.of(&given(rays.clone(), any_hit)), &device);
                 let found = values(&renderer, streams::HIT);
                 let found: Vec<u32> = (0..rays.len()).map(|ray| found.get(2, ray)).collect();
                 if any_hit {
                     let is_hit = |all: &[u32]| all.iter().map(|&t| t != missed).collect::<Vec<_>>();
-                    assert_eq!(is_hit(&found), is_hit(&triangles), "{name} {way}, any hit");
+                    assert_eq!(is_hit(&found), is_hit(&triangles), "{name} {configuration}, any hit");
                 } else {
-                    assert_eq!(found, triangles, "{name} {way}");
+                    assert_eq!(found, triangles, "{name} {configuration}");
                 }
             }
         }
@@ -117,41 +123,45 @@ fn kernels_and_twins_agree_on_intervals_and_a_broken_one_is_named() {
     let scene = scene("teapot.glb");
     let scene = &scene;
     for any_hit in [false, true] {
-        for way in EVERY.into_iter().filter(|way| way.accelerator != Accelerator::None) {
-            let options = way.of(&given(cut_rays(scene, 500, any_hit), any_hit));
+        for configuration in EVERY.into_iter().filter(|configuration| configuration.accelerator != Accelerator::None) {
+            let options = configuration.of(&given(cut_rays(scene, 500, any_hit), any_hit));
             let found = parity::compare(&gpu(), scene, &options);
-            assert!(!found.is_broken(), "{way}, any hit {any_hit}: {:#?}", found.breaches);
+            assert!(!found.is_broken(), "{configuration}, any hit {any_hit}: {:#?}", found.breaches);
             let turns = parity::compare_in_turns(&gpu(), scene, &options, 40);
-            assert!(!turns.is_broken(), "{way} in turns, any hit {any_hit}: {:#?}", turns.breaches);
+            assert!(!turns.is_broken(), "{configuration} in turns, any hit {any_hit}: {:#?}", turns.breaches);
         }
     }
     use Accelerator::{Bvh, Grid};
     use ScheduleKind::{Compact, Fused, Second};
     let min = ["candidate.t > interval.x", "candidate.t >= interval.x"];
-    for (kernel, way, change) in [
-        (kernels::INTERSECT, Way::new(Grid, Second, 1), min),
+    for (kernel, configuration, change) in [
+        (kernels::INTERSECT, Configuration::new(Grid, Second, 1), min),
         (
             kernels::INTERSECT,
-            Way::new(Grid, Second, 1),
+            Configuration::new(Grid, Second, 1),
             ["load_interval(texel).y <= exit", "2.0 * load_interval(texel).y <= exit"],
         ),
-        (kernels::TRAVERSE_BVH, Way::new(Bvh, Second, 1), ["min(nearest_t, load_interval(texel).y)", "nearest_t"]),
-        (kernels::WALK, Way::new(Grid, Compact, 8), ["place.trace.interval.y <= exit", "false"]),
+        (
+            kernels::TRAVERSE_BVH,
+            Configuration::new(Bvh, Second, 1),
+            ["min(nearest_t, load_interval(texel).y)", "nearest_t"],
+        ),
+        (kernels::WALK, Configuration::new(Grid, Compact, 8), ["place.trace.interval.y <= exit", "false"]),
         (
             kernels::WALK,
-            Way::new(Bvh, Compact, 8),
+            Configuration::new(Bvh, Compact, 8),
             ["min(place.trace.t, place.trace.interval.y)", "0.5 * place.trace.t"],
         ),
         (
             kernels::FUSED,
-            Way::new(Grid, Fused, 1),
+            Configuration::new(Grid, Fused, 1),
             ["trace.interval = load_interval(texel)", "trace.interval = load_interval(texel).yx"],
         ),
-        (kernels::FUSED, Way::new(Bvh, Fused, 1), ["candidate.t < interval.y", "candidate.t <= interval.y"]),
+        (kernels::FUSED, Configuration::new(Bvh, Fused, 1), ["candidate.t < interval.y", "candidate.t <= interval.y"]),
     ] {
-        let options = way.of(&given(cut_rays(scene, 500, false), false));
+        let options = configuration.of(&given(cut_rays(scene, 500, false), false));
         let found = changed(scene, &options, kernel, change);
-        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernel), "{way} {change:?}");
+        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernel), "{configuration} {change:?}");
     }
 }
 
@@ -165,15 +175,23 @@ fn sources(scene: &Scene, options: &Options) -> Vec<String> {
 fn without_an_interval_nothing_of_it_is_compiled_or_kept() {
     let scene = scene("cornell-box.gltf");
     let whole = rays::random(&scene, 60, 5);
-    for way in EVERY {
+    for configuration in EVERY {
         for any_hit in [false, true] {
             let cut = |t_min, t_max| whole.iter().map(|ray| ray.between(t_min, t_max)).collect::<Vec<_>>();
-            let without = way.of(&given(whole.clone(), any_hit));
+            let without = configuration.of(&given(whole.clone(), any_hit));
             let plain = sources(&scene, &without);
-            assert!(plain.iter().all(|source| !source.contains("interval")), "{way}");
+            assert!(plain.iter().all(|source| !source.contains("interval")), "{configuration}");
             // The end of a ray that any hit ends is where it begins, in its t.
-            assert_eq!(sources(&scene, &way.of(&given(cut(0.0, 2.0), any_hit))) == plain, any_hit, "{way} t_max");
-            assert_ne!(sources(&scene, &way.of(&given(cut(1.0, f32::INFINITY), any_hit))), plain, "{way} t_min");
+            assert_eq!(
+                sources(&scene, &configuration.of(&given(cut(0.0, 2.0), any_hit))) == plain,
+                any_hit,
+                "{configuration} t_max"
+            );
+            assert_ne!(
+                sources(&scene, &configuration.of(&given(cut(1.0, f32::INFINITY), any_hit))),
+                plain,
+                "{configuration} t_min"
+            );
             let (plan, _) = Plan::new(&scene, &without, &Limits::CPU).expect("a plan");
             let left_out = plan.left_out.iter().find(|item| item.what == "stream ray_interval").expect("left out");
             assert_eq!(left_out.reason, "needed only for rays with a t_min or a t_max");

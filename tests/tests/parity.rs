@@ -12,8 +12,8 @@ use raystep_kernels::{
     Skip,
 };
 use raystep_scenes::{Projection, Scene, generate};
+use raystep_tests::configurations::{COVERING, Configuration, STEPPED, stepped};
 use raystep_tests::parity::Parity;
-use raystep_tests::ways::{COVERING, STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files, thorough};
 
 /// A room, an empty scene, a plane, and scenes with hits and misses near edges.
@@ -51,8 +51,8 @@ fn knot() -> Scene {
 }
 
 /// The configurations with this accelerator.
-fn ways(accelerator: Accelerator) -> impl Iterator<Item = Way> + Clone {
-    COVERING.into_iter().filter(move |way| way.accelerator == accelerator)
+fn configurations(accelerator: Accelerator) -> impl Iterator<Item = Configuration> + Clone {
+    COVERING.into_iter().filter(move |configuration| configuration.accelerator == accelerator)
 }
 
 /// The first half of these, or all.
@@ -68,25 +68,29 @@ fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
         if accelerator == Accelerator::None && scene.triangles.len() > 100 {
             continue;
         }
-        for (row, way) in ways(accelerator).enumerate() {
+        for (row, configuration) in configurations(accelerator).enumerate() {
             // Every way is tried on the few scenes and on half of the others; in the full suite, on every scene.
-            if !thorough() && (row + place) % 2 > 0 && way != STEPPED && !FEW.contains(&file.as_str()) {
+            if !thorough() && (row + place) % 2 > 0 && configuration != STEPPED && !FEW.contains(&file.as_str()) {
                 continue;
             }
             // These take hundreds of passes each and differ only in their launch: a few scenes are enough.
-            if way.is_stepped() && way.steps == 1 && way != STEPPED && !FEW.contains(&file.as_str()) {
+            if configuration.is_stepped()
+                && configuration.steps == 1
+                && configuration != STEPPED
+                && !FEW.contains(&file.as_str())
+            {
                 continue;
             }
             // The paper's numerics depend even less on the scene.
-            if !thorough() && way.numerics == Numerics::Paper && !FEW.contains(&file.as_str()) {
+            if !thorough() && configuration.numerics == Numerics::Paper && !FEW.contains(&file.as_str()) {
                 continue;
             }
             // Not a multiple of the workgroup size; few enough rays for many passes of one step.
-            let mut options = way.of(&options(&scene, 45, 37));
+            let mut options = configuration.of(&options(&scene, 45, 37));
             options.counters = true;
-            let label = format!("{file} {way}");
+            let label = format!("{file} {configuration}");
             found.add(&label, parity::compare(gpu, &scene, &options));
-            if way.schedule == ScheduleKind::Fused {
+            if configuration.schedule == ScheduleKind::Fused {
                 // Without shading, the kernel generates its rays itself.
                 options.shade = false;
                 found.add(&label, parity::compare(gpu, &scene, &options));
@@ -96,42 +100,46 @@ fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
     // Several samples per pixel, with both samplers and both kinds of camera.
     for (file, sampler) in [("cornell-box.gltf", Sampler::Sobol), ("lights.gltf", Sampler::Random)] {
         let scene = scene(file);
-        for way in ways(accelerator).filter(|way| *way == STEPPED || way.steps != 1 || !way.is_stepped()) {
+        for configuration in configurations(accelerator).filter(|configuration| {
+            *configuration == STEPPED || configuration.steps != 1 || !configuration.is_stepped()
+        }) {
             let samples = Samples { count: 3, sampler, seed: 5, first: 0 };
-            let mut options = Options { counters: true, samples, ..way.of(&options(&scene, 29, 19)) };
-            found.add(&format!("{file} {way} {sampler}"), parity::compare(gpu, &scene, &options));
+            let mut options = Options { counters: true, samples, ..configuration.of(&options(&scene, 29, 19)) };
+            found.add(&format!("{file} {configuration} {sampler}"), parity::compare(gpu, &scene, &options));
             if let RaySource::Camera { camera, .. } = &mut options.rays {
                 camera.projection = Projection::Orthographic { half_height: 1.0 };
             }
-            found.add(&format!("{file} {way} {sampler} parallel"), parity::compare(gpu, &scene, &options));
+            found.add(&format!("{file} {configuration} {sampler} parallel"), parity::compare(gpu, &scene, &options));
         }
     }
     for file in part_of(&["primitives.gltf", "cornell-box.gltf"]) {
         let scene = scene(file);
-        for way in ways(accelerator) {
+        for configuration in configurations(accelerator) {
             let rays = RaySource::Given(rays::segments(&scene, 500, 3)).until(1.0);
-            let options = Options { any_hit: true, shade: false, ..way.of(&Options::new(rays)) };
-            found.add(&format!("{file} {way} any hit"), parity::compare(gpu, &scene, &options));
+            let options = Options { any_hit: true, shade: false, ..configuration.of(&Options::new(rays)) };
+            found.add(&format!("{file} {configuration} any hit"), parity::compare(gpu, &scene, &options));
         }
     }
     if accelerator == Accelerator::Irregular {
         let knot = knot();
-        for way in ways(accelerator) {
-            let options = Options { counters: true, ..way.of(&options(&knot, 45, 37)) };
-            found.add(&format!("knot {way}"), parity::compare(gpu, &knot, &options));
+        for configuration in configurations(accelerator) {
+            let options = Options { counters: true, ..configuration.of(&options(&knot, 45, 37)) };
+            found.add(&format!("knot {configuration}"), parity::compare(gpu, &knot, &options));
         }
     }
     // Without one of the robust rules, and with all of them contracted, as by a compiler.
     for file in part_of(&["cornell-box.gltf", "primitives.gltf"]) {
         let scene = scene(file);
-        for way in ways(accelerator).filter(|way| way.numerics == Numerics::Robust && way.skip == Skip::Off) {
-            let options = way.of(&options(&scene, 45, 37));
+        for configuration in configurations(accelerator)
+            .filter(|configuration| configuration.numerics == Numerics::Robust && configuration.skip == Skip::Off)
+        {
+            let options = configuration.of(&options(&scene, 45, 37));
             for without in Rule::ALL {
                 let options = Options { without: Some(*without), ..options.clone() };
-                found.add(&format!("{file} {way} without {without}"), parity::compare(gpu, &scene, &options));
+                found.add(&format!("{file} {configuration} without {without}"), parity::compare(gpu, &scene, &options));
             }
             let options = Options { contracted: true, ..options };
-            found.add(&format!("{file} {way} contracted"), parity::compare(gpu, &scene, &options));
+            found.add(&format!("{file} {configuration} contracted"), parity::compare(gpu, &scene, &options));
         }
     }
     found
@@ -141,16 +149,18 @@ fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
 fn in_parts_of_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
     let mut found = Found::default();
     // Passes of one triangle or node never need to continue; those of one cell do if repeated tests are counted.
-    let waits = |way: &Way| way.accelerator == Accelerator::Grid || way.steps > 1 || !way.is_stepped();
+    let waits = |configuration: &Configuration| {
+        configuration.accelerator == Accelerator::Grid || configuration.steps > 1 || !configuration.is_stepped()
+    };
     for &(file, turns) in
         part_of(&[("cornell-box.gltf", 1), ("primitives.gltf", 6), ("cornell-box.gltf", 30), ("lights.gltf", 6)])
     {
         let scene = scene(file);
-        for way in ways(accelerator).filter(waits) {
-            let options = Options { counters: true, ..way.of(&options(&scene, 21, 13)) };
-            let label = format!("{file} {way}, {turns} turns");
+        for configuration in configurations(accelerator).filter(waits) {
+            let options = Options { counters: true, ..configuration.of(&options(&scene, 21, 13)) };
+            let label = format!("{file} {configuration}, {turns} turns");
             found.add(&label, parity::compare_in_turns(gpu, &scene, &options, turns));
-            if way.schedule == ScheduleKind::Fused {
+            if configuration.schedule == ScheduleKind::Fused {
                 let options = Options { shade: false, ..options };
                 found.add(&label, parity::compare_in_turns(gpu, &scene, &options, turns));
             }
@@ -158,9 +168,9 @@ fn in_parts_of_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
     }
     if accelerator == Accelerator::Irregular {
         let knot = knot();
-        for way in ways(accelerator).filter(waits) {
-            let options = Options { counters: true, ..way.of(&options(&knot, 21, 13)) };
-            found.add(&format!("knot {way}"), parity::compare_in_turns(gpu, &knot, &options, 6));
+        for configuration in configurations(accelerator).filter(waits) {
+            let options = Options { counters: true, ..configuration.of(&options(&knot, 21, 13)) };
+            found.add(&format!("knot {configuration}"), parity::compare_in_turns(gpu, &knot, &options, 6));
         }
     }
     if accelerator == STEPPED.accelerator {
@@ -214,8 +224,8 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
     // The table of transitions has exactly those that occur.
     let listed: BTreeSet<_> = PROGRAM.transitions().map(|(kernel, t)| (t.from, kernel, t.to)).collect();
     let name = |tag| states::STATES.name(tag);
-    let named = |ways: Vec<&(u32, Kernel, u32)>| {
-        ways.iter().map(|w| format!("{} {} {}", name(w.0), w.1.name(), name(w.2))).collect::<Vec<_>>()
+    let named = |configurations: Vec<&(u32, Kernel, u32)>| {
+        configurations.iter().map(|w| format!("{} {} {}", name(w.0), w.1.name(), name(w.2))).collect::<Vec<_>>()
     };
     assert_eq!(named(sum.transitions.difference(&listed).collect()), [""; 0], "taken, but not listed");
     // A grid's box is larger than the scene by a margin, so in real scenes no ray leaves it with a kept hit: see the

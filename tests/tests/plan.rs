@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::{Accelerator, Device, Item, Keep, Limits, Numerics, Options, Plan, RaySource, Renderer};
-use raystep_tests::ways::{EVERY, STEPPED, Way};
+use raystep_tests::configurations::{Configuration, EVERY, STEPPED};
 use raystep_tests::{block_on, differences, gpu, options, rays, scene, thorough, traced, values};
 
 fn renderer(file: &str, change: impl FnOnce(&mut Options)) -> Renderer {
@@ -22,14 +22,14 @@ fn bound(plan: &Plan) -> BTreeSet<&str> {
 #[test]
 fn bytes_of_the_plan_are_the_bytes_allocated() {
     let files = ["cornell-box.gltf", "textures.gltf", "lights.gltf", "empty.gltf"];
-    for (file, way) in files.iter().flat_map(|file| EVERY.map(|way| (file, way))) {
-        let renderer = renderer(file, |o| *o = way.of(o));
+    for (file, configuration) in files.iter().flat_map(|file| EVERY.map(|configuration| (file, configuration))) {
+        let renderer = renderer(file, |o| *o = configuration.of(o));
         let allocated = renderer.gpu().expect("a gpu").allocated();
         let planned: Vec<(&str, u64)> = (renderer.plan().streams.iter().map(|s| (s.what.name(), s.bytes)))
             .chain(renderer.plan().buffers.iter().map(|b| (b.what, b.bytes)))
             .collect();
-        assert_eq!(allocated, planned, "{file} {way}");
-        assert_eq!(allocated.iter().map(|(_, b)| b).sum::<u64>(), renderer.plan().bytes(), "{file} {way}");
+        assert_eq!(allocated, planned, "{file} {configuration}");
+        assert_eq!(allocated.iter().map(|(_, b)| b).sum::<u64>(), renderer.plan().bytes(), "{file} {configuration}");
     }
 }
 
@@ -84,7 +84,7 @@ fn without_a_view_nothing_is_shaded_and_without_a_grid_nothing_is_walked() {
     assert!(!hits.plan().has_stream(streams::COLOR) && !bound(hits.plan()).contains("materials"));
     let grid = renderer("cornell-box.gltf", |o| *o = STEPPED.of(o));
     assert!(grid.plan().has_stream(streams::TMAX) && bound(grid.plan()).contains("grid_cells"));
-    let none = renderer("cornell-box.gltf", |o| *o = Way { accelerator: Accelerator::None, ..STEPPED }.of(o));
+    let none = renderer("cornell-box.gltf", |o| *o = Configuration { accelerator: Accelerator::None, ..STEPPED }.of(o));
     assert!(!none.plan().has_stream(streams::TMAX) && !bound(none.plan()).contains("grid_cells"));
     let scene = scene("cornell-box.gltf");
     let mut given = options(&scene, 1, 1);
@@ -103,18 +103,20 @@ fn an_item_puts_back_what_is_left_out_for_it_and_nothing_else() {
     let mut seen = BTreeSet::new();
     for file in ["cornell-box.gltf", "textures.gltf", "lights.gltf", "bare.gltf", "empty.gltf"] {
         let scene = scene(file);
-        for (i, (way, shade)) in EVERY.iter().flat_map(|way| [(way, true), (way, false)]).enumerate() {
-            // All ways with the first scene; in the full suite, with all scenes.
+        for (i, (configuration, shade)) in
+            EVERY.iter().flat_map(|configuration| [(configuration, true), (configuration, false)]).enumerate()
+        {
+            // All configurations with the first scene; in the full suite, with all scenes.
             if file != "cornell-box.gltf" && i % 3 > 0 && !thorough() {
                 continue;
             }
-            let options = Options { shade, ..way.of(&options(&scene, 8, 8)) };
+            let options = Options { shade, ..configuration.of(&options(&scene, 8, 8)) };
             let plan =
                 |keep| Plan::new(&scene, &Options { keep, ..options.clone() }, &Limits::CPU).expect("a small scene").0;
             let (lean, full) = (plan(Keep::NONE), plan(Keep::ALL));
             for &item in Item::ALL {
                 let kept = plan(Keep::only(item));
-                let what = format!("{file} {way} {item}");
+                let what = format!("{file} {configuration} {item}");
                 let (before, after) = (left_out(&lean, |_| true), left_out(&kept, |_| true));
                 let put_back: BTreeSet<&str> = before.difference(&after).copied().collect();
                 assert_eq!(put_back, left_out(&lean, |of| of == Some(item)), "{what}");
@@ -123,7 +125,7 @@ fn an_item_puts_back_what_is_left_out_for_it_and_nothing_else() {
                 }
                 seen.extend((!put_back.is_empty()).then_some(item));
             }
-            assert_eq!(left_out(&full, |of| of.is_some()), BTreeSet::new(), "{file} {way}");
+            assert_eq!(left_out(&full, |of| of.is_some()), BTreeSet::new(), "{file} {configuration}");
         }
     }
     assert_eq!(seen, Item::ALL.iter().copied().collect(), "items that no scene leaves out are not tested");

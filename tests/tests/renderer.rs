@@ -12,15 +12,15 @@ use raystep_kernels::tables::state::StateCounts;
 use raystep_kernels::{
     Accelerator, Device, Options, PassTotals, Region, RenderError, Renderer, Samples, ScheduleKind, StreamData,
 };
-use raystep_tests::ways::{STEPPED, Way, stepped};
+use raystep_tests::configurations::{Configuration, STEPPED, stepped};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
 
-const WAYS: [Way; 5] = [
+const WAYS: [Configuration; 5] = [
     STEPPED,
-    Way::new(Accelerator::Grid, ScheduleKind::First, 1),
-    Way::new(Accelerator::Grid, ScheduleKind::Compact, 1),
-    Way::new(Accelerator::Bvh, ScheduleKind::Compact, 1),
-    Way::new(Accelerator::None, ScheduleKind::Compact, 2),
+    Configuration::new(Accelerator::Grid, ScheduleKind::First, 1),
+    Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 1),
+    Configuration::new(Accelerator::Bvh, ScheduleKind::Compact, 1),
+    Configuration::new(Accelerator::None, ScheduleKind::Compact, 2),
 ];
 
 async fn all(renderer: &Renderer) -> Vec<StreamData> {
@@ -48,35 +48,37 @@ fn a_run_that_keeps_no_passes_sums_them_up_all_the_same() {
         totals
     }
     for (name, device) in devices() {
-        for (way, count) in WAYS.into_iter().flat_map(|way| [(way, 1), (way, 3)]) {
+        for (configuration, count) in
+            WAYS.into_iter().flat_map(|configuration| [(configuration, 1), (configuration, 3)])
+        {
             let samples = Samples { count, ..Samples::default() };
-            let kept = Options { samples, ..way.of(&options(&scene, 12, 10)) };
+            let kept = Options { samples, ..configuration.of(&options(&scene, 12, 10)) };
             let summed = Options { keep_passes: false, ..kept.clone() };
             block_on(gpu_of(&device), async {
                 let mut with = Renderer::new(&scene, &kept, &device).await.expect("a renderer");
                 let mut without = Renderer::new(&scene, &summed, &device).await.expect("a renderer");
                 with.run(|_| ControlFlow::Continue(())).await.expect("a run");
                 let totals: PassTotals = with.passes().iter().collect();
-                assert_eq!(&totals, with.totals(), "{name} {way}");
+                assert_eq!(&totals, with.totals(), "{name} {configuration}");
                 assert_eq!(totals.rays_in(), Some(with.passes().iter().map(|p| u64::from(p.rays_in)).sum()));
 
                 without.run_to(5, |_| ControlFlow::Continue(())).await.expect("passes");
                 let (early, place) = (without.checkpoint().await.expect("a checkpoint"), without.totals().clone());
-                assert_eq!((without.pass_count(), early.place()), (5, 5), "{name} {way}");
+                assert_eq!((without.pass_count(), early.place()), (5, 5), "{name} {configuration}");
                 without.run(|_| ControlFlow::Continue(())).await.expect("a run");
-                assert_eq!(counts(without.totals()), counts(&totals), "{name} {way}");
-                assert_eq!(without.pass_count(), with.pass_count(), "{name} {way}");
+                assert_eq!(counts(without.totals()), counts(&totals), "{name} {configuration}");
+                assert_eq!(without.pass_count(), with.pass_count(), "{name} {configuration}");
                 assert_eq!(
                     without.last_pass().map(|p| (p.index, p.kernel, p.counts.clone())),
                     with.passes().last().map(|p| (p.index, p.kernel, p.counts.clone())),
-                    "{name} {way}"
+                    "{name} {configuration}"
                 );
-                assert!(without.passes().is_empty(), "{name} {way}: records were not requested");
-                assert!(all(&without).await == all(&with).await, "{name} {way}");
+                assert!(without.passes().is_empty(), "{name} {configuration}: records were not requested");
+                assert!(all(&without).await == all(&with).await, "{name} {configuration}");
                 without.restore(&early).expect("the same run");
-                assert_eq!((without.totals(), without.pass_count()), (&place, 5), "{name} {way}");
+                assert_eq!((without.totals(), without.pass_count()), (&place, 5), "{name} {configuration}");
                 without.restart();
-                assert_eq!(without.totals(), &PassTotals::default(), "{name} {way}");
+                assert_eq!(without.totals(), &PassTotals::default(), "{name} {configuration}");
             });
         }
     }
@@ -86,8 +88,8 @@ fn a_run_that_keeps_no_passes_sums_them_up_all_the_same() {
 fn a_run_stops_where_it_is_told_to_and_never_later() {
     let scene = scene("cornell-box.gltf");
     for (name, device) in devices() {
-        for way in WAYS {
-            let options = way.of(&options(&scene, 24, 20));
+        for configuration in WAYS {
+            let options = configuration.of(&options(&scene, 24, 20));
             block_on(gpu_of(&device), async {
                 let mut one_by_one = Renderer::new(&scene, &options, &device).await.expect("a renderer");
                 let (plan, data) = (one_by_one.shared_plan(), one_by_one.shared_data());
@@ -97,16 +99,19 @@ fn a_run_stops_where_it_is_told_to_and_never_later() {
                     while one_by_one.pass_count() < place && one_by_one.step().await.expect("a pass").is_some() {}
                     let place = one_by_one.pass_count();
                     at_once.run_to(place, |_| ControlFlow::Continue(())).await.expect("passes");
-                    assert_eq!(at_once.pass_count(), place, "{name} {way}");
-                    assert_eq!(books(&at_once), books(&one_by_one), "{name} {way} after {place} passes");
-                    assert!(all(&at_once).await == all(&one_by_one).await, "{name} {way} after {place} passes");
+                    assert_eq!(at_once.pass_count(), place, "{name} {configuration}");
+                    assert_eq!(books(&at_once), books(&one_by_one), "{name} {configuration} after {place} passes");
+                    assert!(
+                        all(&at_once).await == all(&one_by_one).await,
+                        "{name} {configuration} after {place} passes"
+                    );
                 }
                 at_once.restart();
                 let mut stopped = at_once.run_to(usize::MAX, |_| ControlFlow::Break(())).await;
                 let place = at_once.pass_count();
                 assert!(
                     matches!(stopped, Err(RenderError::Cancelled { passes }) if passes == place),
-                    "{name} {way}: {stopped:?}"
+                    "{name} {configuration}: {stopped:?}"
                 );
                 stopped = at_once.run_to(usize::MAX, |_| ControlFlow::Continue(())).await;
                 assert!(stopped.is_ok() && at_once.next_kernel().is_none());
@@ -171,8 +176,8 @@ fn a_future_of_a_run_can_go_to_another_thread() {
 fn after_a_checkpoint_the_same_passes_follow() {
     let scene = scene("cornell-box.gltf");
     for (name, device) in devices() {
-        for way in WAYS {
-            let options = way.of(&options(&scene, 24, 20));
+        for configuration in WAYS {
+            let options = configuration.of(&options(&scene, 24, 20));
             block_on(gpu_of(&device), async {
                 let go_on = |_: &raystep_kernels::Progress| ControlFlow::Continue(());
                 let mut renderer = Renderer::new(&scene, &options, &device).await.expect("a renderer");
@@ -194,12 +199,12 @@ fn after_a_checkpoint_the_same_passes_follow() {
                     assert_eq!(renderer.pass_count(), place);
                     for at in [place, place + 1, place + 4].map(|at| at.min(passes.len())) {
                         renderer.run_to(at, go_on).await.expect("passes");
-                        assert!(all(&renderer).await == seen[at].0, "{name} {way}: {at} from {place}");
+                        assert!(all(&renderer).await == seen[at].0, "{name} {configuration}: {at} from {place}");
                         assert_eq!(*renderer.live(), seen[at].1);
                     }
                     renderer.run(go_on).await.expect("passes");
-                    assert_eq!(books(&renderer), passes, "{name} {way} from {place}");
-                    assert!(all(&renderer).await == seen[passes.len()].0, "{name} {way} from {place}");
+                    assert_eq!(books(&renderer), passes, "{name} {configuration} from {place}");
+                    assert!(all(&renderer).await == seen[passes.len()].0, "{name} {configuration} from {place}");
                 }
                 // What a pass does not change is not stored again.
                 let bytes: u64 = kept.iter().map(raystep_kernels::Checkpoint::bytes).sum();

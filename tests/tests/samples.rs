@@ -11,7 +11,7 @@ use raystep_kernels::{
     ScheduleKind, StreamData,
 };
 use raystep_scenes::{Camera, Projection, Scene};
-use raystep_tests::ways::{EVERY, Way};
+use raystep_tests::configurations::{Configuration, EVERY};
 use raystep_tests::{block_on, devices, gpu, gpu_of, options, scene, traced, values};
 
 const SIZE: [u32; 2] = [40, 30];
@@ -37,25 +37,28 @@ fn names(plan: &Plan) -> Vec<&'static str> {
 #[test]
 fn one_sample_leaves_everything_out_and_says_why() {
     let (scene, options) = room();
-    for way in EVERY {
-        let one = way.of(&options);
+    for configuration in EVERY {
+        let one = configuration.of(&options);
         let (plain, _) = Plan::new(&scene, &one, &Limits::CPU).expect("a plan");
         // With one sample, seed and sampler have no effect.
         let (seeded, _) = Plan::new(&scene, &with(&one, 1, Sampler::Random), &Limits::CPU).expect("a plan");
-        assert_eq!(plain.to_string(), seeded.to_string(), "{way}");
+        assert_eq!(plain.to_string(), seeded.to_string(), "{configuration}");
         for part in ["kernel accumulate", "stream accumulated", "buffer sampling"] {
             let left_out = plain.left_out.iter().find(|l| l.what == part).expect(part);
             assert_eq!(left_out.reason, "needed only with --spp 2 or more");
         }
         let source: String = plain.variants.iter().map(|v| v.source.as_str()).collect();
-        assert!(!source.contains("jitter") && !source.contains("accumulated"), "{way}");
+        assert!(!source.contains("jitter") && !source.contains("accumulated"), "{configuration}");
         let (several, _) = Plan::new(&scene, &with(&one, 2, Sampler::Sobol), &Limits::CPU).expect("a plan");
-        assert_eq!(names(&several), [names(&plain), vec!["accumulate"]].concat(), "{way}");
-        assert!(!several.left_out.iter().any(|l| l.reason == "needed only with --spp 2 or more"), "{way}\n{several}");
+        assert_eq!(names(&several), [names(&plain), vec!["accumulate"]].concat(), "{configuration}");
+        assert!(
+            !several.left_out.iter().any(|l| l.reason == "needed only with --spp 2 or more"),
+            "{configuration}\n{several}"
+        );
         let source: String = several.variants.iter().map(|v| v.source.as_str()).collect();
-        assert!(source.contains("scrambled") && several.has_stream(streams::ACCUMULATED), "{way}");
+        assert!(source.contains("scrambled") && several.has_stream(streams::ACCUMULATED), "{configuration}");
         let (random, _) = Plan::new(&scene, &with(&one, 2, Sampler::Random), &Limits::CPU).expect("a plan");
-        assert!(random.variants.iter().all(|v| !v.source.contains("scrambled")), "{way}");
+        assert!(random.variants.iter().all(|v| !v.source.contains("scrambled")), "{configuration}");
     }
 }
 
@@ -122,17 +125,17 @@ fn every_way_ends_in_the_same_bits_and_so_does_the_second_run() {
     let (scene, options) = room();
     for (name, device) in devices() {
         let mut first: Option<[StreamData; 4]> = None;
-        for way in EVERY {
-            let renderer = traced(&scene, &with(&way.of(&options), 5, Sampler::Sobol), &device);
+        for configuration in EVERY {
+            let renderer = traced(&scene, &with(&configuration.of(&options), 5, Sampler::Sobol), &device);
             assert_eq!(renderer.samples(), 5);
             let found = streams(&renderer);
-            assert!(found[1].layer(4).iter().all(|&n| f32::from_bits(n) == 5.0), "{name} {way}");
+            assert!(found[1].layer(4).iter().all(|&n| f32::from_bits(n) == 5.0), "{name} {configuration}");
             let mean: Vec<u32> = (0..3).flat_map(|layer| found[1].layer(layer).to_vec()).collect();
-            assert!(mean == found[0].bits, "{name} {way}: color is the mean");
+            assert!(mean == found[0].bits, "{name} {configuration}: color is the mean");
             let expected = first.get_or_insert_with(|| found.clone());
-            assert!(*expected == found, "{name} {way}: other bits than {}", EVERY[0]);
-            let again = traced(&scene, &with(&way.of(&options), 5, Sampler::Sobol), &device);
-            assert!(streams(&again) == found, "{name} {way}: other bits the second time");
+            assert!(*expected == found, "{name} {configuration}: other bits than {}", EVERY[0]);
+            let again = traced(&scene, &with(&configuration.of(&options), 5, Sampler::Sobol), &device);
+            assert!(streams(&again) == found, "{name} {configuration}: other bits the second time");
         }
     }
 }
@@ -159,8 +162,8 @@ fn gpu_and_twins_make_the_same_picture() {
 fn a_run_can_be_read_after_every_sample_and_go_on() {
     let (scene, options) = room();
     for (name, device) in devices() {
-        for way in [EVERY[0], EVERY[3], EVERY[4], EVERY[8]] {
-            let options = way.of(&options);
+        for configuration in [EVERY[0], EVERY[3], EVERY[4], EVERY[8]] {
+            let options = configuration.of(&options);
             let image = |renderer: &Renderer| block_on(gpu_of(&device), renderer.image()).expect("an image");
             let mut long =
                 block_on(gpu_of(&device), Renderer::new(&scene, &with(&options, 16, Sampler::Sobol), &device))
@@ -174,9 +177,9 @@ fn a_run_can_be_read_after_every_sample_and_go_on() {
                     ControlFlow::Continue(())
                 };
                 block_on(gpu_of(&device), long.run_to_sample(samples, seen)).expect("a run");
-                assert_eq!(long.samples(), samples, "{name} {way}");
+                assert_eq!(long.samples(), samples, "{name} {configuration}");
                 let short = traced(&scene, &with(&options, samples, Sampler::Sobol), &device);
-                assert!(image(&long) == image(&short), "{name} {way}: after {samples}");
+                assert!(image(&long) == image(&short), "{name} {configuration}: after {samples}");
             }
             assert_eq!(long.next_kernel(), None);
             // Stepping pass by pass gives the same image, and a checkpoint in the middle of a sample can be restored.
@@ -197,9 +200,9 @@ fn a_run_can_be_read_after_every_sample_and_go_on() {
                         .map(|p| (p.index, p.iteration, p.kernel, p.rays_in, p.counts.clone()))
                         .collect::<Vec<_>>()
                 };
-                assert_eq!(kernels(long.passes()), kernels(&passes), "{name} {way}");
+                assert_eq!(kernels(long.passes()), kernels(&passes), "{name} {configuration}");
             });
-            assert!(image(&long) == end, "{name} {way}: pass by pass");
+            assert!(image(&long) == end, "{name} {configuration}: pass by pass");
         }
     }
 }
@@ -255,7 +258,7 @@ fn blocks_of_samples_merge_to_the_picture_of_one_run() {
 #[test]
 fn more_samples_are_nearer_to_the_mean_of_many() {
     let (scene, options) = room();
-    let options = Way::new(Accelerator::Bvh, ScheduleKind::Compact, 8).of(&options);
+    let options = Configuration::new(Accelerator::Bvh, ScheduleKind::Compact, 8).of(&options);
     let device = Device::Cpu(None);
     let picture = |count, sampler| {
         let renderer = traced(&scene, &with(&options, count, sampler), &device);

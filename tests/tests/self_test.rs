@@ -10,7 +10,7 @@ use raystep_kernels::{Accelerator, AdapterChoice, Gpu, GridSize, Limits, Options
 use raystep_lab::self_test::{
     Bench, Faults, Group, Outcome, Results, STAYS, Step, Verdict, checks, probe, steps, text,
 };
-use raystep_tests::ways::COVERING;
+use raystep_tests::configurations::COVERING;
 use raystep_tests::{gpu, options, parity, scene, thorough};
 
 fn bench(faults: Faults) -> Bench {
@@ -198,9 +198,9 @@ fn every_operation_of_every_kernel_is_probed() {
     let mut plans = Vec::new();
     for (file, samples) in [("textures.gltf", 1), ("lights.gltf", 19), ("cornell-box.gltf", 1)] {
         let scene = scene(file);
-        for way in COVERING {
+        for configuration in COVERING {
             let samples = Samples { count: samples, ..Samples::default() };
-            let options = Options { counters: true, samples, ..way.of(&options(&scene, 8, 8)) };
+            let options = Options { counters: true, samples, ..configuration.of(&options(&scene, 8, 8)) };
             plans.push(Plan::new(&scene, &options, &limits).expect(file).0);
             plans.push(Plan::new(&scene, &options, &Limits::CPU).expect(file).0);
         }

@@ -8,11 +8,11 @@ use raystep_kernels::options::mapping::{Fragment, Mapping, Update};
 use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::{Accelerator, Device, Options, RenderError, ScheduleKind, StreamData};
 use raystep_scenes::Scene;
+use raystep_tests::configurations::{Configuration, STEPPED, stepped};
 use raystep_tests::sessions::{go, streams};
-use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, gpu_of, options, scene};
 
-const TREE: Way = Way::new(Accelerator::Bvh, ScheduleKind::Second, 1);
+const TREE: Configuration = Configuration::new(Accelerator::Bvh, ScheduleKind::Second, 1);
 
 /// Streams after every pass, starting with none.
 async fn history(session: &mut Session) -> Vec<Vec<StreamData>> {
@@ -25,7 +25,7 @@ async fn history(session: &mut Session) -> Vec<Vec<StreamData>> {
 
 #[test]
 fn every_pass_looks_the_same_when_it_is_reached_again() {
-    let ways = [
+    let configurations = [
         ("cornell-box.gltf", STEPPED),
         ("cornell-box.gltf", TREE),
         ("flat.gltf", STEPPED),
@@ -33,14 +33,19 @@ fn every_pass_looks_the_same_when_it_is_reached_again() {
         ("teapot.glb", STEPPED),
         ("teapot.glb", TREE),
         // Lists of active rays have another order each time; results must not depend on it.
-        ("cornell-box.gltf", Way::new(Accelerator::Grid, ScheduleKind::Compact, 1)),
-        ("cornell-box.gltf", Way::new(Accelerator::Bvh, ScheduleKind::Compact, 1)),
-        ("cornell-box.gltf", Way::new(Accelerator::None, ScheduleKind::Compact, 2)),
+        ("cornell-box.gltf", Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 1)),
+        ("cornell-box.gltf", Configuration::new(Accelerator::Bvh, ScheduleKind::Compact, 1)),
+        ("cornell-box.gltf", Configuration::new(Accelerator::None, ScheduleKind::Compact, 2)),
     ];
     for (name, device) in devices() {
-        for (file, way) in ways {
+        for (file, configuration) in configurations {
             let scene = scene(file);
-            check_history(&scene, &way.of(&options(&scene, 12, 10)), &device, &format!("{file} {name} {way}"));
+            check_history(
+                &scene,
+                &configuration.of(&options(&scene, 12, 10)),
+                &device,
+                &format!("{file} {name} {configuration}"),
+            );
         }
     }
 }
@@ -183,7 +188,7 @@ fn turns_of_the_loop_begin_and_end() {
     let scene = scene("cornell-box.gltf");
     for schedule in [ScheduleKind::First, ScheduleKind::Second] {
         block_on(None, async {
-            let options = Way::new(Accelerator::Grid, schedule, 1).of(&options(&scene, 16, 16));
+            let options = Configuration::new(Accelerator::Grid, schedule, 1).of(&options(&scene, 16, 16));
             let mut session = Session::new(&scene, &options, &Device::Cpu(None)).await.expect("a session");
             let mut ends = vec![0];
             loop {

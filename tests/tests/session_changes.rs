@@ -6,26 +6,26 @@ use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Device, RenderError, Renderer, ScheduleKind};
+use raystep_tests::configurations::{Configuration, STEPPED};
 use raystep_tests::sessions::{go, streams};
-use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
 
-const WAYS: [Way; 3] = [
+const CONFIGURATIONS: [Configuration; 3] = [
     STEPPED,
-    Way::new(Accelerator::Grid, ScheduleKind::Compact, 1),
-    Way::new(Accelerator::Bvh, ScheduleKind::Second, 1),
+    Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 1),
+    Configuration::new(Accelerator::Bvh, ScheduleKind::Second, 1),
 ];
 
-async fn new_session(way: Way, device: &Device) -> Session {
+async fn new_session(configuration: Configuration, device: &Device) -> Session {
     let scene = scene("cornell-box.gltf");
-    let options = way.of(&options(&scene, 16, 12));
+    let options = configuration.of(&options(&scene, 16, 12));
     let mut session = Session::new(&scene, &options, device).await.expect("a session");
     session.set_span(6 * 192);
     session
 }
 
-async fn run_to(session: &mut Session, watch: Watch, way: Direction) -> Option<Fired> {
-    let fired = session.run_to_watch(&[watch], way, &mut go_on).await.expect("a run");
+async fn run_to(session: &mut Session, watch: Watch, configuration: Direction) -> Option<Fired> {
+    let fired = session.run_to_watch(&[watch], configuration, &mut go_on).await.expect("a run");
     if let Some(fired) = &fired {
         assert_eq!((fired.place, fired.watch), (session.place(), watch), "it stops elsewhere");
     }
@@ -56,29 +56,39 @@ async fn both_ways(session: &mut Session, watch: Watch) -> Vec<Fired> {
 #[test]
 fn a_ray_is_watched_forward_and_back() {
     for (name, device) in devices() {
-        for way in WAYS {
+        for configuration in CONFIGURATIONS {
             block_on(gpu_of(&device), async {
-                let mut session = new_session(way, &device).await;
+                let mut session = new_session(configuration, &device).await;
                 session.select(9, 7);
                 let life = session.follow(9, 7, &mut go_on).await.expect("a life");
                 let changes =
                     life.rows.iter().filter(|row| row.state_before != row.after.state && row.place() < life.passes);
                 let expected: Vec<usize> = changes.filter_map(|row| row.place()).collect();
                 let states = both_ways(&mut session, Watch::RayState).await;
-                assert_eq!(states.iter().map(|f| f.place).collect::<Vec<_>>(), expected, "{name} {way}");
+                assert_eq!(states.iter().map(|f| f.place).collect::<Vec<_>>(), expected, "{name} {configuration}");
                 assert_eq!(states[0].value, "UNWRITTEN > TRAV_SETUP");
                 assert!(states.iter().all(|f| f.ray == [9, 7]));
 
                 let hits = both_ways(&mut session, Watch::RayHit).await;
                 let triangle = life.rows.last().and_then(|row| row.after.triangle).expect("a hit");
                 let last = &hits.last().expect("a hit").value;
-                assert!(last.contains(&format!("> triangle {triangle} at t ")), "{name} {way}: {last}");
+                assert!(last.contains(&format!("> triangle {triangle} at t ")), "{name} {configuration}: {last}");
 
                 let cells = both_ways(&mut session, Watch::RayCell).await;
                 let walked = life.rows.windows(2).filter(|w| w[0].after.cell_index != w[1].after.cell_index).count();
-                assert!(cells.len().abs_diff(walked) <= 1 && walked > 1, "{name} {way}: {} and {walked}", cells.len());
-                assert!(both_ways(&mut session, Watch::NonFinite).await.is_empty(), "{name} {way}: not finite");
-                assert!(both_ways(&mut session, Watch::TMaxBackwards).await.is_empty(), "{name} {way}: backwards");
+                assert!(
+                    cells.len().abs_diff(walked) <= 1 && walked > 1,
+                    "{name} {configuration}: {} and {walked}",
+                    cells.len()
+                );
+                assert!(
+                    both_ways(&mut session, Watch::NonFinite).await.is_empty(),
+                    "{name} {configuration}: not finite"
+                );
+                assert!(
+                    both_ways(&mut session, Watch::TMaxBackwards).await.is_empty(),
+                    "{name} {configuration}: backwards"
+                );
             });
         }
     }
@@ -87,15 +97,15 @@ fn a_ray_is_watched_forward_and_back() {
 #[test]
 fn the_ray_that_takes_too_many_steps_is_found() {
     for (name, device) in devices() {
-        for way in WAYS {
+        for configuration in CONFIGURATIONS {
             block_on(gpu_of(&device), async {
-                let mut session = new_session(way, &device).await;
+                let mut session = new_session(configuration, &device).await;
                 let fired = both_ways(&mut session, Watch::MoreSteps(3)).await;
                 let place = fired.first().expect("some walk far").place;
                 go(&mut session, Target::Pass(place)).await;
                 let walks = |p: &raystep_kernels::Pass| p.kernel.role() == Role::Step;
                 let passes = session.passes().iter().filter(|p| walks(p)).count();
-                assert_eq!(passes, 4, "{name} {way}: not the fourth step of a ray");
+                assert_eq!(passes, 4, "{name} {configuration}: not the fourth step of a ray");
                 assert_eq!(fired[0].value, "4 steps");
 
                 // Counters give the same, except that they include the cell where the walk starts.
@@ -103,10 +113,10 @@ fn the_ray_that_takes_too_many_steps_is_found() {
                 let mut options = session.options().clone();
                 options.counters = true;
                 let mut counted = Session::new(&scene, &options, &device).await.expect("a session");
-                let first = u32::from(way.accelerator == Accelerator::Grid);
+                let first = u32::from(configuration.accelerator == Accelerator::Grid);
                 let by_counters = both_ways(&mut counted, Watch::MoreSteps(3 + first)).await;
                 let places = |fired: &[Fired]| fired.iter().map(|f| (f.place, f.rays, f.ray)).collect::<Vec<_>>();
-                assert_eq!(places(&by_counters), places(&fired), "{name} {way}");
+                assert_eq!(places(&by_counters), places(&fired), "{name} {configuration}");
                 assert!(both_ways(&mut session, Watch::MoreSteps(10_000)).await.is_empty());
             });
         }
@@ -145,9 +155,9 @@ fn a_number_that_is_not_finite_is_found_where_it_came_in() {
 #[test]
 fn an_edit_is_made_again_wherever_one_goes() {
     for (name, device) in devices() {
-        for way in WAYS {
+        for configuration in CONFIGURATIONS {
             block_on(gpu_of(&device), async {
-                let mut session = new_session(way, &device).await;
+                let mut session = new_session(configuration, &device).await;
                 let last = go(&mut session, Target::End).await;
                 let image = session.stream(streams::COLOR).await.expect("colours");
                 let place = 9;
@@ -176,9 +186,9 @@ fn an_edit_is_made_again_wherever_one_goes() {
                 }
                 let changed = session.stream(streams::COLOR).await.expect("colours");
                 let hit = session.stream(streams::HIT).await.expect("hits");
-                assert_eq!(hit.get(2, gone), u32::MAX, "{name} {way}: it hit nothing");
+                assert_eq!(hit.get(2, gone), u32::MAX, "{name} {configuration}: it hit nothing");
                 for ray in (0..192).filter(|ray| ![gone, moved].contains(ray)) {
-                    assert_eq!(changed.get(0, ray), image.get(0, ray), "{name} {way}: another ray changed");
+                    assert_eq!(changed.get(0, ray), image.get(0, ray), "{name} {configuration}: another ray changed");
                 }
                 let end = session.place();
                 for (back, budget) in [(1, u64::MAX), (5, u64::MAX), (end - place + 1, 0), (end, 0)] {
@@ -186,7 +196,10 @@ fn an_edit_is_made_again_wherever_one_goes() {
                     go(&mut session, Target::Pass(end - back)).await;
                     for at in [place, place + 3, end] {
                         go(&mut session, Target::Pass(at)).await;
-                        assert!(streams(&session).await == seen[at - place], "{name} {way}: {at}, {back} back");
+                        assert!(
+                            streams(&session).await == seen[at - place],
+                            "{name} {configuration}: {at}, {back} back"
+                        );
                     }
                 }
                 go(&mut session, Target::Pass(place - 1)).await;
@@ -194,7 +207,10 @@ fn an_edit_is_made_again_wherever_one_goes() {
 
                 session.clear_edits(&mut go_on).await.expect("no edits");
                 assert_eq!(go(&mut session, Target::End).await, last);
-                assert!(session.stream(streams::COLOR).await.expect("colours") == image, "{name} {way}: as before");
+                assert!(
+                    session.stream(streams::COLOR).await.expect("colours") == image,
+                    "{name} {configuration}: as before"
+                );
                 let outside = session.edit(streams::HIT, 0, 16, 0, 0).await;
                 assert!(matches!(outside, Err(RenderError::NoPixel { .. })), "{outside:?}");
                 let deep = session.edit(streams::HIT, 3, 0, 0, 0).await;
@@ -209,9 +225,9 @@ fn an_edit_is_made_again_wherever_one_goes() {
 fn the_first_passes_can_run_on_the_twins() {
     let device = Device::Gpu(raystep_tests::gpu());
     let gpu = gpu_of(&device);
-    for way in WAYS {
+    for configuration in CONFIGURATIONS {
         block_on(gpu, async {
-            let mut session = new_session(way, &device).await;
+            let mut session = new_session(configuration, &device).await;
             let scene = scene("cornell-box.gltf");
             let twins = Device::Cpu(None);
             let mut twin = Renderer::new(&scene, session.options(), &twins).await.expect("the twins");
@@ -234,14 +250,18 @@ fn the_first_passes_can_run_on_the_twins() {
             assert_eq!(session.twins_until(Some(last), &mut go_on).await.expect("twins"), 0);
             for place in (0..=last).chain((0..last).rev()) {
                 go(&mut session, Target::Pass(place)).await;
-                assert!(streams(&session).await == of_twin[place], "{way}: twins after {place}");
+                assert!(streams(&session).await == of_twin[place], "{configuration}: twins after {place}");
             }
             // No pass on the CPU: as with the device alone.
             go(&mut session, Target::Pass(15)).await;
             session.twins_until(Some(0), &mut go_on).await.expect("a device");
             device_only.run_to(15, |_| std::ops::ControlFlow::Continue(())).await.expect("passes");
             for (data, &stream) in streams(&session).await.iter().zip(&streams_all) {
-                assert!(*data == device_only.values(stream).await.expect("values"), "{way}: {}", stream.name());
+                assert!(
+                    *data == device_only.values(stream).await.expect("values"),
+                    "{configuration}: {}",
+                    stream.name()
+                );
             }
             // Some passes on the CPU: the device continues with the twins' streams.
             let place = 11;
@@ -256,12 +276,12 @@ fn the_first_passes_can_run_on_the_twins() {
             handed.run(|_| std::ops::ControlFlow::Continue(())).await.expect("passes");
             go(&mut session, Target::End).await;
             let kernels = |passes: &[raystep_kernels::Pass]| passes.iter().map(|p| p.kernel).collect::<Vec<_>>();
-            assert_eq!(kernels(session.passes()), kernels(handed.passes()), "{way}: the same passes");
+            assert_eq!(kernels(session.passes()), kernels(handed.passes()), "{configuration}: the same passes");
             for (data, &stream) in streams(&session).await.iter().zip(&streams_all) {
-                assert!(*data == handed.values(stream).await.expect("values"), "{way}: {}", stream.name());
+                assert!(*data == handed.values(stream).await.expect("values"), "{configuration}: {}", stream.name());
             }
             go(&mut session, Target::Pass(place)).await;
-            assert!(streams(&session).await == of_twin[place], "{way}: at the hand-over");
+            assert!(streams(&session).await == of_twin[place], "{configuration}: at the hand-over");
         });
     }
 }

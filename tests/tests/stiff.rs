@@ -5,7 +5,7 @@ use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, ScheduleKind, Skip};
 use raystep_lab::rays::Random;
 use raystep_scenes::{Scene, generate};
-use raystep_tests::ways::Way;
+use raystep_tests::configurations::Configuration;
 use raystep_tests::{check, devices, hits, mistakes_among, thorough, traced, values};
 
 /// Most triangles that a ray may test, on average.
@@ -72,19 +72,26 @@ fn rays(of: &[Triangle], distance: f64) -> Vec<Ray> {
 type Hits = [Vec<u32>; 4];
 
 /// The mean number of tests per ray by `way`, and the hits, which are compared with f64 unless they are those `judged` before.
-fn tests_of(label: &str, scene: &Scene, rays: &[Ray], way: Way, device: &Device, judged: &Option<Hits>) -> (f64, Hits) {
+fn tests_of(
+    label: &str,
+    scene: &Scene,
+    rays: &[Ray],
+    configuration: Configuration,
+    device: &Device,
+    judged: &Option<Hits>,
+) -> (f64, Hits) {
     let options = Options { shade: false, counters: true, ..Options::new(RaySource::Given(rays.to_vec())) };
-    let renderer = traced(scene, &way.of(&options), device);
-    assert_eq!(renderer.unfinished(), 0, "{label} {way}");
+    let renderer = traced(scene, &configuration.of(&options), device);
+    assert_eq!(renderer.unfinished(), 0, "{label} {configuration}");
     let hits = hits(&renderer);
     if judged.as_ref() == Some(&hits) && !thorough() {
         // The same hits have the same mistakes.
     } else if scene.triangles.len() < 30_000 || thorough() {
         let report = check(&renderer);
-        assert_eq!(report.counts.errors(), 0, "{label} {way}: {report}");
+        assert_eq!(report.counts.errors(), 0, "{label} {configuration}: {report}");
     } else {
         let some: Vec<usize> = (0..rays.len()).step_by(5).collect();
-        assert_eq!(mistakes_among(&renderer, &some), [], "{label} {way}");
+        assert_eq!(mistakes_among(&renderer, &some), [], "{label} {configuration}");
     }
     let counts = values(&renderer, streams::COUNTERS);
     let tests = (0..rays.len()).map(|ray| f64::from(counts.get(1, ray))).sum::<f64>() / rays.len() as f64;
@@ -95,17 +102,21 @@ fn few_tests(label: &str, scene: &Scene, rays: &[Ray]) {
     use ScheduleKind::{Compact, Fused};
     for (name, device) in devices() {
         let mut first = None;
-        for way in [
-            Way::new(Accelerator::Bvh, Fused, 1),
-            Way::new(Accelerator::Bvh, Compact, 8),
-            Way::new(Accelerator::Irregular, Fused, 1),
-            Way::new(Accelerator::Irregular, Compact, 8),
-            Way::new(Accelerator::Auto, Fused, 1),
+        for configuration in [
+            Configuration::new(Accelerator::Bvh, Fused, 1),
+            Configuration::new(Accelerator::Bvh, Compact, 8),
+            Configuration::new(Accelerator::Irregular, Fused, 1),
+            Configuration::new(Accelerator::Irregular, Compact, 8),
+            Configuration::new(Accelerator::Auto, Fused, 1),
         ] {
-            let (tests, hits) = tests_of(label, scene, rays, way, &device, &first);
-            assert_eq!(&hits, first.get_or_insert_with(|| hits.clone()), "{label}, {way} on {name}: other hits");
-            println!("{label}, {way} on {name}: {tests:.1} tests per ray");
-            assert!(tests <= MOST_TESTS, "{label}, {way} on {name}: {tests} tests per ray");
+            let (tests, hits) = tests_of(label, scene, rays, configuration, &device, &first);
+            assert_eq!(
+                &hits,
+                first.get_or_insert_with(|| hits.clone()),
+                "{label}, {configuration} on {name}: other hits"
+            );
+            println!("{label}, {configuration} on {name}: {tests:.1} tests per ray");
+            assert!(tests <= MOST_TESTS, "{label}, {configuration} on {name}: {tests} tests per ray");
         }
     }
 }
@@ -152,14 +163,14 @@ fn a_crowded_cell_is_divided_further() {
     let crowd: Vec<Triangle> = cloud.iter().map(|t| t.map(|p| p / 64.0 + DVec3::new(0.3, 0.6, 0.2))).collect();
     let (scene, rays) = (scene_of(&[&cloud[..], &crowd].concat()), rays(&crowd, 0.03));
     for (name, device) in devices() {
-        for way in [
-            Way::new(Accelerator::Grid, ScheduleKind::Second, 1),
-            Way::new(Accelerator::Grid, ScheduleKind::Compact, 8),
-            Way::new(Accelerator::Grid, ScheduleKind::Fused, 1),
+        for configuration in [
+            Configuration::new(Accelerator::Grid, ScheduleKind::Second, 1),
+            Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 8),
+            Configuration::new(Accelerator::Grid, ScheduleKind::Fused, 1),
         ] {
             let of = |skip: Skip| {
                 let rays = RaySource::Given(rays.clone());
-                let options = way.of(&Options { shade: false, counters: true, ..Options::new(rays) });
+                let options = configuration.of(&Options { shade: false, counters: true, ..Options::new(rays) });
                 let renderer = traced(&scene, &Options { skip, ..options }, &device);
                 assert_eq!(renderer.plan().accelerator, Accelerator::Grid);
                 let counts = values(&renderer, streams::COUNTERS);
@@ -167,12 +178,12 @@ fn a_crowded_cell_is_divided_further() {
                 (tests / f64::from(RAYS), renderer)
             };
             let (one, two) = (of(Skip::Off), of(Skip::Auto));
-            println!("{way} on {name}: {:.1} tests per ray, in two levels {:.1}", one.0, two.0);
-            assert!(one.1.plan().features.grid && two.1.plan().features.irregular, "{way} on {name}");
-            assert_eq!(hits(&one.1), hits(&two.1), "{way} on {name}");
-            assert_eq!(check(&two.1).counts.errors(), 0, "{way} on {name}");
+            println!("{configuration} on {name}: {:.1} tests per ray, in two levels {:.1}", one.0, two.0);
+            assert!(one.1.plan().features.grid && two.1.plan().features.irregular, "{configuration} on {name}");
+            assert_eq!(hits(&one.1), hits(&two.1), "{configuration} on {name}");
+            assert_eq!(check(&two.1).counts.errors(), 0, "{configuration} on {name}");
             // Cells with up to 16 triangles are left as they are.
-            assert!(two.0 < 40.0 && one.0 > 20.0 * two.0, "{way} on {name}: {} and {}", one.0, two.0);
+            assert!(two.0 < 40.0 && one.0 > 20.0 * two.0, "{configuration} on {name}: {} and {}", one.0, two.0);
         }
     }
 }
@@ -224,11 +235,11 @@ fn edges_of_a_small_object_and_of_its_hall_lose_no_ray() {
             .collect();
         let options = Options { shade: false, ..Options::new(RaySource::Given(rays)) };
         for schedule in [ScheduleKind::Fused, ScheduleKind::Compact] {
-            let way = Way::new(Accelerator::Bvh, schedule, 8);
-            let renderer = traced(&scene_of(&all), &way.of(&options), &Device::Cpu(None));
+            let configuration = Configuration::new(Accelerator::Bvh, schedule, 8);
+            let renderer = traced(&scene_of(&all), &configuration.of(&options), &Device::Cpu(None));
             assert!(renderer.plan().features.ray_padding);
             let report = check(&renderer);
-            assert_eq!(report.counts.errors(), 0, "{half:e} {way}: {report}");
+            assert_eq!(report.counts.errors(), 0, "{half:e} {configuration}: {report}");
         }
     }
 }

@@ -8,10 +8,10 @@ use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, Renderer, Rule};
 use raystep_lab::judge::Judge;
 use raystep_lab::reference::{Verdict, possible};
-use raystep_lab::stability::{self, CASES, Variant};
-use raystep_tests::ways::{FAST, STEPPED};
+use raystep_lab::stability::{self, CASES, configurations};
+use raystep_tests::configurations::{FAST, STEPPED};
 use raystep_tests::{
-    Checked, block_on, check, check_ways, devices, gpu, gpu_of, mistakes_among, options, rays, scene, scene_files,
+    Checked, block_on, check, check_each, devices, gpu, gpu_of, mistakes_among, options, rays, scene, scene_files,
     thorough, traced, values,
 };
 
@@ -36,8 +36,8 @@ fn pictures_of_small_scenes_have_no_errors_but_ties() {
         }
         let side = if thorough() { 512 } else { 256 };
         let options = options(&scene, side, side);
-        for Checked { way, report, .. } in check_ways(&scene, &options, &FAST, &Device::Gpu(gpu())) {
-            let label = format!("{file} ({} triangles) {way}: {report}", scene.triangles.len());
+        for Checked { configuration, report, .. } in check_each(&scene, &options, &FAST, &Device::Gpu(gpu())) {
+            let label = format!("{file} ({} triangles) {configuration}: {report}", scene.triangles.len());
             assert_eq!(report.errors(), 0, "{label}\n{:#?}", report.mistakes);
             assert!(report.counts.ties as f64 <= ceiling(&file) * report.counts.rays() as f64, "{label}");
         }
@@ -54,8 +54,8 @@ fn random_rays_have_no_errors_but_ties() {
         let count = if thorough() { 10_000 } else { 3_000 };
         let mut options = Options::new(RaySource::Given(rays::random(&scene, count, 7)));
         options.shade = false;
-        for Checked { way, report, .. } in check_ways(&scene, &options, &FAST, &Device::Gpu(gpu())) {
-            let label = format!("{file} ({} triangles), random rays, {way}: {report}", scene.triangles.len());
+        for Checked { configuration, report, .. } in check_each(&scene, &options, &FAST, &Device::Gpu(gpu())) {
+            let label = format!("{file} ({} triangles), random rays, {configuration}: {report}", scene.triangles.len());
             assert_eq!(report.errors(), 0, "{label}\n{:#?}", report.mistakes);
             // A third of the rays start on a surface, where t = 0 is a tie with every adjacent triangle.
             assert!(report.counts.ties * 2 < report.counts.rays(), "{label}");
@@ -177,10 +177,10 @@ fn what_a_ray_passes_edge_on_it_does_not_hit() {
         for (name, device) in devices() {
             let mut judge = Judge::default();
             for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
-                for variant in Variant::of(accelerator).into_iter().filter(|v| v.numerics == Numerics::Robust) {
-                    let running = stability::run(case, &workload, variant, &device, &mut judge);
+                for one in configurations(accelerator).into_iter().filter(|one| one.numerics == Numerics::Robust) {
+                    let running = stability::run(case, &workload, one, &device, &mut judge);
                     let score = block_on(gpu_of(&device), running).expect("a run").score;
-                    let label = format!("{} on {name}, {variant:?}", case.name);
+                    let label = format!("{} on {name}, {one:?}", case.name);
                     assert_eq!(score.counts.errors(), 0, "{label}");
                     println!("{label}: {} seen edge-on are hit", score.edge_on);
                     assert!(score.counts.ties <= case.undecided.count(case.rays as u64), "{label}");

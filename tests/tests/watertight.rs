@@ -3,7 +3,7 @@
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Accelerator, GridSize};
-use raystep_tests::ways::FAST;
+use raystep_tests::configurations::FAST;
 use raystep_tests::{devices, options, scene, thorough, traced, values, watertight};
 
 #[test]
@@ -14,13 +14,13 @@ fn a_closed_mesh_loses_no_ray_at_any_scale() {
     for (name, device) in devices() {
         for &scale in scales {
             let scene = watertight::closed_mesh(scale);
-            for way in FAST {
-                let missed = watertight::misses(&device, &scene, way, count, GridSize::Auto, 3);
-                assert_eq!(missed, 0, "{name}, scale {scale:e}, {way}");
+            for configuration in FAST {
+                let missed = watertight::misses(&device, &scene, configuration, count, GridSize::Auto, 3);
+                assert_eq!(missed, 0, "{name}, scale {scale:e}, {configuration}");
             }
-            for way in [FAST[0], FAST[2]] {
-                let missed = watertight::misses(&device, &scene, way, 400, GridSize::Cells([1; 3]), 3);
-                assert_eq!(missed, 0, "{name}, scale {scale:e}, {way}, one cell");
+            for configuration in [FAST[0], FAST[2]] {
+                let missed = watertight::misses(&device, &scene, configuration, 400, GridSize::Cells([1; 3]), 3);
+                assert_eq!(missed, 0, "{name}, scale {scale:e}, {configuration}, one cell");
             }
         }
     }
@@ -32,13 +32,13 @@ fn walls_that_are_the_bounds_lose_no_ray() {
     let scene = scene("cornell-box.gltf");
     for (name, device) in devices() {
         for cells in [[1, 1, 1], [2, 3, 5], [16, 16, 16], [20, 20, 20], [31, 64, 7]] {
-            for way in FAST.iter().filter(|way| way.accelerator == Accelerator::Grid) {
-                let mut options = way.of(&options(&scene, 256, 256));
+            for configuration in FAST.iter().filter(|configuration| configuration.accelerator == Accelerator::Grid) {
+                let mut options = configuration.of(&options(&scene, 256, 256));
                 (options.shade, options.grid) = (false, GridSize::Cells(cells));
                 let hit = values(&traced(&scene, &options, &device), streams::HIT);
                 // The room is open only behind the camera; every ray hits a wall.
                 let lost = hit.layer(2).iter().filter(|&&t| t == NO_TRIANGLE).count();
-                assert_eq!(lost, 0, "{name} {cells:?} {way}");
+                assert_eq!(lost, 0, "{name} {cells:?} {configuration}");
             }
         }
     }

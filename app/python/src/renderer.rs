@@ -18,7 +18,7 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::stream::Texel;
 use raystep_kernels::{self as kernels, Options, Plan, Stream};
 use raystep_lab::Machine;
-use raystep_lab::ways::{MISSES_ALL, misses_all};
+use raystep_lab::outside::{MISSES_ALL, misses_all};
 use raystep_scenes as scenes;
 
 use crate::border::{Turns, Watcher, detached};

@@ -9,6 +9,7 @@ mod serve;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use clap::Args;
 use raystep_kernels::options::ParseOptionError;
@@ -16,7 +17,7 @@ use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Accelerator, Numerics, RaySource, ScheduleKind, Traversal};
 use raystep_lab::bench::gate::{self, Gate, Verdict};
 use raystep_lab::bench::{self, Baseline};
-use raystep_lab::meter::Meter;
+use raystep_lab::meter::{Meter, Turns};
 use raystep_lab::{RayKind, Size, Subject};
 
 use crate::args::{
@@ -179,19 +180,23 @@ impl BenchArgs {
     }
 
     fn wanted(&self) -> Result<bench::Wanted, Error> {
+        let tuning = self.tuning.options(RaySource::Given(Vec::new()));
         Ok(bench::Wanted {
-            accelerators: distinct(&self.accelerators),
-            schedules: distinct(&self.schedules),
-            mappings: distinct(&self.mappings),
-            traversals: distinct(&self.traversals),
+            configurations: bench::combinations(
+                &distinct(&self.accelerators),
+                &distinct(&self.schedules),
+                &distinct(&self.mappings),
+                &distinct(&self.traversals),
+                &tuning,
+            ),
             sizes: distinct(&self.sizes),
             rays: distinct(&self.rays),
             file: self.rays_file.as_deref().map(|path| rays_file::read(path, None)).transpose()?.map(Arc::new),
-            repeats: self.repeats(),
-            warmups: self.warmups,
+            turns: Turns { seed: u64::from(self.seed), ..Turns::of(self.warmups as usize, self.repeats() as usize) },
+            longest_run: Duration::MAX,
             replay: self.replay,
             seed: self.seed,
-            tuning: self.tuning.options(RaySource::Given(Vec::new())),
+            tuning,
         })
     }
 

@@ -11,8 +11,8 @@ use std::time::Instant;
 use clap::Args;
 use indicatif::HumanCount;
 use raystep_kernels::{Caster, Numerics, Options, RaySource};
+use raystep_lab::outside::MISSES_OUTSIDE;
 use raystep_lab::rays::file::{BadRays, RaysFormat, RaysReader};
-use raystep_lab::ways::MISSES_OUTSIDE;
 
 use crate::args::{
     DeviceArgs, QuietArgs, SceneArgs, TuningArgs, WayArgs, fastest_accelerator, fastest_schedule, named, whole,

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use raystep_kernels::{Accelerator, Device};
 use raystep_lab::Machine;
 use raystep_lab::machine::now_ns;
-use raystep_lab::stability::{self, ACCELERATORS, CASES, Case, FILES, Place, Report, Wanted};
+use raystep_lab::stability::{self, ACCELERATORS, CASES, Case, DeviceName, FILES, Report, Wanted};
 use raystep_lab::stiff::{self, FAMILIES, Family, Kept, Start};
 use serde_json::json;
 
@@ -118,7 +118,7 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
     }
     let progress = Progress::new(args.quiet.quiet);
     let report = match &args.output {
-        None => all(args, cases, &places(args, &progress)?, None, &progress)?,
+        None => all(args, cases, &devices(args, &progress)?, None, &progress)?,
         Some(path) => {
             let [csv, ..] = FILES;
             // Also of earlier versions.
@@ -128,10 +128,10 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
             let stale: Vec<String> = FILES.into_iter().chain([shard::FILE]).map(str::to_owned).collect();
             let unfinished = Unfinished::beside(path)?;
             let (report, names) = TargetFolder::new(path, args.force)?.fill(&stale, |folder| {
-                let places = places(args, &progress)?;
-                let report = all(args, cases, &places, Some(&unfinished), &progress)?;
+                let devices = devices(args, &progress)?;
+                let report = all(args, cases, &devices, Some(&unfinished), &progress)?;
                 if let Some(shard) = args.shard.shard {
-                    let text = describe(args, shard, &places)?.text()?;
+                    let text = describe(args, shard, &devices)?.text()?;
                     folder.write(shard::FILE, |out| out.write_all(text.as_bytes()))?;
                 }
                 let files = report.files()?;
@@ -171,27 +171,27 @@ fn chosen_cases(names: &[String]) -> Result<Vec<&'static Case>, Error> {
 }
 
 /// Where to trace, and its name in the report.
-fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Machine)>, Error> {
+fn devices(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(DeviceName, Machine)>, Error> {
     if args.device == Devices::Cpu && args.adapter.is_some() {
         return Err(Error::usage("--adapter names a GPU adapter, but --device cpu uses none: omit one of them"));
     }
-    let mut places = Vec::new();
+    let mut devices = Vec::new();
     if args.device != Devices::Cpu {
         progress.stage("looking for a device");
         match device::choose(&DeviceArgs { device: DeviceKind::Gpu, adapter: args.adapter.clone() }) {
-            Ok(chosen) => places.push((Place { device: "gpu", adapter: chosen.name() }, chosen)),
+            Ok(chosen) => devices.push((DeviceName { device: "gpu", adapter: chosen.name() }, chosen)),
             Err(error) if args.device == Devices::Gpu || args.adapter.is_some() => return Err(error),
             Err(error) => progress.say(format_args!("note: {}; using the CPU only", error.message())),
         }
     }
     if args.device != Devices::Gpu {
         let twins = [("cpu_f32", Device::Cpu(Some(now_ns))), ("cpu_f64", Device::CpuF64(None))];
-        places.extend(twins.map(|(name, device)| {
+        devices.extend(twins.map(|(name, device)| {
             let reason = "CPU".to_owned();
-            (Place { device: name, adapter: "cpu".into() }, Machine { device, reason })
+            (DeviceName { device: name, adapter: "cpu".into() }, Machine { device, reason })
         }));
     }
-    Ok(places)
+    Ok(devices)
 }
 
 /// What is traced.
@@ -219,14 +219,14 @@ fn chosen(args: &StabilityArgs, cases: Vec<&'static Case>) -> Result<Chosen, Err
 }
 
 /// What the part's folder says of it.
-fn describe(args: &StabilityArgs, shard: Shard, places: &[(Place, Machine)]) -> Result<Part, Error> {
+fn describe(args: &StabilityArgs, shard: Shard, devices: &[(DeviceName, Machine)]) -> Result<Part, Error> {
     let device = args.device.to_possible_value().map(|value| value.get_name().to_owned());
     let accelerators: Vec<_> = args.accelerator.iter().map(|a| a.name()).collect();
     let options = json!({
         "accelerator": accelerators, "case": args.cases, "cost": args.cost, "device": device, "family": args.families,
         "quick": args.quick,
     });
-    match places.first() {
+    match devices.first() {
         Some((_, machine)) => Part::new("stability", shard, Vec::new(), &options, machine),
         None => Err(Error::failed("there is no device")),
     }
@@ -235,14 +235,14 @@ fn describe(args: &StabilityArgs, shard: Shard, places: &[(Place, Machine)]) -> 
 fn all(
     args: &StabilityArgs,
     cases: Vec<&'static Case>,
-    places: &[(Place, Machine)],
+    devices: &[(DeviceName, Machine)],
     unfinished: Option<&Unfinished>,
     progress: &Progress,
 ) -> Result<Report, Error> {
     let accelerators = args.accelerator.clone();
     let Chosen { cases, pipelines, families } = chosen(args, cases)?;
     let run_id = run_id();
-    let cost = match places.first() {
+    let cost = match devices.first() {
         Some((_, machine)) if !families.is_empty() => {
             let accelerators = accelerators.clone();
             let wanted = stiff::Wanted { families, accelerators, ..stiff::Wanted::new(run_id.clone(), args.quick) };
@@ -254,7 +254,7 @@ fn all(
         _ => None,
     };
     let wanted = Wanted { cases, accelerators, is_quick: args.quick, pipelines, cost, run_id };
-    Ok(stability::measure(&wanted, places, progress)?)
+    Ok(stability::measure(&wanted, devices, progress)?)
 }
 
 #[cfg(test)]

@@ -118,13 +118,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             series.push(Series { mark, ..Series::line(format!("{walk}, {resolution}³"), color, points) });
         }
     }
-    let plot = Plot {
-        title: "Error of what decides a step: median of rays".into(),
-        x: Axis::new("steps", Scale::Log),
-        y: Axis::new("cells", Scale::Log),
+    let plot = Plot::new(
+        "Error of what decides a step: median of rays",
+        Axis::new("steps", Scale::Log),
+        Axis::new("cells", Scale::Log),
         series,
-        places: Vec::new(),
-    };
+    );
     std::fs::write(folder.join("traversals.csv"), csv)?;
     std::fs::write(folder.join("traversals.svg"), plot.picture(Format::Screen).ok_or("nothing to plot")?.svg())?;
     Ok(())

@@ -14,8 +14,8 @@ pub mod summary;
 mod table;
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::sync::Arc;
+use std::time::Duration;
 
 use measure::Bench;
 use prepare::Group;
@@ -25,44 +25,39 @@ use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Accelerator, GridSize, Options, Pass, RaySource, ScheduleKind, Traversal};
 
 use crate::Error;
-use crate::meter::Meter;
+use crate::configuration::Configuration;
+use crate::meter::{Meter, Turns};
 use crate::rays::file::RaysFile;
 use crate::rays::{RayKind, in_tiles};
 use crate::reporter::Reporter;
 use crate::subject::{Size, Subject};
 pub use baseline::Baseline;
 pub use rays::SEED;
-pub use runs::{RunRow, read_runs, write_runs};
+pub use runs::{RunRow, read_runs};
 pub use serve::{Announced, Served};
-pub use summary::{ReadError, SCHEMA_VERSION, SummaryRow, read_summary, useful_steps_per_thread, write_summary};
+pub use summary::{ReadError, SCHEMA_VERSION, SummaryRow, read_summary, useful_steps_per_thread, write_rows};
 pub use table::text;
 
 /// What to measure for each scene.
 #[derive(Clone, Debug)]
 pub struct Wanted {
-    /// Acceleration structures.
-    pub accelerators: Vec<Accelerator>,
-    /// Schedules.
-    pub schedules: Vec<ScheduleKind>,
-    /// How kernels are mapped to the GPU.
-    pub mappings: Vec<Mapping>,
-    /// How rays walk through a uniform grid.
-    pub traversals: Vec<Traversal>,
+    /// What is compared; of none, `second` is left out beside `first`.
+    pub configurations: Vec<Configuration>,
     /// Image sizes; they determine the number of rays.
     pub sizes: Vec<Size>,
     /// Kinds of rays.
     pub rays: Vec<RayKind>,
     /// Rays of another program, instead of these sizes and kinds.
     pub file: Option<Arc<RaysFile>>,
-    /// Counted runs of each configuration.
-    pub repeats: u32,
-    /// Warm-up runs before them.
-    pub warmups: u32,
+    /// How often each configuration runs, and for how long.
+    pub turns: Turns,
+    /// Time limit of a run; a configuration that takes longer is left out.
+    pub longest_run: Duration,
     /// Whether counted runs submit exactly the passes that they need.
     pub replay: bool,
-    /// Seed of rays, and of the orders within rounds.
+    /// Seed of rays.
     pub seed: u32,
-    /// All other options. The rays, accelerator, schedule, mapping and traversal in it are ignored.
+    /// All other options. The rays in it are ignored.
     pub tuning: Options,
 }
 
@@ -125,13 +120,13 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
     if let Some(note) = machine.note_on_times() {
         bench.note(note);
     }
-    let ways = ways(wanted, bench);
+    let configurations = different(wanted, bench);
     for subject in subjects {
         if let Some(file) = &wanted.file {
             let name = format!("{} {OF_FILE}", subject.scene.name);
             let rays = RaySource::Given(in_tiles(&file.in_scene(&subject.scene)));
             let kind = format!("file {}", file.hash);
-            bench.group(Group { name, subject, size: None, kind, ends_early: false }, rays, &ways)?;
+            bench.group(Group { name, subject, size: None, kind, ends_early: false }, rays, &configurations)?;
             continue;
         }
         for &size in &wanted.sizes {
@@ -142,7 +137,8 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
                 match viewed.rays(kind, machine) {
                     Ok(Some(rays)) => {
                         let (ends_early, kind) = (kind == RayKind::Shadow, kind.to_string());
-                        bench.group(Group { name, subject, size: Some(size), kind, ends_early }, rays, &ways)?;
+                        let group = Group { name, subject, size: Some(size), kind, ends_early };
+                        bench.group(group, rays, &configurations)?;
                     }
                     Ok(None) => bench.skip(format!("{name}: no pixel has such a ray")),
                     Err(error) => bench.failed(&name, error)?,
@@ -153,50 +149,61 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
     Ok(())
 }
 
-/// What is measured: a structure, a schedule, how kernels are mapped to the GPU, and how rays walk through a grid.
-#[derive(Clone, Copy, Debug)]
-struct Way {
-    accelerator: Accelerator,
-    schedule: ScheduleKind,
-    mapping: Mapping,
-    traversal: Traversal,
-}
-
-impl fmt::Display for Way {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.accelerator, self.schedule)?;
-        if self.mapping != Mapping::Compute {
-            write!(f, " {}", self.mapping)?;
-        }
-        if self.traversal == Traversal::AmanatidesWoo { Ok(()) } else { write!(f, " {}", self.traversal) }
-    }
-}
-
-/// Every combination that is possible; a note for each that would measure nothing new.
-fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<Way> {
-    let mut ways = Vec::new();
-    for &accelerator in &wanted.accelerators {
-        for &schedule in &wanted.schedules {
-            // Without a grid or BVH, `second` is the same as `first`.
-            let is_first_again = accelerator == Accelerator::None && schedule == ScheduleKind::Second;
-            if is_first_again && wanted.schedules.contains(&ScheduleKind::First) {
-                bench.note("none is measured once: first and second are the same without a grid");
-                continue;
-            }
+/// Every combination that is possible, with other options.
+#[must_use]
+pub fn combinations(
+    accelerators: &[Accelerator],
+    schedules: &[ScheduleKind],
+    mappings: &[Mapping],
+    traversals: &[Traversal],
+    tuning: &Options,
+) -> Vec<Configuration> {
+    let mut all = Vec::new();
+    for &accelerator in accelerators {
+        for &schedule in schedules {
             // Others cannot be drawn.
             let is_drawn = matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
-            let mappings = wanted.mappings.iter().filter(|&&mapping| is_drawn || mapping == Mapping::Compute);
+            let mappings = mappings.iter().filter(|&&mapping| is_drawn || mapping == Mapping::Compute);
             let traversals = match accelerator {
-                Accelerator::Grid => wanted.traversals.as_slice(),
+                Accelerator::Grid => traversals,
                 // Without a uniform grid, there is nothing to choose.
                 _ => &[Traversal::AmanatidesWoo],
             };
+            let of = Configuration { accelerator, schedule, ..Configuration::from(tuning) };
             for &mapping in mappings {
-                ways.extend(traversals.iter().map(|&traversal| Way { accelerator, schedule, mapping, traversal }));
+                all.extend(traversals.iter().map(|&traversal| Configuration { mapping, traversal, ..of }));
             }
         }
     }
-    ways
+    all
+}
+
+/// The configurations; a note if one of them would measure nothing new.
+fn different(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<Configuration> {
+    let all = &wanted.configurations;
+    // Without a grid or BVH, `second` is the same as `first`.
+    let is_first_again = |one: &Configuration| {
+        (one.accelerator, one.schedule) == (Accelerator::None, ScheduleKind::Second)
+            && all.contains(&Configuration { schedule: ScheduleKind::First, ..*one })
+    };
+    let different: Vec<Configuration> = all.iter().filter(|one| !is_first_again(one)).copied().collect();
+    if different.len() < all.len() {
+        bench.note("none is measured once: first and second are the same without a grid");
+    }
+    different
+}
+
+/// A configuration in the notes of a benchmark.
+fn in_words(configuration: &Configuration) -> String {
+    let Configuration { accelerator, schedule, mapping, traversal, .. } = configuration;
+    let mut words = format!("{accelerator} {schedule}");
+    if *mapping != Mapping::Compute {
+        words += &format!(" {mapping}");
+    }
+    if *traversal != Traversal::AmanatidesWoo {
+        words += &format!(" {traversal}");
+    }
+    words
 }
 
 /// In the command line's format.

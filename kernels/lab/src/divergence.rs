@@ -123,7 +123,8 @@ mod tests {
     use raystep_scenes::generate;
 
     use super::*;
-    use crate::stability::{CASES, Variant};
+    use crate::configuration::Configuration;
+    use crate::stability::{CASES, configurations};
 
     fn compared(scene: &raystep_scenes::Scene, options: &Options, device: &Device) -> DivergenceMap {
         pollster::block_on(async {
@@ -132,25 +133,19 @@ mod tests {
         })
     }
 
-    fn of_case(name: &str, variant: Variant, rays: usize) -> DivergenceMap {
+    fn of_case(name: &str, one: Configuration, rays: usize) -> DivergenceMap {
         let case = CASES.iter().find(|c| c.name == name).expect("a case");
         let workload = (case.make)(rays).expect("its rays");
-        let options = Options {
-            numerics: variant.numerics,
-            accelerator: variant.accelerator,
-            schedule: variant.schedule,
-            steps_per_pass: 1,
-            shade: false,
-            ..Options::new(workload.rays)
-        };
+        let one = Configuration { steps: 1, ..one };
+        let options = one.of(&Options { shade: false, ..Options::new(workload.rays) });
         compared(&workload.scene, &options, &Device::Cpu(None))
     }
 
     #[test]
     fn rays_at_edges_are_ties_and_nothing_else() {
         for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
-            let variant = Variant::of(accelerator)[0];
-            let map = of_case("edges", variant, 400);
+            let robust = configurations(accelerator)[0];
+            let map = of_case("edges", robust, 400);
             let ties = map.count(Class::Tie);
             assert!(ties > 40, "{accelerator}: {ties} of 400 rays at edges");
             assert_eq!(map.counts().iter().sum::<u64>(), ties, "{accelerator}: {:?}", map.counts());
@@ -159,7 +154,7 @@ mod tests {
             assert_eq!((parting.against, parting.ulps), (Against::F64, None));
             assert_eq!(map.class(ray), Some(Class::Tie));
             // Rays well inside triangles have almost none.
-            let inside = of_case("inside", variant, 400);
+            let inside = of_case("inside", robust, 400);
             assert!(inside.counts().iter().sum::<u64>() <= 4, "{accelerator}: {:?}", inside.counts());
         }
     }

@@ -2,8 +2,7 @@
 
 use raystep_kernels::interpret::InterpretError;
 use raystep_kernels::{GpuError, PlanError, RenderError};
-
-use crate::stability::StabilityError;
+use raystep_scenes::generate::GenerateError;
 
 /// A measurement that failed, or could not be shown.
 #[derive(Debug, thiserror::Error)]
@@ -21,9 +20,12 @@ pub enum Error {
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// An extreme case could not be made or run.
+    /// A scene could not be generated.
     #[error(transparent)]
-    Stability(#[from] StabilityError),
+    Generate(#[from] GenerateError),
+    /// A camera has no view.
+    #[error("the case's camera has no direction")]
+    NoView,
     /// An extreme case failed.
     #[error("{name}: {error}")]
     Case {

@@ -39,6 +39,12 @@ impl Hash {
         hash
     }
 
+    /// Hashes a scene that no file has.
+    #[must_use]
+    pub fn of_triangles(triangles: &[[[f32; 3]; 3]]) -> Self {
+        Self::of_floats(triangles.as_flattened().as_flattened())
+    }
+
     /// Hashes the hits of all rays by their bits. If rays may stop at any hit, only whether they hit is hashed.
     #[must_use]
     pub fn of_hits(hits: &[Option<RayHit>], is_any_hit: bool) -> Self {

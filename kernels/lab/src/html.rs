@@ -1,7 +1,11 @@
 //! The common parts of generated HTML pages. They need no other file, script or network, and follow the browser's light
 //! or dark theme.
 
+use std::fmt::Write as _;
+
+use crate::human::cell;
 use crate::text::visible;
+use crate::tidy::{KEYS, Row};
 
 /// Named colours, and the elements that every page has.
 const STYLE: &str = "\
@@ -29,6 +33,82 @@ pub fn page(title: &str, style: &str, body: &str) -> String {
 pub fn escaped(text: &str) -> String {
     let text = visible(text);
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
+}
+
+/// Columns that tables of a page do not show: the same in all rows, or of interest to programs only.
+const HIDDEN: &[&str] = columns![version seed is_quick interval_method interval_level clock is_last];
+
+/// A row's class in a table: marked as unexpected, or empty.
+pub(crate) type Class = &'static str;
+
+/// A row that is as expected, or one that is not.
+pub(crate) fn mark(is_as_expected: bool) -> Class {
+    if is_as_expected { "" } else { "odd" }
+}
+
+/// A table of HTML cells. Numbers are right-aligned, words left-aligned.
+pub(crate) fn table<N: AsRef<str>>(names: &[N], rows: &[(Class, Vec<String>)], class: Class) -> String {
+    let is_number = |cell: &String| {
+        let text = cell.strip_prefix("<data value=\"").unwrap_or(cell);
+        cell.is_empty()
+            || text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '−' | '–' | '+' | '≤' | '≥'))
+    };
+    let is_left = |c: usize| !rows.iter().filter_map(|(_, cells)| cells.get(c)).all(is_number);
+    let left: Vec<&str> = (0..names.len()).map(|c| if is_left(c) { " class=\"l\"" } else { "" }).collect();
+    let mut html = format!("<div class=\"wide\"><table class=\"{class}\"><tr>");
+    // Writing to a string cannot fail.
+    for (left, name) in left.iter().zip(names) {
+        let _ = write!(html, "<th{left}>{}</th>", escaped(name.as_ref()));
+    }
+    for (class, cells) in rows {
+        let _ = write!(html, "</tr>\n<tr class=\"{class}\">");
+        for (left, cell) in left.iter().zip(cells) {
+            let _ = write!(html, "<td{left}>{cell}</td>");
+        }
+    }
+    html + "</tr>\n</table></div>\n"
+}
+
+/// Rows of a CSV file as a table, without [hidden](HIDDEN) and empty columns; nothing without rows.
+pub(crate) fn of_rows<'a>(rows: impl IntoIterator<Item = (Class, &'a Row)>) -> String {
+    let rows: Vec<(Class, &Row)> = rows.into_iter().collect();
+    let Some((_, first)) = rows.first() else { return String::new() };
+    let is_shown =
+        |c: &&str| !KEYS.contains(c) && !HIDDEN.contains(c) && rows.iter().any(|(_, row)| !row.get(c).is_empty());
+    let columns: Vec<&str> = first.columns().iter().copied().filter(is_shown).collect();
+    let names: Vec<String> = columns.iter().map(|c| name_of(c)).collect();
+    let cells = |(class, row): &(Class, &Row)| (*class, columns.iter().map(|c| cell(c, row.get(c))).collect());
+    table(&names, &rows.iter().map(cells).collect::<Vec<_>>(), "")
+}
+
+/// A part of a page that is shown when it is opened. Both are HTML.
+pub(crate) fn folded(summary: &str, is_open: bool, body: &str) -> String {
+    let open = if is_open { " open" } else { "" };
+    format!("<details{open}><summary>{summary}</summary>{body}</details>\n")
+}
+
+/// A list of texts; nothing without any.
+pub(crate) fn list(texts: &[impl AsRef<str>], class: Class) -> String {
+    if texts.is_empty() {
+        return String::new();
+    }
+    let items: String = texts.iter().map(|text| format!("<li>{}</li>", escaped(text.as_ref()))).collect();
+    format!("<ul class=\"{class}\">{items}</ul>\n")
+}
+
+/// A drawing, as an element, with its caption, as HTML.
+pub(crate) fn figure(drawing: &str, caption: &str) -> String {
+    format!("<figure>{drawing}<figcaption>{caption}</figcaption></figure>\n")
+}
+
+/// A column's name for people: units are with the numbers.
+fn name_of(column: &str) -> String {
+    if let Some(column) = column.strip_suffix("_with") {
+        return name_of(column) + " with";
+    }
+    let bare = column.strip_suffix("_ns").or_else(|| column.strip_suffix("_s")).unwrap_or(column);
+    let bare = bare.strip_suffix("_bytes").filter(|b| *b != "structure").unwrap_or(bare);
+    bare.replace('_', " ")
 }
 
 /// Text of a fragment of a page, and whether it is emphasised: for a window.

@@ -4,7 +4,8 @@
 use crate::html::escaped;
 
 /// Three significant digits, with commas between thousands.
-pub(crate) fn digits(value: f64) -> String {
+#[must_use]
+pub fn digits(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude >= 1e15 || (magnitude > 0.0 && magnitude < 1e-4) {
         return format!("{value:.1e}");
@@ -23,7 +24,8 @@ pub(crate) fn digits(value: f64) -> String {
 }
 
 /// A whole number with commas between thousands.
-pub(crate) fn thousands(value: f64) -> String {
+#[must_use]
+pub fn thousands(value: f64) -> String {
     let text = format!("{:.0}", value.abs());
     let mut out = String::new();
     for (i, digit) in text.chars().enumerate() {
@@ -36,14 +38,16 @@ pub(crate) fn thousands(value: f64) -> String {
 }
 
 /// A time in the unit that suits it: "120 ns", "4.4 ms".
-pub(crate) fn time(ns: f64) -> String {
+#[must_use]
+pub fn time(ns: f64) -> String {
     let units = [(1e9, "s"), (1e6, "ms"), (1e3, "µs"), (1.0, "ns")];
     let (scale, unit) = units.into_iter().find(|(scale, _)| ns.abs() >= *scale).unwrap_or((1.0, "ns"));
     format!("{} {unit}", digits(ns / scale))
 }
 
 /// Bytes in the unit that suits them: "58.4 MiB".
-pub(crate) fn bytes(count: f64) -> String {
+#[must_use]
+pub fn bytes(count: f64) -> String {
     let units = [(1024.0 * 1024.0 * 1024.0, "GiB"), (1024.0 * 1024.0, "MiB"), (1024.0, "KiB"), (1.0, "bytes")];
     let (scale, unit) = units.into_iter().find(|(scale, _)| count >= *scale).unwrap_or((1.0, "B"));
     format!("{} {unit}", digits(count / scale))

@@ -19,21 +19,10 @@ use crate::tidy::{Row, Table};
 const MOST_RAYS: u64 = 64 * 64;
 
 /// The columns of the CSV file.
-pub const COLUMNS: &[&str] = &[
-    "schema_version",
-    "scene",
-    "kernel",
-    "passes",
-    "elements",
-    "float_operations",
-    "integer_operations",
-    "comparisons",
-    "stream_bytes_read",
-    "stream_bytes_written",
-    "buffer_bytes_read",
-    "uniform_bytes_read",
-    "float_operations_per_byte",
-    "operations_per_byte",
+pub const COLUMNS: &[&str] = columns![
+    schema_version scene kernel passes elements float_operations integer_operations comparisons
+    stream_bytes_read stream_bytes_written buffer_bytes_read uniform_bytes_read float_operations_per_byte
+    operations_per_byte
 ];
 
 /// A kernel's work in a whole run.
@@ -163,23 +152,6 @@ impl KernelWork {
     }
 }
 
-impl KernelMeans {
-    /// The numbers from `float_operations` on.
-    fn numbers(&self) -> [f64; 9] {
-        [
-            self.float_operations,
-            self.integer_operations,
-            self.comparisons,
-            self.stream_bytes_read,
-            self.stream_bytes_written,
-            self.buffer_bytes_read,
-            self.uniform_bytes_read,
-            self.float_operations_per_byte,
-            self.operations_per_byte,
-        ]
-    }
-}
-
 /// The heads of the text's numeric columns.
 const HEADS: [&str; 11] =
     ["passes", "elements", "float", "integer", "compare", "read", "written", "buffer", "uniform", "float/B", "op/B"];
@@ -198,9 +170,12 @@ impl Intensity {
         let head = ["kernel"].into_iter().chain(HEADS).map(str::to_owned).collect::<Vec<_>>();
         let row = |kernel: &KernelMeans| {
             let counts = [kernel.passes, kernel.elements].map(|count| count.to_string());
-            let numbers = kernel.numbers().into_iter().enumerate();
-            let numbers =
-                numbers.map(|(i, number)| if i < 7 { format!("{number:.1}") } else { format!("{number:.2}") });
+            let row = Row::new(COLUMNS).with(kernel);
+            let number = |(i, column): (usize, &&str)| {
+                let number = row.number(column).unwrap_or_default();
+                if i < 7 { format!("{number:.1}") } else { format!("{number:.2}") }
+            };
+            let numbers = COLUMNS[5..].iter().enumerate().map(number);
             [vec![kernel.kernel.to_owned()], counts.into(), numbers.collect()].concat()
         };
         let lines: Vec<Vec<String>> = std::iter::once(head).chain(self.kernels().iter().map(row)).collect();
@@ -218,19 +193,8 @@ impl Intensity {
     /// # Errors
     /// If memory is short.
     pub fn csv(&self) -> Result<Vec<u8>, Error> {
-        let mut table = Table::new(COLUMNS);
-        for kernel in self.kernels() {
-            let row = Row::new(COLUMNS)
-                .set("scene", self.scene.as_str())
-                .set("kernel", kernel.kernel)
-                .set("passes", kernel.passes)
-                .set("elements", kernel.elements);
-            let numbers = COLUMNS[5..].iter().zip(kernel.numbers());
-            table.rows.push(numbers.fold(row, |row, (column, number)| row.set(column, number)));
-        }
-        let mut file = Vec::new();
-        table.write(&mut file)?;
-        Ok(file)
+        let row = |kernel: &KernelMeans| Row::new(COLUMNS).with(kernel).set("scene", self.scene.as_str());
+        Ok(Table { columns: COLUMNS, rows: self.kernels().iter().map(row).collect() }.csv()?)
     }
 }
 

@@ -9,7 +9,8 @@
 //! | [`rounding`] | what rounding may change in one pass |
 //! | [`parity`], [`divergence`], [`lockstep`] | device against CPU reference kernels, pass by pass |
 //! | [`compare`], [`layer_stats`] | a stream of two runs compared; statistics of one stream |
-//! | [`rays`], [`ways`], [`watertight`] | rays, configurations, and a closed mesh that no ray may leave |
+//! | [`rays`], [`outside`] | rays, and which of them the paper's numerics lose |
+//! | [`configuration`], [`watertight`] | options that are compared, and a closed mesh that no ray may leave |
 //! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, interleaved timing, medians and intervals |
 //! | [`compared`], [`built`] | how much a comparison covered, by kernel; a grid that a device has built |
 //! | [`self_test`] | whether raystep works on a GPU: all of this in a minute |
@@ -20,23 +21,28 @@
 //! | [`stiff`] | what scenes cost that get harder in one way |
 //! | [`subject`], [`reporter`] | their inputs: a scene with a view, and a receiver of progress |
 //! | [`tidy`] | their CSV files: one name for one thing, and a schema |
-//! | [`plots`], [`png`], [`html`], [`text`], [`hash`] | the parts of their pages |
+//! | [`plots`], [`png`], [`html`], [`human`], [`text`], [`hash`] | the parts of their pages |
+
+#[macro_use]
+pub mod tidy;
 
 pub mod bench;
 pub mod built;
 pub mod compare;
 pub mod compared;
+pub mod configuration;
 pub mod divergence;
 mod error;
 pub mod hash;
 pub mod html;
-mod human;
+pub mod human;
 pub mod intensity;
 pub mod judge;
 pub mod layer_stats;
 pub mod lockstep;
 pub mod machine;
 pub mod meter;
+pub mod outside;
 pub mod paper;
 pub mod parity;
 pub mod plots;
@@ -55,10 +61,8 @@ pub mod structure_stats;
 mod structures;
 pub mod subject;
 pub mod text;
-pub mod tidy;
 mod wait;
 pub mod watertight;
-pub mod ways;
 pub mod work;
 
 pub use error::Error;

@@ -81,6 +81,11 @@ impl Machine {
         block_on(self.gpu(), future)
     }
 
+    /// An error if the device does not work any more.
+    pub(crate) fn health(&self) -> Result<(), crate::Error> {
+        Ok(self.gpu().map_or(Ok(()), |gpu| gpu.health())?)
+    }
+
     /// Waits until the device has finished everything submitted, uploads included.
     pub async fn settle(&self) {
         if let Some(gpu) = self.gpu() {

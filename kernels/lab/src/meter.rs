@@ -14,6 +14,7 @@ use web_time::Instant;
 use crate::machine::Machine;
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::median;
+use crate::tidy::Row;
 pub use turns::{Rounds, Turns, in_turn};
 
 /// A machine that can time runs.
@@ -115,6 +116,24 @@ pub fn ratios(of: &[Option<f64>], to: &[Option<f64>]) -> Vec<f64> {
 }
 
 impl Meter {
+    /// Fills the columns of a counted run.
+    pub(crate) fn fill_run(&self, run: &Run, row: Row) -> Row {
+        row.set("round", run.round)
+            .set("place", run.place)
+            .set("time_ns", self.ns(run.time).map(|ns| ns as u64))
+            .set("wall_ns", run.time.wall_ns)
+            .set("clock", self.machine.timer().name())
+    }
+
+    /// Nanoseconds of a run by the clock that times passes, or by the host's without one; `None` without a valid time.
+    #[must_use]
+    pub fn ns(&self, time: Time) -> Option<f64> {
+        match self.machine.timer().times_passes() {
+            true => time.device_ns.map(|ns| ns as f64),
+            false => Some(time.wall_ns as f64),
+        }
+    }
+
     /// A meter for a machine.
     #[must_use]
     pub fn new(machine: Machine) -> Self {
@@ -164,6 +183,15 @@ impl Meter {
         while start.elapsed() < time {
             self.machine.wait(self.keep_clocks());
         }
+    }
+
+    /// One run from its start, stopped if it takes longer.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn run_within(&self, longest: Duration, renderer: &mut Renderer) -> Result<Ended, RenderError> {
+        self.run(renderer, |_, spent| if spent > longest { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+            .await
     }
 
     /// One run from its start, until it ends or `watch` stops it; `watch` also gets the time so far.

@@ -5,12 +5,12 @@ mod counts;
 mod outputs;
 mod times;
 
-use raystep_kernels::{GridSize, Numerics, Options, RaySource, ScheduleKind};
+use raystep_kernels::{GridSize, Numerics, Options, ScheduleKind};
 use raystep_scenes::{Camera, Scene, generate};
 
 use crate::intensity;
 use crate::tidy::package::Resource;
-use crate::{Error, Hash, Size, Subject};
+use crate::{Hash, Size, Subject};
 pub use counts::{Counts, counts};
 pub use outputs::{Output, Outputs, outputs};
 pub use times::{SECONDS, Times, times};
@@ -56,21 +56,9 @@ fn titled(title: &str, lines: &[Vec<String>], left: usize) -> String {
     format!("{title}\n{lines}")
 }
 
-/// A CSV file in memory.
-fn file(table: &crate::tidy::Table) -> Result<Vec<u8>, Error> {
-    let mut file = Vec::new();
-    table.write(&mut file)?;
-    Ok(file)
-}
-
 /// Cells of text.
 fn cells<const N: usize>(texts: [&str; N]) -> Vec<String> {
     texts.map(str::to_owned).into()
-}
-
-/// No rays: whoever measures sets them.
-fn no_rays() -> RaySource {
-    RaySource::Given(Vec::new())
 }
 
 #[cfg(test)]

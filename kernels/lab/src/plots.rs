@@ -13,7 +13,6 @@ mod frame;
 mod labels;
 mod legend;
 mod lines;
-mod panels;
 mod pdf;
 pub mod picture;
 pub mod precision;
@@ -24,8 +23,7 @@ pub use bars::{Bars, Part};
 use draw::PALETTE;
 pub use forest::Forest;
 pub use frame::Frame;
-pub use lines::Plot;
-pub use panels::{Panel, Panels};
+pub use lines::{Panel, Plot};
 use picture::{BLACK, Color, GRID, Picture, WHITE};
 
 /// Where a plot is shown: its width, and the size of its texts.

@@ -166,7 +166,7 @@ pub async fn measure<E: From<Error>>(
                     work.can_go_on().map_err(E::from)?;
                     table.rows.truncate(before);
                     let mut part = Part::default();
-                    part.notes.push(work.explain(&error));
+                    part.notes.push(reporter.explain(&error));
                     failed = Some(error);
                     part
                 }
@@ -247,20 +247,8 @@ impl Reporter for Ahead<'_> {
         self.reporter.part(&format!("[{}] {what}", self.left.text(self.section)), done, of);
     }
 
-    fn note(&self, text: &str) {
-        self.reporter.note(text);
-    }
-
-    fn rows(&self, names: &[&'static str], rows: &[Vec<String>]) {
-        self.reporter.rows(names, rows);
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.reporter.is_cancelled()
-    }
-
-    fn explain(&self, error: &Error) -> String {
-        self.reporter.explain(error)
+    fn next(&self) -> Option<&dyn Reporter> {
+        Some(self.reporter)
     }
 }
 
@@ -337,7 +325,7 @@ impl Report {
 }
 
 /// Columns of [`ABOUT`].
-const ABOUT_COLUMNS: &[&str] = &["schema_version", "run_id", "scene", "name", "value"];
+const ABOUT_COLUMNS: &[&str] = columns![schema_version run_id scene name value];
 
 /// Whether a report may contain a file with this name.
 #[must_use]

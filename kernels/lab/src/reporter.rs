@@ -4,26 +4,39 @@ use crate::Error;
 
 /// Receives progress and notes of a measurement, which may move from thread to thread.
 pub trait Reporter: Sync {
+    /// Receives what this one does not; nobody unless it is said.
+    fn next(&self) -> Option<&dyn Reporter> {
+        None
+    }
+
     /// Begins a stage of unknown length.
-    fn stage(&self, name: &str);
+    fn stage(&self, name: &str) {
+        self.next().into_iter().for_each(|next| next.stage(name));
+    }
 
     /// Reports progress of a stage.
-    fn part(&self, what: &str, done: u64, of: u64);
+    fn part(&self, what: &str, done: u64, of: u64) {
+        self.next().into_iter().for_each(|next| next.part(what, done, of));
+    }
 
     /// Adds a note.
-    fn note(&self, text: &str);
+    fn note(&self, text: &str) {
+        self.next().into_iter().for_each(|next| next.note(text));
+    }
 
     /// Shows the rows of a table that grows while a measurement goes on, all of them each time, under these names.
-    fn rows(&self, _names: &[&'static str], _rows: &[Vec<String>]) {}
+    fn rows(&self, names: &[&'static str], rows: &[Vec<String>]) {
+        self.next().into_iter().for_each(|next| next.rows(names, rows));
+    }
 
     /// Whether to stop: the measurement then ends with [`Error::Cancelled`].
     fn is_cancelled(&self) -> bool {
-        false
+        self.next().is_some_and(|next| next.is_cancelled())
     }
 
     /// The text of an error in a note or a page. If options have names, it can name the wrong one.
     fn explain(&self, error: &Error) -> String {
-        error.to_string()
+        self.next().map_or_else(|| error.to_string(), |next| next.explain(error))
     }
 }
 
@@ -31,10 +44,4 @@ pub trait Reporter: Sync {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
-impl Reporter for Silent {
-    fn stage(&self, _name: &str) {}
-
-    fn part(&self, _what: &str, _done: u64, _of: u64) {}
-
-    fn note(&self, _text: &str) {}
-}
+impl Reporter for Silent {}

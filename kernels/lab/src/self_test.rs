@@ -123,7 +123,7 @@ impl Verdict {
     }
 }
 
-/// Something that is right, wrong or told of an adapter.
+/// Something that is right, wrong or a property of an adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Check {
     /// The part of the table.

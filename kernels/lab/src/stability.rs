@@ -1,8 +1,8 @@
 //! Extreme cases: scenes and rays that break ray tracers, traced in several configurations.
 //!
-//! [`CASES`] is the table of cases; a new case is one entry there. Every case is traced in every requested [`Variant`],
-//! and each result is compared with f64 brute force and exact predicates at edges ([`crate::reference`]). The correct
-//! hits are computed once per case, since all variants trace the same f32 rays.
+//! [`CASES`] is the table of cases; a new case is one entry there. Every case is traced in every requested
+//! configuration, and each result is compared with f64 brute force and exact predicates at edges ([`crate::reference`]). The correct
+//! hits are computed once per case, since all of them trace the same f32 rays.
 //!
 //! | module | contents |
 //! |---|---|
@@ -38,17 +38,16 @@ use std::ops::ControlFlow;
 
 use raystep_kernels::GridSize;
 use raystep_kernels::options::{Accelerator, Numerics, Options, RaySource, ScheduleKind};
-use raystep_kernels::plan::PlanError;
 use raystep_kernels::renderer::{Device, RenderError, Renderer};
 use raystep_scenes::Scene;
-use raystep_scenes::generate::GenerateError;
 
+use crate::Error;
+use crate::configuration::{Configuration, numerics_of};
 use crate::judge::Judge;
-use crate::ways::numerics_of;
 pub use beside::text as text_beside;
 pub use cases::CASES;
 pub use report::{ACCELERATORS, FILES, Outcome, Report, Wanted, measure};
-pub use row::{COLUMNS, Expected, Place, Row, Traced};
+pub use row::{COLUMNS, DeviceName, Expected, Row, Traced};
 pub use score::{Largest, Score};
 pub use table::{list, text};
 
@@ -62,7 +61,7 @@ pub struct Case {
     /// Number of rays to request; a case with a fixed number ignores it.
     pub rays: usize,
     /// Generates scene and rays.
-    pub make: fn(usize) -> Result<Workload, StabilityError>,
+    pub make: fn(usize) -> Result<Workload, Error>,
     /// What is known about its hits.
     pub truth: Truth,
     /// How many rays may be undecided.
@@ -121,68 +120,31 @@ pub struct Workload {
     pub grid: GridSize,
 }
 
-/// A case that cannot be generated or run.
-#[derive(Debug, thiserror::Error)]
-pub enum StabilityError {
-    /// A scene could not be generated.
-    #[error(transparent)]
-    Generate(#[from] GenerateError),
-    /// A scene could not be planned.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// A run failed.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// A camera has no view.
-    #[error("the case's camera has no direction")]
-    NoView,
+/// The configurations of one accelerator: the numerics that it has with stepped schedules; robust numerics also fused, and
+/// with contraction.
+#[must_use]
+pub fn configurations(accelerator: Accelerator) -> Vec<Configuration> {
+    let robust = Configuration::usual(accelerator, ScheduleKind::Compact);
+    let fused = Configuration { schedule: ScheduleKind::Fused, ..robust };
+    let mut all = vec![robust, fused, Configuration { contracted: true, ..robust }];
+    all.extend(numerics_of(accelerator).contains(&Numerics::Paper).then(|| robust.paper()));
+    all
 }
 
-/// A configuration for a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Variant {
-    /// The numerics.
-    pub numerics: Numerics,
-    /// The acceleration structure.
-    pub accelerator: Accelerator,
-    /// The schedule.
-    pub schedule: ScheduleKind,
-    /// Whether to use explicit fma wherever a compiler may contract, see [`Options::contracted`].
-    pub contracted: bool,
-}
-
-impl Variant {
-    /// The variants of one accelerator: the numerics that it has with stepped schedules; robust numerics also fused, and
-    /// with contraction.
-    #[must_use]
-    pub fn of(accelerator: Accelerator) -> Vec<Self> {
-        use Numerics::{Paper, Robust};
-        use ScheduleKind::{Compact, Fused};
-        let variant = |numerics, schedule| Self { numerics, accelerator, schedule, contracted: false };
-        let robust = variant(Robust, Compact);
-        let mut all = vec![robust, variant(Robust, Fused), Self { contracted: true, ..robust }];
-        all.extend(numerics_of(accelerator).contains(&Paper).then(|| variant(Paper, Compact)));
-        all
-    }
-
-    /// The name of its triangle test in `stability.csv`.
-    #[must_use]
-    pub fn triangle_test(&self) -> &'static str {
-        match (self.numerics, self.contracted) {
-            (Numerics::Robust, false) => "watertight",
-            (Numerics::Robust, true) => "watertight_fma",
-            (Numerics::Paper, _) => "moller_trumbore",
-        }
+/// The name of a configuration's triangle test in `stability.csv`.
+#[must_use]
+pub fn triangle_test(configuration: &Configuration) -> &'static str {
+    match (configuration.numerics, configuration.contracted) {
+        (Numerics::Robust, false) => "watertight",
+        (Numerics::Robust, true) => "watertight_fma",
+        (Numerics::Paper, _) => "moller_trumbore",
     }
 }
-
-/// Tests per pass without an accelerator: the longest lists have 10,000 triangles.
-const TESTS_PER_PASS: u32 = 128;
 
 /// Maximum number of passes of a walk. The longest walk of a case takes some hundreds.
 const MOST_PASSES: usize = 20_000;
 
-/// The result of running a variant.
+/// The result of running a case.
 #[derive(Debug)]
 pub struct Run {
     /// The verdicts, counted.
@@ -200,25 +162,18 @@ pub struct Run {
 pub async fn run(
     case: &Case,
     workload: &Workload,
-    variant: Variant,
+    configuration: Configuration,
     device: &Device,
     judge: &mut Judge,
-) -> Result<Run, StabilityError> {
+) -> Result<Run, Error> {
     // A fused kernel that does not shade generates its rays itself, so they could not be read.
     let is_camera = matches!(workload.rays, RaySource::Camera { .. });
-    let mut options = Options {
-        numerics: variant.numerics,
-        accelerator: variant.accelerator,
-        schedule: variant.schedule,
-        contracted: variant.contracted,
-        grid: if variant.accelerator == Accelerator::Grid { workload.grid } else { GridSize::Auto },
-        shade: variant.schedule == ScheduleKind::Fused && is_camera,
+    let options = configuration.of(&Options {
+        grid: if configuration.accelerator == Accelerator::Grid { workload.grid } else { GridSize::Auto },
+        shade: configuration.schedule == ScheduleKind::Fused && is_camera,
         keep_passes: false,
         ..Options::new(workload.rays.clone())
-    };
-    if variant.accelerator == Accelerator::None {
-        options.steps_per_pass = TESTS_PER_PASS;
-    }
+    });
     let mut renderer = Renderer::new(&workload.scene, &options, device).await?;
     let mut at_bound = 0;
     let stop = renderer.run(|progress| {

@@ -35,17 +35,17 @@ use std::time::{Duration, Instant};
 use raystep_kernels::{Accelerator, Ray, RaySource, Rule, ScheduleKind};
 use raystep_scenes::Scene;
 
-use crate::meter::{Meter, Time};
+use crate::configuration::{Configuration, has_rule};
+use crate::meter::Meter;
 use crate::reporter::Reporter;
 use crate::stability::Workload;
 use crate::tidy::package::Resource;
 use crate::tidy::{Field as _, Row, Table};
-use crate::ways::has_rule;
 use crate::{Error, Machine};
 pub use family::{FAMILIES, Family};
 pub(crate) use figures::over_stiffness;
 pub use kept::{Kept, KeptError};
-use measure::{MOST_RAYS, Point, Way, Work};
+use measure::{MOST_RAYS, Point, Work, id};
 pub(crate) use page::{CAPTION, correlation_text, own_numbers, parts};
 pub use page::{STYLE, html};
 pub use row::{COLUMNS, RUN_COLUMNS};
@@ -121,13 +121,13 @@ impl Wanted {
     }
 
     /// Structures and rules for a scene.
-    fn ways(&self, triangles: usize) -> Vec<Way> {
+    fn configurations(&self, triangles: usize) -> Vec<Configuration> {
         let is_affordable = |a: &&Accelerator| **a != Accelerator::None || triangles <= MOST_WITHOUT;
         let rules = || std::iter::once(None).chain(Rule::ALL.iter().copied().map(Some));
         let of = |&accelerator: &Accelerator| {
             rules()
                 .filter(move |rule| rule.is_none_or(|rule| has_rule(accelerator, rule)))
-                .map(move |rule| Way { accelerator, rule })
+                .map(move |without| Configuration { without, ..Configuration::usual(accelerator, self.schedule) })
         };
         self.accelerators.iter().filter(is_affordable).flat_map(of).collect()
     }
@@ -157,33 +157,12 @@ impl Cost {
         Self { rows: Table::new(COLUMNS), runs: Table::new(RUN_COLUMNS), notes: Vec::new(), run_id: run_id.to_owned() }
     }
 
-    fn run_id(&self) -> &str {
-        &self.run_id
-    }
-
-    fn add_runs(&mut self, row: &Row, runs: &[(usize, usize, Time)], ns: impl Fn(Time) -> Option<f64>) {
-        let one = |&(round, place, time): &(usize, usize, Time)| {
-            Row::new(RUN_COLUMNS)
-                .set("run_id", row.get("run_id"))
-                .set("configuration", row.get("configuration"))
-                .set("round", round)
-                .set("place", place)
-                .set("time_ns", ns(time).map(|ns| ns as u64))
-                .set("wall_ns", time.wall_ns)
-                .set("clock", row.get("clock"))
-        };
-        self.runs.rows.extend(runs.iter().map(one));
-    }
-
     /// Both files with their names.
     ///
     /// # Errors
     /// If there is not enough memory.
     pub fn files(&self) -> io::Result<[(&'static str, Vec<u8>); 2]> {
-        let [mut rows, mut runs] = [Vec::new(), Vec::new()];
-        self.rows.write(&mut rows)?;
-        self.runs.write(&mut runs)?;
-        Ok([(CSV, rows), (RUNS, runs)])
+        Ok([(CSV, self.rows.csv()?), (RUNS, self.runs.csv()?)])
     }
 }
 
@@ -221,9 +200,9 @@ pub fn measure(
             let name = format!("{}/{}", family.name, parameter.text());
             let Workload { scene, rays, grid } = (family.make)(parameter, wanted.most_rays(), wanted.seed)?;
             let RaySource::Given(rays) = rays else { continue };
-            let ways = wanted.ways(scene.triangles.len());
-            order.extend(ways.iter().map(|way| way.id(&name)));
-            let missing: Vec<Way> = ways.into_iter().filter(|way| !kept.has(&way.id(&name))).collect();
+            let all = wanted.configurations(scene.triangles.len());
+            order.extend(all.iter().map(|configuration| id(configuration, &name)));
+            let missing: Vec<Configuration> = all.into_iter().filter(|one| !kept.has(&id(one, &name))).collect();
             done += 1;
             if missing.is_empty() {
                 continue;
@@ -271,17 +250,22 @@ pub fn measure_scene(
     cost: &mut Cost,
 ) -> Result<(), Error> {
     let rays: Vec<Ray> = scenes::own(scene, wanted.most_rays(), wanted.seed);
-    let ways = wanted.ways(scene.triangles.len());
     let grid = raystep_kernels::GridSize::Auto;
     let name = format!("{OWN}/{name}");
     let point =
         Point { family: OWN, parameter: None, name, stratum: "edges", scene, rays: &rays, grid, is_late: false };
-    Work { wanted, meter, reporter }.measure(&point, &ways, cost)
+    Work { wanted, meter, reporter }.measure(&point, &wanted.configurations(scene.triangles.len()), cost)
 }
 
-fn one(work: &Work<'_>, point: &Point<'_>, ways: &[Way], cost: &mut Cost, append: Append<'_>) -> Result<(), Error> {
+fn one(
+    work: &Work<'_>,
+    point: &Point<'_>,
+    configurations: &[Configuration],
+    cost: &mut Cost,
+    append: Append<'_>,
+) -> Result<(), Error> {
     let before = [cost.runs.rows.len(), cost.rows.rows.len()];
-    work.measure(point, ways, cost)?;
+    work.measure(point, configurations, cost)?;
     // Runs first: a row whose runs are there is finished.
     append(RUNS, &cost.runs.lines(before[0])?)?;
     append(CSV, &cost.rows.lines(before[1])?)?;

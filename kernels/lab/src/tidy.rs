@@ -2,15 +2,19 @@
 //! their unit in the column's name, unknown values empty. [`package`] describes a folder of them for programs.
 
 pub mod columns;
-pub(crate) mod fill;
+pub mod fill;
 mod of_time;
 pub mod package;
 
 use std::io::{self, Write};
 
 use raystep_kernels::export::csv;
+use serde::Serialize;
+use serde_json::Value;
 
 use crate::Hash;
+use crate::configuration::Configuration;
+use crate::statistics::interval::Interval;
 pub use of_time::is_of_time;
 
 /// Schema version of all files; it rises when the meaning of a column changes.
@@ -44,45 +48,50 @@ pub const fn joined<const N: usize>(groups: &[&[&'static str]]) -> [&'static str
     all
 }
 
+/// Names of columns: `columns![accelerator schedule]`.
+#[macro_export]
+macro_rules! columns {
+    ($($name:ident)*) => { &[$(stringify!($name)),*] };
+}
+
+/// A struct whose fields are the columns of a CSV file: `COLUMNS` has their names.
+macro_rules! csv_row {
+    ($(#[$of_row:meta])* pub struct $Row:ident { $($(#[$of_field:meta])* pub $name:ident: $Type:ty,)* }) => {
+        $(#[$of_row])*
+        #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[allow(missing_docs)]
+        pub struct $Row { $($(#[$of_field])* pub $name: $Type,)* }
+
+        impl $Row {
+            /// The columns.
+            pub const COLUMNS: &'static [&'static str] = &[$(stringify!($name)),*];
+        }
+    };
+}
+
 /// Columns that identify what a row is about.
-pub const KEYS: &[&str] = &["schema_version", "run_id", "scene", "scene_hash", "adapter", "configuration"];
+pub const KEYS: &[&str] = columns![schema_version run_id scene scene_hash adapter configuration];
 
 /// Columns of times.
-pub const TIMES: &[&str] = &[
-    "runs",
-    "invalid_runs",
-    "median_ns",
-    "low_ns",
-    "high_ns",
-    "min_ns",
-    "max_ns",
-    "interval_method",
-    "interval_level",
-    "clock",
-];
+pub const TIMES: &[&str] =
+    columns![runs invalid_runs median_ns low_ns high_ns min_ns max_ns interval_method interval_level clock];
 
 /// Columns of a ratio of times.
-pub const RATIO: &[&str] = &["ratio_to", "time_ratio", "time_ratio_low", "time_ratio_high"];
+pub const RATIO: &[&str] = columns![ratio_to time_ratio time_ratio_low time_ratio_high];
 
 /// Columns of verdicts on rays.
-pub const VERDICTS: &[&str] = &[
-    "judged_rays",
-    "missed",
-    "false_hits",
-    "wrong_hits",
-    "undecided",
-    "wrong_rays",
-    "wrong_per_million",
-    "wrong_per_million_low",
-    "wrong_per_million_high",
-    "at_bound",
+pub const VERDICTS: &[&str] = columns![
+    judged_rays missed false_hits wrong_hits undecided wrong_rays
+    wrong_per_million wrong_per_million_low wrong_per_million_high at_bound
 ];
 
 /// The rows of one file.
 #[derive(Clone, Debug)]
 pub struct Table {
-    pub(crate) columns: &'static [&'static str],
-    pub(crate) rows: Vec<Row>,
+    /// Its columns.
+    pub columns: &'static [&'static str],
+    /// Its rows.
+    pub rows: Vec<Row>,
 }
 
 /// A row: one field per column, empty if unknown.
@@ -123,12 +132,15 @@ impl<T: Field> Field for Option<T> {
 }
 
 impl Table {
-    pub(crate) fn new(columns: &'static [&'static str]) -> Self {
+    /// Without rows.
+    #[must_use]
+    pub fn new(columns: &'static [&'static str]) -> Self {
         Self { columns, rows: Vec::new() }
     }
 
     /// Reads what [`write`](Self::write) has written; `None` if the columns are others or a row is cut off.
-    pub(crate) fn read(columns: &'static [&'static str], file: &[u8]) -> Option<Self> {
+    #[must_use]
+    pub fn read(columns: &'static [&'static str], file: &[u8]) -> Option<Self> {
         let mut reader = ::csv::Reader::from_reader(file);
         if !reader.headers().ok()?.iter().eq(columns.iter().copied()) {
             return None;
@@ -149,7 +161,10 @@ impl Table {
     }
 
     /// Writes RFC 4180.
-    pub(crate) fn write(&self, out: impl Write) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// If `out` fails.
+    pub fn write(&self, out: impl Write) -> io::Result<()> {
         let mut writer = csv::writer(out);
         writer.write_record(self.columns)?;
         for row in &self.rows {
@@ -157,40 +172,115 @@ impl Table {
         }
         writer.flush()
     }
+
+    /// The file in memory.
+    pub(crate) fn csv(&self) -> io::Result<Vec<u8>> {
+        let mut file = Vec::new();
+        self.write(&mut file)?;
+        Ok(file)
+    }
 }
 
 impl Row {
     /// An empty row with these columns.
-    pub(crate) fn new(columns: &'static [&'static str]) -> Self {
+    #[must_use]
+    pub fn new(columns: &'static [&'static str]) -> Self {
         Self { columns, fields: vec![String::new(); columns.len()] }.set("schema_version", SCHEMA_VERSION)
     }
 
+    /// The names of its columns.
+    #[must_use]
+    pub fn columns(&self) -> &'static [&'static str] {
+        self.columns
+    }
+
+    fn position(&self, column: &str) -> Option<usize> {
+        self.columns.iter().position(|&c| c == column)
+    }
+
     fn place(&self, column: &str) -> Option<usize> {
-        let place = self.columns.iter().position(|&c| c == column);
+        let place = self.position(column);
         debug_assert!(place.is_some(), "there is no column {column}");
         place
     }
 
     /// Fills a field.
-    pub(crate) fn set(mut self, column: &str, value: impl Field) -> Self {
+    #[must_use]
+    pub fn set(mut self, column: &str, value: impl Field) -> Self {
         if let Some(place) = self.place(column) {
             self.fields[place] = value.text();
         }
         self
     }
 
+    /// Fills the columns that have the names of the value's fields.
+    #[must_use]
+    pub fn with(mut self, value: &impl Serialize) -> Self {
+        let Ok(Value::Object(fields)) = serde_json::to_value(value) else { return self };
+        for (column, value) in fields {
+            let Some(place) = self.position(&column) else { continue };
+            self.fields[place] = match value {
+                Value::Null => String::new(),
+                Value::String(text) => text,
+                Value::Number(number) if number.is_f64() => number.as_f64().text(),
+                other => other.to_string(),
+            };
+        }
+        self
+    }
+
+    /// Fills the columns that another row has.
+    pub(crate) fn like(mut self, other: &Self) -> Self {
+        for (column, field) in other.columns.iter().zip(&other.fields) {
+            if let Some(place) = self.position(column) {
+                self.fields[place].clone_from(field);
+            }
+        }
+        self
+    }
+
+    /// Fills the columns of how the scene is traced, those that there are.
+    pub(crate) fn configured(mut self, configuration: &Configuration) -> Self {
+        for (column, field) in configuration.fields() {
+            if let Some(place) = self.position(column) {
+                self.fields[place] = field;
+            }
+        }
+        self
+    }
+
+    /// Fills the columns of both ends of an interval: the column's name with `_low` and `_high`.
+    pub(crate) fn ends(self, column: &str, ends: Option<[f64; 2]>) -> Self {
+        self.set(&format!("{column}_low"), ends.map(|[low, _]| low))
+            .set(&format!("{column}_high"), ends.map(|[_, high]| high))
+    }
+
+    /// Fills a column and those of its interval: a median with its interval, if there are enough values.
+    pub(crate) fn median(self, column: &str, median: Option<(f64, Option<Interval>)>) -> Self {
+        let interval = median.and_then(|(_, interval)| interval);
+        self.set(column, median.map(|(median, _)| median)).ends(column, interval.map(|i| [i.low, i.high]))
+    }
+
+    /// Fills the columns of how an interval was found.
+    pub(crate) fn method(self, interval: Option<Interval>) -> Self {
+        self.set("interval_method", interval.map(|i| i.method.name())).set("interval_level", interval.map(|i| i.level))
+    }
+
     /// A field as it is written.
-    pub(crate) fn get(&self, column: &str) -> &str {
+    #[must_use]
+    pub fn get(&self, column: &str) -> &str {
         self.place(column).map_or("", |place| &self.fields[place])
     }
 
     /// A field as a number; `None` if it is unknown.
-    pub(crate) fn number(&self, column: &str) -> Option<f64> {
+    #[must_use]
+    pub fn number(&self, column: &str) -> Option<f64> {
         self.get(column).parse().ok()
     }
 
     /// Whether each of these columns has this value.
-    pub(crate) fn is(&self, wanted: &[(&str, &str)]) -> bool {
+    #[must_use]
+    pub fn is(&self, wanted: &[(&str, &str)]) -> bool {
         wanted.iter().all(|(column, value)| self.get(column) == *value)
     }
 }

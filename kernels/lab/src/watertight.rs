@@ -7,8 +7,8 @@ use raystep_kernels::{Device, GridSize, Options, RaySource, RenderError, Rendere
 use raystep_scenes::Scene;
 use raystep_scenes::generate::{self, GenerateError};
 
+use crate::configuration::Configuration;
 use crate::rays;
-use crate::ways::Way;
 
 /// An icosphere of 1,280 triangles, its vertices rounded at this scale.
 ///
@@ -29,7 +29,7 @@ pub fn closed_mesh(scale: f64) -> Result<Scene, GenerateError> {
 pub async fn misses(
     device: &Device,
     scene: &Scene,
-    way: Way,
+    configuration: Configuration,
     count: usize,
     grid: GridSize,
     seed: u64,
@@ -38,7 +38,7 @@ pub async fn misses(
     let mut missed = 0;
     for (i, origin) in [[0.0f32; 3], [0.3, -0.2, 0.1], [-0.55, 0.4, 0.45], [0.0, 0.7, 0.0]].into_iter().enumerate() {
         let rays = rays::at_edges(scene, origin.map(|v| v * size), count.div_ceil(4), seed + i as u64);
-        let mut options = way.of(&Options::new(RaySource::Given(rays)));
+        let mut options = configuration.of(&Options::new(RaySource::Given(rays)));
         (options.shade, options.grid) = (false, grid);
         let mut renderer = Renderer::new(scene, &options, device).await?;
         renderer.run(|_| ControlFlow::Continue(())).await?;

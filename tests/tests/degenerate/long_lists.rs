@@ -7,7 +7,7 @@ use glam::DVec3;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Device, GridSize, Limits, Loops, Options, Plan, RaySource, Renderer, ScheduleKind};
 use raystep_scenes::{Camera, Light, Projection, Scene};
-use raystep_tests::ways::{EVERY, Way};
+use raystep_tests::configurations::{Configuration, EVERY};
 use raystep_tests::{block_on, devices, gpu, gpu_of, hits, options, scene, thorough, values};
 
 use super::{expect_no_errors, made_of, picture};
@@ -31,10 +31,12 @@ fn along(scene: &Scene, side: u32) -> Options {
 }
 
 /// Configurations that take several steps per pass, or all of them.
-fn several() -> Vec<Way> {
+fn several() -> Vec<Configuration> {
     let all_steps = [Accelerator::None, Accelerator::Bvh, Accelerator::Grid]
-        .map(|accelerator| Way::new(accelerator, ScheduleKind::Compact, 4096));
-    let is_one = |way: &Way| (way.steps > 1 || !way.is_stepped()) && way.accelerator != Accelerator::Irregular;
+        .map(|accelerator| Configuration::new(accelerator, ScheduleKind::Compact, 4096));
+    let is_one = |configuration: &Configuration| {
+        (configuration.steps > 1 || !configuration.is_stepped()) && configuration.accelerator != Accelerator::Irregular
+    };
     EVERY.into_iter().filter(is_one).chain(all_steps).collect()
 }
 
@@ -48,7 +50,8 @@ fn lists_longer_than_any_loop_are_walked_to_their_end() {
     // With the automatic grid, and with a single cell that lists everything.
     let side = if thorough() { 12 } else { 6 };
     expect_no_errors("pile", &scene, &along(&scene, side), &several(), 0.0);
-    let grids: Vec<Way> = several().into_iter().filter(|way| way.accelerator == Accelerator::Grid).collect();
+    let grids: Vec<Configuration> =
+        several().into_iter().filter(|configuration| configuration.accelerator == Accelerator::Grid).collect();
     expect_no_errors("pile in one cell", &scene, &in_one_cell(&scene, side), &grids, 0.0);
 }
 
@@ -57,8 +60,10 @@ fn lists_longer_than_any_loop_are_walked_to_their_end() {
 #[ignore = "long: sh tests/full.sh"]
 fn lists_longer_than_any_loop_are_walked_step_by_step() {
     let scene = pile(70_000);
-    let stepped =
-        [Way::new(Accelerator::None, ScheduleKind::Second, 1), Way::new(Accelerator::Grid, ScheduleKind::Compact, 1)];
+    let stepped = [
+        Configuration::new(Accelerator::None, ScheduleKind::Second, 1),
+        Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 1),
+    ];
     let side = if thorough() { 4 } else { 3 };
     expect_no_errors("pile, step by step", &scene, &in_one_cell(&scene, side), &stepped, 0.0);
 }
@@ -67,9 +72,11 @@ fn lists_longer_than_any_loop_are_walked_step_by_step() {
 #[ignore = "long: sh tests/full.sh"]
 fn lists_several_times_as_long_as_any_loop_are_walked_to_their_end() {
     let scene = pile(300_000);
-    let is_long = |way: &Way| thorough() || way.schedule == ScheduleKind::Fused || way.steps == 4096;
-    let (side, ways) = (if thorough() { 6 } else { 4 }, several().into_iter().filter(is_long));
-    expect_no_errors("larger pile", &scene, &in_one_cell(&scene, side), &ways.collect::<Vec<_>>(), 0.0);
+    let is_long = |configuration: &Configuration| {
+        thorough() || configuration.schedule == ScheduleKind::Fused || configuration.steps == 4096
+    };
+    let (side, configurations) = (if thorough() { 6 } else { 4 }, several().into_iter().filter(is_long));
+    expect_no_errors("larger pile", &scene, &in_one_cell(&scene, side), &configurations.collect::<Vec<_>>(), 0.0);
 }
 
 /// A ray's counters do not depend on the number of dispatches.
@@ -79,20 +86,24 @@ fn counters_are_of_the_walk_and_not_of_its_dispatches() {
     let device = Device::Gpu(gpu());
     let mut sums = Vec::new();
     for cells in [[1, 1, 1], [2, 3, 40]] {
-        let others = EVERY.into_iter().filter(|way| way.accelerator != Accelerator::Irregular);
-        for way in others.filter(|way| way.steps > 1 || !way.is_stepped()) {
-            let options =
-                Options { counters: true, shade: true, grid: GridSize::Cells(cells), ..way.of(&along(&scene, 8)) };
+        let others = EVERY.into_iter().filter(|configuration| configuration.accelerator != Accelerator::Irregular);
+        for configuration in others.filter(|configuration| configuration.steps > 1 || !configuration.is_stepped()) {
+            let options = Options {
+                counters: true,
+                shade: true,
+                grid: GridSize::Cells(cells),
+                ..configuration.of(&along(&scene, 8))
+            };
             let [on_gpu, on_cpu] = [&device, &Device::Cpu(Option::None)].map(|device| {
                 let renderer = run(&scene, &options, device, Option::None);
                 values(&renderer, streams::COUNTERS)
             });
             // A walk that continues in a later dispatch enters fewer boxes, because of hits found in the meantime.
-            let exact = way.accelerator != Accelerator::Bvh || way.is_stepped();
+            let exact = configuration.accelerator != Accelerator::Bvh || configuration.is_stepped();
             for layer in 0..3 {
                 let (ours, theirs) = (on_gpu.layer(layer), on_cpu.layer(layer));
                 let is_right = if exact { ours == theirs } else { ours.iter().zip(theirs).all(|(a, b)| a <= b) };
-                assert!(is_right, "{way}, cells {cells:?}, counter {layer}: {ours:?}, on the CPU {theirs:?}");
+                assert!(is_right, "{configuration}, cells {cells:?}, counter {layer}: {ours:?}, on the CPU {theirs:?}");
             }
             sums.push(on_gpu.layer(1).iter().map(|&tests| u64::from(tests)).sum::<u64>());
         }
@@ -106,18 +117,22 @@ fn a_list_of_the_irregular_grid_is_walked_in_several_dispatches() {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.5]];
     let scene = made_of(vec![corners; 70_000]);
     let options = Options { counters: true, ..along(&scene, 6) };
-    let expected =
-        run(&scene, &Way::new(Accelerator::None, ScheduleKind::Fused, 1).of(&options), &Device::Cpu(None), None);
+    let expected = run(
+        &scene,
+        &Configuration::new(Accelerator::None, ScheduleKind::Fused, 1).of(&options),
+        &Device::Cpu(None),
+        None,
+    );
     for schedule in [ScheduleKind::Fused, ScheduleKind::Compact] {
-        let way = Way::new(Accelerator::Irregular, schedule, 8);
+        let configuration = Configuration::new(Accelerator::Irregular, schedule, 8);
         let [on_gpu, on_cpu] = [Device::Gpu(gpu()), Device::Cpu(None)].map(|device| {
-            let renderer = run(&scene, &way.of(&options), &device, None);
-            assert!(renderer.plan().features.resumes || !device.is_gpu(), "{way}: one dispatch suffices");
-            assert!(hits(&renderer) == hits(&expected), "{way}");
+            let renderer = run(&scene, &configuration.of(&options), &device, None);
+            assert!(renderer.plan().features.resumes || !device.is_gpu(), "{configuration}: one dispatch suffices");
+            assert!(hits(&renderer) == hits(&expected), "{configuration}");
             values(&renderer, streams::COUNTERS)
         });
-        assert_eq!(on_gpu.bits, on_cpu.bits, "{way}");
-        assert!(on_gpu.layer(1).iter().any(|&tests| tests >= 70_000), "{way}");
+        assert_eq!(on_gpu.bits, on_cpu.bits, "{configuration}");
+        assert!(on_gpu.layer(1).iter().any(|&tests| tests >= 70_000), "{configuration}");
     }
 }
 
@@ -130,7 +145,7 @@ fn repeated_tests_are_counted_by_a_search_of_several_dispatches() {
     triangles.push([[-3.0, -2.0, 0.0], [3.0, -2.0, 0.0], [0.0, 3.0, 0.0]]);
     let scene = made_of(triangles);
     let options = Options { counters: true, grid: GridSize::Cells([1, 1, 900]), ..along(&scene, 6) };
-    let options = Way::new(Accelerator::Grid, ScheduleKind::Second, 1).of(&options);
+    let options = Configuration::new(Accelerator::Grid, ScheduleKind::Second, 1).of(&options);
     let limits = Limits { turns: 500, ..Limits::from(&*gpu()) };
     let in_turns = run(&scene, &options, &Device::Gpu(gpu()), Some(&limits));
     let whole = run(&scene, &options, &Device::Cpu(None), Option::None);
@@ -175,18 +190,18 @@ fn all_lights_are_summed() {
     let dark = Light::Point { position: [0.0, 0.0, 3.0], color: [0.0; 3], intensity: 0.0 };
     scene.lights = vec![dark; 69_999];
     scene.lights.push(Light::Point { position: [0.3, 0.2, 3.0], color: [1.0, 0.5, 0.25], intensity: 1.0 });
-    for way in EVERY {
-        let options = way.of(&options(&scene, 9, 9));
+    for configuration in EVERY {
+        let options = configuration.of(&options(&scene, 9, 9));
         let picture = |(_, device)| values(&run(&scene, &options, &device, Option::None), streams::COLOR);
         let pictures: Vec<_> = devices().into_iter().map(picture).collect();
-        assert!(pictures[0].layer(0).iter().any(|&red| f32::from_bits(red) > 0.1), "{way}: dark");
+        assert!(pictures[0].layer(0).iter().any(|&red| f32::from_bits(red) > 0.1), "{configuration}: dark");
         let [on_gpu, on_cpu] = [&pictures[0].bits, &pictures[1].bits];
         if gpu().is_software() {
             // Software Vulkan rounds every operation as the CPU does.
-            assert_eq!(on_gpu, on_cpu, "{way}");
+            assert_eq!(on_gpu, on_cpu, "{configuration}");
         } else {
             let apart = first_apart(on_gpu, on_cpu, LIGHT_TOLERANCE);
-            assert_eq!(apart, Option::None, "{way}: the first texel that differs too much");
+            assert_eq!(apart, Option::None, "{configuration}: the first texel that differs too much");
         }
     }
 }
@@ -197,21 +212,26 @@ fn the_number_of_loop_turns_changes_no_hit() {
     for file in ["cornell-box.gltf", "teapot.glb"] {
         let scene = scene(file);
         for (name, device) in devices() {
-            for way in
-                EVERY.into_iter().filter(|way| way.accelerator != Accelerator::None || scene.triangles.len() < 100)
+            for configuration in EVERY
+                .into_iter()
+                .filter(|configuration| configuration.accelerator != Accelerator::None || scene.triangles.len() < 100)
             {
-                let options = way.of(&options(&scene, 30, 20));
+                let options = configuration.of(&options(&scene, 30, 20));
                 let whole = run(&scene, &options, &device, Some(&Limits { turns: u32::MAX, ..Limits::CPU }));
                 assert!(!whole.plan().features.resumes);
                 for turns in [1, 7, 64] {
                     let limits = Limits { turns, ..Limits::CPU };
                     let parts = run(&scene, &options, &device, Some(&limits));
                     // With one iteration, everything that can continue later does; with more, what may need to.
-                    let resumes = turns == 1 && (way.steps > 1 || !way.is_stepped());
-                    assert!(parts.plan().features.resumes >= resumes, "{file} {name} {way} {turns}");
-                    assert!(!resumes || parts.passes().len() > whole.passes().len(), "{file} {name} {way}");
-                    assert_eq!(hits(&parts), hits(&whole), "{file} {name} {way}, {turns} turns");
-                    assert_eq!(values(&parts, streams::COLOR), values(&whole, streams::COLOR), "{file} {name} {way}");
+                    let resumes = turns == 1 && (configuration.steps > 1 || !configuration.is_stepped());
+                    assert!(parts.plan().features.resumes >= resumes, "{file} {name} {configuration} {turns}");
+                    assert!(!resumes || parts.passes().len() > whole.passes().len(), "{file} {name} {configuration}");
+                    assert_eq!(hits(&parts), hits(&whole), "{file} {name} {configuration}, {turns} turns");
+                    assert_eq!(
+                        values(&parts, streams::COLOR),
+                        values(&whole, streams::COLOR),
+                        "{file} {name} {configuration}"
+                    );
                 }
             }
         }
@@ -222,15 +242,18 @@ fn the_number_of_loop_turns_changes_no_hit() {
 #[test]
 fn what_fits_one_dispatch_is_compiled_as_without_a_limit() {
     let scene = scene("cornell-box.gltf");
-    for way in EVERY {
-        let options = Options { counters: true, ..way.of(&options(&scene, 16, 16)) };
+    for configuration in EVERY {
+        let options = Options { counters: true, ..configuration.of(&options(&scene, 16, 16)) };
         let [many, without] = [1 << 22, u32::MAX]
             .map(|turns| Plan::new(&scene, &options, &Limits { turns, ..Limits::CPU }).expect("a plan").0);
-        assert_eq!(many.bytes(), without.bytes(), "{way}");
+        assert_eq!(many.bytes(), without.bytes(), "{configuration}");
         for (many, without) in many.variants.iter().zip(&without.variants) {
-            assert_eq!(many.source, without.source, "{way}: {}", many.kernel.name());
+            assert_eq!(many.source, without.source, "{configuration}: {}", many.kernel.name());
         }
-        assert!(![streams::PLACE, streams::TRAIL, streams::SCAN].iter().any(|&s| many.has_stream(s)), "{way}");
+        assert!(
+            ![streams::PLACE, streams::TRAIL, streams::SCAN].iter().any(|&s| many.has_stream(s)),
+            "{configuration}"
+        );
     }
 }
 

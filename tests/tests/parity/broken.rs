@@ -3,8 +3,8 @@
 use raystep_kernels::program::breaks::Shows;
 use raystep_kernels::programs::closest_hit::{PROGRAM, kernels};
 use raystep_kernels::{Accelerator, GridSize, Kernel, Options, Plan, RaySource, ScheduleKind};
+use raystep_tests::configurations::{Configuration, STEPPED};
 use raystep_tests::parity::Parity;
-use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{gpu, options, parity, rays, scene};
 
 use super::knot;
@@ -22,8 +22,8 @@ fn compare_broken(options: &Options, kernel: Kernel, from: &str, to: &str) -> Pa
 }
 
 /// The room, with a grid resolution at which the eye does not lie on a plane, where floor and ceil would agree.
-fn room(way: Way) -> Options {
-    let options = way.of(&options(&scene("cornell-box.gltf"), 40, 40));
+fn room(configuration: Configuration) -> Options {
+    let options = configuration.of(&options(&scene("cornell-box.gltf"), 40, 40));
     Options { counters: true, grid: GridSize::Cells([7, 7, 9]), ..options }
 }
 
@@ -59,11 +59,11 @@ fn a_broken_kernel_is_named() {
 fn a_kernel_broken_for_other_rays_is_named() {
     let lights = scene("lights.gltf");
     let (from, to) = ("LIGHTS_SUMMED + end", "LIGHTS_SUMMED + end + 1u");
-    let options = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8).of(&options(&lights, 40, 40));
+    let options = Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 8).of(&options(&lights, 40, 40));
     let found = parity::compare_broken_in_turns(&gpu(), &lights, &options, 1, change(kernels::SHADE, from, to));
     assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernels::SHADE), "lights are left out unnoticed");
     let rays = RaySource::Given(rays::segments(&scene("cornell-box.gltf"), 500, 3)).until(1.0);
-    let shadows = room(Way::new(Accelerator::Grid, ScheduleKind::Compact, 8));
+    let shadows = room(Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 8));
     let shadows = Options { any_hit: true, shade: false, rays, ..shadows };
     for (from, to) in [
         ("select(TRAV, BACKGROUND, nearest_t <= exit)", "select(TRAV, BACKGROUND, nearest_t < 0.5 * exit)"),
@@ -84,7 +84,7 @@ fn a_kernel_broken_around_the_grid_is_named() {
         (ScheduleKind::Compact, 8, kernels::WALK, "(walk.cell == OUTSIDE)", "(false)"),
         (ScheduleKind::Fused, 1, kernels::FUSED, "return at_voxel(vec3i(0), OUTSIDE)", "return enter_cells(ray)"),
     ] {
-        let options = Way::new(Accelerator::Irregular, schedule, steps).of(&options(&knot, 40, 40));
+        let options = Configuration::new(Accelerator::Irregular, schedule, steps).of(&options(&knot, 40, 40));
         let found = parity::compare_broken(&gpu(), &knot, &options, change(kernel, from, to));
         assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernel), "{to:?}");
     }
@@ -99,20 +99,35 @@ fn other_rounding_is_not_broken() {
     const OF_A_STEP: (&str, &str) = ("ray.direction * t", "ray.direction * (t * 1.0000001)");
     let scene = scene("teapot.glb");
     let (mut tolerated, mut undecided) = (0, 0);
-    for (kernel, way, from, to) in [
-        (kernels::WALK, Way::new(Grid, Compact, 8), "trace.t = candidate.t", "trace.t = candidate.t * 1.0000001"),
-        (kernels::WALK, Way::new(Grid, Compact, 8), "- ray.origin)", "- ray.origin * 0.9999999)"),
-        (kernels::WALK, Way::new(Grid, Compact, 8).leaping(), "ray.direction * t", "ray.direction * (t * 1.0000001)"),
-        (kernels::WALK, Way::new(Bvh, Compact, 8), "node.min - origin", "node.min * 0.9999999 - origin"),
-        (kernels::WALK, Way::new(Bvh, Compact, 8).padded(), "node.min - origin", "node.min * 0.9999999 - origin"),
-        (kernels::FUSED, Way::new(Grid, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
-        (kernels::TRAVERSE_IRREGULAR, Way::new(Irregular, Compact, 1), OF_A_STEP.0, OF_A_STEP.1),
-        (kernels::WALK, Way::new(Irregular, Compact, 8), OF_A_STEP.0, OF_A_STEP.1),
-        (kernels::FUSED, Way::new(Irregular, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
+    for (kernel, configuration, from, to) in [
+        (
+            kernels::WALK,
+            Configuration::new(Grid, Compact, 8),
+            "trace.t = candidate.t",
+            "trace.t = candidate.t * 1.0000001",
+        ),
+        (kernels::WALK, Configuration::new(Grid, Compact, 8), "- ray.origin)", "- ray.origin * 0.9999999)"),
+        (
+            kernels::WALK,
+            Configuration::new(Grid, Compact, 8).skipping(),
+            "ray.direction * t",
+            "ray.direction * (t * 1.0000001)",
+        ),
+        (kernels::WALK, Configuration::new(Bvh, Compact, 8), "node.min - origin", "node.min * 0.9999999 - origin"),
+        (
+            kernels::WALK,
+            Configuration::new(Bvh, Compact, 8).padded(),
+            "node.min - origin",
+            "node.min * 0.9999999 - origin",
+        ),
+        (kernels::FUSED, Configuration::new(Grid, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
+        (kernels::TRAVERSE_IRREGULAR, Configuration::new(Irregular, Compact, 1), OF_A_STEP.0, OF_A_STEP.1),
+        (kernels::WALK, Configuration::new(Irregular, Compact, 8), OF_A_STEP.0, OF_A_STEP.1),
+        (kernels::FUSED, Configuration::new(Irregular, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
     ] {
-        let options = Options { counters: true, ..way.of(&options(&scene, 128, 128)) };
+        let options = Options { counters: true, ..configuration.of(&options(&scene, 128, 128)) };
         let found = parity::compare_changed(&gpu(), &scene, &options, change(kernel, from, to));
-        assert_eq!(found.breaches, [], "{} {way} with {to:?}", kernel.name());
+        assert_eq!(found.breaches, [], "{} {configuration} with {to:?}", kernel.name());
         let compared = found.compared.total();
         tolerated += compared.tolerated;
         undecided += compared.undecided;
@@ -124,7 +139,7 @@ fn other_rounding_is_not_broken() {
 /// errors in lists and counts show in the kernel itself.
 #[test]
 fn broken_lists_and_books_show() {
-    let [one, several] = [1, 8].map(|steps| room(Way::new(Accelerator::Grid, ScheduleKind::Compact, steps)));
+    let [one, several] = [1, 8].map(|steps| room(Configuration::new(Accelerator::Grid, ScheduleKind::Compact, steps)));
     for (options, kernel, named) in [
         (&one, kernels::SETUP, kernels::INTERSECT),
         (&one, kernels::INTERSECT, kernels::TRAVERSE_GRID),

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use raystep_kernels::export::trace::{RayState, RunSoFar, Trace, TraceRow};
 use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, Region, Renderer, Samples, ScheduleKind};
-use raystep_tests::ways::Way;
+use raystep_tests::configurations::Configuration;
 use raystep_tests::{block_on, devices, gpu_of, options, scene, scene_files};
 
 const WIDTH: u32 = 20;
@@ -91,31 +91,38 @@ fn check(label: &str, options: &Options, scene: &raystep_scenes::Scene, device: 
 fn a_ray_alone_has_the_history_that_the_streams_tell() {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, First, Second};
-    let ways = [
-        Way::new(Grid, Compact, 1).leaping(),
-        Way::new(Bvh, Compact, 1),
-        Way::new(Grid, Second, 1),
-        Way::new(Grid, Second, 1).paper(),
-        Way::new(Grid, First, 1),
-        Way::new(Grid, Compact, 8),
-        Way::new(None, Second, 1),
+    let configurations = [
+        Configuration::new(Grid, Compact, 1).skipping(),
+        Configuration::new(Bvh, Compact, 1),
+        Configuration::new(Grid, Second, 1),
+        Configuration::new(Grid, Second, 1).paper(),
+        Configuration::new(Grid, First, 1),
+        Configuration::new(Grid, Compact, 8),
+        Configuration::new(None, Second, 1),
     ];
     for file in scene_files() {
         let scene = scene(&file);
-        for (i, way) in ways.iter().enumerate().filter(|(_, w)| w.accelerator != None || scene.triangles.len() <= 200) {
-            // On the adapter the two usual ways; all of them for one scene.
+        for (i, configuration) in
+            configurations.iter().enumerate().filter(|(_, w)| w.accelerator != None || scene.triangles.len() <= 200)
+        {
+            // On the adapter the two usual configurations; all of them for one scene.
             let on_adapter = i < 2 || file == "cornell-box.gltf";
             for (name, device) in devices().into_iter().filter(|(name, _)| *name == "cpu" || on_adapter) {
-                check(&format!("{file} {name} {way}"), &way.of(&options(&scene, WIDTH, HEIGHT)), &scene, &device);
+                check(
+                    &format!("{file} {name} {configuration}"),
+                    &configuration.of(&options(&scene, WIDTH, HEIGHT)),
+                    &scene,
+                    &device,
+                );
             }
         }
     }
     let scene = scene("cornell-box.gltf");
     let options = options(&scene, WIDTH, HEIGHT);
-    let way = ways[0];
-    check("f64", &way.of(&options), &scene, &Device::CpuF64(Option::None));
+    let configuration = configurations[0];
+    check("f64", &configuration.of(&options), &scene, &Device::CpuF64(Option::None));
     let samples = Samples { count: 3, ..Samples::default() };
-    check("samples", &Options { samples, ..way.of(&options) }, &scene, &Device::Cpu(Option::None));
+    check("samples", &Options { samples, ..configuration.of(&options) }, &scene, &Device::Cpu(Option::None));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use raystep_kernels::export::trace::{Rays, Trace, TraceRow, trace};
 use raystep_kernels::programs::closest_hit::states::DONE;
 use raystep_kernels::{Accelerator, Device, Numerics, Options, Ray, RaySource, Renderer, Samples, ScheduleKind};
 use raystep_scenes::Scene;
-use raystep_tests::ways::{STEPPED, Way};
+use raystep_tests::configurations::{Configuration, STEPPED};
 use raystep_tests::{block_on, camera, devices, gpu_of, options, rays, scene, scene_files, words};
 
 /// Sources of rays, whether any hit ends them, and which of them to follow: spread over the image, or alternately from
@@ -45,17 +45,17 @@ async fn life(renderer: &mut Renderer, [x, y]: [u32; 2], rays: Rays) -> Trace {
 fn the_words_of_every_pass_say_what_the_streams_say() {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, Second};
-    let ways = [
-        Way::new(Grid, Second, 1),
-        Way::new(Grid, Compact, 1).leaping(),
-        Way::new(Grid, Compact, 8).leaping(),
-        Way::new(Grid, Compact, 8),
-        Way::new(Grid, Second, 1).paper(),
-        Way::new(Bvh, Compact, 1),
-        Way::new(Bvh, Compact, 2),
-        Way::new(None, Second, 1),
-        Way::new(None, Compact, 8),
-        Way::new(None, Second, 1).paper(),
+    let configurations = [
+        Configuration::new(Grid, Second, 1),
+        Configuration::new(Grid, Compact, 1).skipping(),
+        Configuration::new(Grid, Compact, 8).skipping(),
+        Configuration::new(Grid, Compact, 8),
+        Configuration::new(Grid, Second, 1).paper(),
+        Configuration::new(Bvh, Compact, 1),
+        Configuration::new(Bvh, Compact, 2),
+        Configuration::new(None, Second, 1),
+        Configuration::new(None, Compact, 8),
+        Configuration::new(None, Second, 1).paper(),
     ];
     let mut seen = BTreeMap::<&str, usize>::new();
     let mut hear = |label: &str, scene: &Scene, options: &Options, device: &Device, rays: &[[u32; 2]]| {
@@ -72,27 +72,30 @@ fn the_words_of_every_pass_say_what_the_streams_say() {
     };
     for file in scene_files() {
         let scene = scene(&file);
-        for way in ways.iter().filter(|way| way.accelerator != None || scene.triangles.len() <= 200) {
+        for configuration in configurations
+            .iter()
+            .filter(|configuration| configuration.accelerator != None || scene.triangles.len() <= 200)
+        {
             for (source, any_hit, rays) in followed(&scene) {
                 let is_camera = matches!(source, RaySource::Camera { .. });
-                if any_hit && way.numerics == Numerics::Paper {
+                if any_hit && configuration.numerics == Numerics::Paper {
                     continue;
                 }
                 let options = Options {
                     shade: is_camera,
                     any_hit,
-                    ..way.of(&Options::new(if any_hit { source.until(1.0) } else { source }))
+                    ..configuration.of(&Options::new(if any_hit { source.until(1.0) } else { source }))
                 };
                 // On the adapter, the explanations describe the adapter's results, with values computed by the host.
-                let on_adapter = is_camera && way.steps == 1 && file == "teapot.glb";
+                let on_adapter = is_camera && configuration.steps == 1 && file == "teapot.glb";
                 for (name, device) in devices().into_iter().filter(|(name, _)| *name == "cpu" || on_adapter) {
-                    hear(&format!("{file} {name} {way}"), &scene, &options, &device, &rays);
+                    hear(&format!("{file} {name} {configuration}"), &scene, &options, &device, &rays);
                 }
             }
         }
     }
     let (scene, source) = small_triangle();
-    let options = Options { shade: false, ..Way::new(None, Second, 1).paper().of(&Options::new(source)) };
+    let options = Options { shade: false, ..Configuration::new(None, Second, 1).paper().of(&Options::new(source)) };
     hear("a small triangle", &scene, &options, &Device::Cpu(Option::None), &[[0, 0]]);
     println!("{seen:?}");
     let all = [
@@ -149,26 +152,29 @@ fn the_words_of_every_pass_say_what_the_streams_say() {
 fn a_ray_alone_does_what_it_does_beside_all_others() {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, First, Second};
-    let ways = [
-        Way::new(Grid, Compact, 1).leaping(),
-        Way::new(Grid, Second, 1),
-        Way::new(Grid, Compact, 8),
-        Way::new(Grid, Second, 1).paper(),
-        Way::new(Bvh, Second, 1),
-        Way::new(Bvh, Compact, 1),
-        Way::new(None, Compact, 4),
-        Way::new(None, First, 1),
+    let configurations = [
+        Configuration::new(Grid, Compact, 1).skipping(),
+        Configuration::new(Grid, Second, 1),
+        Configuration::new(Grid, Compact, 8),
+        Configuration::new(Grid, Second, 1).paper(),
+        Configuration::new(Bvh, Second, 1),
+        Configuration::new(Bvh, Compact, 1),
+        Configuration::new(None, Compact, 4),
+        Configuration::new(None, First, 1),
     ];
     for file in scene_files() {
         let scene = scene(&file);
-        for way in ways.iter().filter(|way| way.accelerator != None || scene.triangles.len() <= 200) {
+        for configuration in configurations
+            .iter()
+            .filter(|configuration| configuration.accelerator != None || scene.triangles.len() <= 200)
+        {
             let on_adapter = ["cornell-box.gltf", "flat.gltf"].contains(&file.as_str());
             for (name, device) in devices().into_iter().filter(|(name, _)| *name == "cpu" || on_adapter) {
-                let options = way.of(&options(&scene, 22, 17));
+                let options = configuration.of(&options(&scene, 22, 17));
                 block_on(gpu_of(&device), async {
                     let mut renderer = Renderer::new(&scene, &options, &device).await.expect("a renderer");
                     for pixel in [[11, 8], [4, 12], [21, 0]] {
-                        let label = format!("{file} {name} {way}, ray {pixel:?}");
+                        let label = format!("{file} {name} {configuration}, ray {pixel:?}");
                         let whole = life(&mut renderer, pixel, Rays::All).await;
                         let alone = life(&mut renderer, pixel, Rays::One).await;
                         let others = renderer.passes().iter().filter(|p| p.rays_in > 1).count();
@@ -198,8 +204,8 @@ fn a_ray_alone_does_what_it_does_beside_all_others() {
 fn where_a_ray_depends_on_the_others_all_are_traced() {
     let scene = scene("cornell-box.gltf");
     let samples = Samples { count: 2, ..Default::default() };
-    let of = |way: Way| way.of(&options(&scene, 12, 10));
-    let first = of(Way::new(Accelerator::Grid, ScheduleKind::First, 1));
+    let of = |configuration: Configuration| configuration.of(&options(&scene, 12, 10));
+    let first = of(Configuration::new(Accelerator::Grid, ScheduleKind::First, 1));
     for options in [first, Options { samples, ..of(STEPPED) }] {
         block_on(None, async {
             let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await.expect("a renderer");

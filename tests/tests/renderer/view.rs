@@ -2,7 +2,7 @@
 
 use raystep_kernels::{Accelerator, Device, Options, RaySource, Renderer, ScheduleKind, StreamData};
 use raystep_scenes::{Camera, Scene};
-use raystep_tests::ways::Way;
+use raystep_tests::configurations::Configuration;
 use raystep_tests::{block_on, devices, gpu_of, options, scene, scene_files, streams_of};
 
 const SIZE: (u32, u32) = (24, 16);
@@ -53,19 +53,19 @@ fn check(label: &str, scene: &Scene, first: &Options, device: &Device) {
 
 #[test]
 fn a_run_takes_over_a_camera_or_shares_its_structure_bit_for_bit() {
-    let ways = [
-        Way::new(Accelerator::Grid, ScheduleKind::Compact, 1),
-        Way::new(Accelerator::Bvh, ScheduleKind::Compact, 8),
-        Way::new(Accelerator::Grid, ScheduleKind::Fused, 1),
-        Way::new(Accelerator::None, ScheduleKind::Second, 1),
+    let configurations = [
+        Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 1),
+        Configuration::new(Accelerator::Bvh, ScheduleKind::Compact, 8),
+        Configuration::new(Accelerator::Grid, ScheduleKind::Fused, 1),
+        Configuration::new(Accelerator::None, ScheduleKind::Second, 1),
     ];
     for (name, device) in devices() {
-        for (file, way) in scene_files().into_iter().zip(ways.into_iter().cycle()) {
+        for (file, configuration) in scene_files().into_iter().zip(configurations.into_iter().cycle()) {
             let scene = scene(&file);
             // Brute force over a large scene takes long.
-            let way = if scene.triangles.len() > 1000 { ways[0] } else { way };
-            let first = way.of(&options(&scene, SIZE.0, SIZE.1));
-            check(&format!("{file}, {way} on {name}"), &scene, &first, &device);
+            let configuration = if scene.triangles.len() > 1000 { configurations[0] } else { configuration };
+            let first = configuration.of(&options(&scene, SIZE.0, SIZE.1));
+            check(&format!("{file}, {configuration} on {name}"), &scene, &first, &device);
         }
     }
 }
@@ -74,7 +74,7 @@ fn a_run_takes_over_a_camera_or_shares_its_structure_bit_for_bit() {
 fn a_camera_that_needs_more_is_refused() {
     let device = Device::Cpu(None);
     let scene = scene("cornell-box.gltf");
-    let first = Way::new(Accelerator::Grid, ScheduleKind::Compact, 1).of(&options(&scene, SIZE.0, SIZE.1));
+    let first = Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 1).of(&options(&scene, SIZE.0, SIZE.1));
     block_on(None, async {
         let mut renderer = Renderer::new(&scene, &first, &device).await.expect("a renderer");
         // Far away, rounding errors are larger, and so must be the cells.

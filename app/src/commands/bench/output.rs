@@ -8,7 +8,7 @@ use raystep_kernels::Gpu;
 use raystep_kernels::export::csv::{COLUMNS as PASSES_COLUMNS, PassesCsv};
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_lab::bench::gate::{Gate, markdown};
-use raystep_lab::bench::{Measured, SCHEMA_VERSION, grid_text, runs, summary, write_runs, write_summary};
+use raystep_lab::bench::{Measured, RunRow, SCHEMA_VERSION, SummaryRow, grid_text, write_rows};
 use raystep_lab::tidy::package::{self, Resource};
 use raystep_lab::{Machine, Subject};
 use serde::Serialize;
@@ -145,8 +145,8 @@ pub(super) fn write(
     gate: Option<&Gate>,
 ) -> Result<(), Error> {
     let mut files = vec![
-        Resource { file: SUMMARY, what: "a configuration", columns: &summary::COLUMNS },
-        Resource { file: RUNS, what: "a timed run", columns: &runs::COLUMNS },
+        Resource { file: SUMMARY, what: "a configuration", columns: SummaryRow::COLUMNS },
+        Resource { file: RUNS, what: "a timed run", columns: RunRow::COLUMNS },
     ];
     if has_passes {
         files.push(Resource {
@@ -165,8 +165,8 @@ pub(super) fn write(
             csv.finish()
         })?;
     }
-    folder.write(SUMMARY, |out| write_summary(out, &measured.rows))?;
-    folder.write(RUNS, |out| write_runs(out, &measured.runs))?;
+    folder.write(SUMMARY, |out| write_rows(out, &measured.rows))?;
+    folder.write(RUNS, |out| write_rows(out, &measured.runs))?;
     let schema = package::describe("raystep-bench", "raystep bench", &files);
     let mut texts = vec![(RUN, json_text(&about)?), (package::FILE, json_text(&schema)?)];
     if let Some(gate) = gate {

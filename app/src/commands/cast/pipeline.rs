@@ -8,8 +8,8 @@ use std::thread;
 use glam::DVec3;
 use raystep_kernels::{CastHit, Caster, PlanError, RenderError};
 use raystep_lab::Machine;
+use raystep_lab::outside::count_outside;
 use raystep_lab::rays::file::{BadRays, Batch, RaysError, RaysReader};
-use raystep_lab::ways::count_outside;
 
 use super::hits::HitsWriter;
 use crate::error::Error;

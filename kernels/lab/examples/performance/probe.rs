@@ -1,47 +1,37 @@
 //! Small kernels timed on their own, without a renderer.
 
-use std::borrow::Cow;
 use std::convert::Infallible;
+use std::sync::Arc;
 
-use raystep_kernels::Gpu;
-use raystep_lab::meter::{self, Ended, Time, Turns};
+use raystep_kernels::{Device, Gpu};
+use raystep_lab::meter::{Ended, Time, Turns, in_turn};
+use raystep_lab::tidy::{Row, fill};
 
-use crate::machine::Machine;
-use crate::row::Probe;
+use crate::measure::{Section, Setup};
 
 /// Two timestamps around a submission.
 pub(crate) struct Stopwatch<'a> {
-    machine: &'a Machine,
-    gpu: &'a Gpu,
+    pub(crate) setup: &'a Setup,
+    pub(crate) gpu: &'a Arc<Gpu>,
     set: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    copy: wgpu::Buffer,
+    ticks: wgpu::Buffer,
 }
 
 impl<'a> Stopwatch<'a> {
-    pub(crate) fn new(machine: &'a Machine, gpu: &'a Gpu) -> Self {
-        use wgpu::BufferUsages as U;
-        let buffer = |usage| {
-            let (label, size, mapped_at_creation) = (Some("stopwatch"), 16, false);
-            gpu.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation })
-        };
-        Self {
-            machine,
-            gpu,
-            set: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("stopwatch"),
-                ty: wgpu::QueryType::Timestamp,
-                count: 2,
-            }),
-            resolved: buffer(U::QUERY_RESOLVE | U::COPY_SRC),
-            copy: buffer(U::COPY_DST | U::MAP_READ),
-        }
+    /// Of a GPU; `None` on a CPU.
+    pub(crate) fn new(setup: &'a Setup) -> Option<Self> {
+        let Device::Gpu(gpu) = &setup.meter.machine.device else { return None };
+        let (label, ty, count) = (Some("stopwatch"), wgpu::QueryType::Timestamp, 2);
+        let set = gpu.device.create_query_set(&wgpu::QuerySetDescriptor { label, ty, count });
+        let ticks = buffer(gpu, 16, wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
+        Some(Self { setup, gpu, set, ticks })
     }
 
     /// Nanoseconds of one compute pass; `None` if a timestamp is not valid.
     pub(crate) fn time(&self, encode: impl FnOnce(&mut wgpu::ComputePass<'_>)) -> Option<u64> {
-        self.machine.keep_clocks();
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let (gpu, machine) = (self.gpu, &self.setup.meter.machine);
+        machine.wait(self.setup.meter.keep_clocks());
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encode(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("stopwatch"),
             timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
@@ -50,58 +40,29 @@ impl<'a> Stopwatch<'a> {
                 end_of_pass_write_index: Some(1),
             }),
         }));
-        encoder.resolve_query_set(&self.set, 0..2, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.copy, 0, 16);
-        self.gpu.submit([encoder.finish()]);
-        self.copy.slice(..).map_async(wgpu::MapMode::Read, |_| ());
-        self.machine.settle();
-        let mut ticks = [0u64; 2];
-        bytemuck::bytes_of_mut(&mut ticks).copy_from_slice(&self.copy.slice(..).get_mapped_range().ok()?);
-        self.copy.unmap();
-        let [begin, end] = ticks;
+        encoder.resolve_query_set(&self.set, 0..2, &self.ticks, 0);
+        let read_back = buffer(gpu, 16, wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
+        encoder.copy_buffer_to_buffer(&self.ticks, 0, &read_back, 0, 16);
+        let bytes = machine.wait(gpu.read_after(encoder.finish(), read_back, 16)).ok()?;
+        let [begin, end] = [0, 8].map(|at| bytes[at..at + 8].try_into().map_or(0, u64::from_le_bytes));
         let elapsed = end.checked_sub(begin).filter(|&ticks| begin > 0 && ticks > 0)?;
-        Some((elapsed as f64 * self.gpu.timestamp_period_ns?) as u64)
+        Some((elapsed as f64 * gpu.timestamp_period_ns?) as u64)
+    }
+
+    /// A job that runs a kernel so often in one pass.
+    pub(crate) fn job(&'a self, row: Row, kernel: Kernel, groups: [u32; 2], dispatches: u64) -> Job<'a> {
+        (row, Box::new(move || self.time(|pass| kernel.dispatch(pass, groups, dispatches))))
     }
 }
 
-/// A compute pipeline with the layout inferred from its source.
-pub(crate) fn pipeline(gpu: &Gpu, wgsl: &str, entry: &str) -> wgpu::ComputePipeline {
-    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(entry),
-        source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(wgsl)),
-    });
-    gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(entry),
-        layout: None,
-        module: &module,
-        entry_point: Some(entry),
-        compilation_options: Default::default(),
-        cache: None,
-    })
-}
-
-/// Binds resources by number.
-pub(crate) fn bind(
-    gpu: &Gpu,
-    pipeline: &wgpu::ComputePipeline,
-    group: u32,
-    resources: &[(u32, wgpu::BindingResource<'_>)],
-) -> wgpu::BindGroup {
-    let entries: Vec<_> = resources
-        .iter()
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
-        .collect();
-    let layout = pipeline.get_bind_group_layout(group);
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries })
+/// A buffer of so many bytes.
+pub(crate) fn buffer(gpu: &Gpu, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    let label = Some("measured");
+    gpu.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
 }
 
 /// A texture with this many layers.
-pub(crate) fn texture(
-    gpu: &Gpu,
-    (width, height): (u32, u32),
-    layers: u32,
-    format: wgpu::TextureFormat,
-) -> wgpu::Texture {
+pub(crate) fn texture(gpu: &Gpu, [width, height]: [u32; 2], layers: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
     use wgpu::TextureUsages as U;
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,
@@ -121,15 +82,57 @@ pub(crate) fn layers(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
 }
 
-/// A measurement: its row, and a function that performs one repeat.
-pub(crate) type Job<'a> = (Probe, Box<dyn FnMut() -> Option<u64> + 'a>);
+/// A compute pipeline with the layout inferred from its source, and what is bound to it.
+pub(crate) struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    groups: Vec<wgpu::BindGroup>,
+}
 
-/// Runs jobs interleaved.
-pub(crate) fn in_turn(machine: &Machine, mut jobs: Vec<Job<'_>>) -> Vec<Probe> {
-    machine.raise_clocks();
-    let times = meter::in_turn(&mut jobs, Turns::of(2, machine.repeats()), |(_, job)| {
-        Ok::<_, Infallible>(Ended::Done(Time { wall_ns: 0, device_ns: job() }))
-    });
-    let Ok(times) = times;
-    jobs.into_iter().zip(times).map(|((probe, _), times)| probe.with_times(&times.device_ns())).collect()
+impl Kernel {
+    /// Binds resources by group and number.
+    pub(crate) fn new(gpu: &Gpu, wgsl: &str, entry: &str, groups: &[&[(u32, wgpu::BindingResource<'_>)]]) -> Self {
+        let source = wgpu::ShaderSource::Wgsl(wgsl.into());
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(entry), source });
+        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: None,
+            module: &module,
+            entry_point: Some(entry),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let group = |(number, resources): (u32, &&[(u32, wgpu::BindingResource<'_>)])| {
+            let entries = resources.iter().cloned();
+            let entries: Vec<_> =
+                entries.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+            let layout = pipeline.get_bind_group_layout(number);
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries })
+        };
+        let groups = (0..).zip(groups).map(group).collect();
+        Self { pipeline, groups }
+    }
+
+    pub(crate) fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, [x, y]: [u32; 2], dispatches: u64) {
+        pass.set_pipeline(&self.pipeline);
+        (0..).zip(&self.groups).for_each(|(i, group)| pass.set_bind_group(i, group, &[]));
+        (0..dispatches).for_each(|_| pass.dispatch_workgroups(x, y, 1));
+    }
+}
+
+/// A measurement: its row, and a function that performs one repeat.
+pub(crate) type Job<'a> = (Row, Box<dyn FnMut() -> Option<u64> + 'a>);
+
+impl Section<'_> {
+    /// Runs jobs interleaved, and adds their rows.
+    pub(crate) fn time(&mut self, mut jobs: Vec<Job<'_>>) -> Result<(), String> {
+        self.setup.raise_clocks();
+        let Ok(times) = in_turn(&mut jobs, Turns::of(2, self.setup.repeats()), |(_, job)| {
+            Ok::<_, Infallible>(Ended::Done(Time { wall_ns: 0, device_ns: job() }))
+        });
+        for ((row, _), times) in jobs.into_iter().zip(times) {
+            let times: Vec<Option<f64>> = times.device_ns().iter().map(|ns| ns.map(|ns| ns as f64)).collect();
+            self.table.rows.push(fill::times(row, &times, 0));
+        }
+        Ok(())
+    }
 }

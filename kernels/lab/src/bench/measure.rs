@@ -1,14 +1,14 @@
 //! Builds configurations and times them in interleaved runs.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 use raystep_kernels::RaySource;
 
 use super::prepare::{Builder, Extent, Group, Ready, options};
 use super::runs::{RunRow, pairs};
-use super::{Measured, SCHEMA_VERSION, SummaryRow, Wanted, Way};
-use crate::meter::{Meter, Time, Turns, in_turn};
+use super::{Measured, SCHEMA_VERSION, SummaryRow, Wanted, in_words};
+use crate::configuration::Configuration;
+use crate::meter::{Meter, Time, in_turn};
 use crate::reporter::Reporter;
 use crate::subject::Size;
 use crate::{Error, Machine};
@@ -78,20 +78,24 @@ impl<'a> Bench<'a> {
 
     /// Notes an error. The rest can still be measured, unless the device itself has failed.
     pub(super) fn failed(&mut self, what: &str, error: Error) -> Result<(), Error> {
-        self.machine().gpu().map_or(Ok(()), |gpu| gpu.health())?;
+        self.machine().health()?;
         self.skip(format!("{what}: {}", self.reporter.explain(&error)));
         self.first_failure.get_or_insert(error);
         Ok(())
     }
 
     /// Builds every configuration of a group. Measures what is built so far when memory is full.
-    pub(super) fn group(&mut self, group: Group<'_>, rays: RaySource, ways: &[Way]) -> Result<(), Error> {
-        let mut options = options(self.wanted, rays, group.ends_early);
+    pub(super) fn group(
+        &mut self,
+        group: Group<'_>,
+        rays: RaySource,
+        configurations: &[Configuration],
+    ) -> Result<(), Error> {
+        let mut options = options(self.wanted, configurations, rays, group.ends_early);
         let mut of_group = Vec::new();
-        for way @ &Way { accelerator, schedule, mapping, traversal } in ways {
-            let what = format!("{}, {way}", group.name);
-            (options.accelerator, options.schedule) = (accelerator, schedule);
-            (options.mapping, options.traversal) = (mapping, traversal);
+        for configuration in configurations {
+            let what = format!("{}, {}", group.name, in_words(configuration));
+            configuration.apply(&mut options);
             let (reporter, mut notes) = (self.reporter, Vec::new());
             let builder = Builder { wanted: self.wanted, meter: self.meter, extent: self.extent };
             let ids = [self.measured.run_id.clone(), self.configurations.to_string()];
@@ -114,7 +118,7 @@ impl<'a> Bench<'a> {
             if before + now > BATCH_BYTES && !self.batch.is_empty() {
                 self.measure()?;
             }
-            if now > BATCH_BYTES && ways.len() > 1 {
+            if now > BATCH_BYTES && configurations.len() > 1 {
                 self.note(format!(
                     "{}: its configurations do not fit together, so not all of them are interleaved",
                     group.name
@@ -131,15 +135,14 @@ impl<'a> Bench<'a> {
     fn measure(&mut self) -> Result<(), Error> {
         let mut batch: Vec<(Ready, Vec<u64>)> =
             std::mem::take(&mut self.batch).into_iter().map(|ready| (ready, Vec::new())).collect();
-        let turns = Turns::of(self.wanted.warmups as usize, self.wanted.repeats as usize);
-        let turns = Turns { seed: u64::from(self.wanted.seed), ..turns };
+        let (turns, longest) = (self.wanted.turns, self.wanted.longest_run);
         let of = ((turns.warmups + turns.repeats) * batch.len()) as u64;
         let mut done = 0;
         let times = in_turn(&mut batch, turns, |(ready, fixed_work)| {
             self.reporter.part("measuring", done, of);
             done += 1;
             fixed_work.push(self.meter.fixed_work_ns());
-            self.machine().wait(self.meter.run(&mut ready.renderer, |_, _| ControlFlow::Continue(())))
+            self.machine().wait(self.meter.run_within(longest, &mut ready.renderer))
         })?;
         let first = self.measured.rows.len();
         let mut groups = Vec::new();
@@ -164,7 +167,7 @@ impl<'a> Bench<'a> {
         let Ready { group, row, details, .. } = ready;
         let name = |row: &SummaryRow| format!("{} {} {} {}", row.accelerator, row.schedule, row.mapping, row.traversal);
         if row.invalid_runs > 0 {
-            let (invalid, repeats) = (row.invalid_runs, self.wanted.repeats);
+            let (invalid, repeats) = (row.invalid_runs, self.wanted.turns.repeats);
             self.note(format!("{group}, {}: {invalid} of {repeats} times were invalid and do not count", name(&row)));
         }
         fn rays_of(r: &SummaryRow) -> (&str, &str, Option<Size>) {

@@ -1,6 +1,5 @@
 //! Builds configurations: everything that is done before they are timed.
 
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 use raystep_kernels::export::csv::{DrawnPart, RunContext};
@@ -11,9 +10,10 @@ use raystep_kernels::{Accelerator, Keep, Numerics, Options, RaySource, RenderErr
 
 use super::summary::THIS;
 use super::{Details, SCHEMA_VERSION, SummaryRow, Wanted, grid_text, useful_steps_per_thread};
-use crate::meter::Meter;
+use crate::configuration::Configuration;
+use crate::meter::{Ended, Meter};
+use crate::outside::{MISSES_ALL, misses_all};
 use crate::subject::{Size, Subject};
-use crate::ways::{MISSES_ALL, misses_all};
 use crate::{Error, Hash, Machine};
 
 /// Configurations to compare: they trace the same rays.
@@ -83,11 +83,6 @@ impl<'a> Builder<'a> {
         mut note: impl FnMut(&str),
     ) -> Result<Ready, Error> {
         let (subject, machine) = (group.subject, self.machine());
-        stage("counting");
-        let counts = match self.extent {
-            Extent::Full => self.machine().wait(self.machine().counts(&group.subject.scene, options)),
-            _ => None,
-        };
         stage("building");
         (options.counters, options.timings, options.keep_passes) = (false, true, true);
         machine.forget_kernels();
@@ -112,6 +107,11 @@ impl<'a> Builder<'a> {
                 self.time_passes(context, compiling)?
             }
             Extent::Brief => (Details::without_passes(context), 0.0),
+        };
+        stage("counting");
+        let counts = match self.extent {
+            Extent::Full => machine.wait(machine.counts(&subject.scene, options)),
+            Extent::Brief => None,
         };
         (options.timings, options.keep_passes) = (times_every_pass(machine), false);
         let mut renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device))?;
@@ -174,7 +174,10 @@ impl<'a> Builder<'a> {
         self.machine().wait(self.machine().settle());
         let start_s = start.elapsed().as_secs_f64();
         for _ in 0..2 {
-            self.machine().wait(self.meter.run(&mut renderer, |_, _| ControlFlow::Continue(())))?;
+            let run = self.meter.run_within(self.wanted.longest_run, &mut renderer);
+            if self.machine().wait(run)? == Ended::GivenUp {
+                return Err(Error::GivenUp);
+            }
         }
         let shaders = renderer.plan().variants.iter();
         let shaders = shaders.map(|v| (v.kernel.name(), Hash::of(v.source.as_bytes()).to_string())).collect();
@@ -188,8 +191,8 @@ impl<'a> Builder<'a> {
 
 /// The options of a group's runs. A shadow ray ends at the first hit found with t < 1, whichever it is; the paper has
 /// no such rays.
-pub(super) fn options(wanted: &Wanted, rays: RaySource, ends_early: bool) -> Options {
-    let any_hit = ends_early && wanted.tuning.numerics == Numerics::Robust;
+pub(super) fn options(wanted: &Wanted, configurations: &[Configuration], rays: RaySource, ends_early: bool) -> Options {
+    let any_hit = ends_early && configurations.iter().all(|one| one.numerics == Numerics::Robust);
     let rays = if any_hit { rays.until(1.0) } else { rays };
     Options { rays, shade: false, any_hit, ..wanted.tuning.clone() }
 }

@@ -1,41 +1,25 @@
 //! The timed runs of a benchmark: `runs.csv`, one row per run.
 
 use std::collections::BTreeMap;
-use std::io::{Read, Write};
-
-use serde::{Deserialize, Serialize};
+use std::io::Read;
 
 use super::summary::{HOST, ReadError, check_version};
 use crate::meter::{Time, Valid};
 
-/// The columns of `runs.csv`.
-pub const COLUMNS: [&str; 10] = [
-    "schema_version",
-    "run_id",
-    "configuration",
-    "sitting",
-    "round",
-    "place",
-    "clock",
-    "time_ns",
-    "wall_ns",
-    "fixed_work_ns",
-];
-
-/// A row of `runs.csv`; [`crate::tidy::columns`] describes its columns.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs)]
-pub struct RunRow {
-    pub schema_version: u32,
-    pub run_id: String,
-    pub configuration: String,
-    pub sitting: usize,
-    pub round: usize,
-    pub place: usize,
-    pub clock: String,
-    pub time_ns: Option<u64>,
-    pub wall_ns: u64,
-    pub fixed_work_ns: u64,
+csv_row! {
+    /// A row of `runs.csv`; [`crate::tidy::columns`] describes its columns.
+    pub struct RunRow {
+        pub schema_version: u32,
+        pub run_id: String,
+        pub configuration: String,
+        pub sitting: usize,
+        pub round: usize,
+        pub place: usize,
+        pub clock: String,
+        pub time_ns: Option<u64>,
+        pub wall_ns: u64,
+        pub fixed_work_ns: u64,
+    }
 }
 
 impl RunRow {
@@ -60,18 +44,6 @@ pub fn pairs(of: &[RunRow], to: &[RunRow]) -> Vec<(f64, f64)> {
     of.iter().filter_map(|run| Some((run.time_ns? as f64, *to.get(&run.round)? as f64))).collect()
 }
 
-/// Writes `runs.csv`.
-///
-/// # Errors
-/// If `out` fails.
-pub fn write_runs(out: impl Write, runs: &[RunRow]) -> std::io::Result<()> {
-    let mut writer = raystep_kernels::export::csv::writer(out);
-    for run in runs {
-        writer.serialize(run)?;
-    }
-    writer.flush()
-}
-
 /// Reads `runs.csv`.
 ///
 /// # Errors
@@ -84,6 +56,7 @@ pub fn read_runs(input: impl Read) -> Result<Vec<RunRow>, ReadError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::write_rows;
     use super::*;
 
     fn run(round: usize, device_ns: Option<u64>) -> RunRow {
@@ -105,11 +78,11 @@ mod tests {
             RunRow { clock: "host".into(), ..RunRow::default() }.timed(Time { wall_ns: 9, device_ns: Some(1) });
         assert_eq!(by_host.time_ns, Some(9));
         let mut file = Vec::new();
-        write_runs(&mut file, &a).expect("memory");
-        assert!(file.starts_with(COLUMNS.join(",").as_bytes()), "{}", String::from_utf8_lossy(&file));
+        write_rows(&mut file, &a).expect("memory");
+        assert!(file.starts_with(RunRow::COLUMNS.join(",").as_bytes()), "{}", String::from_utf8_lossy(&file));
         assert_eq!(read_runs(file.as_slice()).expect("runs"), a);
         let mut old = Vec::new();
-        write_runs(&mut old, &[RunRow { schema_version: 1, ..run(0, None) }]).expect("memory");
+        write_rows(&mut old, &[RunRow { schema_version: 1, ..run(0, None) }]).expect("memory");
         assert!(matches!(read_runs(old.as_slice()), Err(ReadError::Version(1))));
     }
 }

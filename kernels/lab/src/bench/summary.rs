@@ -21,121 +21,66 @@ pub(super) const HOST: &str = "host";
 /// `build` of rows that this program measured itself.
 pub const THIS: &str = "this";
 
-/// The columns of `summary.csv`.
-pub const COLUMNS: [&str; 51] = [
-    "schema_version",
-    "run_id",
-    "configuration",
-    "build",
-    "scene",
-    "scene_hash",
-    "triangles",
-    "accelerator",
-    "schedule",
-    "numerics",
-    "grid",
-    "skip",
-    "steps_per_pass",
-    "keep_all",
-    "rays_kind",
-    "seed",
-    "adapter",
-    "width_px",
-    "height_px",
-    "rays",
-    "build_s",
-    "start_s",
-    "clock",
-    "runs",
-    "invalid_runs",
-    "median_ns",
-    "low_ns",
-    "high_ns",
-    "min_ns",
-    "max_ns",
-    "interval_method",
-    "interval_level",
-    "median_wall_ns",
-    "fixed_work_ns",
-    "rays_per_s",
-    "time_ratio",
-    "time_ratio_low",
-    "time_ratio_high",
-    "ratio_to",
-    "passes",
-    "useful_steps_per_thread",
-    "cells_per_ray",
-    "tests_per_ray",
-    "repeated_per_ray",
-    "structure_bytes",
-    "bytes_per_triangle",
-    "hits",
-    "hits_hash",
-    "baseline_ratio",
-    "mapping",
-    "traversal",
-];
-
-/// A row of `summary.csv`. `start_s` includes compiling: raystep compiles every kernel anew, but the driver may have
-/// cached its results.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs)]
-pub struct SummaryRow {
-    pub schema_version: u32,
-    pub run_id: String,
-    pub configuration: String,
-    pub build: String,
-    pub scene: String,
-    pub scene_hash: String,
-    pub triangles: u64,
-    pub accelerator: String,
-    pub schedule: String,
-    pub numerics: String,
-    pub grid: String,
-    pub skip: String,
-    pub steps_per_pass: Option<u32>,
-    pub keep_all: bool,
-    pub rays_kind: String,
-    pub seed: u32,
-    pub adapter: String,
-    pub width_px: Option<u32>,
-    pub height_px: Option<u32>,
-    pub rays: u64,
-    pub build_s: f64,
-    pub start_s: f64,
-    pub clock: String,
-    pub runs: usize,
-    pub invalid_runs: usize,
-    pub median_ns: Option<f64>,
-    pub low_ns: Option<f64>,
-    pub high_ns: Option<f64>,
-    pub min_ns: Option<f64>,
-    pub max_ns: Option<f64>,
-    pub interval_method: Option<String>,
-    pub interval_level: Option<f64>,
-    pub median_wall_ns: Option<f64>,
-    pub fixed_work_ns: Option<f64>,
-    pub rays_per_s: Option<f64>,
-    pub time_ratio: Option<f64>,
-    pub time_ratio_low: Option<f64>,
-    pub time_ratio_high: Option<f64>,
-    pub ratio_to: Option<String>,
-    pub passes: usize,
-    pub useful_steps_per_thread: Option<f64>,
-    pub cells_per_ray: Option<f64>,
-    pub tests_per_ray: Option<f64>,
-    pub repeated_per_ray: Option<f64>,
-    pub structure_bytes: u64,
-    pub bytes_per_triangle: Option<f64>,
-    pub hits: u64,
-    pub hits_hash: String,
-    pub baseline_ratio: Option<f64>,
-    /// Earlier files lack it.
-    #[serde(default = "compute")]
-    pub mapping: String,
-    /// Earlier files lack it.
-    #[serde(default = "amanatides_woo")]
-    pub traversal: String,
+csv_row! {
+    /// A row of `summary.csv`. `start_s` includes compiling: raystep compiles every kernel anew, but the driver may have
+    /// cached its results.
+    pub struct SummaryRow {
+        pub schema_version: u32,
+        pub run_id: String,
+        pub configuration: String,
+        pub build: String,
+        pub scene: String,
+        pub scene_hash: String,
+        pub triangles: u64,
+        pub accelerator: String,
+        pub schedule: String,
+        pub numerics: String,
+        pub grid: String,
+        pub skip: String,
+        pub steps_per_pass: Option<u32>,
+        pub keep_all: bool,
+        pub rays_kind: String,
+        pub seed: u32,
+        pub adapter: String,
+        pub width_px: Option<u32>,
+        pub height_px: Option<u32>,
+        pub rays: u64,
+        pub build_s: f64,
+        pub start_s: f64,
+        pub clock: String,
+        pub runs: usize,
+        pub invalid_runs: usize,
+        pub median_ns: Option<f64>,
+        pub low_ns: Option<f64>,
+        pub high_ns: Option<f64>,
+        pub min_ns: Option<f64>,
+        pub max_ns: Option<f64>,
+        pub interval_method: Option<String>,
+        pub interval_level: Option<f64>,
+        pub median_wall_ns: Option<f64>,
+        pub fixed_work_ns: Option<f64>,
+        pub rays_per_s: Option<f64>,
+        pub time_ratio: Option<f64>,
+        pub time_ratio_low: Option<f64>,
+        pub time_ratio_high: Option<f64>,
+        pub ratio_to: Option<String>,
+        pub passes: usize,
+        pub useful_steps_per_thread: Option<f64>,
+        pub cells_per_ray: Option<f64>,
+        pub tests_per_ray: Option<f64>,
+        pub repeated_per_ray: Option<f64>,
+        pub structure_bytes: u64,
+        pub bytes_per_triangle: Option<f64>,
+        pub hits: u64,
+        pub hits_hash: String,
+        pub baseline_ratio: Option<f64>,
+        /// Earlier files lack it.
+        #[serde(default = "compute")]
+        pub mapping: String,
+        /// Earlier files lack it.
+        #[serde(default = "amanatides_woo")]
+        pub traversal: String,
+    }
 }
 
 /// The only mapping of earlier files.
@@ -164,11 +109,11 @@ pub(super) fn check_version(versions: impl IntoIterator<Item = u32>) -> Result<(
     versions.into_iter().find(|&v| v != SCHEMA_VERSION).map_or(Ok(()), |version| Err(ReadError::Version(version)))
 }
 
-/// Writes `summary.csv`.
+/// Writes `summary.csv` or `runs.csv`.
 ///
 /// # Errors
 /// If `out` fails.
-pub fn write_summary(out: impl Write, rows: &[SummaryRow]) -> std::io::Result<()> {
+pub fn write_rows(out: impl Write, rows: &[impl Serialize]) -> std::io::Result<()> {
     let mut writer = raystep_kernels::export::csv::writer(out);
     for row in rows {
         writer.serialize(row)?;
@@ -316,12 +261,12 @@ mod tests {
     fn a_summary_is_read_back_as_it_was_written() {
         let rows = [row(), SummaryRow { runs: 7, build_s: 1e-9, steps_per_pass: Some(8), ..row() }];
         let mut file = Vec::new();
-        write_summary(&mut file, &rows).expect("memory");
+        write_rows(&mut file, &rows).expect("memory");
         assert_eq!(read_summary(file.as_slice()).expect("a summary"), rows);
 
         let mut reader = ::csv::ReaderBuilder::new().flexible(false).from_reader(file.as_slice());
         let names = reader.headers().expect("names").clone();
-        assert_eq!(names.iter().collect::<Vec<_>>(), COLUMNS);
+        assert_eq!(names.iter().collect::<Vec<_>>(), SummaryRow::COLUMNS);
         let first = reader.records().next().expect("a row").expect("as many fields as names");
         let value = |name: &str| &first[names.iter().position(|n| n == name).expect(name)];
         for name in ["low_ns", "median_wall_ns", "cells_per_ray", "baseline_ratio", "steps_per_pass"] {
@@ -333,7 +278,7 @@ mod tests {
     #[test]
     fn what_is_no_summary_is_refused() {
         let mut file = Vec::new();
-        write_summary(&mut file, &[SummaryRow { schema_version: 9, ..row() }]).expect("memory");
+        write_rows(&mut file, &[SummaryRow { schema_version: 9, ..row() }]).expect("memory");
         let refused = |bytes: &[u8]| read_summary(bytes).map_err(|e| e.to_string()).expect_err("no summary");
         assert!(refused(&file).contains("schema_version is 9"));
         assert!(refused(b"schema_version,run_id\r\n1,a\r\n").contains("schema_version is 1"));

@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use raystep_kernels::shader::Resource;
 use raystep_kernels::{Limits, Plan, Stream};
 
-use super::{cells, file, options, titled};
+use super::{cells, options, titled};
 use crate::tidy::{Row, Table};
 use crate::{Error, Size, Subject};
 
-pub(super) const COLUMNS: &[&str] = &["schema_version", "name", "paper", "here"];
+pub(super) const COLUMNS: &[&str] = columns![schema_version name paper here];
 
 /// What is counted, the paper's number, and ours.
 #[derive(Clone, Debug)]
@@ -87,15 +87,10 @@ impl Counts {
     /// # Errors
     /// If memory is short.
     pub fn csv(&self) -> Result<Vec<u8>, Error> {
-        let mut table = Table::new(COLUMNS);
-        table.rows = self
-            .0
-            .iter()
-            .map(|[name, paper, here]| {
-                Row::new(COLUMNS).set("name", name.as_str()).set("paper", paper.as_str()).set("here", here.as_str())
-            })
-            .collect();
-        file(&table)
+        let row = |[name, paper, here]: &[String; 3]| {
+            Row::new(COLUMNS).set("name", name.as_str()).set("paper", paper.as_str()).set("here", here.as_str())
+        };
+        Ok(Table { columns: COLUMNS, rows: self.0.iter().map(row).collect() }.csv()?)
     }
 }
 

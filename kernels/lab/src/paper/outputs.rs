@@ -3,12 +3,12 @@
 use raystep_kernels::Plan;
 use raystep_kernels::shader::{Binding, Resource};
 
-use super::file;
+use serde::Serialize;
+
 use crate::Error;
 use crate::tidy::{Row, Table};
 
-pub(super) const COLUMNS: &[&str] =
-    &["schema_version", "paper_kernel", "kernel", "paper_streams", "streams", "difference"];
+pub(super) const COLUMNS: &[&str] = columns![schema_version paper_kernel kernel paper_streams streams difference];
 
 /// The paper's kernel, ours, and the paper's output textures, each with the stream that holds the same here.
 type Row1 = (&'static str, &'static str, &'static [(&'static str, &'static str)]);
@@ -43,7 +43,7 @@ const REASONS: [(&str, &str, &str); 4] = [
 ];
 
 /// A row of Table 1, and ours.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Output {
     /// The kernel's name in the paper.
     pub paper_kernel: &'static str,
@@ -56,6 +56,7 @@ pub struct Output {
     /// What it reads here: streams, buffers and uniforms.
     pub reads: String,
     /// Streams written in one of the two only, and why.
+    #[serde(skip)]
     differences: Vec<(String, Option<&'static str>)>,
 }
 
@@ -126,19 +127,10 @@ impl Outputs {
     /// # Errors
     /// If memory is short.
     pub fn csv(&self) -> Result<Vec<u8>, Error> {
-        let mut table = Table::new(COLUMNS);
-        table.rows = self
-            .0
-            .iter()
-            .map(|output| {
-                Row::new(COLUMNS)
-                    .set("paper_kernel", output.paper_kernel)
-                    .set("kernel", output.kernel)
-                    .set("paper_streams", output.paper_streams.as_str())
-                    .set("streams", output.streams.as_str())
-                    .set("difference", output.differences().collect::<Vec<_>>().join("; "))
-            })
-            .collect();
-        file(&table)
+        let row = |output: &Output| {
+            let differences: Vec<String> = output.differences().collect();
+            Row::new(COLUMNS).with(output).set("difference", differences.join("; "))
+        };
+        Ok(Table { columns: COLUMNS, rows: self.0.iter().map(row).collect() }.csv()?)
     }
 }

@@ -1,11 +1,13 @@
 //! Tables 2 and 3: render times.
 
-use raystep_kernels::options::mapping::Mapping;
-use raystep_kernels::{Accelerator, Numerics, Options, ScheduleKind, Traversal};
+use std::time::Duration;
 
-use super::{GRID, cells, file, no_rays, titled};
+use raystep_kernels::options::mapping::Mapping;
+use raystep_kernels::{Accelerator, Numerics, Options, RaySource, ScheduleKind, Traversal};
+
+use super::{GRID, cells, titled};
 use crate::bench::{self, SEED, SummaryRow, Wanted};
-use crate::meter::Meter;
+use crate::meter::{Meter, Turns};
 use crate::reporter::Reporter;
 use crate::statistics::Compared;
 use crate::tidy::{Row, Table};
@@ -22,28 +24,9 @@ const STRATEGIES: [(&str, Accelerator, ScheduleKind); 3] = [
     ("", Accelerator::None, ScheduleKind::First),
 ];
 
-pub(super) const COLUMNS: &[&str] = &[
-    "schema_version",
-    "run_id",
-    "scene",
-    "adapter",
-    "strategy",
-    "accelerator",
-    "schedule",
-    "numerics",
-    "grid",
-    "width_px",
-    "height_px",
-    "paper_s",
-    "clock",
-    "runs",
-    "median_ns",
-    "low_ns",
-    "high_ns",
-    "paper_by_here",
-    "passes",
-    "cells_per_ray",
-    "tests_per_ray",
+pub(super) const COLUMNS: &[&str] = columns![
+    schema_version run_id scene adapter strategy accelerator schedule numerics grid width_px height_px paper_s
+    clock runs median_ns low_ns high_ns paper_by_here passes cells_per_ray tests_per_ray
 ];
 
 /// The measured tables.
@@ -65,19 +48,23 @@ pub fn times(
     meter: &Meter,
     reporter: &dyn Reporter,
 ) -> Result<Times, Error> {
+    let tuning = Options { numerics: Numerics::Paper, grid: GRID, ..Options::new(RaySource::Given(Vec::new())) };
     let wanted = Wanted {
-        accelerators: vec![Accelerator::Grid, Accelerator::None],
-        schedules: vec![ScheduleKind::First, ScheduleKind::Second],
-        mappings: vec![Mapping::Compute],
-        traversals: vec![Traversal::AmanatidesWoo],
+        configurations: bench::combinations(
+            &[Accelerator::Grid, Accelerator::None],
+            &[ScheduleKind::First, ScheduleKind::Second],
+            &[Mapping::Compute],
+            &[Traversal::AmanatidesWoo],
+            &tuning,
+        ),
         sizes: SECONDS.iter().map(|&(side, _)| Size { width: side, height: side }).collect(),
         rays: vec![RayKind::Primary],
         file: None,
-        repeats,
-        warmups: 1,
+        turns: Turns { seed: u64::from(SEED), ..Turns::of(1, repeats as usize) },
+        longest_run: Duration::MAX,
         replay: true,
         seed: SEED,
-        tuning: Options { numerics: Numerics::Paper, grid: GRID, ..Options::new(no_rays()) },
+        tuning,
     };
     let measured = bench::measure(&wanted, std::slice::from_ref(subject), run_id, meter, reporter)?;
     let rows = measured.rows.into_iter().filter_map(|row| {
@@ -177,30 +164,14 @@ impl Times {
                 let paper_s = seconds[strategy];
                 table.rows.push(
                     Row::new(COLUMNS)
-                        .set("run_id", row.run_id.as_str())
-                        .set("scene", row.scene.as_str())
-                        .set("adapter", row.adapter.as_str())
+                        .with(row)
                         .set("strategy", *name)
-                        .set("accelerator", row.accelerator.as_str())
-                        .set("schedule", row.schedule.as_str())
-                        .set("numerics", row.numerics.as_str())
-                        .set("grid", row.grid.as_str())
-                        .set("width_px", side)
-                        .set("height_px", side)
                         .set("paper_s", paper_s)
-                        .set("clock", row.clock.as_str())
-                        .set("runs", row.runs)
-                        .set("median_ns", row.median_ns)
-                        .set("low_ns", row.low_ns)
-                        .set("high_ns", row.high_ns)
-                        .set("paper_by_here", row.median_ns.map(|ns| paper_s * 1e9 / ns))
-                        .set("passes", row.passes)
-                        .set("cells_per_ray", row.cells_per_ray)
-                        .set("tests_per_ray", row.tests_per_ray),
+                        .set("paper_by_here", row.median_ns.map(|ns| paper_s * 1e9 / ns)),
                 );
             }
         }
-        file(&table)
+        Ok(table.csv()?)
     }
 }
 

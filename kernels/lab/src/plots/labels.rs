@@ -40,7 +40,7 @@ pub(super) struct Wanted {
 
 /// A label's place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct Placement {
     pub(super) frame: Frame,
     /// A line from the label to its mark, if it is not beside it.
     pub(super) leader: Option<[Point; 2]>,
@@ -48,16 +48,16 @@ pub(super) struct Place {
 
 /// The places of all labels within a frame: of those that cover nothing, the nearest to the marks. `None` of a label
 /// that covers something everywhere.
-pub(super) fn places(room: Frame, wanted: &[Wanted], obstacles: &Obstacles) -> Vec<Option<Place>> {
+pub(super) fn places(room: Frame, wanted: &[Wanted], obstacles: &Obstacles) -> Vec<Option<Placement>> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|&a, &b| {
         let (a, b) = (wanted[a].at, wanted[b].at);
         a.1.total_cmp(&b.1).then(a.0.total_cmp(&b.0))
     });
-    let mut placed: Vec<Option<Place>> = vec![None; wanted.len()];
+    let mut placed: Vec<Option<Placement>> = vec![None; wanted.len()];
     for _ in 0..ROUNDS {
         for &i in &order {
-            let others: Vec<Place> = (0..wanted.len()).filter(|&k| k != i).filter_map(|k| placed[k]).collect();
+            let others: Vec<Placement> = (0..wanted.len()).filter(|&k| k != i).filter_map(|k| placed[k]).collect();
             placed[i] = best(room, i, wanted, obstacles, &others);
         }
     }
@@ -69,12 +69,12 @@ pub(super) fn places(room: Frame, wanted: &[Wanted], obstacles: &Obstacles) -> V
 }
 
 /// The place of least cost. What distance alone costs is known at once, so few places are looked at.
-fn best(room: Frame, own: usize, wanted: &[Wanted], obstacles: &Obstacles, others: &[Place]) -> Option<Place> {
-    let mut places: Vec<(f64, Place)> =
+fn best(room: Frame, own: usize, wanted: &[Wanted], obstacles: &Obstacles, others: &[Placement]) -> Option<Placement> {
+    let mut places: Vec<(f64, Placement)> =
         candidates(room, wanted[own]).into_iter().map(|place| (place.distance_cost(wanted[own].at), place)).collect();
     // Mostly one of the nearest is taken, so the others need no order.
     let near = places.len().min(NEAREST);
-    let by_distance = |a: &(f64, Place), b: &(f64, Place)| a.0.total_cmp(&b.0);
+    let by_distance = |a: &(f64, Placement), b: &(f64, Placement)| a.0.total_cmp(&b.0);
     if near < places.len() {
         places.select_nth_unstable_by(near, by_distance);
     }
@@ -91,13 +91,13 @@ fn best(room: Frame, own: usize, wanted: &[Wanted], obstacles: &Obstacles, other
 
 /// The place of least cost of places in the order of their distance.
 fn least_of(
-    places: &[(f64, Place)],
+    places: &[(f64, Placement)],
     own: usize,
     wanted: &[Wanted],
     obstacles: &Obstacles,
-    others: &[Place],
-) -> Option<(f64, Place)> {
-    let mut least: Option<(f64, Place)> = None;
+    others: &[Placement],
+) -> Option<(f64, Placement)> {
+    let mut least: Option<(f64, Placement)> = None;
     for &(distance, place) in places {
         if least.is_some_and(|(cost, _)| cost <= distance) {
             break;
@@ -111,21 +111,21 @@ fn least_of(
 }
 
 /// Every place that is tried.
-fn candidates(room: Frame, Wanted { at, width }: Wanted) -> Vec<Place> {
+fn candidates(room: Frame, Wanted { at, width }: Wanted) -> Vec<Placement> {
     // So that one of them is exactly beside the mark.
     let from = |low: f64, mark: f64| low + (mark - low).rem_euclid(STEP);
     let steps = |low: f64, high: f64| (0_u16..).map(move |i| low + STEP * f64::from(i)).take_while(move |&v| v <= high);
     let place = |left: f64, y: f64| {
         let frame = Frame { left, right: left + width, top: y - HALF, bottom: y + HALF };
         let end = frame.nearest(at);
-        Place { frame, leader: (distance(end, at) > NEAR).then_some([end, at]) }
+        Placement { frame, leader: (distance(end, at) > NEAR).then_some([end, at]) }
     };
     let rows = steps(from(room.top + HALF, at.1), room.bottom - HALF);
     let (first, last) = (from(room.left + 2.0, at.0), room.right - 2.0 - width);
     rows.flat_map(|y| steps(first, last).map(move |left| place(left, y))).collect()
 }
 
-impl Place {
+impl Placement {
     /// Best beside the mark; else above or below it.
     fn distance_cost(&self, at: Point) -> f64 {
         let Frame { left, right, top, bottom } = self.frame;
@@ -182,7 +182,7 @@ mod tests {
             let wanted = [Wanted { at, width: 110.0 }; 7];
             let hard = vec![Frame::around(at, HALF), Frame::along(&[(64.0, at.1), (604.0, at.1)], 3.0)];
             let obstacles = Obstacles { hard, soft: Vec::new() };
-            let places: Vec<Place> = places(room, &wanted, &obstacles).into_iter().flatten().collect();
+            let places: Vec<Placement> = places(room, &wanted, &obstacles).into_iter().flatten().collect();
             assert_eq!(places.len(), wanted.len());
             for (i, place) in places.iter().enumerate() {
                 assert!(room.holds(place.frame), "{place:?}");

@@ -191,12 +191,12 @@ fn write(picture: &mut Picture, label: &Label) {
 
 /// Between marks: from the line to beside the mark.
 fn arrow(picture: &mut Picture, from: Point, to: Point, color: Color) {
-    let way = (to.0 - from.0).signum();
-    let end = to.0 - (HALF_MARK + 2.0) * way;
-    if (end - from.0) * way <= 2.0 {
+    let sign = (to.0 - from.0).signum();
+    let end = to.0 - (HALF_MARK + 2.0) * sign;
+    if (end - from.0) * sign <= 2.0 {
         return;
     }
     picture.add(color, 0.6, Form::Line { points: vec![from, (end, to.1)], width: THIN, dashes: &[] });
-    let points = vec![(end, to.1), (end - 5.0 * way, to.1 - 4.0), (end - 5.0 * way, to.1 + 4.0)];
+    let points = vec![(end, to.1), (end - 5.0 * sign, to.1 - 4.0), (end - 5.0 * sign, to.1 + 4.0)];
     picture.add(color, 1.0, Form::Polygon { points, outline: None });
 }

@@ -10,7 +10,7 @@ const FORMATS: [Format; 3] = [Format::Screen, Format::OneColumn, Format::TwoColu
 fn plot(points: Vec<(f64, f64)>, scale: Scale) -> Plot {
     let axis = |label: &str| Axis::new(label, scale);
     let series = vec![Series::line("a & b", 0, points)];
-    Plot { title: "t < 1".into(), x: axis("time, ms"), y: axis("rays"), series, places: Vec::new() }
+    Plot::new("t < 1", axis("time, ms"), axis("rays"), series)
 }
 
 #[test]
@@ -215,14 +215,11 @@ fn no_text_of_other_plots_meets_another_or_a_mark_over_random_tables() {
         let named = places.iter().map(|p| p.1.clone()).collect::<Vec<_>>();
         let lines = many(random, None);
         let of_plot = [names(&lines), named.clone()].concat();
-        check(
-            &Plot { title: title.clone(), x: x.clone(), y: y.clone(), series: lines, places: places.clone() },
-            of_plot,
-        );
+        check(&Plot { places: places.clone(), ..Plot::new(title.clone(), x.clone(), y.clone(), lines) }, of_plot);
         let panels: Vec<Panel> =
-            (0..2).map(|_| Panel { y: y.clone(), height: 90.0, series: many(random, None) }).collect();
+            (0..2).map(|_| Panel { y: y.clone(), height: Some(90.0), series: many(random, None) }).collect();
         let of_panels = panels.iter().flat_map(|p| names(&p.series)).chain(named).collect();
-        check(&Panels { title: title.clone(), x: x.clone(), panels, places }, of_panels);
+        check(&Plot { title: title.clone(), x: x.clone(), panels, places }, of_panels);
         let rows: Vec<String> = (0..random.usize(1..9)).map(|_| name(random)).collect();
         let series = many(random, Some(rows.len()));
         let of_forest = [names(&series), rows.clone()].concat();

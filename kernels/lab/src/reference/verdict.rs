@@ -48,18 +48,21 @@ pub struct Mistake {
     pub exact: Option<(u32, f64)>,
 }
 
-/// Numbers of rays by verdict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Numbers of rays by verdict, as columns of CSV files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counts {
     /// Rays with the exact result.
+    #[serde(skip)]
     pub same: u64,
     /// Rays with another result, which f32 cannot exclude.
+    #[serde(rename = "undecided")]
     pub ties: u64,
     /// Rays that missed.
     pub missed: u64,
     /// Rays that hit although nothing is there.
     pub false_hits: u64,
     /// Rays that hit the wrong triangle or at the wrong t.
+    #[serde(rename = "wrong_hits")]
     pub wrong: u64,
 }
 

@@ -102,29 +102,13 @@ struct Rows<'a> {
 }
 
 impl Reporter for Rows<'_> {
-    fn stage(&self, name: &str) {
-        self.reporter.stage(name);
-    }
-
-    fn part(&self, what: &str, done: u64, of: u64) {
-        self.reporter.part(what, done, of);
-    }
-
-    fn note(&self, text: &str) {
-        self.reporter.note(text);
+    fn next(&self) -> Option<&dyn Reporter> {
+        Some(self.reporter)
     }
 
     fn rows(&self, names: &[&'static str], rows: &[Vec<String>]) {
         let rows = rows.iter().map(|row| row.iter().map(|cell| plain(cell)).collect()).collect();
         (self.ready)(Answer { columns: names.to_vec(), rows, ..Answer::default() });
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.reporter.is_cancelled()
-    }
-
-    fn explain(&self, error: &Error) -> String {
-        self.reporter.explain(error)
     }
 }
 

@@ -105,7 +105,7 @@ mod tests {
             let axis = |label: &str| Axis::new(label, Scale::Linear);
             let (title, series) = ("Time".to_owned(), vec![Series::line("a", 0, vec![(1.0, 2.0), (2.0, 1.0)])]);
             if has_figure {
-                let plot = Plot { title, x: axis("x"), y: axis("y"), series, places: Vec::new() };
+                let plot = Plot::new(title, axis("x"), axis("y"), series);
                 part.figure("time", plot, "Median &lt; <b>5</b>.");
             }
             let (name, size) = ("a_<b>".to_owned(), Size { width: 3, height: 2 });

@@ -12,8 +12,9 @@ use raystep_kernels::{Accelerator, GridSize, Options, RaySource, ScheduleKind};
 use super::judge::Judge;
 use super::page::Part;
 use super::times::{self, Times};
-use super::work::{Built, TESTS_PER_PASS, Work};
+use super::work::{Built, Work};
 use crate::Error;
+use crate::configuration::TESTS_PER_PASS;
 use crate::statistics::interval;
 use crate::tidy::fill::Drawn;
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
@@ -21,81 +22,32 @@ use payoff::{builds, pays_off, saved};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
-    &[
-        "accelerator",
-        "resolution_factor",
-        "is_automatic",
-        "is_selected",
-        "cells_x",
-        "cells_y",
-        "cells_z",
-        "cells",
-        "leaps",
-        "references",
-        "structure_bytes",
-        "builds",
-        "build_s",
-        "build_s_low",
-        "build_s_high",
-        "build_s_min",
-        "build_s_max",
-        "rays",
-        "passes",
-        "ns_per_ray",
+    columns![
+        accelerator resolution_factor is_automatic is_selected cells_x cells_y cells_z cells leaps
+        references structure_bytes builds build_s build_s_low build_s_high build_s_min build_s_max rays
+        passes ns_per_ray
     ],
     TIMES,
     RATIO,
-    &[
-        "held_out_rounds",
-        "held_out_time_ratio",
-        "held_out_time_ratio_low",
-        "held_out_time_ratio_high",
-        "paid_off_rays",
-        "paid_off_rays_low",
-        "paid_off_rays_high",
+    columns![
+        held_out_rounds held_out_time_ratio held_out_time_ratio_low held_out_time_ratio_high paid_off_rays
+        paid_off_rays_low paid_off_rays_high
     ],
     VERDICTS,
 ];
 
 pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
-const SHOWN: &[&str] = &[
-    "accelerator",
-    "resolution_factor",
-    "is_automatic",
-    "is_selected",
-    "cells",
-    "references",
-    "structure_bytes",
-    "build_s",
-    "build_s_min",
-    "build_s_max",
-    "rays",
-    "runs",
-    "median_ns",
-    "low_ns",
-    "high_ns",
-    "time_ratio",
-    "time_ratio_low",
-    "time_ratio_high",
-    "paid_off_rays",
-    "paid_off_rays_low",
-    "paid_off_rays_high",
-    "judged_rays",
-    "wrong_rays",
-    "at_bound",
-];
-
 /// Maximum number of cells.
 const MOST_CELLS: u64 = 1 << 25;
 
 /// A configuration to build.
-struct Way {
+struct Candidate {
     options: Options,
     factor: Option<f64>,
 }
 
-impl Way {
+impl Candidate {
     /// Part of a configuration's id.
     fn id(&self) -> String {
         match self.factor {
@@ -119,44 +71,39 @@ impl Way {
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
     work.stage("grid resolution");
-    let (mut built, mut left_out): (Vec<(Way, Built)>, Vec<String>) = (Vec::new(), Vec::new());
-    for way in ways(work, &mut part)? {
+    let (mut built, mut left_out): (Vec<(Candidate, Built)>, Vec<String>) = (Vec::new(), Vec::new());
+    for one in candidates(work, &mut part)? {
         if work.is_past(times::FOR_BUILDING) {
-            left_out.push(way.name());
+            left_out.push(one.name());
             continue;
         }
-        match work.wait(work.build(&way.options)) {
-            Ok(ready) => built.push((way, ready)),
-            Err(error) => {
-                work.can_go_on()?;
-                part.notes.push(format!("{}: {}", way.name(), work.explain(&error)));
-            }
-        }
+        let ready = work.wait(work.build(&one.options));
+        built.extend(work.noted(&mut part, &one.name(), ready)?.map(|ready| (one, ready)));
     }
     part.notes.extend(work.left_out(&left_out));
     let builds = builds(work, &built)?;
-    let names: Vec<String> = built.iter().map(|(way, _)| work.configuration(&[&way.id()])).collect();
+    let names: Vec<String> = built.iter().map(|(one, _)| work.configuration(&[&one.id()])).collect();
     let mut renderers: Vec<_> = built.iter_mut().map(|(_, b)| &mut b.renderer).collect();
     // Half of the rounds select a resolution; the others, enough for an interval, estimate it.
     let fewest = work.either(interval::FEWEST, 2 * interval::FEWEST);
     let times = work.wait(work.time_rounds(&names, &mut renderers, fewest, work.either(fewest, 24)))?;
-    part.notes.extend(times::notes(work, built.iter().map(|(way, _)| way.name()).zip(&times)));
-    let automatic = built.iter().position(|(way, _)| way.is_automatic());
-    let none = built.iter().position(|(way, _)| way.options.accelerator == Accelerator::None);
+    part.notes.extend(times::notes(work, built.iter().map(|(one, _)| one.name()).zip(&times)));
+    let automatic = built.iter().position(|(one, _)| one.is_automatic());
+    let none = built.iter().position(|(one, _)| one.options.accelerator == Accelerator::None);
     let selected = automatic.and_then(|automatic| select(&built, &times, automatic));
     let is_whole = |i: usize| built[i].1.renderer.plan().rays == view_rays(work);
     let mut judges = [Judge::default(), Judge::default()];
     let mut rows = Vec::new();
-    for (i, ((way, ready), times_of)) in built.iter().zip(&times).enumerate() {
+    for (i, ((one, ready), times_of)) in built.iter().zip(&times).enumerate() {
         if times_of.is_missing() {
             continue;
         }
         // Without an accelerator there may be fewer rays, and then the correct hits differ, too.
-        let judge = &mut judges[usize::from(way.options.accelerator == Accelerator::None)];
+        let judge = &mut judges[usize::from(one.options.accelerator == Accelerator::None)];
         let judged = work.wait(judge.judge(work, &ready.renderer))?;
-        judge.record(work, &ready.renderer, &judged, &work.configuration(&[&way.id()]), |_| "pixels");
-        part.notes.extend(times_of.is_given_up().then(|| format!("{}: {}", way.name(), judged.given_up())));
-        let mut row = builds[i].fill(times_of.fill(row(work, way, ready, times_of), work.seed()));
+        judge.record(work, &ready.renderer, &judged, &work.configuration(&[&one.id()]), |_| "pixels");
+        part.notes.extend(times_of.is_given_up().then(|| format!("{}: {}", one.name(), judged.given_up())));
+        let mut row = builds[i].fill(times_of.fill(row(work, one, ready, times_of), work.seed()));
         if let Some(automatic) = automatic.filter(|_| is_whole(i)) {
             row = times_of.fill_ratio(&times[automatic], &names[automatic], row, work.seed());
             if selected == Some(i) {
@@ -168,7 +115,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             let saved = saved(&times[none], times_of, rays, work.seed());
             row = saved.map_or(row.clone(), |saved| pays_off(&builds[i], &builds[none], saved).fill(row));
         }
-        row = row.set("is_selected", way.factor.map(|_| selected == Some(i)));
+        row = row.set("is_selected", one.factor.map(|_| selected == Some(i)));
         let (of, rays) = (judge.sample().len(), ready.renderer.plan().rays as usize);
         rows.push(judged.fill(row, Drawn::of_pixels(of, rays)));
     }
@@ -177,7 +124,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     part.figure("bytes", plots::bytes(&rows), "Memory of the grid: cells and lists of triangles.");
     part.figure("structures", plots::structure_times(&rows), plots::structures_caption(&rows));
     part.figure("structures-build", plots::structure_builds(&rows), plots::builds_caption(&rows, false));
-    part.table(&rows, SHOWN);
+    part.table(&rows);
     words::say(work, &rows, &mut part);
     table.rows.extend(rows);
     Ok(part)
@@ -190,7 +137,7 @@ fn selects(round: usize) -> bool {
 }
 
 /// The grid with the least time in half of the rounds.
-fn select(built: &[(Way, Built)], times: &[Times], automatic: usize) -> Option<usize> {
+fn select(built: &[(Candidate, Built)], times: &[Times], automatic: usize) -> Option<usize> {
     let to = times[automatic].in_rounds(selects);
     let ratio = |i: usize| Some(times[i].in_rounds(selects).ratio(&to, 0)?.0);
     let grids = (0..built.len()).filter(|&i| built[i].0.factor.is_some());
@@ -201,21 +148,16 @@ fn select(built: &[(Way, Built)], times: &[Times], automatic: usize) -> Option<u
 /// Fills the columns of the ratio in rounds that did not take part in the selection.
 fn held_out(times: &Times, automatic: &Times, row: Row, seed: u32) -> Row {
     let [times, automatic] = [times, automatic].map(|times| times.in_rounds(|round| !selects(round)));
-    let ratio = times.ratio(&automatic, seed);
-    let interval = ratio.and_then(|(_, interval)| interval);
-    row.set("held_out_rounds", times.runs())
-        .set("held_out_time_ratio", ratio.map(|(median, _)| median))
-        .set("held_out_time_ratio_low", interval.map(|i| i.low))
-        .set("held_out_time_ratio_high", interval.map(|i| i.high))
+    row.set("held_out_rounds", times.runs()).median("held_out_time_ratio", times.ratio(&automatic, seed))
 }
 
 /// The automatic grid, coarser and finer ones, the BVH, and no accelerator, all with schedule `compact`.
-fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
+fn candidates(work: &Work<'_>, part: &mut Part) -> Result<Vec<Candidate>, Error> {
     let options = Options { schedule: ScheduleKind::Compact, shade: false, ..Options::new(work.camera_rays()) };
     let (_, data) = Plan::new(&work.subject.scene, &options, &work.machine().limits())?;
     let automatic = data.grid.cells.map(|n| n.max(1) as u32);
     let steps = work.either(1.0, 0.5);
-    let mut ways: Vec<Way> = vec![Way { options: options.clone(), factor: Some(1.0) }];
+    let mut all: Vec<Candidate> = vec![Candidate { options: options.clone(), factor: Some(1.0) }];
     let mut seen = vec![automatic];
     let mut exponent = -2.0;
     while exponent <= 2.0 {
@@ -232,10 +174,13 @@ fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
             continue;
         }
         seen.push(cells);
-        ways.push(Way { options: Options { grid: GridSize::Cells(cells), ..options.clone() }, factor: Some(factor) });
+        all.push(Candidate {
+            options: Options { grid: GridSize::Cells(cells), ..options.clone() },
+            factor: Some(factor),
+        });
     }
-    ways.sort_by(|a, b| a.factor.unwrap_or(0.0).total_cmp(&b.factor.unwrap_or(0.0)));
-    ways.push(Way { options: Options { accelerator: Accelerator::Bvh, ..options.clone() }, factor: None });
+    all.sort_by(|a, b| a.factor.unwrap_or(0.0).total_cmp(&b.factor.unwrap_or(0.0)));
+    all.push(Candidate { options: Options { accelerator: Accelerator::Bvh, ..options.clone() }, factor: None });
     let rays = fewer_rays(work);
     if rays_of(&rays) < view_rays(work) {
         part.notes.push(format!(
@@ -246,8 +191,8 @@ fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
         ));
     }
     let none = Options { accelerator: Accelerator::None, rays, steps_per_pass: TESTS_PER_PASS, ..options };
-    ways.push(Way { options: none, factor: None });
-    Ok(ways)
+    all.push(Candidate { options: none, factor: None });
+    Ok(all)
 }
 
 fn view_rays(work: &Work<'_>) -> u64 {
@@ -273,16 +218,16 @@ fn fewer_rays(work: &Work<'_>) -> RaySource {
     Work { size, ..*work }.camera_rays()
 }
 
-fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
+fn row(work: &Work<'_>, one: &Candidate, built: &Built, times: &Times) -> Row {
     let (plan, data) = (built.renderer.plan(), built.renderer.data());
     let grid = GridSummary::of(plan, data);
     let cell = |axis: usize| grid.map(|g| g.cells[axis]);
     let per_ray = times.median().filter(|_| plan.rays > 0).map(|ns| ns / plan.rays as f64);
     work.row(COLUMNS)
-        .set("configuration", work.configuration(&[&way.id()]))
-        .set("accelerator", way.options.accelerator.name())
-        .set("resolution_factor", way.factor)
-        .set("is_automatic", way.factor.map(|_| way.is_automatic()))
+        .set("configuration", work.configuration(&[&one.id()]))
+        .set("accelerator", one.options.accelerator.name())
+        .set("resolution_factor", one.factor)
+        .set("is_automatic", one.factor.map(|_| one.is_automatic()))
         .set("cells_x", cell(0))
         .set("cells_y", cell(1))
         .set("cells_z", cell(2))

@@ -24,78 +24,28 @@ use crate::tidy::{KEYS, Row, count, joined};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
-    &[
-        "accelerator",
-        "schedule",
-        "item",
-        "because",
-        "reason",
-        "is_changed",
-        "rays",
-        "stream_bytes",
-        "stream_bytes_with",
-        "buffer_bytes",
-        "buffer_bytes_with",
-        "added_bytes",
-        "first_start_s",
-        "first_start_s_with",
-        "start_s",
-        "start_s_with",
-        "start_ratio",
-        "start_ratio_low",
-        "start_ratio_high",
-        "runs",
-        "ratio_to",
-        "time_ratio",
-        "time_ratio_low",
-        "time_ratio_high",
-        "interval_method",
-        "interval_level",
-        "differing_hits",
-        "clock",
+    columns![
+        accelerator schedule item because reason is_changed rays stream_bytes stream_bytes_with buffer_bytes
+        buffer_bytes_with added_bytes first_start_s first_start_s_with start_s start_s_with start_ratio
+        start_ratio_low start_ratio_high runs ratio_to time_ratio time_ratio_low time_ratio_high
+        interval_method interval_level differing_hits clock
     ],
 ];
 pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
-
-const SHOWN: &[&str] = &[
-    "accelerator",
-    "schedule",
-    "item",
-    "reason",
-    "is_changed",
-    "stream_bytes",
-    "stream_bytes_with",
-    "buffer_bytes",
-    "buffer_bytes_with",
-    "added_bytes",
-    "first_start_s",
-    "first_start_s_with",
-    "start_s",
-    "start_s_with",
-    "start_ratio",
-    "start_ratio_low",
-    "start_ratio_high",
-    "runs",
-    "time_ratio",
-    "time_ratio_low",
-    "time_ratio_high",
-    "differing_hits",
-];
 
 /// Why there are no times on the CPU.
 pub const NO_TIMES: &str = "omitting saves memory only: kernels are compiled in advance, so no times are measured";
 
 /// Structures and schedules, the most telling first: a quick report has the first two.
-const WAYS: [(Accelerator, ScheduleKind); 4] = [
+const COMPARED: [(Accelerator, ScheduleKind); 4] = [
     (Accelerator::Bvh, ScheduleKind::Fused),
     (Accelerator::Grid, ScheduleKind::Compact),
     (Accelerator::Grid, ScheduleKind::Fused),
     (Accelerator::Bvh, ScheduleKind::Compact),
 ];
 
-/// The time for a way, in a report and in a quick one.
-const A_WAY_TAKES: Duration = Duration::from_secs(6);
-const A_QUICK_WAY_TAKES: Duration = Duration::from_millis(2_500);
+/// The time for each of them, in a quick report and in a full one.
+const EACH_TAKES: [Duration; 2] = [Duration::from_millis(2_500), Duration::from_secs(6)];
 /// The seconds for `raystep plan` unless other ones are requested.
 pub const ALONE_SECONDS: u32 = 25;
 
@@ -123,31 +73,25 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
     if !has_times {
         part.prose.push(format!("On the CPU, {NO_TIMES}."));
     }
-    let is_wanted = |way: &&(Accelerator, ScheduleKind)| work.only.has(way.0) && work.only.has_schedule(way.1);
+    let is_wanted = |one: &&(Accelerator, ScheduleKind)| work.only.has(one.0) && work.only.has_schedule(one.1);
     let mut left_out = Vec::new();
-    for &(accelerator, schedule) in WAYS[..work.either(2, WAYS.len())].iter().filter(is_wanted) {
+    for &(accelerator, schedule) in COMPARED[..work.either(2, COMPARED.len())].iter().filter(is_wanted) {
         if work.is_past(1.0) {
             left_out.push(format!("{accelerator} {schedule}"));
             continue;
         }
         work.stage(&format!("omitted items, {accelerator} {schedule}"));
         let options = Options { accelerator, schedule, ..Options::new(work.camera_rays()) };
-        let time = work.at_most(work.either(A_QUICK_WAY_TAKES, A_WAY_TAKES));
-        match measure::costs(work, &options, time) {
-            Ok(found) => {
-                let rows: Vec<Row> = found.costs.iter().map(|cost| row(work, &options, cost)).collect();
-                if part.prose.len() <= usize::from(!has_times) {
-                    part.prose.extend(reasons(&rows));
-                }
-                part.prose.extend(in_words(&rows));
-                part.notes.extend(notes(work, &found).map(|note| format!("{accelerator}, {schedule}: {note}")));
-                table.rows.extend(rows);
-            }
-            Err(error) => {
-                work.can_go_on()?;
-                part.notes.push(format!("{accelerator}, {schedule}: {}", work.explain(&error)));
-            }
+        let time = work.at_most(work.either(EACH_TAKES[0], EACH_TAKES[1]));
+        let (name, found) = (format!("{accelerator}, {schedule}"), measure::costs(work, &options, time));
+        let Some(found) = work.noted(&mut part, &name, found)? else { continue };
+        let rows: Vec<Row> = found.costs.iter().map(|cost| row(work, &options, cost)).collect();
+        if part.prose.len() <= usize::from(!has_times) {
+            part.prose.extend(reasons(&rows));
         }
+        part.prose.extend(in_words(&rows));
+        part.notes.extend(notes(work, &found).map(|note| format!("{name}: {note}")));
+        table.rows.extend(rows);
     }
     part.notes.extend(work.left_out(&left_out));
     let rows = &table.rows[first..];
@@ -164,7 +108,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
             work.clock_in_words()
         ),
     );
-    part.table(rows, SHOWN);
+    part.table(rows);
     if has_times && !rows.is_empty() {
         part.prose.push(
             "A start allocates, uploads and compiles, excluding planning. The first start has its own column, as the \
@@ -211,22 +155,15 @@ fn row(work: &Work<'_>, options: &Options, cost: &Cost) -> Row {
         .set("buffer_bytes_with", with.buffers)
         .set("added_bytes", with.total() as i64 - without.total() as i64);
     let Some(times) = &cost.times else { return row };
-    let (start, time) = (times.start_ratio, times.time_ratio);
-    let [start_interval, interval] = [start, time].map(|ratio| ratio.and_then(|(_, interval)| interval));
     row.set("first_start_s", times.first_start_s[0])
         .set("first_start_s_with", times.first_start_s[1])
         .set("start_s", times.start_s[0])
         .set("start_s_with", times.start_s[1])
-        .set("start_ratio", start.map(|(median, _)| median))
-        .set("start_ratio_low", start_interval.map(|i| i.low))
-        .set("start_ratio_high", start_interval.map(|i| i.high))
+        .median("start_ratio", times.start_ratio)
         .set("runs", times.runs)
         .set("ratio_to", &*times.without)
-        .set("time_ratio", time.map(|(median, _)| median))
-        .set("time_ratio_low", interval.map(|i| i.low))
-        .set("time_ratio_high", interval.map(|i| i.high))
-        .set("interval_method", interval.map(|i| i.method.name()))
-        .set("interval_level", interval.map(|i| i.level))
+        .median("time_ratio", times.time_ratio)
+        .method(times.time_ratio.and_then(|(_, interval)| interval))
         .set("differing_hits", times.differing.len())
         .set("clock", work.clock())
 }
@@ -238,10 +175,10 @@ fn reasons(rows: &[Row]) -> Option<String> {
     (!items.is_empty()).then(|| format!("Not needed: {}.", items.join(", ")))
 }
 
-/// The rows of a way in a paragraph, as HTML; `None` without rows.
+/// The rows of a structure and schedule in a paragraph, as HTML; `None` without rows.
 fn in_words(rows: &[Row]) -> Option<String> {
     let (all, items) = rows.split_first()?;
-    let way = format!("{}, {}", all.get("accelerator"), all.get("schedule"));
+    let name = format!("{}, {}", all.get("accelerator"), all.get("schedule"));
     let place = |row: &Row| compared("time_ratio", row);
     let ratio = |row: &Row| {
         let [median, low, high] = ["time_ratio", "time_ratio_low", "time_ratio_high"].map(|c| number(c, row));
@@ -254,7 +191,7 @@ fn in_words(rows: &[Row]) -> Option<String> {
         });
         Some(names.collect::<Vec<_>>().join(", ")).filter(|text| !text.is_empty())
     };
-    let mut text = format!("<b>{way}</b>. ");
+    let mut text = format!("<b>{name}</b>. ");
     text += &match place(all) {
         Compared::Unknown => format!("Everything put back: {}. ", added(all)),
         known => format!("With everything put back, a run takes {}: {}. ", ratio(all), known.words()),
@@ -295,7 +232,7 @@ fn plot(rows: &[Row]) -> Forest {
         }
     }
     let mut series = Vec::new();
-    for (accelerator, schedule) in WAYS {
+    for (accelerator, schedule) in COMPARED {
         let wanted = [("accelerator", accelerator.name()), ("schedule", schedule.name())];
         let mut one = Series {
             name: format!("{accelerator}, {schedule}"),

@@ -4,7 +4,7 @@
 //! it is measured against f64 with the same f32 inputs, and predicted for each ray by the bound in `crate::reference`.
 //! A result with a small one is right for a scene close to the given one: its backward error is small. The *forward
 //! error* is measured against the scene before it was moved or scaled, and so includes the rounding of every coordinate
-//! to f32, off by up to half a unit in the last place, h. A plane with the normal n through vertices c is hit where
+//! to f32, off by up to half a unit in the last transform, h. A plane with the normal n through vertices c is hit where
 //! (o + t·d − c)·n = 0. To first order, with vertex weights that add up to 1, rounding changes t by
 //!
 //! ```text
@@ -15,7 +15,7 @@
 //! vertex of the hit triangle: t is a mean of the vertices' depths, each rounded, and errors of their weights change it
 //! only as far as the depths differ.
 //!
-//! Errors of t are converted to distances along the ray, relative to the scene's extent, so that all places are
+//! Errors of t are converted to distances along the ray, relative to the scene's extent, so that all of them are
 //! comparable. Rays are judged by strata: in any direction, and at corners, at middles of edges and along edges of the
 //! moved scene.
 
@@ -42,28 +42,13 @@ use crate::tidy::fill::{Drawn, per_million, verdicts};
 use crate::tidy::{KEYS, Row, Table, VERDICTS, count, joined};
 use errors::measure;
 
-const ERRORS: &[&str] = &[
-    "numerics",
-    "stratum",
-    "rays",
-    "measured_rays",
-    "arithmetic_error_extents_largest",
-    "arithmetic_error_extents_median",
-    "arithmetic_bound_extents_largest",
-    "arithmetic_bound_extents_median",
-    "arithmetic_error_by_bound_largest",
-    "depth_rounding_extents_largest",
-    "arithmetic_by_depth_rounding",
-    "forward_error_extents_largest",
-    "forward_error_extents_median",
-    "forward_bound_extents_largest",
-    "forward_bound_extents_median",
-    "forward_error_by_bound_largest",
-    "beyond_forward_bound_rays",
-    "changed_rays",
-    "changed_per_million",
-    "changed_per_million_low",
-    "changed_per_million_high",
+const ERRORS: &[&str] = columns![
+    numerics stratum rays measured_rays arithmetic_error_extents_largest arithmetic_error_extents_median
+    arithmetic_bound_extents_largest arithmetic_bound_extents_median arithmetic_error_by_bound_largest
+    depth_rounding_extents_largest arithmetic_by_depth_rounding forward_error_extents_largest
+    forward_error_extents_median forward_bound_extents_largest forward_bound_extents_median
+    forward_error_by_bound_largest beyond_forward_bound_rays changed_rays changed_per_million
+    changed_per_million_low changed_per_million_high
 ];
 
 const MOVED: &[&[&str]] = &[KEYS, &["offset_extents"], ERRORS, VERDICTS];
@@ -75,12 +60,12 @@ pub(super) const COLUMNS: &[&str] = &joined::<{ count(MOVED) }>(MOVED);
 /// Columns of the section `scaled`.
 pub(super) const SCALED_COLUMNS: &[&str] = &joined::<{ count(SCALED) }>(SCALED);
 
-/// What rays are aimed at, a stratum each. Those in any direction come first, and are traced again in every place.
+/// What rays are aimed at, a stratum each. Those in any direction come first, and are traced again in every transform.
 const STRATA: [Aim<'static>; 4] = [Aim::Anywhere, Aim::Corners, Aim::Middles, Aim::Along];
 
-/// Where the scene is placed.
+/// How the scene is changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum Transform {
     /// Moved by this many extents.
     Moved(f64),
     /// Scaled by this factor.
@@ -88,17 +73,17 @@ enum Place {
 }
 
 /// Direction in which scenes are moved: neither an axis nor a diagonal.
-const WAY: DVec3 = DVec3::new(1.0, -0.7, 0.4);
+const DIRECTION: DVec3 = DVec3::new(1.0, -0.7, 0.4);
 
 pub(super) fn moved(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
-    run(work, table, "offset_extents", &(0..=6).map(|k| Place::Moved(10f64.powi(k))).collect::<Vec<_>>())
+    run(work, table, "offset_extents", &(0..=6).map(|k| Transform::Moved(10f64.powi(k))).collect::<Vec<_>>())
 }
 
 pub(super) fn scaled(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
-    run(work, table, "scale", &(-4..=4).map(|k| Place::Scaled(10f64.powi(5 * k))).collect::<Vec<_>>())
+    run(work, table, "scale", &(-4..=4).map(|k| Transform::Scaled(10f64.powi(5 * k))).collect::<Vec<_>>())
 }
 
-fn run(work: &Work<'_>, table: &mut Table, column: &'static str, places: &[Place]) -> Result<Part, Error> {
+fn run(work: &Work<'_>, table: &mut Table, column: &'static str, transforms: &[Transform]) -> Result<Part, Error> {
     let mut part = Part::default();
     let scene = &work.subject.scene;
     if scene.triangles.is_empty() {
@@ -109,20 +94,15 @@ fn run(work: &Work<'_>, table: &mut Table, column: &'static str, places: &[Place
     let count = work.either(256, 1024).min(Judge::most_rays(work) / STRATA.len());
     let here = Here::new(work, count)?;
     let mut left_out = Vec::new();
-    for (i, &place) in places.iter().enumerate() {
+    for (i, &transform) in transforms.iter().enumerate() {
         if work.is_past(1.0) {
-            left_out.push(place.to_string());
+            left_out.push(transform.to_string());
             continue;
         }
-        work.stage(&format!("error at {place}"));
-        work.reporter.part("places", i as u64, places.len() as u64);
-        match one(work, &here, place, table.columns, &mut part) {
-            Ok(rows) => table.rows.extend(rows),
-            Err(error) => {
-                work.can_go_on()?;
-                part.notes.push(format!("{place}: {}", work.explain(&error)));
-            }
-        }
+        work.stage(&format!("error at {transform}"));
+        work.reporter.part("scenes", i as u64, transforms.len() as u64);
+        let rows = one(work, &here, transform, table.columns, &mut part);
+        table.rows.extend(work.noted(&mut part, &transform.to_string(), rows)?.into_iter().flatten());
     }
     part.notes.extend(work.left_out(&left_out));
     let rows = &table.rows[first..];
@@ -130,9 +110,7 @@ fn run(work: &Work<'_>, table: &mut Table, column: &'static str, places: &[Place
     part.figure("bound", plots::by_bound(column, rows), words::bound_caption(rows));
     part.figure("wrong", plots::wrong(column, rows), words::wrong_caption(column, rows));
     part.figure("changed", plots::changed(column, rows), words::changed_caption(column, rows));
-    let is_shown = |c: &&str| !KEYS.contains(c) && *c != "at_bound";
-    let columns: Vec<&str> = table.columns.iter().copied().filter(is_shown).collect();
-    part.table(rows, &columns);
+    part.table(rows);
     words::say(column, rows, &mut part);
     Ok(part)
 }
@@ -173,7 +151,7 @@ fn extent(scene: &Scene) -> f64 {
     f64::from((bounds.max - bounds.min).max_element())
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Transform {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Moved(by) => write!(f, "an offset of {by:e} extents"),
@@ -182,7 +160,7 @@ impl fmt::Display for Place {
     }
 }
 
-impl Place {
+impl Transform {
     /// Part of a configuration's id.
     fn id(self) -> String {
         match self {
@@ -194,7 +172,7 @@ impl Place {
     /// The point after moving or scaling; exact.
     fn exact(self, point: DVec3, extent: f64) -> DVec3 {
         match self {
-            Self::Moved(by) => point + WAY * (by * extent),
+            Self::Moved(by) => point + DIRECTION * (by * extent),
             Self::Scaled(by) => point * by,
         }
     }
@@ -216,19 +194,19 @@ impl Place {
 fn one(
     work: &Work<'_>,
     here: &Here,
-    place: Place,
+    transform: Transform,
     columns: &'static [&'static str],
     part: &mut Part,
 ) -> Result<Vec<Row>, Error> {
     let mut scene = work.subject.scene.clone();
-    scene.triangles.iter_mut().flatten().for_each(|p| *p = place.point(*p, here.extent));
+    scene.triangles.iter_mut().flatten().for_each(|p| *p = transform.point(*p, here.extent));
     let is_lost = |v: &f32| !v.is_finite() || (*v != 0.0 && v.abs() < f32::MIN_POSITIVE);
     if scene.triangles.iter().flatten().flatten().any(is_lost) {
-        part.notes.push(format!("{place}: coordinates exceed the range of f32"));
+        part.notes.push(format!("{transform}: coordinates exceed the range of f32"));
         return Ok(Vec::new());
     }
     // Rays in any direction keep theirs; the others are aimed at the edges of the moved scene.
-    let again = here.rays.iter().map(|r| Ray { origin: place.point(r.origin, here.extent), ..*r });
+    let again = here.rays.iter().map(|r| Ray { origin: transform.point(r.origin, here.extent), ..*r });
     let mut rays: Vec<Ray> = again.collect();
     let mut ends = vec![0, rays.len()];
     for (aim, seed) in STRATA.into_iter().zip(work.seed()..).skip(1) {
@@ -245,13 +223,13 @@ fn one(
         let options = Options { numerics, shade: false, ..Options::new(RaySource::Given(rays.clone())) };
         let mut renderer = work.wait(work.build(&options))?.renderer;
         if work.wait(work.run(&mut renderer))? == Ended::GivenUp {
-            part.notes.push(format!("{place}, {numerics}: stopped: too slow, or endless"));
+            part.notes.push(format!("{transform}, {numerics}: stopped: too slow, or endless"));
             continue;
         }
         let judged = work.wait(judge.judge(&work, &renderer))?;
         let aim_of =
             |ray: usize| STRATA[ends[1..].iter().filter(|&&end| ray >= end).count().min(STRATA.len() - 1)].name();
-        judge.record(&work, &renderer, &judged, &work.configuration(&[&place.id(), numerics.name()]), aim_of);
+        judge.record(&work, &renderer, &judged, &work.configuration(&[&transform.id(), numerics.name()]), aim_of);
         let hits = work.wait(renderer.hits())?;
         for (aim, ends) in STRATA.into_iter().zip(ends.windows(2)) {
             let of = ends[0]..ends[1];
@@ -260,13 +238,13 @@ fn one(
             let unresolved = in_stratum - counts.rays();
             let is_again = aim == Aim::Anywhere;
             let errors =
-                measure(&judged, &judge, &of, is_again.then_some((here, place)), &subject.scene, &rays, &renderer);
+                measure(&judged, &judge, &of, is_again.then_some((here, transform)), &subject.scene, &rays, &renderer);
             let row =
                 work.row(columns).set("numerics", numerics.name()).set("stratum", aim.name()).set("rays", of.len());
-            let row = row.set("configuration", work.configuration(&[&place.id(), numerics.name()]));
-            let row = match place {
-                Place::Moved(by) => row.set("offset_extents", by),
-                Place::Scaled(by) => row.set("scale", by),
+            let row = row.set("configuration", work.configuration(&[&transform.id(), numerics.name()]));
+            let row = match transform {
+                Transform::Moved(by) => row.set("offset_extents", by),
+                Transform::Scaled(by) => row.set("scale", by),
             };
             let row = errors.fill(verdicts(row, &counts, Drawn::AtRandom).set("at_bound", unresolved));
             let found = hits[of.clone()].iter().map(|hit| hit.map(|hit| hit.triangle));
@@ -284,8 +262,7 @@ fn changed(row: Row, found: impl ExactSizeIterator<Item = Option<u32>>, here: &H
     let ends = interval_or_bound(changed, of);
     row.set("changed_rays", changed)
         .set("changed_per_million", per_million(changed, of))
-        .set("changed_per_million_low", ends.map(|ends| 1e6 * ends[0]))
-        .set("changed_per_million_high", ends.map(|ends| 1e6 * ends[1]))
+        .ends("changed_per_million", ends.map(|ends| ends.map(|share| 1e6 * share)))
 }
 
 #[cfg(test)]
@@ -294,7 +271,7 @@ mod tests {
 
     #[test]
     fn points_are_moved_and_scaled_exactly_before_they_are_rounded() {
-        assert_eq!(Place::Moved(10.0).point([1.0, 2.0, 3.0], 2.0), [21.0, -12.0, 11.0]);
-        assert_eq!(Place::Scaled(1e5).point([1.0, -2.0, 0.0], 7.0), [1e5, -2e5, 0.0]);
+        assert_eq!(Transform::Moved(10.0).point([1.0, 2.0, 3.0], 2.0), [21.0, -12.0, 11.0]);
+        assert_eq!(Transform::Scaled(1e5).point([1.0, -2.0, 0.0], 7.0), [1e5, -2e5, 0.0]);
     }
 }

@@ -9,6 +9,7 @@ use crate::html::{self, escaped};
 use crate::human::{cell, data};
 use crate::plots::{self, Draw, Format};
 use crate::subject::Size;
+use crate::text::counted;
 use crate::tidy::Row;
 
 /// A section's results for one scene.
@@ -82,56 +83,14 @@ impl Part {
         self.lead_figures.extend(Figure::new(name, plot, caption));
     }
 
-    /// Adds a folded table with some of the columns.
-    pub(super) fn table<'a>(&mut self, rows: impl IntoIterator<Item = &'a Row>, columns: &[&str]) {
-        let rows: Vec<&Row> = rows.into_iter().collect();
-        let is_empty = |column: &&&str| rows.iter().all(|row| row.get(column).is_empty());
-        let columns: Vec<&str> = columns.iter().filter(|c| !is_empty(c)).copied().collect();
-        if rows.is_empty() {
-            return;
+    /// Adds a folded table.
+    pub(super) fn table<'a>(&mut self, rows: impl IntoIterator<Item = &'a Row>) {
+        let rows: Vec<_> = rows.into_iter().map(|row| ("", row)).collect();
+        if !rows.is_empty() {
+            let summary = format!("Table, {}", counted(rows.len(), "row"));
+            self.tables.push(html::folded(&summary, false, &html::of_rows(rows)));
         }
-        let names: Vec<String> = columns.iter().map(|c| name_of(c)).collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let cells = |row: &&Row| columns.iter().map(|c| cell(c, row.get(c))).collect();
-        let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
-        let count = crate::text::counted(rows.len(), "row");
-        self.tables
-            .push(format!("<details><summary>Table, {count}</summary>{}</details>\n", table(&names, &cells, "")));
     }
-}
-
-/// A column's name for people: units are with the numbers.
-fn name_of(column: &str) -> String {
-    if let Some(column) = column.strip_suffix("_with") {
-        return name_of(column) + " with";
-    }
-    let bare = column.strip_suffix("_ns").or_else(|| column.strip_suffix("_s")).unwrap_or(column);
-    let bare = bare.strip_suffix("_bytes").filter(|b| *b != "structure").unwrap_or(bare);
-    bare.replace('_', " ")
-}
-
-/// A table of HTML cells. Numbers are right-aligned, words left-aligned.
-fn table(names: &[&str], rows: &[Vec<String>], class: &str) -> String {
-    let is_number = |cell: &String| {
-        let text = cell.strip_prefix("<data value=\"").unwrap_or(cell);
-        cell.is_empty() || text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '−' | '–' | '+' | '≤'))
-    };
-    let left: Vec<bool> = (0..names.len()).map(|c| !rows.iter().filter_map(|r| r.get(c)).all(is_number)).collect();
-    let class_of = |c: usize| if left[c] { " class=\"l\"" } else { "" };
-    // Writing to a string cannot fail.
-    let mut html = format!("<div class=\"wide\"><table class=\"{class}\"><tr>");
-    for (c, name) in names.iter().enumerate() {
-        let _ = write!(html, "<th{}>{}</th>", class_of(c), escaped(name));
-    }
-    html += "</tr>\n";
-    for row in rows {
-        html += "<tr>";
-        for (c, cell) in row.iter().enumerate() {
-            let _ = write!(html, "<td{}>{cell}</td>", class_of(c));
-        }
-        html += "</tr>\n";
-    }
-    html + "</table></div>\n"
 }
 
 /// A field of a CSV in a paragraph, as HTML.
@@ -246,7 +205,8 @@ fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
     }
     *page += "</div>\n";
     for lead in parts().filter_map(|part| part.lead_table.as_ref()) {
-        *page += &table(&lead.names, &lead.rows, "lead");
+        let rows: Vec<_> = lead.rows.iter().map(|cells| ("", cells.clone())).collect();
+        *page += &html::table(&lead.names, &rows, "lead");
         let _ = writeln!(page, "<p class=\"note\">{}</p>", escaped(&lead.note));
     }
     let link = |(key, _): &(&'static str, Part)| {
@@ -265,21 +225,11 @@ fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
         for paragraph in &part.prose {
             let _ = writeln!(page, "<p>{paragraph}</p>");
         }
-        if part.is_folded {
-            *page += "<details><summary>Figures and table</summary>\n";
-        }
-        part.figures.iter().for_each(|figure| drawn(page, &scene.slug, key, figure, &caption(figure)));
-        part.tables.iter().for_each(|table| *page += table);
-        if part.is_folded {
-            *page += "</details>\n";
-        }
-        if !part.notes.is_empty() {
-            *page += "<ul class=\"note\">";
-            for note in &part.notes {
-                let _ = write!(page, "<li>{}</li>", escaped(note));
-            }
-            *page += "</ul>\n";
-        }
+        let mut body = String::new();
+        part.figures.iter().for_each(|figure| drawn(&mut body, &scene.slug, key, figure, &caption(figure)));
+        body.extend(part.tables.iter().map(String::as_str));
+        *page += &if part.is_folded { html::folded("Figures and table", false, &body) } else { body };
+        *page += &html::list(&part.notes, "note");
         *page += "</section>\n";
     }
 }
@@ -291,12 +241,7 @@ fn drawn(page: &mut String, slug: &str, section: &str, figure: &Figure, caption:
         let link = |kind: &str| format!("<a href=\"{stem}-{name}.{kind}\">{}</a>", kind.to_uppercase());
         format!("{}: {} {}", name.replace('-', " "), link("pdf"), link("svg"))
     });
-    let _ = writeln!(
-        page,
-        "<figure>{}<figcaption>{caption} For a paper, {}.</figcaption></figure>",
-        figure.inline,
-        links.join(", "),
-    );
+    *page += &html::figure(&figure.inline, &format!("{caption} For a paper, {}.", links.join(", ")));
 }
 
 /// Styles that only this page needs.
@@ -323,17 +268,17 @@ mod tests {
 
     #[test]
     fn names_are_text_and_numbers_are_fields() {
-        const COLUMNS: &[&str] = &["schema_version", "scene", "median_ns", "rule"];
-        let row = Row::new(COLUMNS).set("scene", "<b>").set("median_ns", 12_500.0);
+        const COLUMNS: &[&str] = columns![schema_version accelerator median_ns rule];
+        let row = Row::new(COLUMNS).set("accelerator", "<b>").set("median_ns", 12_500.0);
         let mut part = Part::default();
-        part.table([&row], COLUMNS);
+        part.table([&row]);
         part.notes.push("a < b".into());
         let size = Size { width: 3, height: 2 };
         let parts = vec![(SECTIONS[0].name, part)];
         let (name, file, slug) = ("<x>".into(), "1 & 2".into(), "x".into());
         let scenes = [Scene { name, file, slug, triangles: 7, size, rays: None, parts }];
         let page = html(&vec![("command", "raystep \"x\"".into())], &scenes, 5);
-        assert!(page.contains("<th class=\"l\">scene</th><th>median</th></tr>"), "{page}");
+        assert!(page.contains("<th class=\"l\">accelerator</th><th>median</th></tr>"), "{page}");
         assert!(page.contains("<data value=\"12500\">12.5 µs</data>") && page.contains("a &lt; b"));
         assert!(page.contains("raystep &quot;x&quot;") && !page.contains("<x>") && page.contains("1 &amp; 2"));
     }

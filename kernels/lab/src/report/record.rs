@@ -8,28 +8,15 @@ use crate::tidy::{KEYS, Row, Table, count, joined};
 /// File of all timed runs.
 pub(super) const RUNS: &str = "runs.csv";
 
-const RUN_GROUPS: &[&[&str]] = &[KEYS, &["section", "round", "place", "time_ns", "wall_ns", "clock"]];
+const RUN_GROUPS: &[&[&str]] = &[KEYS, columns![section round place time_ns wall_ns clock]];
 
 pub(super) const RUN_COLUMNS: &[&str] = &joined::<{ count(RUN_GROUPS) }>(RUN_GROUPS);
 
 /// File of all judged rays.
 pub(super) const RAYS: &str = "rays.csv";
 
-const RAY_GROUPS: &[&[&str]] = &[
-    KEYS,
-    &[
-        "section",
-        "ray",
-        "stratum",
-        "verdict",
-        "found_triangle",
-        "found_t",
-        "exact_triangle",
-        "exact_t",
-        "t_error",
-        "t_bound",
-    ],
-];
+const RAY_GROUPS: &[&[&str]] =
+    &[KEYS, columns![section ray stratum verdict found_triangle found_t exact_triangle exact_t t_error t_bound]];
 
 pub(super) const RAY_COLUMNS: &[&str] = &joined::<{ count(RAY_GROUPS) }>(RAY_GROUPS);
 

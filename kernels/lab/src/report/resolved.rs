@@ -17,80 +17,50 @@ use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKi
 
 use super::judge::Judge;
 use super::page::{Part, number};
-use super::work::{TESTS_PER_PASS, Work};
+use super::work::{Work, id, in_words};
 use crate::Error;
+use crate::configuration::{Configuration, numerics_of};
 use crate::meter::Ended;
+use crate::outside::{ALL_MISS, misses_all};
 use crate::reference::Verdict;
 use crate::structures::STRUCTURES;
+use crate::tidy::fill::per_million;
 use crate::tidy::{KEYS, Row, Table, count, joined};
-use crate::ways::{ALL_MISS, misses_all, numerics_of};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
-    &[
-        "accelerator",
-        "schedule",
-        "numerics",
-        "rays",
-        "judged_rays",
-        "pass_index",
-        "kernel",
-        "pass_end_ns",
-        "resolved_rays",
-        "resolved_judged_rays",
-        "resolved_wrong_rays",
-        "resolved_wrong_per_million",
-        "resolved_undecided_rays",
-        "is_last",
-        "clock",
+    columns![
+        accelerator schedule numerics rays judged_rays pass_index kernel pass_end_ns resolved_rays
+        resolved_judged_rays resolved_wrong_rays resolved_wrong_per_million resolved_undecided_rays is_last
+        clock
     ],
 ];
 
 pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
-const SHOWN: &[&str] = &[
-    "accelerator",
-    "schedule",
-    "numerics",
-    "pass_index",
-    "pass_end_ns",
-    "rays",
-    "resolved_rays",
-    "judged_rays",
-    "resolved_wrong_rays",
-    "resolved_undecided_rays",
-];
-
 /// Maximum number of tests in a run without an accelerator.
 const MOST_TESTS: u64 = 1 << 28;
 
-#[derive(Clone, Copy)]
-struct Way {
-    accelerator: Accelerator,
-    schedule: ScheduleKind,
-    numerics: Numerics,
-}
-
 /// Every configuration, and the paper's numerics with its own faster schedule; in a quick report, without the schedules
 /// between the paper's and the fused one.
-fn ways(is_quick: bool) -> Vec<Way> {
+fn configurations(is_quick: bool) -> Vec<Configuration> {
     use Accelerator::{Bvh, Grid, Irregular, None};
-    let mut ways = Vec::new();
+    let mut all = Vec::new();
     for accelerator in [Grid, Irregular, Bvh, None] {
         for &schedule in ScheduleKind::ALL {
             // Without a grid or BVH, `second` is the same as `first`.
             let is_same = accelerator == None && schedule == ScheduleKind::Second;
             let is_papers = matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
             if !(is_same || is_quick && is_papers) {
-                ways.push(Way { accelerator, schedule, numerics: Numerics::Robust });
+                all.push(Configuration::usual(accelerator, schedule));
             }
         }
         let schedule = if accelerator == None { ScheduleKind::First } else { ScheduleKind::Second };
         if numerics_of(accelerator).contains(&Numerics::Paper) {
-            ways.push(Way { accelerator, schedule, numerics: Numerics::Paper });
+            all.push(Configuration::usual(accelerator, schedule).paper());
         }
     }
-    ways
+    all
 }
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
@@ -99,21 +69,18 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let first = table.rows.len();
     let mut judge = Judge::default();
     let mut left_out = Vec::new();
-    let is_wanted = |way: &Way| work.only.has(way.accelerator) && work.only.has_schedule(way.schedule);
-    for way in ways(work.is_quick).into_iter().filter(is_wanted) {
-        let what = format!("{} {} {}", way.accelerator, way.schedule, way.numerics);
+    let is_wanted = |one: &Configuration| work.only.has(one.accelerator) && work.only.has_schedule(one.schedule);
+    for configuration in configurations(work.is_quick).into_iter().filter(is_wanted) {
+        let what = in_words(&configuration);
         if work.is_past(1.0) {
             left_out.push(what);
             continue;
         }
         work.stage(&format!("rays over time, {what}"));
-        match one(work, way, &mut judge, &mut part) {
-            Ok(Ok(rows)) => table.rows.extend(rows),
-            Ok(Err(reason)) => part.notes.push(format!("{what}: {reason}")),
-            Err(error) => {
-                work.can_go_on()?;
-                part.notes.push(format!("{what}: {}", work.explain(&error)));
-            }
+        let found = one(work, configuration, &mut judge, &mut part);
+        match work.noted(&mut part, &what, found)? {
+            Some(Err(reason)) => part.notes.push(format!("{what}: {reason}")),
+            found => table.rows.extend(found.and_then(Result::ok).into_iter().flatten()),
         }
     }
     part.notes.extend(work.left_out(&left_out));
@@ -125,7 +92,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         part.figure("wrong", plots::wrong(rows), plots::wrong_caption(rows));
     }
     let last = || rows.iter().filter(|r| r.get("is_last") == "true");
-    part.table(last(), SHOWN);
+    part.table(last());
     let wrong = |row: &&Row| row.number("resolved_wrong_rays").unwrap_or(0.0) as u64;
     for (numerics, name) in [("robust", "robust rules"), ("paper", "the paper's rules")] {
         if let Some(row) = last().filter(|r| r.get("numerics") == numerics).max_by_key(wrong) {
@@ -145,25 +112,22 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
 }
 
 /// The rows of a configuration, or why there are none.
-fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<Result<Vec<Row>, String>, Error> {
-    let Way { accelerator, schedule, numerics } = way;
+fn one(
+    work: &Work<'_>,
+    configuration: Configuration,
+    judge: &mut Judge,
+    part: &mut Part,
+) -> Result<Result<Vec<Row>, String>, Error> {
     let (triangles, rays) = (work.subject.scene.triangles.len() as u64, u64::from(work.size.width * work.size.height));
-    if accelerator == Accelerator::None && triangles.saturating_mul(rays) > MOST_TESTS {
+    if configuration.accelerator == Accelerator::None && triangles.saturating_mul(rays) > MOST_TESTS {
         return Ok(Err(format!("testing {triangles} triangles for each of {rays} rays takes too long")));
     }
-    let options = Options {
-        accelerator,
-        schedule,
-        numerics,
+    let options = configuration.of(&Options {
         // A fused kernel that does not shade generates its rays itself, so they could not be read.
-        shade: schedule == ScheduleKind::Fused,
+        shade: configuration.schedule == ScheduleKind::Fused,
         timings: true,
         ..Options::new(work.camera_rays())
-    };
-    let options = match accelerator {
-        Accelerator::None => Options { steps_per_pass: TESTS_PER_PASS, ..options },
-        _ => options,
-    };
+    });
     let mut timed = work.wait(work.build(&options))?.renderer;
     if misses_all(&work.subject.scene, &options, timed.plan()) {
         part.notes.push(ALL_MISS.into());
@@ -172,7 +136,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         return Ok(Err("stopped: too slow, or endless".into()));
     };
     if ends_ns.contains(&None) {
-        part.notes.push(format!("{accelerator} {schedule} {numerics}: some passes have no valid time"));
+        part.notes.push(format!("{}: some passes have no valid time", in_words(&configuration)));
     }
     let read = read_back(work, &mut timed, &passes, judge)?;
     let judged = work.wait(judge.judge(work, &timed))?;
@@ -183,10 +147,8 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         let count = |is: fn(Verdict) -> bool| resolved.iter().filter(|v| is(**v)).count();
         let (wrong, judged_rays) = (count(Verdict::is_error), judged.counts.rays());
         work.row(COLUMNS)
-            .set("configuration", work.configuration(&[accelerator.name(), schedule.name(), numerics.name()]))
-            .set("accelerator", accelerator.name())
-            .set("schedule", schedule.name())
-            .set("numerics", numerics.name())
+            .set("configuration", id(work, &configuration))
+            .configured(&configuration)
             .set("rays", timed.plan().rays)
             .set("judged_rays", judged_rays)
             .set("pass_index", r.pass)
@@ -195,7 +157,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
             .set("resolved_rays", passes[r.pass].kernel.program().states.decided(&passes[r.pass].counts))
             .set("resolved_judged_rays", resolved.len())
             .set("resolved_wrong_rays", wrong)
-            .set("resolved_wrong_per_million", (judged_rays > 0).then(|| 1e6 * wrong as f64 / judged_rays as f64))
+            .set("resolved_wrong_per_million", per_million(wrong as u64, judged_rays))
             .set("resolved_undecided_rays", count(|v| v == Verdict::Tie))
             .set("is_last", i == last)
             .set("clock", work.clock())

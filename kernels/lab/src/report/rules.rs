@@ -15,99 +15,51 @@ use raystep_kernels::{Accelerator, Numerics, Options, Ray, RaySource, Rule, Sche
 use super::judge::{Judge, Judged};
 use super::page::Part;
 use super::times::{self, Times};
-use super::work::{Built, TESTS_PER_PASS, Work};
+use super::work::{Built, Work};
 use crate::Error;
+use crate::configuration::{Configuration, has_rule, numerics_of};
 use crate::portions::Portions;
 use crate::rays::{Aim, Planes, aimed};
 use crate::statistics::proportion::{holm, mcnemar};
 use crate::tidy::fill::{Drawn, verdicts};
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
-use crate::ways::{has_rule, numerics_of};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
-    &["accelerator", "schedule", "numerics", "rule", "stratum", "rays", "cells_x", "cells_y", "cells_z"],
+    columns![accelerator schedule numerics rule stratum rays cells_x cells_y cells_z],
     TIMES,
     RATIO,
     VERDICTS,
-    &["wrong_here_only", "wrong_robust_only", "p_value", "p_value_holm", "is_needed"],
+    columns![wrong_here_only wrong_robust_only p_value p_value_holm is_needed],
 ];
 
 pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
-const SHOWN: &[&str] = &[
-    "accelerator",
-    "rule",
-    "numerics",
-    "stratum",
-    "runs",
-    "median_ns",
-    "time_ratio",
-    "time_ratio_low",
-    "time_ratio_high",
-    "judged_rays",
-    "wrong_rays",
-    "missed",
-    "false_hits",
-    "wrong_hits",
-    "undecided",
-    "wrong_per_million_low",
-    "wrong_per_million_high",
-    "wrong_here_only",
-    "wrong_robust_only",
-    "p_value_holm",
-    "is_needed",
-    "at_bound",
-];
-
 /// The name of all strata together.
 const ALL: &str = "all";
 
-/// Robust numerics, robust without a rule, or the paper's.
-#[derive(Clone)]
-struct Way {
-    accelerator: Accelerator,
-    numerics: Numerics,
-    rule: Option<Rule>,
-    options: Options,
+fn id(work: &Work<'_>, configuration: &Configuration) -> String {
+    work.configuration(&[configuration.accelerator.name(), &configuration.rules()])
 }
 
-impl Way {
-    fn id(&self, work: &Work<'_>) -> String {
-        let rules = self.rule.map_or(self.numerics.name().to_owned(), |rule| format!("without-{rule}"));
-        work.configuration(&[self.accelerator.name(), &rules])
-    }
-}
-
-fn ways(work: &Work<'_>, rays: &[Ray]) -> Vec<Way> {
+/// With each structure robust numerics, robust without a rule, and the paper's.
+fn configurations(work: &Work<'_>, rays: usize) -> Vec<Configuration> {
     let most: usize = work.either(1 << 25, 1 << 27);
-    let can_test_all = work.subject.scene.triangles.len().saturating_mul(rays.len()) <= most;
-    let mut ways = Vec::new();
+    let can_test_all = work.subject.scene.triangles.len().saturating_mul(rays) <= most;
+    let mut all = Vec::new();
     for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::Irregular, Accelerator::None] {
         if accelerator == Accelerator::None && !can_test_all || !work.only.has(accelerator) {
             continue;
         }
-        let options = Options {
-            accelerator,
-            grid: work.grid_of(accelerator),
-            // Only one difference at a time: some rules cannot skip empty cells, so none do.
-            skip: Skip::Off,
-            schedule: ScheduleKind::Fused,
-            shade: false,
-            ..Options::new(RaySource::Given(rays.to_vec()))
-        };
-        let steps = if accelerator == Accelerator::None { TESTS_PER_PASS } else { options.steps_per_pass };
-        let options = Options { steps_per_pass: steps, ..options };
-        let mut add = |numerics, rule, options| ways.push(Way { accelerator, numerics, rule, options });
-        add(Numerics::Robust, None, options.clone());
-        for &rule in Rule::ALL.iter().filter(|rule| has_rule(accelerator, **rule)) {
-            add(Numerics::Robust, Some(rule), Options { without: Some(rule), ..options.clone() });
-        }
-        if numerics_of(accelerator).contains(&Numerics::Paper) {
-            add(Numerics::Paper, None, Options { numerics: Numerics::Paper, ..options });
-        }
+        // Only one difference at a time: some rules cannot skip empty cells, so none do.
+        let usual = Configuration::usual(accelerator, ScheduleKind::Fused);
+        let robust = Configuration { skip: Skip::Off, grid: Some(work.grid_of(accelerator)), ..usual };
+        let rules = Rule::ALL.iter().filter(|rule| has_rule(accelerator, **rule));
+        all.push(robust);
+        all.extend(rules.map(|&rule| Configuration { without: Some(rule), ..robust }));
+        all.extend(numerics_of(accelerator).contains(&Numerics::Paper).then(|| robust.paper()));
     }
-    ways
+    all
 }
 
 /// The rays, and the ends of their strata.
@@ -141,7 +93,7 @@ impl Strata {
 }
 
 struct Measured {
-    way: Way,
+    configuration: Configuration,
     built: Built,
     times: Times,
     judged: Judged,
@@ -155,23 +107,20 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     }
     let first = table.rows.len();
     let strata = Strata::new(work)?;
-    let (mut ready, mut left_out): (Vec<(Way, Built)>, Vec<String>) = (Vec::new(), Vec::new());
-    for way in ways(work, &strata.rays) {
+    let (mut ready, mut left_out): (Vec<(Configuration, Built)>, Vec<String>) = (Vec::new(), Vec::new());
+    let base = Options { shade: false, ..Options::new(RaySource::Given(strata.rays.clone())) };
+    for configuration in configurations(work, strata.rays.len()) {
+        let name = id(work, &configuration);
         if work.is_past(times::FOR_BUILDING) {
-            left_out.push(way.id(work));
+            left_out.push(name);
             continue;
         }
-        work.stage(&format!("rules: building {}", way.id(work)));
-        match work.build(&way.options).await {
-            Ok(built) => ready.push((way, built)),
-            Err(error) => {
-                work.can_go_on()?;
-                part.notes.push(format!("{}: {}", way.id(work), work.explain(&error)));
-            }
-        }
+        work.stage(&format!("rules: building {name}"));
+        let built = work.build(&configuration.of(&base)).await;
+        ready.extend(work.noted(&mut part, &name, built)?.map(|built| (configuration, built)));
     }
     work.stage("rules: timing");
-    let names: Vec<String> = ready.iter().map(|(way, _)| way.id(work)).collect();
+    let names: Vec<String> = ready.iter().map(|(configuration, _)| id(work, configuration)).collect();
     let mut renderers: Vec<_> = ready.iter_mut().map(|(_, built)| &mut built.renderer).collect();
     let times = work.time_in_turn(&names, &mut renderers, work.either(8, 20)).await?;
     part.notes.extend(work.left_out(&left_out));
@@ -179,53 +128,48 @@ pub(super) async fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Erro
     work.stage("rules: judging");
     let mut judge = Judge::default();
     let mut measured = Vec::new();
-    for ((way, built), times) in ready.into_iter().zip(times).filter(|(_, times)| !times.is_missing()) {
-        let judged = judge.judge(work, &built.renderer).await?;
-        part.notes.extend(times.is_given_up().then(|| format!("{}: {}", way.id(work), judged.given_up())));
-        judge.record(work, &built.renderer, &judged, &way.id(work), |ray| strata.of(ray));
-        measured.push(Measured { way, built, times, judged });
+    for ((configuration, built), times) in ready.into_iter().zip(times).filter(|(_, times)| !times.is_missing()) {
+        let (judged, name) = (judge.judge(work, &built.renderer).await?, id(work, &configuration));
+        part.notes.extend(times.is_given_up().then(|| format!("{name}: {}", judged.given_up())));
+        judge.record(work, &built.renderer, &judged, &name, |ray| strata.of(ray));
+        measured.push(Measured { configuration, built, times, judged });
     }
     let mut portions = Portions::new();
     for m in &measured {
         portions.rest().await;
-        let robust = measured.iter().find(|r| {
-            r.way.accelerator == m.way.accelerator && r.way.numerics == Numerics::Robust && r.way.rule.is_none()
-        });
+        let of_robust = Configuration { numerics: Numerics::Robust, without: None, ..m.configuration };
+        let robust = measured.iter().find(|r| r.configuration == of_robust);
         table.rows.extend(rows(work, &strata, &judge, m, robust));
     }
     adjust(&mut table.rows[first..]);
     let rows = &table.rows[first..];
     part.lead_figure("rules", figure::of(rows), figure::caption(rows));
     words::say(rows, &mut part);
-    part.table(rows, SHOWN);
+    part.table(rows);
     Ok(part)
 }
 
 /// One row with times for all strata together, and one for each stratum.
 fn rows(work: &Work<'_>, strata: &Strata, judge: &Judge, m: &Measured, robust: Option<&Measured>) -> Vec<Row> {
-    let Measured { way, built, times, judged } = m;
+    let Measured { configuration, built, times, judged } = m;
     let plan = built.renderer.plan();
-    let is_robust = way.numerics == Numerics::Robust && way.rule.is_none();
     let cells = built.renderer.data().grid.cells;
-    let cell = |axis: usize| (way.accelerator == Accelerator::Grid).then_some(cells[axis]);
+    let cell = |axis: usize| (configuration.accelerator == Accelerator::Grid).then_some(cells[axis]);
     let base = || {
         work.row(COLUMNS)
-            .set("configuration", way.id(work))
-            .set("accelerator", way.accelerator.name())
-            .set("schedule", ScheduleKind::Fused.name())
-            .set("numerics", way.numerics.name())
-            .set("rule", way.rule.map(Rule::name))
+            .set("configuration", id(work, configuration))
+            .configured(configuration)
             .set("cells_x", cell(0))
             .set("cells_y", cell(1))
             .set("cells_z", cell(2))
     };
     let row = times.fill(base(), work.seed()).set("stratum", ALL).set("rays", plan.rays).set("clock", work.clock());
     let row = judged.fill(row, Drawn::AtRandom);
-    let row = match robust.filter(|_| !is_robust) {
+    let row = match robust.filter(|robust| robust.configuration != *configuration) {
         None => row,
         Some(robust) => {
             let [here, there] = judged.discordant(&robust.judged);
-            let name = robust.way.id(work);
+            let name = id(work, &robust.configuration);
             times
                 .fill_ratio(&robust.times, &name, row, work.seed())
                 .set("wrong_here_only", here)

@@ -27,60 +27,16 @@ use slopes::{Of, of_quantity};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
-    &[
-        "quantity",
-        "sampler",
-        "pixels",
-        "seed",
-        "seeds",
-        "samples",
-        "width_px",
-        "height_px",
-        "pixel_count",
-        "rmse",
-        "reference_samples",
-        "reference_rmse",
-        "error",
-        "error_low",
-        "error_high",
-        "is_fitted",
-        "local_slope",
-        "local_slope_low",
-        "local_slope_high",
-        "slope",
-        "slope_low",
-        "slope_high",
-        "rays",
-        "ns_per_ray",
+    columns![
+        quantity sampler pixels seed seeds samples width_px height_px pixel_count rmse reference_samples
+        reference_rmse error error_low error_high is_fitted local_slope local_slope_low local_slope_high
+        slope slope_low slope_high rays ns_per_ray
     ],
     TIMES,
     RATIO,
 ];
 
 pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
-
-const SHOWN: &[&str] = &[
-    "quantity",
-    "sampler",
-    "pixels",
-    "samples",
-    "seeds",
-    "error",
-    "error_low",
-    "error_high",
-    "is_fitted",
-    "local_slope",
-    "local_slope_low",
-    "local_slope_high",
-    "slope",
-    "slope_low",
-    "slope_high",
-    "runs",
-    "median_ns",
-    "low_ns",
-    "high_ns",
-    "ns_per_ray",
-];
 
 /// Time limit of the section where it has none of its own; what is not measured by then is omitted.
 const LONGEST: Duration = Duration::from_secs(600);
@@ -134,7 +90,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         part.figure(of.name(), plots::errors(of, &rows), plots::error_caption(of, &rows));
     }
     part.figure("slopes", plots::local_slopes(&rows), plots::slope_caption(&rows));
-    part.table(rows.iter().filter(|row| row.get("seed").is_empty()), SHOWN);
+    part.table(rows.iter().filter(|row| row.get("seed").is_empty()));
     say(work, &rows, &mut part);
     table.rows.extend(rows);
     Ok(part)

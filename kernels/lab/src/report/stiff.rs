@@ -42,7 +42,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         let caption = format!("{}: {}. {}", family.family.title, family.family.what, stiff::CAPTION);
         part.figure(family.family.name, family.curves, caption);
     }
-    part.table(own_rows, SHOWN);
+    part.table(own_rows);
     table.rows.extend(own.rows.rows);
     Ok(part)
 }
@@ -52,25 +52,7 @@ fn record(work: &Work<'_>, rows: &[Row], runs: &[Row]) {
     let keys = ["run_id", "configuration"];
     let complete = |run: &Row| {
         let row = rows.iter().find(|row| row.is(&keys.map(|key| (key, run.get(key)))))?;
-        let all = Row::new(RUN_COLUMNS).set("section", work.section);
-        let all = ["scene", "scene_hash", "adapter"].iter().fold(all, |all, column| all.set(column, row.get(column)));
-        let of_run = ["run_id", "configuration", "round", "place", "time_ns", "wall_ns", "clock"];
-        Some(of_run.iter().fold(all, |all, column| all.set(column, run.get(column))))
+        Some(Row::new(RUN_COLUMNS).like(row).like(run).set("section", work.section))
     };
     work.record.add_runs(runs.iter().filter_map(complete));
 }
-
-const SHOWN: &[&str] = &[
-    "accelerator",
-    "rule",
-    "ns_per_ray",
-    "time_ratio",
-    "cells_per_ray",
-    "tests_per_ray",
-    "build_s",
-    "structure_bytes",
-    "judged_rays",
-    "wrong_rays",
-    "undecided",
-    "stiffness",
-];

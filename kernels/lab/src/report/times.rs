@@ -278,24 +278,15 @@ impl Work<'_> {
     /// Records runs, and returns their times.
     fn recorded(&self, name: &str, runs: &[Run]) -> Vec<Option<f64>> {
         self.record.add_runs(runs.iter().map(|run| {
-            self.row(RUN_COLUMNS)
-                .set("section", self.section)
-                .set("configuration", name)
-                .set("round", run.round)
-                .set("place", run.place)
-                .set("time_ns", self.ns(run.time))
-                .set("wall_ns", run.time.wall_ns)
-                .set("clock", self.clock())
+            let row = self.row(RUN_COLUMNS).set("section", self.section).set("configuration", name);
+            self.meter.fill_run(run, row)
         }));
         runs.iter().map(|run| self.ns(run.time)).collect()
     }
 
-    /// The time of a run by the clock that [times passes](Self::clock); `None` if it had no valid time.
+    /// The time of a run, if it had a valid one.
     pub(super) fn ns(&self, time: Time) -> Option<f64> {
-        match self.machine().timer().times_passes() {
-            true => time.device_ns.map(|ns| ns as f64),
-            false => Some(time.wall_ns as f64),
-        }
+        self.meter.ns(time)
     }
 }
 

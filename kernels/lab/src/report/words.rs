@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     const COLUMNS: &[&str] =
-        &["schema_version", "time_ratio", "time_ratio_low", "time_ratio_high", "median_ns", "low_ns", "high_ns"];
+        columns![schema_version time_ratio time_ratio_low time_ratio_high median_ns low_ns high_ns];
 
     #[test]
     fn a_median_is_told_with_its_interval() {

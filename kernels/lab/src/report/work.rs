@@ -11,7 +11,9 @@ use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Rende
 use web_time::Instant;
 
 use super::methods::Method;
+use super::page::Part;
 use super::record::Record;
+use crate::configuration::Configuration;
 use crate::meter::{Ended, Meter};
 use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
@@ -28,9 +30,6 @@ const A_RUN_TAKES: f64 = 0.25;
 
 /// Pass limit of one run: with the paper's numerics a walk may never end.
 const MOST_PASSES: usize = 100_000;
-
-/// Tests per pass without an accelerator, for schedules that take several: the list holds the whole scene.
-pub(super) const TESTS_PER_PASS: u32 = 128;
 
 /// A scene to report on.
 #[derive(Clone, Copy)]
@@ -83,6 +82,16 @@ impl Only {
     pub fn has_schedule(&self, schedule: ScheduleKind) -> bool {
         self.schedules.is_empty() || self.schedules.contains(&schedule)
     }
+}
+
+/// A structure with a schedule and numerics, in words.
+pub(super) fn in_words(Configuration { accelerator, schedule, numerics, .. }: &Configuration) -> String {
+    format!("{accelerator} {schedule} {numerics}")
+}
+
+/// The same as a configuration's id.
+pub(super) fn id(work: &Work<'_>, Configuration { accelerator, schedule, numerics, .. }: &Configuration) -> String {
+    work.configuration(&[accelerator.name(), schedule.name(), numerics.name()])
 }
 
 /// Everything is measured.
@@ -260,15 +269,18 @@ impl Work<'_> {
         self.start(&self.plan(options)?, options).await
     }
 
-    /// The text of an error in a note.
-    pub(super) fn explain(&self, error: &Error) -> String {
-        self.reporter.explain(error)
+    /// What was found, or nothing and a note with this name; an error if the device itself has failed.
+    pub(super) fn noted<T>(&self, part: &mut Part, name: &str, found: Result<T, Error>) -> Result<Option<T>, Error> {
+        let Err(error) = found else { return Ok(found.ok()) };
+        self.can_go_on()?;
+        part.notes.push(format!("{name}: {}", self.reporter.explain(&error)));
+        Ok(None)
     }
 
     /// Whether to continue after an error: not if the device itself has failed, or if everything is cancelled.
     pub(super) fn can_go_on(&self) -> Result<(), Error> {
         self.is_wanted()?;
-        Ok(self.machine().gpu().map_or(Ok(()), |gpu| gpu.health())?)
+        self.machine().health()
     }
 
     /// An error if everything is cancelled.

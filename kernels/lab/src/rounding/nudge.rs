@@ -46,8 +46,8 @@ impl Rounding<'_> {
         let mut own_data = (!is_gathered).then(|| self.data.clone());
         let mut are = vec![false; rays.len()];
         for (roundings, moved) in MOVES {
-            for way in 0..27 {
-                let signs = [way % 3 - 1, way / 3 % 3 - 1, way / 9 - 1].map(|s| s as f32);
+            for corner in 0..27 {
+                let signs = [corner % 3 - 1, corner / 3 % 3 - 1, corner / 9 - 1].map(|s| s as f32);
                 let by = signs.map(|s| s * roundings * 0.5 * f32::EPSILON);
                 if let Some(data) = &mut own_data {
                     data.camera = self.data.camera;

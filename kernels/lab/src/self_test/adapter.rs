@@ -8,13 +8,12 @@ use raystep_scenes::{Camera, generate};
 
 use super::{Bench, Check, Finding, Found, Group, Step, Verdict};
 use crate::Error;
+use crate::configuration::{Configuration, STEPPED};
 use crate::judge::{Traced, check_rays};
 use crate::machine::now_ns;
 use crate::rays;
-use crate::stability::StabilityError;
 use crate::stability::probe::Bits;
 use crate::text::counted;
-use crate::ways::{STEPPED, Way};
 
 pub(super) const LIMITS: &str = "limits";
 pub(super) const STAYS: &str = "device";
@@ -84,11 +83,11 @@ const RAYS: usize = 64;
 /// Every ray tests every triangle, in several passes if loops end early. The hits are those of a BVH, whose walks are
 /// short, and right by f64 brute force.
 fn long_loops(bench: &mut Bench) -> Found {
-    let scene = generate::icosphere(SUBDIVISIONS).map_err(StabilityError::from)?;
+    let scene = generate::icosphere(SUBDIVISIONS)?;
     let rays = rays::random(&scene.bounds(), RAYS, 1);
     let base = Options { shade: false, ..Options::new(RaySource::Given(rays)) };
     let run = |accelerator| {
-        let options = Way::new(accelerator, ScheduleKind::Fused, 1).of(&base);
+        let options = Configuration::new(accelerator, ScheduleKind::Fused, 1).of(&base);
         bench.machine.wait(async {
             let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(bench.gpu.clone())).await?;
             renderer.run(|_| ControlFlow::Continue(())).await?;

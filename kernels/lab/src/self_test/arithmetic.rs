@@ -74,37 +74,37 @@ struct Tally {
     wrong: Vec<String>,
 }
 
-/// Most wrong results that are told of a check.
-const MOST_TOLD: usize = 20;
+/// Most wrong results that are shown of a check.
+const MOST_SHOWN: usize = 20;
 
 impl Tally {
     fn add(&mut self, operation: &Operation, inputs: Inputs, result: u32) {
         self.values += 1;
         let float = f32::from_bits(result);
-        let told = |wanted: String| {
+        let wrong = |wanted: String| {
             Some(format!("{} = {}, not {wanted}", shown(operation, inputs), either(operation, result)))
         };
         let wrong = match operation.judge {
             Judge::Bits(exact) if exact(inputs) == result => None,
-            Judge::Bits(exact) => told(either(operation, exact(inputs))),
+            Judge::Bits(exact) => wrong(either(operation, exact(inputs))),
             Judge::Float(exact) if exact(inputs) == float => None,
-            Judge::Float(exact) => told(format!("{:e}", exact(inputs))),
+            Judge::Float(exact) => wrong(format!("{:e}", exact(inputs))),
             Judge::Ulps(most, exact) => {
                 let off = ulps(f64::from(float), exact(inputs));
                 let worst = self.worst.map_or(0.0, |[worst, _]| worst).max(off);
                 self.worst = Some([worst, most]);
                 // A tie is exactly half a unit off.
                 let wanted = || format!("{:e}: off by {off:.2} ulp, of {most} allowed", exact(inputs));
-                if off <= most { None } else { told(wanted()) }
+                if off <= most { None } else { wrong(wanted()) }
             }
             Judge::Near(exact) => {
                 let [exact, most] = exact(inputs);
                 let wanted = || format!("{exact:e} by up to {most:e}");
-                if (f64::from(float) - exact).abs() <= most { None } else { told(wanted()) }
+                if (f64::from(float) - exact).abs() <= most { None } else { wrong(wanted()) }
             }
-            Judge::OneOf(all) => self.name(expression(operation), all(inputs), result).and_then(told),
+            Judge::OneOf(all) => self.name(expression(operation), all(inputs), result).and_then(wrong),
         };
-        self.wrong.extend(wrong.filter(|_| self.wrong.len() < MOST_TOLD));
+        self.wrong.extend(wrong.filter(|_| self.wrong.len() < MOST_SHOWN));
     }
 
     /// Counts a result under its name, unless it has two. Returns what it should have been if it has none.

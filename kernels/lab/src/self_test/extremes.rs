@@ -2,7 +2,7 @@
 
 use super::{Bench, Check, Finding, Found, Group, Step, Verdict};
 use crate::reporter::Silent;
-use crate::stability::{ACCELERATORS, CASES, Case, Place, Report, Row, Wanted, measure, probe, text, text_beside};
+use crate::stability::{ACCELERATORS, CASES, Case, DeviceName, Report, Row, Wanted, measure, probe, text, text_beside};
 use raystep_kernels::Numerics;
 
 const ROBUST: &str = "robust rules";
@@ -37,8 +37,8 @@ pub(super) fn cases() -> Vec<Step> {
     CASES.iter().map(step).collect()
 }
 
-fn place(bench: &Bench) -> Place {
-    Place { device: "gpu", adapter: bench.machine.name() }
+fn device_name(bench: &Bench) -> DeviceName {
+    DeviceName { device: "gpu", adapter: bench.machine.name() }
 }
 
 fn of_case(bench: &mut Bench, case: &'static Case) -> Found {
@@ -50,11 +50,11 @@ fn of_case(bench: &mut Bench, case: &'static Case) -> Found {
         cost: None,
         run_id: bench.run_id.clone(),
     };
-    let report = measure(&wanted, &[(place(bench), bench.machine.clone())], &Silent)?;
+    let report = measure(&wanted, &[(device_name(bench), bench.machine.clone())], &Silent)?;
     let rows = || report.outcomes.iter().flat_map(|outcome| &outcome.rows);
     let of = |check, numerics: Numerics| {
-        let rows = || rows().filter(|row| row.variant.numerics == numerics);
-        let unexpected = rows().filter(|row| !row.is_as_expected()).map(Row::told);
+        let rows = || rows().filter(|row| row.configuration.numerics == numerics);
+        let unexpected = rows().filter(|row| !row.is_as_expected()).map(Row::result);
         Finding::new(Group::Extremes, check, Verdict::Right, "")
             .counting(&[("cases", 1), ("runs", rows().count() as u64)])
             .wrong_by(unexpected.collect())
@@ -92,7 +92,7 @@ pub(super) fn pipelines() -> Vec<Step> {
 }
 
 fn of_pipeline(bench: &mut Bench, index: usize) -> Found {
-    let (place, device) = (place(bench), &bench.machine.device);
+    let (name, device) = (device_name(bench), &bench.machine.device);
     let comparison = match &mut bench.pipelines {
         Some(comparison) => comparison,
         none => none.insert(probe::Comparison::new(PROBED)?),
@@ -102,15 +102,13 @@ fn of_pipeline(bench: &mut Bench, index: usize) -> Found {
     // The first that traces the same rays, which the others are compared with, has run, unless this is another process.
     let first = all.iter().find(|first| first.is_camera == pipeline.is_camera).unwrap_or(pipeline);
     if first != pipeline && !comparison.has_base(pipeline) {
-        bench.machine.wait(comparison.run(&bench.run_id, &place, first, device))?;
+        bench.machine.wait(comparison.run(&bench.run_id, &name, first, device))?;
     }
-    let row = bench.machine.wait(comparison.run(&bench.run_id, &place, pipeline, device))?;
+    let row = bench.machine.wait(comparison.run(&bench.run_id, &name, pipeline, device))?;
     let differs = row.difference.differing != [0; 3] || row.difference.other_triangle > 0;
     let finding = Finding::new(Group::Pipelines, PIPELINES, Verdict::Information, "");
     let counts = [("pipelines", 1), ("differing", u64::from(differs))];
-    let mut csv = Vec::new();
-    probe::table(std::slice::from_ref(&row)).write(&mut csv)?;
-    let csv = String::from_utf8_lossy(&csv).into_owned();
+    let csv = String::from_utf8_lossy(&probe::table(std::slice::from_ref(&row)).csv()?).into_owned();
     let mut finding = finding.counting(&counts);
     if differs {
         let [t, ..] = row.difference.largest;

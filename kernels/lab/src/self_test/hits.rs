@@ -6,11 +6,10 @@ use raystep_kernels::{Accelerator, Options, Ray, RaySource, Renderer};
 use raystep_scenes::{Scene, generate};
 
 use super::{Bench, Check, Finding, Found, Group, Step, Verdict};
+use crate::configuration::{Configuration, EVERY};
 use crate::judge::{Report, Traced, check_rays};
 use crate::rays;
-use crate::stability::StabilityError;
 use crate::stability::probe::Bits;
-use crate::ways::{EVERY, Way};
 use crate::{Error, watertight};
 
 const BRUTE_FORCE: &str = "f64 brute force";
@@ -30,7 +29,7 @@ pub(super) fn checks() -> Vec<Check> {
     [&structures[..], &[check(BRUTE_FORCE, shows)]].concat()
 }
 
-type Make = fn() -> Result<(Scene, Vec<Ray>), StabilityError>;
+type Make = fn() -> Result<(Scene, Vec<Ray>), Error>;
 
 /// What is traced: rays from everywhere, and rays at the edges of a closed mesh, which none may leave.
 const PLACES: [(&str, Make); 2] = [
@@ -46,14 +45,14 @@ const PLACES: [(&str, Make); 2] = [
     }),
 ];
 
-fn check_of(way: Way) -> &'static str {
+fn check_of(way: Configuration) -> &'static str {
     STRUCTURES.iter().find(|(accelerator, ..)| *accelerator == way.accelerator).map_or(BRUTE_FORCE, |(_, name, _)| name)
 }
 
 /// A step a configuration in every place, the one that the others are compared with first.
 pub(super) fn steps() -> Vec<Step> {
     let all = EVERY.into_iter().flat_map(|way| (0..PLACES.len()).map(move |place| (way, place)));
-    let step = |(way, place): (Way, usize)| {
+    let step = |(way, place): (Configuration, usize)| {
         let checks = if way == EVERY[0] { vec![check_of(way), BRUTE_FORCE] } else { vec![check_of(way)] };
         Step::new(Group::Hits, format!("{way}, {}", PLACES[place].0), &checks, move |bench| trace(bench, way, place))
     };
@@ -61,7 +60,7 @@ pub(super) fn steps() -> Vec<Step> {
 }
 
 /// Hits, and if wanted their verdicts.
-fn run(bench: &Bench, way: Way, place: usize, is_judged: bool) -> Result<(Bits, Option<Report>), Error> {
+fn run(bench: &Bench, way: Configuration, place: usize, is_judged: bool) -> Result<(Bits, Option<Report>), Error> {
     let (scene, rays) = PLACES[place].1()?;
     let options = way.of(&Options { shade: false, ..Options::new(RaySource::Given(rays)) });
     bench.machine.wait(async {
@@ -72,7 +71,7 @@ fn run(bench: &Bench, way: Way, place: usize, is_judged: bool) -> Result<(Bits, 
     })
 }
 
-fn trace(bench: &mut Bench, way: Way, place: usize) -> Found {
+fn trace(bench: &mut Bench, way: Configuration, place: usize) -> Found {
     bench.hits.resize(PLACES.len(), None);
     let (bits, mut report) = run(bench, way, place, way == EVERY[0])?;
     let base = match bench.hits[place].take() {
@@ -83,7 +82,7 @@ fn trace(bench: &mut Bench, way: Way, place: usize) -> Found {
     };
     let (name, rays) = (PLACES[place].0, bits.rays.len());
     let differing: Vec<usize> = (0..rays).filter(|&ray| bits.rays[ray] != base.rays[ray]).collect();
-    let told = |&ray: &usize| {
+    let difference = |&ray: &usize| {
         let of = |[triangle, t, ..]: [u32; 4]| format!("triangle {triangle} at t {:e}", f32::from_bits(t));
         let (here, there) = (of(bits.rays[ray]), of(base.rays[ray]));
         let count = differing.len();
@@ -91,7 +90,7 @@ fn trace(bench: &mut Bench, way: Way, place: usize) -> Found {
     };
     let agrees = Finding::new(Group::Hits, check_of(way), Verdict::Right, "")
         .counting(&[("runs", 1), ("hits", rays as u64)])
-        .wrong_by(differing.first().map(told).into_iter().collect());
+        .wrong_by(differing.first().map(difference).into_iter().collect());
     // The same bits are as right as those that were judged.
     if report.is_none() && !differing.is_empty() {
         report = run(bench, way, place, true)?.1;

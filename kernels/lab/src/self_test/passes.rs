@@ -12,9 +12,9 @@ use raystep_kernels::{Kernel, Limits, Options, Program};
 use self::scenes::{Place, Traced};
 use super::{Bench, Check, Finding, Found, Group, Step, Verdict};
 use crate::compared::{Compared, Sums};
+use crate::configuration::{COVERING, Configuration, FAST, STEPPED};
 use crate::parity::{Parity, ParityError, compare};
 use crate::stability::Ceiling;
-use crate::ways::{COVERING, FAST, STEPPED, Way};
 pub(super) use building::steps as building;
 
 /// The check that all configurations of a group were run.
@@ -63,19 +63,24 @@ pub(super) fn checks_of_drawing() -> Vec<Check> {
 fn traced() -> Vec<Traced> {
     use raystep_kernels::Accelerator::{Bvh, Grid, Irregular, None};
     use raystep_kernels::ScheduleKind::{Compact, Fused, Second};
-    let of = |place: Place| move |way: Way| Traced::new(place, way);
+    let of = |place: Place| move |way: Configuration| Traced::new(place, way);
     let mut all: Vec<Traced> = COVERING.into_iter().map(of(Place::Room)).collect();
     // A fused kernel that does not shade generates its rays itself.
-    all.extend([Grid, Irregular, Bvh, None].map(|structure| of(Place::Room)(Way::new(structure, Fused, 1)).unshaded()));
-    all.extend([3, 19].map(|samples| of(Place::Room)(Way::new(Grid, Compact, 8)).sampled(samples)));
-    let several = |structure| Way::new(structure, Compact, 8);
-    all.extend([several(Grid), Way::new(Bvh, Fused, 1)].map(of(Place::Segments)));
+    all.extend(
+        [Grid, Irregular, Bvh, None]
+            .map(|structure| of(Place::Room)(Configuration::new(structure, Fused, 1)).unshaded()),
+    );
+    all.extend([3, 19].map(|samples| of(Place::Room)(Configuration::new(Grid, Compact, 8)).sampled(samples)));
+    let several = |structure| Configuration::new(structure, Compact, 8);
+    all.extend([several(Grid), Configuration::new(Bvh, Fused, 1)].map(of(Place::Segments)));
     all.push(of(Place::Room)(several(Grid)).contracted());
     // Few iterations a dispatch, so that everything that can continue in the next one does.
-    let in_parts = [Grid, Irregular, Bvh, None].map(|structure| [several(structure), Way::new(structure, Fused, 1)]);
+    let in_parts =
+        [Grid, Irregular, Bvh, None].map(|structure| [several(structure), Configuration::new(structure, Fused, 1)]);
     all.extend(in_parts.into_iter().flatten().chain([STEPPED]).map(|way| of(Place::Room)(way).in_parts()));
     all.extend(
-        [Way::new(Irregular, Second, 1), several(Irregular), Way::new(Irregular, Fused, 1)].map(of(Place::Knot)),
+        [Configuration::new(Irregular, Second, 1), several(Irregular), Configuration::new(Irregular, Fused, 1)]
+            .map(of(Place::Knot)),
     );
     // From outside, where rays miss.
     all.extend(FAST.map(of(Place::Soup)));
@@ -98,13 +103,13 @@ fn drawn() -> Vec<Traced> {
     let swapped = Fragment::of(Some(Targets::Many), Some(Update::Swap), Option::None, Option::None);
     let all = [
         (STEPPED, paper),
-        (Way::new(Grid, First, 1).paper(), paper),
-        (Way::new(Bvh, Second, 1), paper),
-        (Way::new(Irregular, Second, 1), paper),
-        (Way::new(None, Second, 1), paper),
-        (Way::new(Bvh, Second, 1), depths),
-        (Way::new(Irregular, First, 1), swapped),
-        (Way::new(Grid, Second, 1).dda(), depths),
+        (Configuration::new(Grid, First, 1).paper(), paper),
+        (Configuration::new(Bvh, Second, 1), paper),
+        (Configuration::new(Irregular, Second, 1), paper),
+        (Configuration::new(None, Second, 1), paper),
+        (Configuration::new(Bvh, Second, 1), depths),
+        (Configuration::new(Irregular, First, 1), swapped),
+        (Configuration::new(Grid, Second, 1).dda(), depths),
     ];
     all.map(|(way, how)| Traced::new(Place::Room, way).drawn(how)).into()
 }

@@ -68,8 +68,8 @@ pub(super) async fn run(gpu: &Arc<Gpu>, source: String, inputs: &[Inputs]) -> Re
     let (given, results) = (shader.given(inputs.as_flattened()), shader.room(inputs.len()));
     let resources = [given.as_entire_binding(), results.as_entire_binding()];
     let groups = [VALUES / WORKGROUP, inputs.len() as u32 / VALUES];
-    let copy = |encoder: &mut wgpu::CommandEncoder, told: &wgpu::Buffer| {
-        encoder.copy_buffer_to_buffer(&results, 0, told, 0, told.size());
+    let copy = |encoder: &mut wgpu::CommandEncoder, read_back: &wgpu::Buffer| {
+        encoder.copy_buffer_to_buffer(&results, 0, read_back, 0, read_back.size());
     };
     shader.run(resources, groups, inputs.len(), copy).await
 }

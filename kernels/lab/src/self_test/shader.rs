@@ -68,9 +68,9 @@ impl<'a> Shader<'a> {
             pass.set_bind_group(0, &group, &[]);
             pass.dispatch_workgroups(x, y, 1);
         }
-        let told = self.buffer(words, BufferUsages::COPY_DST | BufferUsages::MAP_READ);
-        copy(&mut encoder, &told);
-        let bytes = self.gpu.read_after(encoder.finish(), told, 4 * words as u64).await?;
+        let read_back = self.buffer(words, BufferUsages::COPY_DST | BufferUsages::MAP_READ);
+        copy(&mut encoder, &read_back);
+        let bytes = self.gpu.read_after(encoder.finish(), read_back, 4 * words as u64).await?;
         Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
     }
 }

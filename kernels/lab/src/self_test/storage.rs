@@ -1,4 +1,4 @@
-//! Bits on their way through textures and buffers: streams are textures of floats and of words, and must keep both.
+//! Bits on their path through textures and buffers: streams are textures of floats and of words, and must keep both.
 
 use std::sync::Arc;
 
@@ -35,8 +35,8 @@ const EXTENT: wgpu::Extent3d = wgpu::Extent3d { width: TEXELS, height: 1, depth_
 /// What the words of a texture are before.
 const WORDS: u32 = 0x9e37_79b9;
 
-/// The ways through which bits go, in the order in which they are read back.
-const WAYS: [&str; 5] = [
+/// The paths of bits, in the order in which they are read back.
+const PATHS: [&str; 5] = [
     "loaded from r32float",
     "through r32float in place",
     "stored to r32float",
@@ -45,7 +45,7 @@ const WAYS: [&str; 5] = [
 ];
 
 /// The one of words.
-const WAY_OF_WORDS: usize = 3;
+const PATH_OF_WORDS: usize = 3;
 
 fn patterns() -> Vec<u32> {
     const EDGES: [u32; 16] = [
@@ -81,29 +81,29 @@ fn patterns() -> Vec<u32> {
 fn run(bench: &mut Bench) -> Found {
     let patterns = patterns();
     let read = bench.machine.wait(through(&bench.gpu, &patterns))?;
-    // What of these bits has changed on a way.
-    let changed = |is: fn(u32) -> bool, way: usize| {
-        let pairs = patterns.iter().zip(&read[way]).filter(|(given, read)| is(**given) && given != read);
+    // What of these bits has changed on a path.
+    let changed = |is: fn(u32) -> bool, path: usize| {
+        let pairs = patterns.iter().zip(&read[path]).filter(|(given, read)| is(**given) && given != read);
         pairs.map(|(given, read)| (*given, *read)).collect::<Vec<_>>()
     };
     // Words have no classes; of floats, only normal ones must stay.
-    let must_stay = |way| if way == WAY_OF_WORDS { |_| true } else { is_normal as fn(u32) -> bool };
-    let wrong = WAYS.iter().enumerate().filter_map(|(way, name)| {
-        let all = changed(must_stay(way), way);
+    let must_stay = |path| if path == PATH_OF_WORDS { |_| true } else { is_normal as fn(u32) -> bool };
+    let wrong = PATHS.iter().enumerate().filter_map(|(path, name)| {
+        let all = changed(must_stay(path), path);
         let (given, read) = all.first()?;
         Some(format!("{name}: {given:#010x} came back as {read:#010x}, and {} others changed", all.len() - 1))
     });
-    let told = |is: fn(u32) -> bool, verb: &str| {
-        let differs = |way: &usize| *way != WAY_OF_WORDS && !changed(is, *way).is_empty();
-        let ways: Vec<&str> = (0..WAYS.len()).filter(differs).map(|way| WAYS[way]).collect();
-        if ways.is_empty() { "all kept".to_owned() } else { format!("{verb} when {}", ways.join(", ")) }
+    let share = |is: fn(u32) -> bool, verb: &str| {
+        let differs = |path: &usize| *path != PATH_OF_WORDS && !changed(is, *path).is_empty();
+        let paths: Vec<&str> = (0..PATHS.len()).filter(differs).map(|path| PATHS[path]).collect();
+        if paths.is_empty() { "all kept".to_owned() } else { format!("{verb} when {}", paths.join(", ")) }
     };
     let found = |name, verdict, says: String| Finding::new(Group::Arithmetic, name, verdict, says);
     let normal = found(NORMAL, Verdict::Right, "every bit is kept".into());
     let all = vec![
-        normal.counting(&[("values", (WAYS.len() * patterns.len()) as u64)]).wrong_by(wrong.collect()),
-        found(SUBNORMAL, Verdict::Information, told(is_subnormal, "flushed")),
-        found(NOT_FINITE, Verdict::Information, told(|bits| !f32::from_bits(bits).is_finite(), "changed")),
+        normal.counting(&[("values", (PATHS.len() * patterns.len()) as u64)]).wrong_by(wrong.collect()),
+        found(SUBNORMAL, Verdict::Information, share(is_subnormal, "flushed")),
+        found(NOT_FINITE, Verdict::Information, share(|bits| !f32::from_bits(bits).is_finite(), "changed")),
     ];
     Ok((all, Vec::new()))
 }
@@ -116,7 +116,7 @@ fn is_subnormal(bits: u32) -> bool {
     f32::from_bits(bits).is_subnormal()
 }
 
-/// What comes back of these bits on each way.
+/// What comes back of these bits on each path.
 async fn through(gpu: &Arc<Gpu>, patterns: &[u32]) -> Result<[Vec<u32>; 5], GpuError> {
     use wgpu::TextureFormat::{R32Float, R32Uint};
     let shader = Shader::new(gpu, "pass_bits", include_str!("storage.wgsl").into());
@@ -135,22 +135,22 @@ async fn through(gpu: &Arc<Gpu>, patterns: &[u32]) -> Result<[Vec<u32>; 5], GpuE
     let of_textures = views.iter().map(wgpu::BindingResource::TextureView);
     let resources = of_textures.chain(given.iter().chain([&loaded, &copied]).map(wgpu::Buffer::as_entire_binding));
     let size = loaded.size();
-    let copy = |encoder: &mut wgpu::CommandEncoder, told: &wgpu::Buffer| {
-        encoder.copy_buffer_to_buffer(&loaded, 0, told, 0, size);
+    let copy = |encoder: &mut wgpu::CommandEncoder, read_back: &wgpu::Buffer| {
+        encoder.copy_buffer_to_buffer(&loaded, 0, read_back, 0, size);
         for (place, texture) in (1..).zip(&textures) {
             let (bytes_per_row, rows_per_image) = (Some(4 * TEXELS), Some(1));
             let layout = wgpu::TexelCopyBufferLayout { offset: place * size, bytes_per_row, rows_per_image };
-            let to = wgpu::TexelCopyBufferInfo { buffer: told, layout };
+            let to = wgpu::TexelCopyBufferInfo { buffer: read_back, layout };
             encoder.copy_texture_to_buffer(texture.as_image_copy(), to, EXTENT);
         }
-        encoder.copy_buffer_to_buffer(&copied, 0, told, 4 * size, size);
+        encoder.copy_buffer_to_buffer(&copied, 0, read_back, 4 * size, size);
     };
-    let words = shader.run(resources, [TEXELS / 64, 1], WAYS.len() * patterns.len(), copy).await?;
-    let of_way = |way: usize| {
-        let undone = if way == WAY_OF_WORDS { WORDS } else { 0 };
-        words.iter().skip(way * patterns.len()).take(patterns.len()).map(|word| word ^ undone).collect()
+    let words = shader.run(resources, [TEXELS / 64, 1], PATHS.len() * patterns.len(), copy).await?;
+    let of_path = |path: usize| {
+        let undone = if path == PATH_OF_WORDS { WORDS } else { 0 };
+        words.iter().skip(path * patterns.len()).take(patterns.len()).map(|word| word ^ undone).collect()
     };
-    Ok([0, 1, 2, 3, 4].map(of_way))
+    Ok([0, 1, 2, 3, 4].map(of_path))
 }
 
 /// A stream's texture with these texels.

@@ -23,7 +23,7 @@ pub fn text(results: &Results) -> String {
         text += &format!("{} ({:.1} s)\n", group.title(), results.seconds(group));
         for row in rows {
             let head = format!("  {:<VERDICT$}  {:<width$}  ", row.verdict.name(), row.name);
-            text += &wrapped(&head, &told(row));
+            text += &wrapped(&head, &outcome(row));
         }
         text.push('\n');
     }
@@ -57,7 +57,7 @@ impl std::fmt::Display for Totals {
 }
 
 /// What is said of a check: what was found, and of how much.
-fn told(row: &Row) -> String {
+fn outcome(row: &Row) -> String {
     let (counts, mut says) = (counts(row), row.says.clone());
     if let Some((cut, _)) = says.char_indices().nth(MOST_SAID) {
         says.truncate(cut);

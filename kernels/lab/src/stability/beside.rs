@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Place, Report, drift, probe};
+use super::{DeviceName, Report, drift, probe};
 use crate::reporter::Reporter;
 use crate::{Error, Machine};
 
@@ -14,15 +14,15 @@ const PROBED: usize = 16_384;
 /// Walks with every rule, on devices that compute in f32.
 pub(super) fn walks(
     quick: bool,
-    places: &[(Place, Machine)],
+    devices: &[(DeviceName, Machine)],
     reporter: &dyn Reporter,
 ) -> Result<Vec<drift::Walked>, Error> {
     let mut all = Vec::new();
-    for (place, machine) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
+    for (device, machine) in devices.iter().filter(|(device, _)| device.device != "cpu_f64") {
         for rules in drift::RULES {
-            reporter.stage(&format!("tMax along a walk, {}: {}", place.device, rules.name));
+            reporter.stage(&format!("tMax along a walk, {}: {}", device.device, rules.name));
             let walking = drift::walk(rules, if quick { WALKING / 8 } else { WALKING }, &machine.device);
-            all.push(drift::Walked { place: place.clone(), rules, samples: machine.wait(walking)? });
+            all.push(drift::Walked { device: device.clone(), rules, samples: machine.wait(walking)? });
         }
     }
     Ok(all)
@@ -33,27 +33,27 @@ pub(super) fn walks(
 pub(super) fn pipelines(
     run_id: &str,
     quick: bool,
-    places: &[(Place, Machine)],
+    devices: &[(DeviceName, Machine)],
     reporter: &dyn Reporter,
 ) -> Result<Vec<probe::Row>, Error> {
     let mut comparison = probe::Comparison::new(if quick { PROBED / 8 } else { PROBED })?;
     let mut rows = Vec::new();
-    for (place, machine) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
+    for (device, machine) in devices.iter().filter(|(device, _)| device.device != "cpu_f64") {
         for pipeline in comparison.pipelines() {
-            reporter.stage(&format!("pipelines, {}: {}", place.device, pipeline.name));
-            rows.push(machine.wait(comparison.run(run_id, place, &pipeline, &machine.device))?);
+            reporter.stage(&format!("pipelines, {}: {}", device.device, pipeline.name));
+            rows.push(machine.wait(comparison.run(run_id, device, &pipeline, &machine.device))?);
         }
     }
     Ok(rows)
 }
 
 /// A walk's result as text.
-pub(super) fn told(walked: &drift::Walked) -> String {
+pub(super) fn in_words(walked: &drift::Walked) -> String {
     let last = walked.samples.last().map_or(0, |sample| sample.cells);
     let bound = if walked.is_bounded() { format!(", bound {}", drift::BOUND) } else { String::new() };
     format!(
         "{} {}: error at most {:.1} units of 2^-24 over {last} cells{bound}",
-        walked.place.device,
+        walked.device.device,
         walked.rules.name,
         walked.largest(),
     )
@@ -65,7 +65,7 @@ pub fn text(report: &Report) -> String {
     let mut text = String::new();
     for walked in &report.walks {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "tMax, {}", told(walked));
+        let _ = writeln!(text, "tMax, {}", in_words(walked));
     }
     let all = &report.pipelines;
     let differing: Vec<_> = all.iter().filter(|row| row.difference.differing != [0; 3]).collect();

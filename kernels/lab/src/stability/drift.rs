@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::options::{Accelerator, Numerics, Options, Rule, ScheduleKind, Skip};
+use raystep_kernels::options::{Accelerator, Numerics, Options, Rule, STEPS_PER_PASS, ScheduleKind};
 use raystep_kernels::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, TRAV};
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
@@ -12,8 +12,10 @@ use raystep_kernels::renderer::{Device, RenderError, Renderer};
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::stream::{STATE_TAG, StreamData};
 
-use crate::stability::row::Place;
-use crate::stability::{StabilityError, make};
+use crate::Error;
+use crate::configuration::Configuration;
+use crate::stability::make;
+use crate::stability::row::DeviceName;
 use crate::tidy;
 
 /// The error bound of robust numerics, in the unit of [`Sample::error`], half units in the last place: one rounding of
@@ -36,6 +38,18 @@ pub struct Rules {
     pub name: &'static str,
     numerics: Numerics,
     without: Option<Rule>,
+}
+
+impl Rules {
+    /// The walk that is measured.
+    fn configuration(self) -> Configuration {
+        let Self { numerics, without, .. } = self;
+        Configuration {
+            numerics,
+            without,
+            ..Configuration::new(Accelerator::Grid, ScheduleKind::Second, STEPS_PER_PASS)
+        }
+    }
 }
 
 /// The rules to compare.
@@ -63,20 +77,16 @@ pub struct Sample {
 ///
 /// # Errors
 /// If the device fails.
-pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Sample>, StabilityError> {
+pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Sample>, Error> {
     let workload = make::long_walk(rays)?;
     let options = Options {
-        accelerator: Accelerator::Grid,
-        schedule: ScheduleKind::Second,
-        numerics: rules.numerics,
-        without: rules.without,
         grid: workload.grid,
-        skip: Skip::Off,
         counters: true,
         shade: false,
         keep_passes: false,
         ..Options::new(workload.rays)
     };
+    let options = rules.configuration().of(&options);
     let mut renderer = Renderer::new(&workload.scene, &options, device).await?;
     let mut samples = Vec::new();
     loop {
@@ -97,7 +107,7 @@ pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Samp
 }
 
 /// `None` if no ray is walking.
-async fn sample(renderer: &Renderer) -> Result<Option<Sample>, StabilityError> {
+async fn sample(renderer: &Renderer) -> Result<Option<Sample>, Error> {
     let [origin, direction, state, tmax, counters] =
         [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE, streams::TMAX, streams::COUNTERS];
     let (origin, direction) = (renderer.values(origin).await?, renderer.values(direction).await?);
@@ -132,28 +142,16 @@ async fn sample(renderer: &Renderer) -> Result<Option<Sample>, StabilityError> {
 
 /// Columns of `tmax.csv`: one row a sample. `rule` is the rule without which tMax was computed, `cells_visited` those of
 /// the farthest ray, and `rays` those still walking.
-pub const COLUMNS: &[&str] = &[
-    "schema_version",
-    "run_id",
-    "configuration",
-    "device",
-    "adapter",
-    "accelerator",
-    "schedule",
-    "numerics",
-    "rule",
-    "cells_visited",
-    "rays",
-    "error_units",
-    "error_t",
-    "bound_units",
+pub const COLUMNS: &[&str] = columns![
+    schema_version run_id configuration device adapter accelerator schedule numerics rule cells_visited rays
+    error_units error_t bound_units
 ];
 
 /// Samples of a walk, with device and rules.
 #[derive(Clone, Debug)]
 pub struct Walked {
     /// The device.
-    pub place: Place,
+    pub device: DeviceName,
     /// The rules.
     pub rules: Rules,
     /// Samples from the first to the last cell.
@@ -184,19 +182,13 @@ impl Walked {
 pub(super) fn table(run_id: &str, all: &[Walked]) -> tidy::Table {
     let mut table = tidy::Table::new(COLUMNS);
     for walked in all {
-        let rules = walked.rules;
-        let rule = rules.without.map(|rule| rule.to_string());
-        let name = rule.as_ref().map_or(rules.numerics.to_string(), |rule| format!("without-{rule}"));
+        let (configuration, name) = (walked.rules.configuration(), walked.rules.configuration().rules());
         for sample in &walked.samples {
             let row = tidy::Row::new(COLUMNS)
                 .set("run_id", run_id)
-                .set("configuration", format!("long-walk/{}/{name}", walked.place.device))
-                .set("device", walked.place.device)
-                .set("adapter", &*walked.place.adapter)
-                .set("accelerator", Accelerator::Grid.name())
-                .set("schedule", ScheduleKind::Second.name())
-                .set("numerics", rules.numerics.name())
-                .set("rule", rule.clone())
+                .set("configuration", format!("long-walk/{}/{name}", walked.device.device))
+                .with(&walked.device)
+                .configured(&configuration)
                 .set("cells_visited", sample.cells)
                 .set("rays", sample.rays)
                 .set("error_units", sample.error)
@@ -214,7 +206,7 @@ mod tests {
 
     fn walked(rules: Rules) -> Walked {
         let samples = pollster::block_on(walk(rules, 16, &Device::Cpu(None))).expect("a walk");
-        Walked { place: Place { device: "cpu_f32", adapter: String::new() }, rules, samples }
+        Walked { device: DeviceName { device: "cpu_f32", adapter: String::new() }, rules, samples }
     }
 
     #[test]

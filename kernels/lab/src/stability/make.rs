@@ -8,12 +8,13 @@ use raystep_kernels::GridSize;
 use raystep_kernels::options::{Ray, RaySource};
 use raystep_scenes::{Camera, Material, Projection, Scene, generate};
 
+use crate::Error;
 use crate::rays::Random;
+use crate::stability::Workload;
 use crate::stability::planes::Planes;
-use crate::stability::{StabilityError, Workload};
 
 pub(crate) type Triangle = [[f32; 3]; 3];
-type Made = Result<Workload, StabilityError>;
+type Made = Result<Workload, Error>;
 
 /// Seed of all random numbers.
 pub(super) const SEED: u32 = 2007;
@@ -30,7 +31,7 @@ pub(crate) fn given(scene: Scene, rays: Vec<Ray>) -> Workload {
 }
 
 /// A closed unit sphere with its vertices moved.
-pub(crate) fn sphere(subdivisions: u64, moved: impl Fn(DVec3) -> DVec3) -> Result<Scene, StabilityError> {
+pub(crate) fn sphere(subdivisions: u64, moved: impl Fn(DVec3) -> DVec3) -> Result<Scene, Error> {
     let triangles = generate::icosphere(subdivisions)?.triangles;
     let corner = |p: [f32; 3]| moved(vec(p)).as_vec3().to_array();
     Ok(scene_of(triangles.into_iter().map(|t| t.map(corner)).collect()))
@@ -42,6 +43,17 @@ pub(crate) fn vec(p: [f32; 3]) -> DVec3 {
 
 pub(crate) fn ray(origin: DVec3, direction: DVec3) -> Ray {
     Ray::new(origin.as_vec3().to_array(), direction.as_vec3().to_array())
+}
+
+/// A ray from the origin as rounded to f32.
+pub(crate) fn towards(target: DVec3, origin: DVec3) -> Ray {
+    let origin = origin.as_vec3().as_dvec3();
+    ray(origin, target - origin)
+}
+
+/// Two triangles.
+pub(crate) fn quad<T: Copy>([a, b, c, d]: [T; 4]) -> [[T; 3]; 2] {
+    [[a, b, c], [a, c, d]]
 }
 
 fn randoms(count: usize, seed: u32) -> impl Iterator<Item = (usize, Random)> {
@@ -105,9 +117,7 @@ pub(super) fn aimed(scene: Scene, count: usize, at: At, center: DVec3) -> Worklo
             (At::Edges, 0) if i < pairs.len() => 0.5,
             (At::Edges, _) => random.unit(),
         };
-        // Aim from the origin as rounded to f32.
-        let from = (center + vec(FROM[from])).as_vec3().as_dvec3();
-        ray(from, a + (b - a) * along - from)
+        towards(a + (b - a) * along, center + vec(FROM[from]))
     });
     let rays = rays.collect();
     given(scene, rays)
@@ -157,8 +167,8 @@ pub(super) fn scaled(count: usize, scale: f64) -> Made {
 /// Rays from a distance towards the inner part of a sphere.
 pub(super) fn from_afar(count: usize, distance: f64) -> Made {
     let rays = randoms(count, 5).map(|(_, mut random)| {
-        let origin = (random.on_sphere() * distance).as_vec3().as_dvec3();
-        ray(origin, random.on_sphere() * 0.5 - origin)
+        let origin = random.on_sphere() * distance;
+        towards(random.on_sphere() * 0.5, origin)
     });
     Ok(given(sphere(3, |p| p)?, rays.collect()))
 }
@@ -187,8 +197,8 @@ fn from_above(scene: Scene, count: usize, away: f64) -> Workload {
     let bounds = scene.bounds();
     let eye = (bounds.min + bounds.max).as_dvec3() * 0.5 + DVec3::new(0.1, -0.07, 1.0) * away;
     let rays = randoms(count, 7).map(|(_, mut random)| {
-        let origin = (eye + in_cube(&mut random, 0.2 * away)).as_vec3().as_dvec3();
-        ray(origin, within(&scene.triangles[random.below(scene.triangles.len())], &mut random) - origin)
+        let origin = eye + in_cube(&mut random, 0.2 * away);
+        towards(within(&scene.triangles[random.below(scene.triangles.len())], &mut random), origin)
     });
     let rays = rays.collect();
     given(scene, rays)
@@ -198,15 +208,11 @@ fn from_above(scene: Scene, count: usize, away: f64) -> Workload {
 pub(super) fn slivers(count: usize, aspect: f64) -> Made {
     const SLIVERS: i32 = 400;
     let x = |k: i32| (f64::from(k - SLIVERS / 2) / aspect) as f32;
-    let strip = |k: i32| {
-        let [a, b, c, d] = [[x(k), 0.0, 0.0], [x(k + 1), 0.0, 0.0], [x(k + 1), 1.0, 0.0], [x(k), 1.0, 0.0]];
-        [[a, b, c], [a, c, d]]
-    };
+    let strip = |k: i32| quad([[x(k), 0.0, 0.0], [x(k + 1), 0.0, 0.0], [x(k + 1), 1.0, 0.0], [x(k), 1.0, 0.0]]);
     let scene = scene_of((0..SLIVERS).flat_map(strip).collect());
     let rays = randoms(count, 8).map(|(_, mut random)| {
         let target = DVec3::new((random.unit() - 0.5) * f64::from(x(SLIVERS)), 0.2 + 0.6 * random.unit(), 0.0);
-        let origin = DVec3::new((random.unit() - 0.5) * 0.8, random.unit(), 1.0).as_vec3().as_dvec3();
-        ray(origin, target - origin)
+        towards(target, DVec3::new((random.unit() - 0.5) * 0.8, random.unit(), 1.0))
     });
     Ok(given(scene, rays.collect()))
 }
@@ -221,10 +227,7 @@ pub(super) fn duplicates(count: usize) -> Made {
 /// Three sheets of different triangles in one plane, as far as f32 can represent it.
 pub(super) fn coplanar(count: usize) -> Made {
     let at = |x: f32, y: f32| [x, y, 0.3 * x + 0.2 * y];
-    let sheet = |low: f32, high: f32| {
-        let [a, b, c, d] = [at(low, low), at(high, low), at(high, high), at(low, high)];
-        [[a, b, c], [a, c, d]]
-    };
+    let sheet = |low: f32, high: f32| quad([at(low, low), at(high, low), at(high, high), at(low, high)]);
     Ok(from_above(scene_of([(0.0, 1.0), (-0.1, 1.2), (-0.25, 1.05)].map(|(l, h)| sheet(l, h)).concat()), count, 1.0))
 }
 
@@ -296,8 +299,8 @@ pub(super) fn crowd(count: usize) -> Made {
     let small = |p: [f32; 3]| ((vec(p) - middle) * SIZE + DVec3::splat(0.1)).as_vec3().to_array();
     let mut triangles: Vec<Triangle> = soup.into_iter().map(|t| t.map(small)).collect();
     let rays = randoms(count, 12).map(|(_, mut random)| {
-        let origin = (DVec3::splat(0.1) + random.on_sphere() * 2.0 * SIZE).as_vec3().as_dvec3();
-        ray(origin, within(&triangles[random.below(triangles.len())], &mut random) - origin)
+        let origin = DVec3::splat(0.1) + random.on_sphere() * 2.0 * SIZE;
+        towards(within(&triangles[random.below(triangles.len())], &mut random), origin)
     });
     let rays = rays.collect();
     triangles.extend([
@@ -315,8 +318,8 @@ pub(super) fn tiny_detail(count: usize) -> Made {
     let detail = scene.triangles.len();
     scene.triangles.extend(sphere(2, |p| p)?.triangles);
     let rays = randoms(count, 13).map(|(_, mut random)| {
-        let origin = (place + random.on_sphere() * 10.0 * SIZE).as_vec3().as_dvec3();
-        ray(origin, within(&scene.triangles[random.below(detail)], &mut random) - origin)
+        let origin = place + random.on_sphere() * 10.0 * SIZE;
+        towards(within(&scene.triangles[random.below(detail)], &mut random), origin)
     });
     let rays = rays.collect();
     Ok(given(scene_of(scene.triangles), rays))
@@ -329,10 +332,10 @@ pub(super) fn long_walk(count: usize) -> Made {
     const CELLS: [u32; 3] = [1600, 1600, 1];
     let ends = |x: f32| {
         let wall = |y: f32, z: f32| [x, y, z];
-        let [a, b, c, d] = [wall(1300.0, 0.0), wall(SIDE, 0.0), wall(SIDE, 1.0), wall(1300.0, 1.0)];
+        let [one, two] = quad([wall(1300.0, 0.0), wall(SIDE, 0.0), wall(SIDE, 1.0), wall(1300.0, 1.0)]);
         let near = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let far = [[SIDE, 0.0, 0.0], [SIDE, 1.0, 0.0], [SIDE, 0.0, 1.0]];
-        scene_of(vec![[a, b, c], [a, c, d], near, far])
+        scene_of(vec![one, two, near, far])
     };
     let plane = Planes::of(&ends(1500.0), vec![Ray::new([1.0; 3], [1.0; 3])], CELLS)?.plane(0, 1580);
     let x = plane - 0.004;
@@ -386,13 +389,13 @@ pub(super) fn picture_on_plane(side: u32, fov_deg: f64) -> Made {
 pub(super) fn walls(count: usize) -> Made {
     let side = (count.isqrt() as u32).max(1);
     let scene = generate::cornell_box();
-    let camera = scene.cameras.first().cloned().ok_or(StabilityError::NoView)?;
+    let camera = scene.cameras.first().cloned().ok_or(Error::NoView)?;
     let rays = RaySource::Camera { camera, width: side, height: side };
     Ok(Workload { scene, rays, grid: GridSize::Cells([20; 3]) })
 }
 
 fn camera(scene: Scene, eye: DVec3, target: DVec3, [width, height]: [u32; 2], fov_deg: f64, grid: GridSize) -> Made {
     let projection = Projection::Perspective { vertical_fov: fov_deg.to_radians() };
-    let camera = Camera::look_at(eye, target, DVec3::Y, projection).ok_or(StabilityError::NoView)?;
+    let camera = Camera::look_at(eye, target, DVec3::Y, projection).ok_or(Error::NoView)?;
     Ok(Workload { scene, rays: RaySource::Camera { camera, width, height }, grid })
 }

@@ -25,7 +25,7 @@ pub(super) const LEGEND: [([u8; 3], &str); 5] =
 #[derive(Clone, Debug)]
 pub(super) struct Picture {
     /// The runs with this picture.
-    pub(super) ways: Vec<String>,
+    pub(super) runs: Vec<String>,
     /// Whether points are pixels; otherwise they are directions.
     pub(super) is_image: bool,
     width: u32,
@@ -66,7 +66,7 @@ impl Picture {
                 (*pixel, *worst) = (color, rank);
             }
         }
-        Some(Self { ways: Vec::new(), is_image: size.is_some(), width, height, pixels })
+        Some(Self { runs: Vec::new(), is_image: size.is_some(), width, height, pixels })
     }
 
     pub(super) fn is_same(&self, other: &Self) -> bool {

@@ -6,9 +6,10 @@ use raystep_kernels::plan::{Limits, Plan};
 use raystep_kernels::shared::grid_walk::Grid;
 use raystep_scenes::Scene;
 
+use crate::Error;
 use crate::rays::Random;
+use crate::stability::Workload;
 use crate::stability::make::{self, SEED, given, sphere};
-use crate::stability::{StabilityError, Workload};
 
 /// A grid's planes in scene units; exact, as in traced units.
 pub(super) struct Planes {
@@ -18,7 +19,7 @@ pub(super) struct Planes {
 
 impl Planes {
     /// The planes of the grid that a run with these rays has.
-    pub(super) fn of(scene: &Scene, rays: Vec<Ray>, cells: [u32; 3]) -> Result<Self, StabilityError> {
+    pub(super) fn of(scene: &Scene, rays: Vec<Ray>, cells: [u32; 3]) -> Result<Self, Error> {
         let options = Options { grid: GridSize::Cells(cells), shade: false, ..Options::new(RaySource::Given(rays)) };
         let (_, data) = Plan::new(scene, &options, &Limits::CPU)?;
         Ok(Self { grid: data.grid, unit: data.units.scene_units_per_stream_unit() })
@@ -50,7 +51,7 @@ pub(super) enum On {
 const CELLS: u32 = 16;
 
 /// Rays inside a closed sphere.
-pub(super) fn on_planes(count: usize, on: On) -> Result<Workload, StabilityError> {
+pub(super) fn on_planes(count: usize, on: On) -> Result<Workload, Error> {
     let scene = sphere(3, |p| p)?;
     let cells = [CELLS; 3];
     // Origins affect the grid's extent: use origins about as far away as those generated below.

@@ -8,9 +8,11 @@ use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
 use raystep_kernels::renderer::{Device, RenderError, Renderer};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
+use serde::Serialize;
 
-use crate::stability::row::Place;
-use crate::stability::{StabilityError, Workload, make};
+use crate::Error;
+use crate::stability::row::DeviceName;
+use crate::stability::{Workload, make};
 use crate::tidy;
 
 /// A pipeline that contains the triangle test.
@@ -31,7 +33,7 @@ pub struct Bits {
 }
 
 /// How a pipeline's results differ from another's.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Difference {
     /// Rays compared.
     pub rays: u64,
@@ -49,7 +51,7 @@ pub struct Difference {
 ///
 /// # Errors
 /// If the scene cannot be generated.
-pub fn workloads(rays: usize) -> Result<[Workload; 2], StabilityError> {
+pub fn workloads(rays: usize) -> Result<[Workload; 2], Error> {
     let side = rays.isqrt().max(1) as u32;
     Ok([make::given(make::sphere(3, |p| p)?, make::inside(0.5, rays)), make::picture(side, side, 60.0)?])
 }
@@ -97,7 +99,7 @@ pub fn pipelines(workloads: &[Workload; 2]) -> Vec<Pipeline> {
 ///
 /// # Errors
 /// If the device fails.
-pub async fn run(pipeline: &Pipeline, workloads: &[Workload; 2], device: &Device) -> Result<Bits, StabilityError> {
+pub async fn run(pipeline: &Pipeline, workloads: &[Workload; 2], device: &Device) -> Result<Bits, Error> {
     let scene = &workloads[usize::from(pipeline.is_camera)].scene;
     let mut renderer = Renderer::new(scene, &pipeline.options, device).await?;
     renderer.run(|_| std::ops::ControlFlow::Continue(())).await?;
@@ -115,7 +117,7 @@ impl Comparison {
     ///
     /// # Errors
     /// If the scene cannot be generated.
-    pub fn new(rays: usize) -> Result<Self, StabilityError> {
+    pub fn new(rays: usize) -> Result<Self, Error> {
         Ok(Self { workloads: workloads(rays)?, bases: [None, None] })
     }
 
@@ -138,14 +140,14 @@ impl Comparison {
     pub async fn run(
         &mut self,
         run_id: &str,
-        place: &Place,
+        name: &DeviceName,
         pipeline: &Pipeline,
         device: &Device,
-    ) -> Result<Row, StabilityError> {
+    ) -> Result<Row, Error> {
         let bits = run(pipeline, &self.workloads, device).await?;
-        let (name, base) = self.bases[usize::from(pipeline.is_camera)]
-            .get_or_insert_with(|| (format!("{}: {}", place.device, pipeline.name), bits.clone()));
-        Ok(Row::new(run_id, place, pipeline, name, bits.difference(base)))
+        let (base_name, base) = self.bases[usize::from(pipeline.is_camera)]
+            .get_or_insert_with(|| (format!("{}: {}", name.device, pipeline.name), bits.clone()));
+        Ok(Row::new(run_id, name, pipeline, base_name, bits.difference(base)))
     }
 }
 
@@ -194,23 +196,9 @@ pub const FILE: &str = "pipelines.csv";
 
 /// Columns of `pipelines.csv`: one row a pipeline, with its [`Difference`] from the pipeline of the first device that
 /// traced the same rays.
-pub const COLUMNS: &[&str] = &[
-    "schema_version",
-    "run_id",
-    "configuration",
-    "device",
-    "adapter",
-    "pipeline",
-    "compared_with",
-    "rays",
-    "pairs",
-    "other_triangle",
-    "differing_t",
-    "differing_u",
-    "differing_v",
-    "t_ulp",
-    "u_ulp",
-    "v_ulp",
+pub const COLUMNS: &[&str] = columns![
+    schema_version run_id configuration device adapter pipeline compared_with rays pairs other_triangle
+    differing_t differing_u differing_v t_ulp u_ulp v_ulp
 ];
 
 /// A row of `pipelines.csv`.
@@ -225,21 +213,24 @@ pub struct Row {
 impl Row {
     /// The row of a comparison.
     #[must_use]
-    pub fn new(run_id: &str, place: &Place, pipeline: &Pipeline, compared_with: &str, difference: Difference) -> Self {
+    pub fn new(
+        run_id: &str,
+        device: &DeviceName,
+        pipeline: &Pipeline,
+        compared_with: &str,
+        difference: Difference,
+    ) -> Self {
         let [t, u, v] = difference.differing;
         let [t_ulp, u_ulp, v_ulp] = difference.largest;
         // Weights differ by multiples of half a unit.
         let short = |value: f64| format!("{value:.3}").parse::<f64>().unwrap_or(value);
         let fields = tidy::Row::new(COLUMNS)
             .set("run_id", run_id)
-            .set("configuration", format!("pipelines/{}/{}", place.device, pipeline.name))
-            .set("device", place.device)
-            .set("adapter", &*place.adapter)
+            .set("configuration", format!("pipelines/{}/{}", device.device, pipeline.name))
+            .with(device)
             .set("pipeline", &*pipeline.name)
             .set("compared_with", compared_with)
-            .set("rays", difference.rays)
-            .set("pairs", difference.pairs)
-            .set("other_triangle", difference.other_triangle)
+            .with(&difference)
             .set("differing_t", t)
             .set("differing_u", u)
             .set("differing_v", v)

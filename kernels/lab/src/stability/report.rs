@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use raystep_kernels::{Accelerator, Numerics, RaySource, ScheduleKind};
+use raystep_kernels::{Accelerator, Numerics, RaySource};
 
 use super::picture::Picture;
 use super::row::{self, Traced};
-use super::{Case, Place, Row, Variant, Workload, beside, drift, page, probe, run, table};
+use super::{Case, DeviceName, Row, Workload, beside, configurations, drift, page, probe, run, table};
 use crate::judge::Judge;
 use crate::meter::Meter;
 use crate::reference::Verdict;
@@ -77,18 +77,18 @@ pub const FILES: [&str; 7] = [CSV, DRIFT, probe::FILE, stiff::CSV, stiff::RUNS, 
 ///
 /// # Errors
 /// If a device fails.
-pub fn measure(wanted: &Wanted, places: &[(Place, Machine)], reporter: &dyn Reporter) -> Result<Report, Error> {
+pub fn measure(wanted: &Wanted, devices: &[(DeviceName, Machine)], reporter: &dyn Reporter) -> Result<Report, Error> {
     let Wanted { cases, accelerators, is_quick, pipelines, cost, run_id } = wanted;
     let mut outcomes = Vec::new();
     for (i, case) in cases.iter().enumerate() {
         reporter.stage(&format!("case {} of {}: {}", i + 1, cases.len(), case.name));
         let of_case = |error| Error::Case { name: case.name, error: Box::new(error) };
-        outcomes.push(one(wanted, case, places).map_err(of_case)?);
+        outcomes.push(one(wanted, case, devices).map_err(of_case)?);
     }
     let has_walk = cases.iter().any(|case| case.name == "long-walk") && accelerators.contains(&Accelerator::Grid);
-    let walks = if has_walk { beside::walks(*is_quick, places, reporter)? } else { Vec::new() };
-    let pipelines = if *pipelines { beside::pipelines(run_id, *is_quick, places, reporter)? } else { Vec::new() };
-    let cost = match (cost, places.first()) {
+    let walks = if has_walk { beside::walks(*is_quick, devices, reporter)? } else { Vec::new() };
+    let pipelines = if *pipelines { beside::pipelines(run_id, *is_quick, devices, reporter)? } else { Vec::new() };
+    let cost = match (cost, devices.first()) {
         (Some(start), Some((_, machine))) => Some(start.cost(&Meter::new(machine.clone()), reporter)?),
         _ => None,
     };
@@ -96,25 +96,26 @@ pub fn measure(wanted: &Wanted, places: &[(Place, Machine)], reporter: &dyn Repo
 }
 
 /// Traces a case in every requested configuration.
-fn one(wanted: &Wanted, case: &'static Case, places: &[(Place, Machine)]) -> Result<Outcome, Error> {
+fn one(wanted: &Wanted, case: &'static Case, devices: &[(DeviceName, Machine)]) -> Result<Outcome, Error> {
     let rays = if wanted.is_quick { (case.rays / 8).max(1) } else { case.rays };
     let workload = (case.make)(rays)?;
     let mut outcome = Outcome { case, rows: Vec::new(), pictures: Vec::new(), first_wrong_ray: None };
     let triangles = &workload.scene.triangles;
-    let scene_hash = Hash::of_floats(triangles.as_flattened().as_flattened());
+    let scene_hash = Hash::of_triangles(triangles);
     let traced = Traced { case, scene_hash, triangles: triangles.len() };
     let mut judge = Judge::default();
-    for (place, machine) in places {
+    for (device, machine) in devices {
         for &accelerator in ACCELERATORS.iter().filter(|a| wanted.accelerators.contains(a)) {
-            for variant in Variant::of(accelerator) {
+            for configuration in configurations(accelerator) {
                 // In f64, fused or contracted runs would add nothing to the stepped ones.
-                if (variant.schedule == ScheduleKind::Fused || variant.contracted) && place.device == "cpu_f64" {
+                let is_stepped = configuration.is_stepped() && !configuration.contracted;
+                if !is_stepped && device.device == "cpu_f64" {
                     continue;
                 }
-                let run = machine.wait(run(case, &workload, variant, &machine.device, &mut judge))?;
-                let row = Row::new(&wanted.run_id, traced, variant, place, &run);
+                let run = machine.wait(run(case, &workload, configuration, &machine.device, &mut judge))?;
+                let row = Row::new(&wanted.run_id, traced, configuration, device, &run);
                 if let Some(([ox, oy, oz], [dx, dy, dz])) = run.score.first_error
-                    && variant.numerics == Numerics::Robust
+                    && configuration.numerics == Numerics::Robust
                 {
                     outcome.first_wrong_ray.get_or_insert_with(|| {
                         let name = table::name(&row);
@@ -138,18 +139,12 @@ fn add_picture(pictures: &mut Vec<Picture>, row: &Row, workload: &Workload, verd
     let directions = || (0..judge.sample().len()).map(|place| judge.ray(place)[1]).collect();
     let Some(mut picture) = Picture::of(verdicts, size, directions) else { return };
     match pictures.iter_mut().find(|p| p.is_same(&picture)) {
-        Some(same) => same.ways.push(table::way(row)),
+        Some(same) => same.runs.push(table::in_words(row)),
         None => {
-            picture.ways.push(table::way(row));
+            picture.runs.push(table::in_words(row));
             pictures.push(picture);
         }
     }
-}
-
-fn csv_of(table: &Table) -> Result<Vec<u8>, Error> {
-    let mut csv = Vec::new();
-    table.write(&mut csv)?;
-    Ok(csv)
 }
 
 impl Report {
@@ -160,7 +155,7 @@ impl Report {
         let wrong: Vec<&Row> = rows().filter(|row| !row.is_as_expected()).collect();
         let Some(first) = wrong.first() else {
             let walked = self.walks.iter().find(|walked| !walked.is_as_expected())?;
-            return Some(format!("tMax along a walk is not as expected: {}", beside::told(walked)));
+            return Some(format!("tMax along a walk is not as expected: {}", beside::in_words(walked)));
         };
         Some(format!(
             "{} of {} runs are not as expected, the first of them {}: expected to {}",
@@ -186,7 +181,7 @@ impl Report {
     /// If there is not enough memory for a file.
     pub fn csv_files(&self) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
         let has_rows = |(_, _, table): &(_, _, Table)| !table.rows.is_empty();
-        let file = |(file, _, table): (_, _, Table)| Ok((file, csv_of(&table)?));
+        let file = |(file, _, table): (_, _, Table)| Ok((file, table.csv()?));
         self.tables().into_iter().filter(has_rows).map(file).collect()
     }
 
@@ -197,7 +192,7 @@ impl Report {
     pub fn files(&self) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
         let (mut files, mut resources) = (Vec::new(), Vec::new());
         for (file, what, table) in &self.tables() {
-            files.push((*file, csv_of(table)?));
+            files.push((*file, table.csv()?));
             resources.push(Resource { file, what, columns: table.columns });
         }
         if let Some(cost) = &self.cost {
@@ -227,11 +222,11 @@ mod tests {
     #[test]
     fn a_report_is_unexpected_where_a_row_is_not_as_expected_and_only_there() {
         let row = |expected: Expected, has_errors: bool| {
-            let variant = Variant::of(Accelerator::Grid)[0];
+            let configuration = configurations(Accelerator::Grid)[0];
             let case = CASES[0].name;
             Row {
                 case,
-                variant,
+                configuration,
                 device: "gpu",
                 expected,
                 passed: !has_errors,
@@ -267,8 +262,8 @@ mod tests {
             cost: Some(Arc::new(Start::new(stiff, Kept::default(), |_, _| Ok(())))),
             run_id: "1-2".into(),
         };
-        let places = [(Place { device: "cpu_f32", adapter: "cpu".into() }, machine)];
-        let report = measure(&wanted, &places, &Silent).expect("no error");
+        let devices = [(DeviceName { device: "cpu_f32", adapter: "cpu".into() }, machine)];
+        let report = measure(&wanted, &devices, &Silent).expect("no error");
         let files: BTreeMap<&str, Vec<u8>> = report.files().expect("memory").into_iter().collect();
         assert_eq!(files.keys().copied().collect::<BTreeSet<_>>(), BTreeSet::from(FILES));
         assert_eq!(package::check(&files[package::FILE], |name| files.get(name).cloned()), Ok(()));

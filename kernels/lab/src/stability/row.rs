@@ -1,46 +1,19 @@
-//! `stability.csv`: one row per case and variant. Columns are described in [`crate::tidy::columns`].
+//! `stability.csv`: one row per case and configuration. Columns are described in [`crate::tidy::columns`].
 
 use raystep_kernels::options::Numerics;
+use serde::Serialize;
 
 use crate::Hash;
-use crate::stability::{Case, Run, Variant};
+use crate::configuration::Configuration;
+use crate::stability::{Case, Run, triangle_test};
 use crate::tidy;
 
 /// The columns, in order.
-pub const COLUMNS: &[&str] = &[
-    "schema_version",
-    "run_id",
-    "configuration",
-    "case",
-    "scene_hash",
-    "rays",
-    "triangles",
-    "numerics",
-    "accelerator",
-    "schedule",
-    "triangle_test",
-    "device",
-    "adapter",
-    "judged_rays",
-    "missed",
-    "false_hits",
-    "wrong_hits",
-    "undecided",
-    "wrong_rays",
-    "undecided_ceiling",
-    "undecidable",
-    "edge_on",
-    "non_finite",
-    "at_bound",
-    "passes",
-    "t_relative",
-    "t_ulp",
-    "u_relative",
-    "u_ulp",
-    "v_relative",
-    "v_ulp",
-    "expected",
-    "result",
+pub const COLUMNS: &[&str] = columns![
+    schema_version run_id configuration case scene_hash rays triangles numerics accelerator schedule
+    triangle_test device adapter judged_rays missed false_hits wrong_hits undecided wrong_rays undecided_ceiling
+    undecidable edge_on non_finite at_bound passes t_relative t_ulp u_relative u_ulp v_relative v_ulp expected
+    result
 ];
 
 /// What is expected of a run.
@@ -54,9 +27,9 @@ pub enum Expected {
     Any,
 }
 
-/// Where a variant ran.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+/// What a case ran on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct DeviceName {
     /// `gpu`, `cpu_f32` or `cpu_f64`.
     pub device: &'static str,
     /// The adapter's name.
@@ -68,8 +41,8 @@ pub struct Place {
 pub struct Row {
     /// The case's name.
     pub case: &'static str,
-    /// The variant.
-    pub variant: Variant,
+    /// The configuration.
+    pub configuration: Configuration,
     /// `gpu`, `cpu_f32` or `cpu_f64`.
     pub device: &'static str,
     /// What is expected of it.
@@ -96,43 +69,30 @@ pub struct Traced<'a> {
 impl Row {
     /// The row of a run.
     #[must_use]
-    pub fn new(run_id: &str, traced: Traced<'_>, variant: Variant, place: &Place, run: &Run) -> Self {
+    pub fn new(run_id: &str, traced: Traced<'_>, configuration: Configuration, device: &DeviceName, run: &Run) -> Self {
         let case = traced.case;
         let score = &run.score;
         let rays = score.verdicts.len() as u64;
         let ceiling = case.undecided.count(rays);
         let has_errors = score.counts.errors() > 0 || score.non_finite > 0 || run.at_bound > 0;
         let passed = !has_errors && score.counts.ties <= ceiling;
-        let expected = Expected::of(case, variant, place);
-        let triangle_test = variant.triangle_test();
-        let configuration = [
-            case.name,
-            place.device,
-            variant.accelerator.name(),
-            variant.schedule.name(),
-            variant.numerics.name(),
-            triangle_test,
-        ];
-        let counts = &score.counts;
+        let expected = Expected::of(case, &configuration, device);
+        let Configuration { accelerator, schedule, numerics, .. } = configuration;
+        let triangle_test = triangle_test(&configuration);
+        let id = [case.name, device.device, accelerator.name(), schedule.name(), numerics.name(), triangle_test];
         let mut fields = tidy::Row::new(COLUMNS)
             .set("run_id", run_id)
-            .set("configuration", configuration.join("/"))
+            .set("configuration", id.join("/"))
+            .configured(&configuration)
             .set("case", case.name)
             .set("scene_hash", traced.scene_hash)
             .set("rays", rays)
             .set("triangles", traced.triangles)
-            .set("numerics", variant.numerics.name())
-            .set("accelerator", variant.accelerator.name())
-            .set("schedule", variant.schedule.name())
             .set("triangle_test", triangle_test)
-            .set("device", place.device)
-            .set("adapter", &*place.adapter)
+            .with(device)
             .set("judged_rays", rays)
-            .set("missed", counts.missed)
-            .set("false_hits", counts.false_hits)
-            .set("wrong_hits", counts.wrong)
-            .set("undecided", counts.ties)
-            .set("wrong_rays", counts.errors())
+            .with(&score.counts)
+            .set("wrong_rays", score.counts.errors())
             .set("undecided_ceiling", ceiling)
             .set("undecidable", score.undecidable)
             .set("edge_on", score.edge_on)
@@ -148,7 +108,7 @@ impl Row {
                 .set(&format!("{name}_relative"), short(largest.relative))
                 .set(&format!("{name}_ulp"), short(largest.ulp));
         }
-        Self { case: case.name, variant, device: place.device, expected, passed, has_errors, fields }
+        Self { case: case.name, configuration, device: device.device, expected, passed, has_errors, fields }
     }
 
     /// Whether it is as expected.
@@ -175,12 +135,15 @@ impl Row {
 }
 
 impl Expected {
-    fn of(case: &Case, variant: Variant, place: &Place) -> Self {
-        let accelerator = &variant.accelerator;
-        match variant.numerics {
+    fn of(case: &Case, configuration: &Configuration, device: &DeviceName) -> Self {
+        match configuration.numerics {
             Numerics::Robust => Self::Pass,
             // In f64 the paper's numerics may succeed if only rounding breaks them.
-            Numerics::Paper if place.device != "cpu_f64" && case.paper.fails_on.contains(accelerator) => Self::Fail,
+            Numerics::Paper
+                if device.device != "cpu_f64" && case.paper.fails_on.contains(&configuration.accelerator) =>
+            {
+                Self::Fail
+            }
             Numerics::Paper => Self::Any,
         }
     }
@@ -215,10 +178,10 @@ mod tests {
         let score = Score { verdicts: vec![Verdict::Same; 1000], counts, ..Score::default() };
         let mut run = Run { score, passes: 7, at_bound: 0 };
         change(&mut run);
-        let variant =
-            Variant { numerics, accelerator: Accelerator::Grid, schedule: ScheduleKind::Compact, contracted: false };
+        let usual = Configuration::usual(Accelerator::Grid, ScheduleKind::Compact);
+        let configuration = Configuration { numerics, ..usual };
         let traced = Traced { case, scene_hash: Hash::default(), triangles: 1280 };
-        Row::new("1-2", traced, variant, &Place { device, adapter: "a, \"b\"".into() }, &run)
+        Row::new("1-2", traced, configuration, &DeviceName { device, adapter: "a, \"b\"".into() }, &run)
     }
 
     #[test]

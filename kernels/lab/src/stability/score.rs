@@ -1,4 +1,4 @@
-//! Verdicts on every ray of a variant.
+//! Verdicts on every ray of a run.
 
 use raystep_kernels::Stream;
 use raystep_kernels::renderer::{RenderError, Renderer};
@@ -32,7 +32,7 @@ impl Largest {
     }
 }
 
-/// The verdicts on all rays of a variant, their counts, and the largest errors.
+/// The verdicts on all rays of a run, their counts, and the largest errors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Score {
     /// The verdict on each ray.

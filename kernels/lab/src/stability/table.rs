@@ -6,8 +6,8 @@ use super::{Case, Outcome, Row, Truth};
 use crate::text::aligned;
 
 /// A configuration as text.
-pub(super) fn way(row: &Row) -> String {
-    let v = &row.variant;
+pub(super) fn in_words(row: &Row) -> String {
+    let v = &row.configuration;
     let fused = if v.schedule == ScheduleKind::Fused { " fused" } else { "" };
     let contracted = if v.contracted { " fma" } else { "" };
     format!("{} {}{fused}{contracted} {}", v.numerics, v.accelerator, row.device)
@@ -15,13 +15,13 @@ pub(super) fn way(row: &Row) -> String {
 
 /// A run as text.
 pub(super) fn name(row: &Row) -> String {
-    format!("{}, {}", row.case, way(row))
+    format!("{}, {}", row.case, in_words(row))
 }
 
 impl Row {
     /// A run's result in one line, with what was expected of it.
     #[must_use]
-    pub fn told(&self) -> String {
+    pub fn result(&self) -> String {
         let fields = ["missed", "false_hits", "wrong_hits", "undecided", "non_finite", "at_bound"];
         let counts = fields.map(|c| format!("{} {c}", self.field(c))).join(", ");
         format!("{}: {counts}; expected to {}", name(self), self.field("expected"))
@@ -49,10 +49,14 @@ pub(super) const SUMMARY: [&str; 9] = [
 /// A case in one line: the most errors of all configurations.
 pub(super) fn summary(outcome: &Outcome) -> [String; 9] {
     let rows = &outcome.rows;
-    let is_robust = |row: &Row| row.variant.numerics == Numerics::Robust;
+    let is_robust = |row: &Row| row.configuration.numerics == Numerics::Robust;
     let number = |column: &'static str| move |row: &Row| row.field(column).parse().unwrap_or(0);
     let paper = |accelerator: Accelerator| {
-        most(rows, |r| !is_robust(r) && r.variant.accelerator == accelerator && r.device != "cpu_f64", Row::wrong_rays)
+        most(
+            rows,
+            |r| !is_robust(r) && r.configuration.accelerator == accelerator && r.device != "cpu_f64",
+            Row::wrong_rays,
+        )
     };
     let not = rows.iter().filter(|row| !row.is_as_expected()).count();
     [
@@ -79,7 +83,7 @@ pub fn text(outcomes: &[Outcome]) -> String {
     let mut text = aligned(&lines, SUMMARY.len()).concat();
     for outcome in outcomes {
         for row in outcome.rows.iter().filter(|row| !row.is_as_expected()) {
-            text += &format!("not as expected: {}\n", row.told());
+            text += &format!("not as expected: {}\n", row.result());
         }
         if let Some(wrong_ray) = &outcome.first_wrong_ray {
             text += &format!("{wrong_ray}\n");

@@ -2,7 +2,8 @@
 //! `scenes`.
 
 use super::scenes;
-use crate::stability::{StabilityError, Workload};
+use crate::Error;
+use crate::stability::Workload;
 
 /// Scenes that differ in one parameter, with rays towards what the parameter makes hard.
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +21,10 @@ pub struct Family {
     /// How the rays' targets are chosen.
     pub stratum: &'static str,
     /// Generates scene and rays, by parameter, number of rays and seed.
-    pub(super) make: fn(f64, usize, u32) -> Result<Workload, StabilityError>,
+    pub(super) make: Make,
 }
+
+type Make = fn(f64, usize, u32) -> Result<Workload, Error>;
 
 /// Random points on random edges of the object.
 const EDGES: &str = "edges";
@@ -34,116 +37,61 @@ const T_VERTICES: &str = "t_vertices";
 const WIDE: &[f64] = &[1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7];
 const SLIVERS: &[f64] = &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8];
 
+const fn family(name: &'static str, title: &'static str, stratum: &'static str, make: Make) -> Family {
+    Family { name, title, what: "", parameter: "", points: &[], stratum, make }
+}
+
+impl Family {
+    const fn of(self, what: &'static str) -> Self {
+        Self { what, ..self }
+    }
+
+    const fn over(self, parameter: &'static str, points: &'static [f64]) -> Self {
+        Self { parameter, points, ..self }
+    }
+}
+
 /// Every family.
 pub static FAMILIES: &[Family] = &[
-    Family {
-        name: "room",
-        title: "A small object in a large room",
-        what: "a sphere of 5,120 triangles in a room, seen from nearby (the teapot in a stadium)",
-        parameter: "extent of the room / extent of the object",
-        points: &[4.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 3e5, 1e6],
-        stratum: EDGES,
-        make: scenes::room,
-    },
-    Family {
-        name: "plane",
-        title: "A large plane under an object",
-        what: "a sphere of 5,120 triangles on a square of two, seen from nearby",
-        parameter: "side of the square / diameter of the sphere",
-        points: WIDE,
-        stratum: EDGES,
-        make: scenes::plane,
-    },
-    Family {
-        name: "extents",
-        title: "Unequal extents",
-        what: "a sphere of 5,120 triangles, flattened along an axis",
-        parameter: "longest extent / shortest",
-        points: &[1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6],
-        stratum: EDGES,
-        make: scenes::extents,
-    },
-    Family {
-        name: "slivers",
-        title: "Slivers along an axis",
-        what: "a strip of 800 triangles, cut along an axis",
-        parameter: "length of a sliver / width",
-        points: SLIVERS,
-        stratum: SURFACE,
-        make: scenes::slivers,
-    },
-    Family {
-        name: "slivers-aslant",
-        title: "Slivers aslant",
-        what: "the same, turned so that no edge lies along an axis: their boxes overlap",
-        parameter: "length of a sliver / width",
-        points: SLIVERS,
-        stratum: SURFACE,
-        make: scenes::slivers_aslant,
-    },
-    Family {
-        name: "crowd",
-        title: "A crowded cell",
-        what: "5,000 random triangles, some of them in a cube of 1/64 of the scene's extent",
-        parameter: "share of triangles in the small cube",
-        points: &[0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99],
-        stratum: EDGES,
-        make: scenes::crowd,
-    },
-    Family {
-        name: "layers",
-        title: "Coincident layers",
-        what: "copies of a sphere of 320 triangles, one in the other, seen from inside",
-        parameter: "number of copies",
-        points: &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0],
-        stratum: EDGES,
-        make: scenes::layers,
-    },
-    Family {
-        name: "offset",
-        title: "Offset from the origin",
-        what: "a sphere of 1,280 triangles, seen from inside, away from the origin of coordinates",
-        parameter: "distance from the origin / radius",
-        points: &[1.0, 10.0, 100.0, 1e3, 1e4, 3e4, 1e5, 3e5, 1e6],
-        stratum: EDGES,
-        make: scenes::offset,
-    },
-    Family {
-        name: "walk",
-        title: "Long walks",
-        what: "a wall at the end of a diagonal through a flat grid of given resolution: a walk of twice as many cells",
-        parameter: "cells along each side",
-        points: &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0],
-        stratum: SURFACE,
-        make: scenes::walk,
-    },
-    Family {
-        name: "outlier",
-        title: "One far outlier",
-        what: "a sphere of 5,120 triangles and a single triangle far away, seen from near the sphere",
-        parameter: "distance of the outlier / radius of the sphere",
-        points: &[3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6, 1e7],
-        stratum: EDGES,
-        make: scenes::outlier,
-    },
-    Family {
-        name: "t-junctions",
-        title: "T-junctions",
-        what: "panels whose long edge meets a row of smaller triangles; rays to the vertices on that edge",
-        parameter: "edges that meet one edge",
-        points: &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
-        stratum: T_VERTICES,
-        make: scenes::t_junctions,
-    },
-    Family {
-        name: "grazing",
-        title: "Grazing angles",
-        what: "a tilted plane of 5,000 triangles, and rays that meet it at a small angle",
-        parameter: "1 / sine of the angle between ray and plane",
-        points: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6],
-        stratum: SURFACE,
-        make: scenes::grazing,
-    },
+    family("room", "A small object in a large room", EDGES, scenes::room)
+        .of("a sphere of 5,120 triangles in a room, seen from nearby (the teapot in a stadium)")
+        .over("extent of the room / extent of the object", &[4.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 3e5, 1e6]),
+    family("plane", "A large plane under an object", EDGES, scenes::plane)
+        .of("a sphere of 5,120 triangles on a square of two, seen from nearby")
+        .over("side of the square / diameter of the sphere", WIDE),
+    family("extents", "Unequal extents", EDGES, scenes::extents)
+        .of("a sphere of 5,120 triangles, flattened along an axis")
+        .over("longest extent / shortest", &[1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6]),
+    family("slivers", "Slivers along an axis", SURFACE, scenes::slivers)
+        .of("a strip of 800 triangles, cut along an axis")
+        .over("length of a sliver / width", SLIVERS),
+    family("slivers-aslant", "Slivers aslant", SURFACE, scenes::slivers_aslant)
+        .of("the same, turned so that no edge lies along an axis: their boxes overlap")
+        .over("length of a sliver / width", SLIVERS),
+    family("crowd", "A crowded cell", EDGES, scenes::crowd)
+        .of("5,000 random triangles, some of them in a cube of 1/64 of the scene's extent")
+        .over("share of triangles in the small cube", &[0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99]),
+    family("layers", "Coincident layers", EDGES, scenes::layers)
+        .of("copies of a sphere of 320 triangles, one in the other, seen from inside")
+        .over("number of copies", &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0]),
+    family("offset", "Offset from the origin", EDGES, scenes::offset)
+        .of("a sphere of 1,280 triangles, seen from inside, away from the origin of coordinates")
+        .over("distance from the origin / radius", &[1.0, 10.0, 100.0, 1e3, 1e4, 3e4, 1e5, 3e5, 1e6]),
+    family("walk", "Long walks", SURFACE, scenes::walk)
+        .of("a wall at the end of a diagonal through a flat grid of given resolution: a walk of twice as many cells")
+        .over("cells along each side", &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0]),
+    family("outlier", "One far outlier", EDGES, scenes::outlier)
+        .of("a sphere of 5,120 triangles and a single triangle far away, seen from near the sphere")
+        .over(
+            "distance of the outlier / radius of the sphere",
+            &[3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6, 1e7],
+        ),
+    family("t-junctions", "T-junctions", T_VERTICES, scenes::t_junctions)
+        .of("panels whose long edge meets a row of smaller triangles; rays to the vertices on that edge")
+        .over("edges that meet one edge", &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0]),
+    family("grazing", "Grazing angles", SURFACE, scenes::grazing)
+        .of("a tilted plane of 5,000 triangles, and rays that meet it at a small angle")
+        .over("1 / sine of the angle between ray and plane", &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6]),
 ];
 
 #[cfg(test)]

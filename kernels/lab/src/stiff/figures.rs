@@ -1,7 +1,7 @@
 //! Curves of a family, and cost over the stiffness number.
 
 use super::{COLUMNS, Family, number};
-use crate::plots::{Axis, Mark, Panel, Panels, Plot, Scale, Series, Stroke};
+use crate::plots::{Axis, Mark, Panel, Plot, Scale, Series, Stroke};
 use crate::structures::STRUCTURES;
 use crate::tidy::Row;
 
@@ -24,7 +24,7 @@ fn point(row: &Row, y: &str) -> Option<(f64, f64)> {
 }
 
 /// Nanoseconds a ray and wrong rays over the parameter; `own` are the stiffness numbers of a scene by structure.
-pub(super) fn curves(rows: &[Row], family: &Family, own: &[(String, f64)]) -> Panels {
+pub(super) fn curves(rows: &[Row], family: &Family, own: &[(String, f64)]) -> Plot {
     let mut times = Vec::new();
     let mut wrong = Vec::new();
     for (structure, color) in STRUCTURES {
@@ -53,12 +53,12 @@ pub(super) fn curves(rows: &[Row], family: &Family, own: &[(String, f64)]) -> Pa
     }
     let of_rule = Series { mark: Mark::Triangle, ..Series::dashed("the rule that loses most left out", 6, Vec::new()) };
     wrong.push(of_rule);
-    Panels {
+    Plot {
         title: family.title.into(),
         x: Axis::new(family.parameter, Scale::Log),
         panels: vec![
-            Panel { y: Axis::new("ns per ray", Scale::Log), height: 190.0, series: times },
-            Panel { y: Axis::new("wrong rays per million", Scale::LogWithZero), height: 100.0, series: wrong },
+            Panel { y: Axis::new("ns per ray", Scale::Log), height: Some(190.0), series: times },
+            Panel { y: Axis::new("wrong rays per million", Scale::LogWithZero), height: Some(100.0), series: wrong },
         ],
         places: places(rows, family, own),
     }
@@ -143,13 +143,9 @@ pub(crate) fn over_stiffness(rows: &[Row], own: &[(String, f64)]) -> Plot {
             rows.iter().filter(is_wanted).filter_map(|r| Some((r.number("stiffness")?, r.number("ns_per_ray")?)));
         series.push(Series { stroke: Stroke::None, ..Series::line(structure, color, points.collect()) });
     }
-    Plot {
-        title: "Time over the stiffness number, all scenes".into(),
-        x: Axis::new("stiffness number", Scale::Log),
-        y: Axis::new("ns per ray", Scale::Log),
-        series,
-        places: own.iter().map(|(structure, stiffness)| (*stiffness, format!("your scene, {structure}"))).collect(),
-    }
+    let [x, y] = ["stiffness number", "ns per ray"].map(|label| Axis::new(label, Scale::Log));
+    let places = own.iter().map(|(structure, stiffness)| (*stiffness, format!("your scene, {structure}"))).collect();
+    Plot { places, ..Plot::new("Time over the stiffness number, all scenes", x, y, series) }
 }
 
 /// Rank correlations of the stiffness number, and of the work along the line and at the end together, with a column.

@@ -71,10 +71,7 @@ impl Kept {
     /// # Errors
     /// If there is not enough memory.
     pub fn files(&self) -> std::io::Result<[Vec<u8>; 2]> {
-        let mut files = [Vec::new(), Vec::new()];
-        self.rows.write(&mut files[0])?;
-        self.runs.write(&mut files[1])?;
-        Ok(files)
+        Ok([self.rows.csv()?, self.runs.csv()?])
     }
 
     pub(super) fn has(&self, configuration: &str) -> bool {

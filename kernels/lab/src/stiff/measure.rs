@@ -5,14 +5,15 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use raystep_kernels::plan::structure_bytes;
-use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer, Rule};
+use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer};
 use raystep_scenes::Scene;
 
 use super::number::Predicted;
-use super::row::{self, Verdicts};
+use super::row::{self, RUN_COLUMNS, Verdicts};
 use super::{Cost, Wanted};
+use crate::configuration::Configuration;
 use crate::judge::{Cracks, Judge, Traced};
-use crate::meter::{Ended, Meter, Time, Turns, in_turn};
+use crate::meter::{Ended, Meter, Run, Time, Turns, in_turn};
 use crate::reporter::Reporter;
 use crate::statistics::interval::FEWEST;
 use crate::tidy::Row;
@@ -30,8 +31,6 @@ const REPEATS: [usize; 2] = [9, 6];
 const REPEATS_TAKE: [Duration; 2] = [Duration::from_millis(500), Duration::from_millis(100)];
 /// Pass limit of a run.
 const MOST_PASSES: usize = 100_000;
-/// Tests per pass without an accelerator, for schedules that take several.
-const TESTS_PER_PASS: u32 = 128;
 
 /// What to measure.
 pub(super) struct Point<'a> {
@@ -48,24 +47,14 @@ pub(super) struct Point<'a> {
     pub(super) is_late: bool,
 }
 
-/// A structure, and the rule left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Way {
-    pub(super) accelerator: Accelerator,
-    pub(super) rule: Option<Rule>,
-}
-
-impl Way {
-    /// Its configuration's id at a point.
-    pub(super) fn id(self, point: &str) -> String {
-        let rule = self.rule.map_or("robust".to_owned(), |rule| format!("without-{rule}"));
-        format!("{point}/{}/{rule}", self.accelerator)
-    }
+/// A configuration's id at a point: the structure, and the rule left out.
+pub(super) fn id(configuration: &Configuration, point: &str) -> String {
+    format!("{point}/{}/{}", configuration.accelerator, configuration.rules())
 }
 
 /// A configuration that is ready to run.
 struct Ready {
-    way: Way,
+    configuration: Configuration,
     renderer: Renderer,
     rays: usize,
     build_s: f64,
@@ -90,23 +79,16 @@ impl Work<'_> {
         if self.wanted.is_quick { quick } else { normal }
     }
 
-    fn options(&self, point: &Point<'_>, way: Way, rays: usize, counters: bool) -> Options {
+    fn options(&self, point: &Point<'_>, configuration: Configuration, rays: usize, counters: bool) -> Options {
         let rays = RaySource::Given(point.rays[..rays].to_vec());
-        let mut options = Options {
-            accelerator: way.accelerator,
-            schedule: self.wanted.schedule,
-            without: way.rule,
-            grid: if way.accelerator == Accelerator::Grid { point.grid } else { GridSize::Auto },
+        configuration.of(&Options {
+            grid: if configuration.accelerator == Accelerator::Grid { point.grid } else { GridSize::Auto },
             shade: false,
             counters,
             timings: !counters && self.meter.machine.timer().times_passes(),
             keep_passes: false,
             ..Options::new(rays)
-        };
-        if way.accelerator == Accelerator::None {
-            options.steps_per_pass = TESTS_PER_PASS;
-        }
-        options
+        })
     }
 
     fn build(&self, point: &Point<'_>, options: &Options) -> Result<(Renderer, f64), Error> {
@@ -134,8 +116,13 @@ impl Work<'_> {
     }
 
     /// Traces rays with counters: their number's cells and tests, the renderer, and the run.
-    fn counted(&self, point: &Point<'_>, way: Way, rays: usize) -> Result<([f64; 2], Ended, Duration), Error> {
-        let (mut renderer, _) = self.build(point, &self.options(point, way, rays, true))?;
+    fn counted(
+        &self,
+        point: &Point<'_>,
+        configuration: Configuration,
+        rays: usize,
+    ) -> Result<([f64; 2], Ended, Duration), Error> {
+        let (mut renderer, _) = self.build(point, &self.options(point, configuration, rays, true))?;
         let (ended, spent) = self.run(&mut renderer)?;
         let stream = renderer.plan().counters().ok_or(Error::NothingBuilt)?;
         let counters = self.meter.machine.wait(renderer.values(stream))?;
@@ -145,9 +132,9 @@ impl Work<'_> {
 
     /// Builds a configuration with as many rays as it can trace in a run. Their number follows from counts, not from
     /// times: it is the same in every run.
-    fn ready(&self, point: &Point<'_>, way: Way) -> Result<Ready, Error> {
+    fn ready(&self, point: &Point<'_>, configuration: Configuration) -> Result<Ready, Error> {
         let pilot = PILOT.min(point.rays.len());
-        let ([cells, tests], ended, spent) = self.counted(point, way, pilot)?;
+        let ([cells, tests], ended, spent) = self.counted(point, configuration, pilot)?;
         let (is_done, is_slow) = (matches!(ended, Ended::Done(_)), spent > self.wanted.longest_run);
         let affordable = (self.either(STEPS) as f64 / (cells + tests).max(1.0)) as usize;
         let judged = self.either(JUDGED_TESTS) / point.scene.triangles.len().max(1);
@@ -155,20 +142,27 @@ impl Work<'_> {
         // A power of two: rules of a structure, which differ a little, trace as many.
         let rays = if !is_done || is_slow || point.is_late || most == 0 { pilot } else { 1 << most.ilog2() };
         let [cells_per_ray, tests_per_ray] =
-            if rays == pilot { [cells, tests] } else { self.counted(point, way, rays)?.0 };
-        let (renderer, build_s) = self.build(point, &self.options(point, way, rays, false))?;
-        Ok(Ready { way, renderer, rays, build_s, cells_per_ray, tests_per_ray, is_slow, only: None, stopped: None })
+            if rays == pilot { [cells, tests] } else { self.counted(point, configuration, rays)?.0 };
+        let (renderer, build_s) = self.build(point, &self.options(point, configuration, rays, false))?;
+        let (only, stopped) = (None, None);
+        Ok(Ready { configuration, renderer, rays, build_s, cells_per_ray, tests_per_ray, is_slow, only, stopped })
     }
 
     /// Measures some configurations; adds a row of each, and of each run.
-    pub(super) fn measure(&self, point: &Point<'_>, ways: &[Way], cost: &mut Cost) -> Result<(), Error> {
+    pub(super) fn measure(
+        &self,
+        point: &Point<'_>,
+        configurations: &[Configuration],
+        cost: &mut Cost,
+    ) -> Result<(), Error> {
         let mut ready: Vec<Ready> = Vec::new();
-        for &way in ways {
-            match self.ready(point, way) {
+        for &configuration in configurations {
+            match self.ready(point, configuration) {
                 Ok(one) => ready.push(one),
                 Err(error) => {
-                    self.can_go_on()?;
-                    cost.notes.push(format!("{}: {}", way.id(&point.name), self.reporter.explain(&error)));
+                    self.meter.machine.health()?;
+                    let name = id(&configuration, &point.name);
+                    cost.notes.push(format!("{name}: {}", self.reporter.explain(&error)));
                 }
             }
         }
@@ -194,39 +188,30 @@ impl Work<'_> {
         let mut rows: Vec<Row> = Vec::new();
         for (one, times) in ready.iter().zip(&times) {
             let verdicts = self.judge(one, judges.entry(one.rays).or_default())?;
-            let runs: Vec<_> = times.runs.iter().map(|run| (run.round, run.place, run.time)).collect();
             let runs = match one.only {
-                Some(time) => vec![(0, 0, time)],
+                Some(time) => vec![Run { round: 0, place: 0, time }],
                 None if one.stopped.is_some() => Vec::new(),
-                None => runs,
+                None => times.runs.clone(),
             };
-            let row = self.row(point, one, cost.run_id());
-            let ns: Vec<Option<f64>> = runs.iter().map(|(.., time)| self.ns(*time)).collect();
+            let row = self.row(point, one, &cost.run_id);
+            let ns: Vec<Option<f64>> = runs.iter().map(|run| self.meter.ns(run.time)).collect();
             let row = verdicts.fill(row::times(row, &ns, one.stopped, one.rays));
-            cost.add_runs(&row, &runs, |time| self.ns(time));
+            cost.runs.rows.extend(runs.iter().map(|run| self.meter.fill_run(run, Row::new(RUN_COLUMNS).like(&row))));
             rows.push(row);
         }
         for i in 0..rows.len() {
-            let robust = ready.iter().position(|r| r.way == Way { rule: None, ..ready[i].way });
+            let of_robust = Configuration { without: None, ..ready[i].configuration };
+            let robust = ready.iter().position(|r| r.configuration == of_robust);
             if let Some(robust) = robust.filter(|&r| r != i && ready[r].rays == ready[i].rays) {
-                let of = |k: usize| -> Vec<Option<f64>> { times[k].runs.iter().map(|run| self.ns(run.time)).collect() };
-                rows[i] = row::ratio(rows[i].clone(), &of(i), &of(robust), &ready[robust].way.id(&point.name));
+                let of = |k: usize| -> Vec<Option<f64>> {
+                    times[k].runs.iter().map(|run| self.meter.ns(run.time)).collect()
+                };
+                rows[i] =
+                    row::ratio(rows[i].clone(), &of(i), &of(robust), &id(&ready[robust].configuration, &point.name));
             }
         }
         cost.rows.rows.extend(rows);
         Ok(())
-    }
-
-    fn can_go_on(&self) -> Result<(), Error> {
-        Ok(self.meter.machine.gpu().map_or(Ok(()), |gpu| gpu.health())?)
-    }
-
-    /// The time of a run by the clock that times passes, if there is one.
-    fn ns(&self, time: Time) -> Option<f64> {
-        match self.meter.machine.timer().times_passes() {
-            true => time.device_ns.map(|ns| ns as f64),
-            false => Some(time.wall_ns as f64),
-        }
     }
 
     fn judge(&self, one: &Ready, judge: &mut Judge) -> Result<Verdicts, Error> {
@@ -248,19 +233,17 @@ impl Work<'_> {
 
     /// The row's keys, counts and predictions.
     fn row(&self, point: &Point<'_>, one: &Ready, run_id: &str) -> Row {
-        let (wanted, way, data) = (self.wanted, one.way, one.renderer.data());
+        let (wanted, data) = (self.wanted, one.renderer.data());
         let predicted = Predicted::of(data, wanted.seed);
         let row = wanted.settings(&self.meter.machine).fill(Row::new(row::COLUMNS));
         row.set("run_id", run_id)
-            .set("configuration", way.id(&point.name))
+            .set("configuration", id(&one.configuration, &point.name))
+            .configured(&one.configuration)
             .set("family", point.family)
             .set("parameter", point.parameter)
             .set("scene", &*point.name)
-            .set("scene_hash", scene_hash(point.scene))
+            .set("scene_hash", Hash::of_triangles(&point.scene.triangles))
             .set("triangles", point.scene.triangles.len())
-            .set("accelerator", way.accelerator.name())
-            .set("numerics", "robust")
-            .set("rule", way.rule.map(|rule| rule.to_string()))
             .set("stratum", point.stratum)
             .set("rays", one.rays)
             .set("clock", self.meter.machine.timer().name())
@@ -272,9 +255,4 @@ impl Work<'_> {
             .set("predicted_line", predicted.and_then(|p| p.line))
             .set("stiffness", predicted.map(|p| p.end))
     }
-}
-
-/// Of the triangles, since no file has them.
-fn scene_hash(scene: &Scene) -> Hash {
-    Hash::of_floats(scene.triangles.as_flattened().as_flattened())
 }

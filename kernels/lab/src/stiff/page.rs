@@ -5,9 +5,8 @@ use std::fmt::Write as _;
 use super::figures::{correlations, curves, over_stiffness};
 use super::words::{TIMES_THE_BEST, sentences};
 use super::{CSV, Cost, FAMILIES, Family, OWN, RUNS};
-use crate::html::escaped;
-use crate::human::time;
-use crate::plots::{Draw as _, Format, Panels};
+use crate::html::{self, escaped};
+use crate::plots::{Draw as _, Format, Plot};
 use crate::structures::accelerating;
 use crate::tidy::Row;
 
@@ -19,7 +18,7 @@ pub const STYLE: &str = "\
 /// A family's figure with what it says.
 pub(crate) struct FamilyPart {
     pub(crate) family: &'static Family,
-    pub(crate) curves: Panels,
+    pub(crate) curves: Plot,
     pub(crate) sentences: Vec<String>,
 }
 
@@ -82,56 +81,22 @@ pub fn html(cost: &Cost) -> String {
         escaped(adapter),
         escaped(CAPTION),
     );
-    if said.is_empty() {
-        page += "<p>Nothing.</p>\n";
-    } else {
-        page += "<ul>";
-        said.iter().for_each(|(_, text)| page += &format!("<li>{}</li>\n", escaped(text)));
-        page += "</ul>\n";
-    }
+    let said: Vec<&String> = said.iter().map(|(_, text)| text).collect();
+    page += &if said.is_empty() { "<p>Nothing.</p>\n".to_owned() } else { html::list(&said, "") };
     for note in &cost.notes {
         let _ = writeln!(page, "<p class=\"note\">{}</p>", escaped(note));
     }
     page += "<div class=\"curves\">\n";
     for FamilyPart { family, curves, .. } in parts(rows, &[]) {
         let (what, inline) = (escaped(family.what), curves.inline().unwrap_or_default());
-        let _ = writeln!(page, "<figure>{inline}<figcaption>{what}; rays to: {}</figcaption></figure>", family.stratum);
+        page += &html::figure(&inline, &format!("{what}; rays to: {}", family.stratum));
     }
     page += "</div>\n";
     let _ = writeln!(page, "<p>{}</p>", escaped(&correlation_text(rows)));
     if let Some(svg) = over_stiffness(rows, &[]).inline() {
         let _ = writeln!(page, "<figure class=\"plot\">{svg}</figure>");
     }
-    table(&mut page, rows);
-    page
-}
-
-/// All points with all rules, folded.
-fn table(page: &mut String, rows: &[Row]) {
-    *page += "<details><summary>All points, with all rules</summary><div class=\"wide\"><table><tr><th class=\"l\">family\
-              </th><th>parameter</th><th class=\"l\">structure</th><th>time of a ray</th><th>cells</th><th>tests</th><th>\
-              build, ms</th><th>MB</th><th>wrong</th><th>undecided</th><th>of</th><th>stiffness</th></tr>\n";
-    for row in rows.iter().filter(|row| row.get("rule").is_empty()) {
-        let number =
-            |column: &str, scale: f64| row.number(column).map_or(String::new(), |v| format!("{:.2}", v * scale));
-        let least = if row.get("is_lower_bound") == "true" { "≥ " } else { "" };
-        let _ = writeln!(
-            page,
-            "<tr><td class=\"l\">{}</td><td>{}</td><td class=\"l\">{}</td><td>{least}{}</td><td>{}</td><td>{}</td><td>{}\
-             </td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
-            row.get("family"),
-            row.get("parameter"),
-            row.get("accelerator"),
-            row.number("ns_per_ray").map_or(String::new(), time),
-            number("cells_per_ray", 1.0),
-            number("tests_per_ray", 1.0),
-            number("build_s", 1e3),
-            number("structure_bytes", 1e-6),
-            row.get("wrong_rays"),
-            row.get("undecided"),
-            row.get("judged_rays"),
-            number("stiffness", 1.0),
-        );
-    }
-    *page += "</table></div></details>\n";
+    let with_all_rules = rows.iter().filter(|row| row.get("rule").is_empty());
+    let table = html::of_rows(with_all_rules.map(|row| ("", row)));
+    page + &html::folded("All points, with all rules", false, &table)
 }

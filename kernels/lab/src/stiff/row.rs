@@ -8,12 +8,12 @@ use crate::tidy::{KEYS, RATIO, Row, TIMES, VERDICTS, count, joined};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
-    &["family", "parameter", "triangles", "version", "seed", "is_quick"],
-    &["accelerator", "schedule", "numerics", "rule", "stratum", "rays", "ns_per_ray", "is_lower_bound"],
+    columns![family parameter triangles version seed is_quick],
+    columns![accelerator schedule numerics rule stratum rays ns_per_ray is_lower_bound],
     TIMES,
     RATIO,
     VERDICTS,
-    &["build_s", "hits", "passes", "cells_per_ray", "tests_per_ray", "structure_bytes"],
+    columns![build_s hits passes cells_per_ray tests_per_ray structure_bytes],
     &["predicted_line", "stiffness"],
 ];
 
@@ -21,8 +21,7 @@ const GROUPS: &[&[&str]] = &[
 pub const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
 /// The columns of `runs.csv`: one row a timed run.
-pub const RUN_COLUMNS: &[&str] =
-    &["schema_version", "run_id", "configuration", "round", "place", "time_ns", "wall_ns", "clock"];
+pub const RUN_COLUMNS: &[&str] = columns![schema_version run_id configuration round place time_ns wall_ns clock];
 
 /// Seed of bootstraps.
 const BOOTSTRAP: u32 = 2007;

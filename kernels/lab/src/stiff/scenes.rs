@@ -6,11 +6,12 @@ use glam::{DMat3, DVec3};
 use raystep_kernels::{GridSize, Ray};
 use raystep_scenes::{Scene, generate};
 
+use crate::Error;
 use crate::rays::Random;
-use crate::stability::make::{Triangle, given, ray, scene_of, sphere, vec};
-use crate::stability::{StabilityError, Workload};
+use crate::stability::Workload;
+use crate::stability::make::{self, Triangle, given, ray, scene_of, sphere, towards, vec};
 
-type Made = Result<Workload, StabilityError>;
+type Made = Result<Workload, Error>;
 
 /// Where objects stand: on no plane of an automatic grid.
 const PLACE: DVec3 = DVec3::new(0.11, -0.07, 0.13);
@@ -25,14 +26,8 @@ fn triangle(corners: [DVec3; 3]) -> Triangle {
 }
 
 /// Two triangles.
-fn quad([a, b, c, d]: [DVec3; 4]) -> [Triangle; 2] {
-    [triangle([a, b, c]), triangle([a, c, d])]
-}
-
-/// A ray from the origin as rounded to f32.
-fn towards(target: DVec3, origin: DVec3) -> Ray {
-    let origin = origin.as_vec3().as_dvec3();
-    ray(origin, target - origin)
+fn quad(corners: [DVec3; 4]) -> [Triangle; 2] {
+    make::quad(corners.map(|p| p.as_vec3().to_array()))
 }
 
 fn drawn(count: usize, seed: u32, mut one: impl FnMut(&mut Random) -> Ray) -> Vec<Ray> {

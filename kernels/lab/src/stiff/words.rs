@@ -17,12 +17,12 @@ struct Stretch<'a> {
 
 /// A structure helps if its cells and tests are fewer than this part of all triangles.
 const HELPS: f64 = 0.8;
-/// Fewest triangles for which that is told.
+/// Fewest triangles for which that is said.
 const FEW: f64 = 256.0;
 
 /// One sentence for each stretch of points at which a structure, with all rules, takes more than [`TIMES_THE_BEST`] times
 /// as long as the fastest; for each rule without which it surely takes less than that part of its time; and where no
-/// structure helps. Testing every triangle is compared with, but not told.
+/// structure helps. Testing every triangle is compared with, but not named.
 #[must_use]
 pub fn sentences(rows: &[Row]) -> Vec<(&'static Family, String)> {
     let mut all = Vec::new();

@@ -349,7 +349,7 @@ mod tests {
     use raystep_kernels::export::csv;
 
     use super::*;
-    use crate::bench::{runs, summary};
+    use crate::bench::{RunRow, SummaryRow};
     use crate::report::SECTIONS;
     use crate::{intensity, paper};
 
@@ -373,7 +373,7 @@ mod tests {
         assert_eq!(column("median_ns").map(|c| c.kind), Some(Kind::Number));
         assert_eq!(column("p05_device_ns"), None);
         let of_paper = paper::FILES.iter().flat_map(|file| file.columns).copied();
-        let of_bench = [&summary::COLUMNS[..], &runs::COLUMNS, &csv::COLUMNS, intensity::COLUMNS].concat();
+        let of_bench = [SummaryRow::COLUMNS, RunRow::COLUMNS, &csv::COLUMNS, intensity::COLUMNS].concat();
         let unknown: Vec<_> = of_bench.into_iter().chain(of_paper).filter(|name| column(name).is_none()).collect();
         assert!(unknown.is_empty(), "{unknown:?}");
     }

@@ -13,7 +13,8 @@ pub(crate) fn known(runs: &[Option<f64>]) -> Vec<f64> {
 }
 
 /// Fills the columns of times, but for the clock: one a run, `None` if it had no valid time.
-pub(crate) fn times(row: Row, runs: &[Option<f64>], seed: u32) -> Row {
+#[must_use]
+pub fn times(row: Row, runs: &[Option<f64>], seed: u32) -> Row {
     let known = known(runs);
     let interval = interval::of_median(&known, u64::from(seed));
     row.set("runs", known.len())
@@ -23,8 +24,7 @@ pub(crate) fn times(row: Row, runs: &[Option<f64>], seed: u32) -> Row {
         .set("high_ns", interval.map(|i| i.high))
         .set("min_ns", quantile(&known, 0.0))
         .set("max_ns", quantile(&known, 1.0))
-        .set("interval_method", interval.map(|i| i.method.name()))
-        .set("interval_level", interval.map(|i| i.level))
+        .method(interval)
 }
 
 /// Runs of two configurations in the same round, where both have a time.
@@ -43,11 +43,7 @@ pub(crate) fn ratio_of(of: &[Option<f64>], to: &[Option<f64>], seed: u32) -> Opt
 /// Fills the columns of the ratio to another configuration, by its name.
 pub(crate) fn ratio(row: Row, of: &[Option<f64>], to: &[Option<f64>], name: &str, seed: u32) -> Row {
     let ratio = ratio_of(of, to, seed);
-    let interval = ratio.and_then(|(_, interval)| interval);
-    row.set("ratio_to", ratio.map(|_| name))
-        .set("time_ratio", ratio.map(|(median, _)| median))
-        .set("time_ratio_low", interval.map(|i| i.low))
-        .set("time_ratio_high", interval.map(|i| i.high))
+    row.set("ratio_to", ratio.map(|_| name)).median("time_ratio", ratio)
 }
 
 /// How judged rays were chosen.
@@ -69,12 +65,7 @@ impl Drawn {
 
 /// Fills the columns of verdicts, but for rays without a result.
 pub(crate) fn verdicts(row: Row, counts: &Counts, drawn: Drawn) -> Row {
-    let row = row
-        .set("missed", counts.missed)
-        .set("false_hits", counts.false_hits)
-        .set("wrong_hits", counts.wrong)
-        .set("undecided", counts.ties);
-    shares(row, counts.errors(), counts.rays(), drawn)
+    shares(row.with(counts), counts.errors(), counts.rays(), drawn)
 }
 
 /// Fills the columns of wrong rays among judged ones.
@@ -83,8 +74,7 @@ pub(crate) fn shares(row: Row, wrong: u64, judged: u64, drawn: Drawn) -> Row {
     row.set("judged_rays", judged)
         .set("wrong_rays", wrong)
         .set("wrong_per_million", per_million(wrong, judged))
-        .set("wrong_per_million_low", ends.map(|[low, _]| 1e6 * low))
-        .set("wrong_per_million_high", ends.map(|[_, high]| 1e6 * high))
+        .ends("wrong_per_million", ends.map(|ends| ends.map(|share| 1e6 * share)))
 }
 
 /// A share of rays; `None` of none.

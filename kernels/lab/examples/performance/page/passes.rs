@@ -1,103 +1,87 @@
 //! The cost of passes: per byte, and per pass.
 
-use super::Measured;
-use super::text::{columns, distinct, number, or_dash, percent, table, time};
-use crate::fit::Line;
-use crate::row::Probe;
+use raystep_lab::human::{digits, time};
+use raystep_lab::statistics::Line;
+use raystep_lab::tidy::Row;
 
-type Size = (u32, u32);
+use super::meshes::size;
+use super::{Measured, distinct, or_dash, percent, ratio, table};
 
-fn size(probe: &Probe) -> Size {
-    (probe.width_px, probe.height_px)
+/// The rows of a section whose measurement begins like this.
+fn rows<'a>(machine: &'a Measured, section: &'a str, what: &'a str) -> impl Iterator<Item = &'a Row> {
+    machine.of(section).filter(move |row| row.get("what").starts_with(what))
 }
 
 /// Fits the time of one dispatch against its bytes: fixed cost and nanoseconds per byte.
-fn update(machine: &Measured, of: Size) -> Option<Line> {
-    let probes = machine.probed("bytes", "update of textures").filter(|p| size(p) == of);
-    let point = |p: &Probe| Some((p.bytes? as f64 / p.passes as f64, p.median_device_ns? / p.passes as f64));
-    Line::through(&probes.filter_map(point).collect::<Vec<_>>())
+fn update(machine: &Measured, of: &str) -> Option<Line> {
+    let rows = rows(machine, "bytes", "update of textures").filter(|row| size(row) == of);
+    let points = rows.filter_map(|row| Some((ratio(row, "bytes", "passes")?, ratio(row, "median_ns", "passes")?)));
+    Line::through(&points.collect::<Vec<_>>())
 }
 
 /// Fits the time of a submission against its passes: the slope is the cost of an empty pass.
-fn empty_pass(machine: &Measured, schedule: &str, of: Size) -> Option<Line> {
+fn empty_pass(machine: &Measured, schedule: &str, of: &str) -> Option<Line> {
     let what = format!("empty pass, {schedule}");
-    let probes = machine.probed("bytes", &what).filter(|p| size(p) == of);
-    Line::through(&probes.filter_map(|p| Some((p.passes as f64, p.median_device_ns?))).collect::<Vec<_>>())
+    let rows = rows(machine, "bytes", &what).filter(|row| size(row) == of);
+    Line::through(&rows.filter_map(|row| Some((row.number("passes")?, row.number("median_ns")?))).collect::<Vec<_>>())
 }
 
 pub(super) fn bytes(machine: &Measured) -> String {
     let mut text = String::new();
-    let per_s = |ns_a_byte: f64| format!("{} GB/s", number(1.0 / ns_a_byte));
-    if let Some(copy) = machine.probed("bytes", "copy of a buffer").next()
-        && let Some((bytes, ns)) = copy.bytes.zip(copy.median_device_ns)
-    {
+    let per_s = |ns_per_byte: f64| format!("{} GB/s", digits(1.0 / ns_per_byte));
+    for copy in rows(machine, "bytes", "copy of a buffer") {
+        let mib = ratio(copy, "bytes", "passes").map(|bytes| bytes / 2.0 / f64::from(1 << 20));
         text += &format!(
             "A copy from one buffer of {} MiB to another moves {}, counting reads and writes.\n\n",
-            (bytes / copy.passes / 2) >> 20,
-            per_s(ns / bytes as f64)
+            or_dash(mib, digits),
+            ratio(copy, "median_ns", "bytes").map_or("–".into(), per_s)
         );
     }
-    let sizes = distinct(machine.probed("bytes", "update of textures").map(size));
-    let rows = sizes.iter().map(|&of| {
+    let sizes = distinct(rows(machine, "bytes", "update of textures").map(size));
+    let line = |of: &String| {
         let pass = |schedule| or_dash(empty_pass(machine, schedule, of).map(|line| line.slope), time);
-        vec![
-            format!("{}×{}", of.0, of.1),
-            update(machine, of).map_or("–".into(), |line| per_s(line.slope)),
-            pass("compact"),
-            pass("second"),
-        ]
-    });
+        let speed = update(machine, of).map_or("–".into(), |line| per_s(line.slope));
+        vec![of.clone(), speed, pass("compact"), pass("second")]
+    };
     let names = ["", "update of textures in place", "empty pass, active rays only", "empty pass, all rays"];
-    text += &table(&columns(&names), &rows.collect::<Vec<_>>());
-    let mut rows = Vec::new();
-    for run in machine.probed("bytes", "run of one step") {
-        let Some((bytes, ns)) = run.bytes.zip(run.median_device_ns) else { continue };
-        let moving = update(machine, size(run)).map(|line| bytes as f64 * line.slope);
-        let passing = empty_pass(machine, "compact", size(run)).map(|line| run.passes as f64 * line.slope);
+    text += &table(&names, &sizes.iter().map(line).collect::<Vec<_>>());
+    let run = |row: &Row| {
+        let (bytes, passes, ns) = (row.number("bytes")?, row.number("passes")?, row.number("median_ns")?);
+        let moving = update(machine, &size(row)).map(|line| bytes * line.slope);
+        let passing = empty_pass(machine, "compact", &size(row)).map(|line| passes * line.slope);
         let model = moving.zip(passing).map(|(a, b)| a + b);
-        rows.push(vec![
-            format!("{}, {}, {}×{}", run.scene, run.accelerator, run.width_px, run.height_px),
-            run.passes.to_string(),
-            number(bytes as f64 / 1e6),
+        Some(vec![
+            format!("{}, {}, {}", row.get("scene"), row.get("accelerator"), size(row)),
+            digits(passes),
+            digits(bytes / 1e6),
             or_dash(moving, time),
             or_dash(passing, time),
             time(ns),
-            or_dash(model.map(|model| ns / model), number),
-        ]);
-    }
-    if rows.is_empty() {
-        return String::new();
-    }
+            or_dash(model.map(|model| ns / model), digits),
+        ])
+    };
     let names =
         ["run, one step per pass", "passes", "MB", "MB at that speed", "passes, if empty", "time", "time / their sum"];
-    text + &table(&columns(&names), &rows)
+    text + &table(&names, &rows(machine, "bytes", "run of one step").filter_map(run).collect::<Vec<_>>())
 }
 
 pub(super) fn tdelta(machine: &Measured) -> String {
-    let probes: Vec<&Probe> = machine.probed("tdelta", "").collect();
-    let mut rows = Vec::new();
-    for of in distinct(probes.iter().map(|p| size(p))) {
-        let of_size: Vec<&Probe> = probes.iter().copied().filter(|p| size(p) == of).collect();
-        let worked_out = of_size.first().and_then(|p| p.median_device_ns);
-        for p in &of_size {
-            let per_pass = p.median_device_ns.map(|ns| ns / p.passes as f64);
-            let spread = p
-                .low_device_ns
-                .zip(p.high_device_ns)
-                .map(|(a, b)| format!("{} – {}", time(a / p.passes as f64), time(b / p.passes as f64)));
-            rows.push(vec![
-                format!("{}×{}, {}", of.0, of.1, p.what),
-                or_dash(p.bytes.map(|b| b as f64 / p.passes as f64 / f64::from(of.0 * of.1)), number),
-                or_dash(per_pass, time),
-                spread.unwrap_or("–".into()),
-                or_dash(p.median_device_ns.zip(worked_out).map(|(a, b)| a / b), number),
-                or_dash(p.value, percent),
-            ]);
-        }
-    }
-    if rows.is_empty() {
-        return String::new();
-    }
+    let rows: Vec<&Row> = machine.of("tdelta").collect();
+    let line = |row: &&Row| {
+        let first = rows.iter().find(|first| size(first) == size(row)).and_then(|first| first.number("median_ns"));
+        let [per_pass, low, high] = ["median_ns", "low_ns", "high_ns"].map(|column| ratio(row, column, "passes"));
+        let spread = low.zip(high).map(|(low, high)| format!("{} – {}", time(low), time(high)));
+        let pixels = row.number("width_px").zip(row.number("height_px")).map(|(width, height)| width * height);
+        let bytes = ratio(row, "bytes", "passes").zip(pixels).map(|(bytes, pixels)| bytes / pixels);
+        vec![
+            format!("{}, {}", size(row), row.get("what")),
+            or_dash(bytes, digits),
+            or_dash(per_pass, time),
+            spread.unwrap_or("–".into()),
+            or_dash(row.number("median_ns").zip(first).map(|(ns, first)| ns / first), digits),
+            or_dash(row.number("value"), percent),
+        ]
+    };
     let names = [
         "",
         "bytes per ray",
@@ -106,5 +90,5 @@ pub(super) fn tdelta(machine: &Measured) -> String {
         "/ worked out",
         "rays in a different cell at the end",
     ];
-    table(&columns(&names), &rows)
+    table(&names, &rows.iter().map(line).collect::<Vec<_>>())
 }

@@ -2,124 +2,134 @@
 
 use std::path::Path;
 
-use super::Measured;
-use super::plot::{self, Axes, Series};
-use super::text::{columns, count, distinct, number, or_dash, percent, table, time};
-use crate::fit::{Line, crossover};
-use crate::row::Row;
+use raystep_lab::human::{digits, time};
+use raystep_lab::plots::Series;
+use raystep_lab::statistics::Line;
+use raystep_lab::tidy::Row;
 
-/// The configurations with their rows, one list per configuration.
-fn ways<'a>(machine: &'a Measured, section: &'a str, scene: &str) -> Vec<(String, Vec<&'a Row>)> {
-    let rows: Vec<&Row> = machine.timed(section).filter(|r| r.scene == scene).collect();
-    let names = distinct(rows.iter().map(|r| r.way()));
-    let of = |name: &String| rows.iter().copied().filter(|r| r.way() == *name).collect();
-    names.into_iter().map(|name| (name.clone(), of(&name))).collect()
+use super::meshes::size;
+use super::{Measured, distinct, line, name, or_dash, over, percent, table};
+
+/// The configurations of a scene with their rows.
+fn by_configuration<'a>(machine: &'a Measured, section: &'a str, scene: &str) -> Vec<(String, Vec<&'a Row>)> {
+    let rows: Vec<&Row> = machine.of(section).filter(|row| row.get("scene") == scene).collect();
+    let of = |of: &String| rows.iter().copied().filter(|row| name(row) == *of).collect();
+    distinct(rows.iter().map(|row| name(row))).into_iter().map(|name| (name.clone(), of(&name))).collect()
 }
 
-fn scenes(machine: &Measured, section: &str) -> Vec<String> {
-    distinct(machine.timed(section).map(|r| r.scene.clone()))
+fn curve(rows: &[&Row], x: &str) -> Vec<(f64, f64)> {
+    rows.iter().filter_map(|row| Some((row.number(x)?, row.number("median_ns")?))).collect()
 }
 
-fn curve(rows: &[&Row], x: fn(&Row) -> f64, y: fn(&Row) -> Option<f64>) -> Vec<(f64, f64)> {
-    rows.iter().filter_map(|r| Some((x(r), y(r)?))).collect()
+/// Colour by accelerator, dashes by schedule.
+fn series((name, rows): &(String, Vec<&Row>), x: &str) -> Series {
+    const COLORS: [(&str, usize); 4] = [("bvh", 0), ("grid", 1), ("none", 6), ("irregular", 2)];
+    let color = COLORS.iter().find(|(accelerator, _)| name.starts_with(accelerator)).map_or(3, |(_, color)| *color);
+    line(name.clone(), color, name.contains("compact"), curve(rows, x))
 }
 
-fn with_build(row: &Row) -> Option<f64> {
-    Some(row.median_device_ns? + row.build_s? * 1e9)
+/// Time over a count in a scene.
+fn plot(machine: &Measured, folder: &Path, section: &str, scene: &str, x: &str) -> Result<String, String> {
+    let series = by_configuration(machine, section, scene).iter().map(|one| series(one, x)).collect();
+    let plot = over(format!("{scene}, {}", machine.title()), x, series);
+    machine.plot(folder, &format!("{section}-{scene}"), &format!("Time against {x}, {scene}"), plot)
 }
 
-pub(super) fn triangles(machine: &Measured) -> String {
+pub(super) fn triangles(machine: &Measured, folder: &Path) -> Result<String, String> {
     let mut text = String::new();
-    for scene in scenes(machine, "triangles") {
-        let ways = ways(machine, "triangles", &scene);
-        let counts = distinct(machine.timed("triangles").filter(|r| r.scene == scene).map(|r| r.triangles));
-        let mut names = vec!["triangles".to_owned()];
-        names.extend(ways.iter().map(|(name, _)| name.clone()));
-        names.extend(
-            ["grid built in", "irregular grid built in", "BVH built in (wide)", "BVH built in (binary)"]
-                .map(String::from),
-        );
-        let rows = counts.iter().map(|&triangles| {
-            let at = |rows: &[&Row]| rows.iter().find(|r| r.triangles == triangles).and_then(|r| r.median_device_ns);
-            let built = |way: &str| {
-                let row = ways.iter().find(|(name, _)| name == way)?.1.iter().find(|r| r.triangles == triangles)?;
-                row.build_s.map(|s| s * 1e9)
+    for scene in machine.fields("triangles", "scene") {
+        let all = by_configuration(machine, "triangles", scene);
+        let counts = distinct(all.iter().flat_map(|(_, rows)| rows).map(|row| row.get("triangles")));
+        let built = [
+            ("grid, fused", "grid built in"),
+            ("irregular, fused", "irregular grid built in"),
+            ("bvh, fused", "BVH built in (wide)"),
+            ("bvh, compact K=8", "BVH built in (binary)"),
+        ];
+        let mut names = vec!["triangles"];
+        names.extend(all.iter().map(|(name, _)| name.as_str()));
+        names.extend(built.map(|(_, heading)| heading));
+        let lines = counts.iter().map(|count| {
+            let at = |rows: &[&Row], column| {
+                rows.iter().find(|row| row.get("triangles") == *count).and_then(|row| row.number(column))
             };
-            let mut cells = vec![count(triangles as f64)];
-            cells.extend(ways.iter().map(|(_, rows)| or_dash(at(rows), time)));
-            cells.extend(
-                ["grid, fused", "irregular, fused", "bvh, fused", "bvh, compact K=8"]
-                    .map(|way| or_dash(built(way), time)),
-            );
-            cells
+            let times = all.iter().map(|(_, rows)| or_dash(at(rows, "median_ns"), time));
+            let build = |of: &str| all.iter().find(|(name, _)| name == of).and_then(|(_, rows)| at(rows, "build_s"));
+            let builds = built.iter().map(|(of, _)| or_dash(build(of).map(|s| s * 1e9), time));
+            std::iter::once(or_dash(count.parse().ok(), digits)).chain(times).chain(builds).collect()
         });
-        text += &table(&names, &rows.collect::<Vec<_>>());
-        text += &format!("![Time against triangles, {scene}](performance/{}/triangles-{scene}.svg)\n\n", machine.name);
+        text += &table(&names, &lines.collect::<Vec<_>>());
+        text += &plot(machine, folder, "triangles", scene, "triangles")?;
+        text.push('\n');
         for (a, b) in [("none", "grid"), ("none", "bvh"), ("grid", "irregular"), ("grid", "bvh"), ("irregular", "bvh")]
         {
-            text += &crossing(&ways, a, b, &scene);
+            text += &crossing(&all, a, b, scene);
         }
         text.push('\n');
     }
-    text
+    Ok(text)
 }
 
 /// Where the fused `b` overtakes the fused `a`, with and without the time to build it.
-fn crossing(ways: &[(String, Vec<&Row>)], a: &str, b: &str, scene: &str) -> String {
-    let find = |name: &str| ways.iter().find(|(way, _)| *way == format!("{name}, fused")).map(|(_, rows)| rows);
+fn crossing(all: &[(String, Vec<&Row>)], a: &str, b: &str, scene: &str) -> String {
+    let find = |of: &str| all.iter().find(|(name, _)| *name == format!("{of}, fused")).map(|(_, rows)| rows);
     let Some((first, second)) = find(a).zip(find(b)) else { return String::new() };
-    let at = |y: fn(&Row) -> Option<f64>| {
+    let at = |with_build: f64| {
+        let ns = |row: &Row| Some(row.number("median_ns")? + with_build * row.number("build_s").unwrap_or(0.0) * 1e9);
         // Compare only as far as both were measured.
         let both = |a: &&Row| {
-            let b = second.iter().find(|b| b.triangles == a.triangles)?;
-            Some([a.triangles as f64, y(a)?, y(b)?])
+            let b = second.iter().find(|b| b.get("triangles") == a.get("triangles"))?;
+            Some([a.number("triangles")?, ns(a)?, ns(b)?])
         };
         let points: Vec<[f64; 3]> = first.iter().filter_map(both).collect();
         let ends_below = points.last().map(|[_, a, b]| b < a);
         match (crossover(&points), ends_below) {
-            (Some(triangles), _) => format!("from {} triangles on", count(triangles)),
+            (Some(triangles), _) => format!("from {} triangles on", digits(triangles)),
             (None, Some(true)) => "at every count measured".into(),
             _ => "at none measured".into(),
         }
     };
-    let name = |name| match name {
+    let words = |accelerator| match accelerator {
         "none" => "no structure",
         "bvh" => "the BVH",
         "irregular" => "the irregular grid",
         _ => "the grid",
     };
-    format!(
-        "- {scene}: fused, {} is faster than {} {}; for a single image including building, {}.\n",
-        name(b),
-        name(a),
-        at(|r| r.median_device_ns),
-        at(with_build)
-    )
+    let (a, b) = (words(a), words(b));
+    let (traced, built) = (at(0.0), at(1.0));
+    format!("- {scene}: fused, {b} is faster than {a} {traced}; for a single image including building, {built}.\n")
 }
 
-pub(super) fn resolution(machine: &Measured) -> String {
-    let mut rows = Vec::new();
-    for scene in scenes(machine, "resolution") {
-        for (way, of_way) in ways(machine, "resolution", &scene) {
-            let points = curve(&of_way, |r| r.rays as f64, |r| r.median_device_ns);
+/// The x from which `b` stays below `a`, by linear interpolation on logarithmic axes between points `[x, a, b]`,
+/// x ascending. `None` if `b` is not below at the end, or was never above.
+fn crossover(points: &[[f64; 3]]) -> Option<f64> {
+    let last = points.iter().rposition(|[_, a, b]| b >= a)?;
+    let [p, q] = [*points.get(last)?, *points.get(last + 1)?].map(|point| point.map(f64::ln));
+    let (before, after) = (p[2] - p[1], q[2] - q[1]);
+    Some((p[0] + (q[0] - p[0]) * before / (before - after)).exp())
+}
+
+pub(super) fn resolution(machine: &Measured, folder: &Path) -> Result<String, String> {
+    let (mut lines, mut plots) = (Vec::new(), String::new());
+    for scene in machine.fields("resolution", "scene") {
+        plots += &plot(machine, folder, "resolution", scene, "rays")?;
+        for (name, rows) in by_configuration(machine, "resolution", scene) {
+            let points = curve(&rows, "rays");
             let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
             // Times that are not on a line have no rate.
             let line = Line::through(&points);
             let interval = line.and_then(|line| line.slope_interval);
-            rows.push(vec![
-                scene.clone(),
-                way,
-                format!("{} to {}", count(first.0), count(last.0)),
+            lines.push(vec![
+                scene.to_owned(),
+                name,
+                format!("{} to {}", digits(first.0), digits(last.0)),
                 or_dash(line.map(|line| line.intercept), time),
-                or_dash(line.map(|line| line.slope), number),
-                interval.map_or("–".into(), |[low, high]| format!("{} – {}", number(low), number(high))),
-                or_dash(line.map(|line| 1e3 / line.slope), number),
+                or_dash(line.map(|line| line.slope), digits),
+                interval.map_or("–".into(), |[low, high]| format!("{} – {}", digits(low), digits(high))),
+                or_dash(line.map(|line| 1e3 / line.slope), digits),
                 or_dash(line.map(|line| line.worst), percent),
             ]);
         }
-    }
-    if rows.is_empty() {
-        return String::new();
     }
     let names = [
         "scene",
@@ -131,84 +141,69 @@ pub(super) fn resolution(machine: &Measured) -> String {
         "Mray/s without the intercept",
         "farthest from the line",
     ];
-    let mut text = table(&columns(&names), &rows);
-    for scene in scenes(machine, "resolution") {
-        text += &format!("![Time against rays, {scene}](performance/{}/resolution-{scene}.svg)\n", machine.name);
-    }
-    text
+    Ok(table(&names, &lines) + &plots)
 }
 
-pub(super) fn steps(machine: &Measured) -> String {
-    let rows: Vec<&Row> = machine.timed("steps").collect();
-    let groups = distinct(rows.iter().map(|r| (r.scene.clone(), r.accelerator.clone())));
-    let steps = distinct(rows.iter().filter(|r| r.schedule == "compact").map(|r| r.steps_per_pass));
-    if groups.is_empty() {
-        return String::new();
-    }
-    let find = |(scene, accelerator): &(String, String), schedule: &str, steps: u32| {
-        let is_wanted = |r: &&&Row| {
-            (&r.scene, &r.accelerator, r.schedule.as_str(), r.steps_per_pass) == (scene, accelerator, schedule, steps)
-        };
-        rows.iter().find(is_wanted).copied()
+pub(super) fn steps(machine: &Measured, folder: &Path) -> Result<String, String> {
+    let rows: Vec<&Row> = machine.of("steps").collect();
+    let Some(first) = rows.first() else { return Ok(String::new()) };
+    let groups = distinct(rows.iter().map(|row| [row.get("scene"), row.get("accelerator")]));
+    let of = |[scene, accelerator]: [&str; 2]| {
+        let key = [("scene", scene), ("accelerator", accelerator)].map(|(column, field)| (column, field.to_owned()));
+        rows.iter().copied().filter(move |row| key.iter().all(|(column, field)| row.get(column) == field))
     };
-    let mut names = vec!["steps per pass".to_owned()];
-    names.extend(groups.iter().map(|(scene, accelerator)| format!("{scene}, {accelerator}")));
-    let cell = |group: &(String, String), row: Option<&Row>| {
-        let fused = find(group, "fused", 1).and_then(|r| r.median_device_ns);
-        let text = row.zip(fused).and_then(|(r, fused)| {
-            let ns = r.median_device_ns?;
-            Some(format!("{}, {} passes, {} × fused", time(ns), r.passes?, number(ns / fused)))
-        });
-        text.unwrap_or("–".into())
+    let fused = |group| of(group).find(|row| row.get("schedule") == "fused").and_then(|row| row.number("median_ns"));
+    let cell = |group, steps: &str| {
+        let row = of(group).find(|row| row.get("steps_per_pass") == steps)?;
+        let (ns, passes) = (row.number("median_ns")?, row.get("passes"));
+        Some(format!("{}, {passes} passes, {} × fused", time(ns), digits(ns / fused(group)?)))
     };
+    let steps = distinct(rows.iter().map(|row| row.get("steps_per_pass")).filter(|steps| !steps.is_empty()));
     let mut lines: Vec<Vec<String>> = steps
         .iter()
         .map(|&steps| {
-            let cells = groups.iter().map(|group| cell(group, find(group, "compact", steps)));
-            std::iter::once(steps.to_string()).chain(cells).collect()
+            let cells = groups.iter().map(|&group| cell(group, steps).unwrap_or("–".into()));
+            std::iter::once(steps.to_owned()).chain(cells).collect()
         })
         .collect();
-    let fused = groups.iter().map(|g| or_dash(find(g, "fused", 1).and_then(|r| r.median_device_ns), time));
-    lines.push(std::iter::once("fused".to_owned()).chain(fused).collect());
-    let size = rows.first().map(|r| format!("{}×{} pixels.\n\n", r.width_px, r.height_px)).unwrap_or_default();
-    format!("{size}{}![Time against steps per pass](performance/{}/steps.svg)\n", table(&names, &lines), machine.name)
+    let of_fused = groups.iter().map(|&group| or_dash(fused(group), time));
+    lines.push(std::iter::once("fused".to_owned()).chain(of_fused).collect());
+    let names = groups.iter().map(|group| group.join(", "));
+    let names: Vec<String> = std::iter::once("steps per pass".to_owned()).chain(names).collect();
+
+    let mut series = Vec::new();
+    for (i, &group) in groups.iter().enumerate() {
+        // Blue, vermilion, green, purple.
+        let (color, name) = ([1, 0, 3, 2][i % 4], group.join(", "));
+        let compact: Vec<&Row> = of(group).filter(|row| row.get("schedule") == "compact").collect();
+        let points = curve(&compact, "steps_per_pass");
+        if let (Some(ns), [first, .., last]) = (fused(group), &points[..]) {
+            series.push(line(format!("{name}: fused"), color, true, vec![(first.0, ns), (last.0, ns)]));
+        }
+        series.push(line(name, color, false, points));
+    }
+    let plot = over(format!("Compact, {}", machine.title()), "steps per pass", series);
+    let plot = machine.plot(folder, "steps", "Time against steps per pass", plot)?;
+    Ok(format!("{} pixels.\n\n{}{plot}", size(first), table(&names, &lines)))
 }
 
-/// Colour by accelerator, dashes by schedule.
-fn series(name: String, points: Vec<(f64, f64)>) -> Series {
-    let color = ["bvh", "grid", "none", "irregular"].iter().position(|a| name.starts_with(a)).unwrap_or(4);
-    Series { is_dashed: name.contains("compact"), name, points, color }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-pub(super) fn plots(machine: &Measured, folder: &Path) -> Result<(), String> {
-    type Count = fn(&Row) -> f64;
-    let sections: [(&str, &str, Count); 2] =
-        [("triangles", "triangles", |r| r.triangles as f64), ("resolution", "rays", |r| r.rays as f64)];
-    for (section, x, count) in sections {
-        for scene in scenes(machine, section) {
-            let ways = ways(machine, section, &scene).into_iter();
-            let lines = ways.map(|(name, rows)| series(name, curve(&rows, count, |r| r.median_device_ns)));
-            let axes = Axes { title: format!("{scene}, {}", machine.title()), x, y: "time", y_text: time };
-            plot::write(&folder.join(format!("{section}-{scene}.svg")), &axes, &lines.collect::<Vec<_>>())?;
-        }
+    #[test]
+    fn lines_cross_where_logarithms_say() {
+        // a = x, b = 100 / x cross at 10, and log-log interpolation is exact for powers.
+        let x = [1.0, 4.0, 40.0, 1000.0];
+        let at = crossover(&x.map(|x| [x, x, 100.0 / x])).expect("they cross");
+        assert!((at - 10.0).abs() < 1e-9, "{at}");
+        assert_eq!(crossover(&x.map(|x| [x, 100.0 / x, x])), None, "a ends above");
+        // If b is below from the start, nothing crosses; of several crossings, the last one counts.
+        assert_eq!(crossover(&x.map(|x| [x, x, x / 2.0])), None);
+        let wavy = [[1.0, 1.0, 0.5], [4.0, 4.0, 8.0], [40.0, 40.0, 20.0], [1000.0, 1000.0, 10.0]];
+        let at = crossover(&wavy).expect("they cross");
+        assert!(at > 4.0 && at < 40.0, "{at}");
+        // b ends above a, so it has not crossed for good.
+        assert!(crossover(&wavy[..2]).is_none() && crossover(&[]).is_none());
     }
-    let mut lines = Vec::new();
-    for (i, scene) in scenes(machine, "steps").into_iter().enumerate() {
-        for accelerator in ["grid", "bvh"] {
-            let rows: Vec<&Row> =
-                machine.timed("steps").filter(|r| r.scene == scene && r.accelerator == accelerator).collect();
-            let compact: Vec<&Row> = rows.iter().copied().filter(|r| r.schedule == "compact").collect();
-            let points = curve(&compact, |r| f64::from(r.steps_per_pass), |r| r.median_device_ns);
-            let color = 3 * i + usize::from(accelerator == "grid");
-            if let Some(fused) = rows.iter().find(|r| r.schedule == "fused").and_then(|r| r.median_device_ns) {
-                let ends = points.first().zip(points.last()).map(|(a, b)| vec![(a.0, fused), (b.0, fused)]);
-                let name = format!("{scene}, {accelerator}: fused");
-                lines.push(Series { name, points: ends.unwrap_or_default(), color, is_dashed: true });
-            }
-            let name = format!("{scene}, {accelerator}");
-            lines.push(Series { name, points, color, is_dashed: false });
-        }
-    }
-    let axes = Axes { title: format!("Compact, {}", machine.title()), x: "steps per pass", y: "time", y_text: time };
-    plot::write(&folder.join("steps.svg"), &axes, &lines)
 }

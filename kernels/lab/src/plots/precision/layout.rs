@@ -5,7 +5,7 @@ use crate::plots::axis::Ranged;
 use crate::plots::draw::{HALF_MARK, RING, across, beside, color, left_of, up, widest};
 use crate::plots::font::{width, wrapped};
 use crate::plots::frame::Frame;
-use crate::plots::labels::{HALF, Obstacles, Place, Wanted, distance, places};
+use crate::plots::labels::{HALF, Obstacles, Placement, Wanted, distance, places};
 use crate::plots::legend::Entry;
 use crate::plots::lines::RIGHT;
 use crate::plots::picture::{BLACK, LINE, Picture, Point, SIZE};
@@ -40,7 +40,7 @@ pub(super) struct Mark<'a> {
 #[derive(Clone)]
 pub(super) struct Label {
     pub(super) lines: Vec<String>,
-    pub(super) place: Place,
+    pub(super) place: Placement,
 }
 
 impl Label {
@@ -193,7 +193,7 @@ impl<'a> Layout<'a> {
     }
 
     /// Places of texts in the logarithmic part.
-    fn places(&self, texts: &[String]) -> Vec<Option<Place>> {
+    fn places(&self, texts: &[String]) -> Vec<Option<Placement>> {
         let mut obstacles = Obstacles::default();
         for mark in &self.marks {
             let (x, y) = mark.at;
@@ -270,7 +270,7 @@ fn half(choice: &Choice) -> f64 {
 }
 
 /// Whether a label is so far from its mark that a number is better.
-fn is_far(place: &Place) -> bool {
+fn is_far(place: &Placement) -> bool {
     place.leader.is_some_and(|[from, to]| distance(from, to) > FAR)
 }
 
@@ -291,5 +291,5 @@ fn texts(choices: &[&Choice], has_number: &[bool]) -> Vec<String> {
 fn label(lines: Vec<String>, left: f64, top: f64) -> Label {
     let right = left + widest(&lines);
     let bottom = top + 2.0 * HALF + LANE * (lines.len() as f64 - 1.0);
-    Label { lines, place: Place { frame: Frame { left, right, top, bottom }, leader: None } }
+    Label { lines, place: Placement { frame: Frame { left, right, top, bottom }, leader: None } }
 }

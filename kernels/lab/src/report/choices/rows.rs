@@ -5,9 +5,9 @@ use raystep_kernels::export::structure::structure_bytes;
 
 use super::super::judge::Judge;
 use super::super::methods::Method;
-use super::super::work::Work;
+use super::super::work::{Work, id};
 use super::strata::ALL;
-use super::{COLUMNS, MOST_WRONG, Measured, words};
+use super::{COLUMNS, MOST_WRONG, Measured, options, words};
 use crate::portions::Portions;
 use crate::statistics::interval;
 use crate::statistics::proportion::at_most;
@@ -58,7 +58,7 @@ pub(super) async fn all_rows(
     let best = times.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i);
     if let Some(best) = best {
         let to = &measured[best];
-        let name = to.way.id(work);
+        let name = id(work, &to.configuration);
         let mut portions = Portions::new();
         for (i, (row, m)) in rows.iter_mut().zip(measured).enumerate() {
             portions.rest().await;
@@ -113,8 +113,7 @@ pub(super) fn compare_own(rows: &mut [Row]) {
             .clone()
             .set("ratio_to", best.get("configuration"))
             .set("time_ratio", ratio(0, 0))
-            .set("time_ratio_low", ends.map(|(low, _)| low))
-            .set("time_ratio_high", ends.map(|(_, high)| high));
+            .ends("time_ratio", ends.map(|(low, high)| [low, high]));
     }
 }
 
@@ -140,16 +139,14 @@ fn front(rows: &[Row]) -> Vec<bool> {
 }
 
 async fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -> Row {
-    let Measured { way, built, times, judged } = m;
+    let Measured { configuration, built, times, judged } = m;
     let plan = built.renderer.plan();
-    let sums = work.machine().counts(&work.subject.scene, &way.options(rays)).await;
+    let sums = work.machine().counts(&work.subject.scene, &options(*configuration, rays)).await;
     let per_ray = |sum: u64| (plan.rays > 0).then(|| sum as f64 / plan.rays as f64);
     let row = work
         .row(COLUMNS)
-        .set("configuration", way.id(work))
-        .set("accelerator", way.accelerator.name())
-        .set("schedule", way.schedule.name())
-        .set("numerics", way.numerics.name())
+        .set("configuration", id(work, configuration))
+        .configured(configuration)
         .set("stratum", ALL)
         .set("rays", plan.rays)
         .set("clock", work.clock())

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{COLUMNS, Measured};
 use crate::report::judge::Judge;
-use crate::report::work::Work;
+use crate::report::work::{Work, id};
 use crate::tidy::Row;
 use crate::tidy::fill::{Drawn, verdicts};
 
@@ -44,10 +44,8 @@ impl<'a> Strata<'a> {
             let rays = self.of_rays.map(|all| all.iter().filter(|n| *n == number).count());
             let row = work
                 .row(COLUMNS)
-                .set("configuration", m.way.id(work))
-                .set("accelerator", m.way.accelerator.name())
-                .set("schedule", m.way.schedule.name())
-                .set("numerics", m.way.numerics.name())
+                .set("configuration", id(work, &m.configuration))
+                .configured(&m.configuration)
                 .set("stratum", &**name)
                 .set("rays", rays);
             verdicts(row, &counts, Drawn::AtRandom)

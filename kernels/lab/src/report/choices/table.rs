@@ -7,7 +7,7 @@ use crate::human::{cell, data, digits, field};
 use crate::statistics::Compared;
 use crate::tidy::Row;
 
-/// What `raystep render` takes unless told otherwise.
+/// What `raystep render` takes by default.
 const DEFAULT: [(&str, &str); 3] = [("accelerator", "grid"), ("schedule", "compact"), ("numerics", "robust")];
 
 const NAMES: [&str; 8] =

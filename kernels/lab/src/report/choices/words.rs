@@ -159,16 +159,16 @@ fn others(place: &str, rows: &[Row]) -> String {
 
 /// What is wrong too often although it is not by the paper's rules: what is faster, and other programs' methods.
 fn inaccurate(rows: &[Row]) -> Option<String> {
-    let is_told = |row: &&Row| {
+    let is_named = |row: &&Row| {
         let is_faster = compared("time_ratio", row) == Compared::Faster;
         !is_accurate(row) && !is_papers(row) && (is_own(row) || is_faster)
     };
-    let told = rows.iter().filter(is_told).map(|row| {
+    let names = rows.iter().filter(is_named).map(|row| {
         let faster = if compared("time_ratio", row) == Compared::Faster { "faster, but " } else { "" };
         format!("{} ({faster}{} of {} wrong)", short(row), number("wrong_rays", row), number("judged_rays", row))
     });
-    let told: Vec<String> = told.collect();
-    (!told.is_empty()).then(|| format!("Not accurate: {}.", told.join(", ")))
+    let names: Vec<String> = names.collect();
+    (!names.is_empty()).then(|| format!("Not accurate: {}.", names.join(", ")))
 }
 
 /// The row with the shortest time among those with these fields.

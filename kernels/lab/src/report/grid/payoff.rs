@@ -4,11 +4,11 @@ use std::time::{Duration, Instant};
 
 use raystep_kernels::plan::Plan;
 
-use super::Way;
+use super::Candidate;
 use crate::Error;
 use crate::report::times::{FOR_BUILDING, Times};
 use crate::report::work::{Built, Work};
-use crate::statistics::interval::{self, Interval};
+use crate::statistics::interval;
 use crate::statistics::{median, quantile};
 use crate::tidy::Row;
 
@@ -20,14 +20,6 @@ const LONGEST: Duration = Duration::from_secs(4);
 pub(super) struct Builds(pub(super) Vec<f64>);
 
 impl Builds {
-    fn median(&self) -> Option<f64> {
-        median(&self.0)
-    }
-
-    fn interval(&self) -> Option<Interval> {
-        interval::of_median(&self.0, 0)
-    }
-
     /// The median of how much longer building takes than planning without a structure in the same rounds, and between
     /// which values it lies: its interval, or all differences if there are too few for one.
     fn beyond(&self, none: &Self) -> Option<(f64, [f64; 2])> {
@@ -37,18 +29,15 @@ impl Builds {
     }
 
     pub(super) fn fill(&self, row: Row) -> Row {
-        let interval = self.interval();
         row.set("builds", self.0.len())
-            .set("build_s", self.median())
-            .set("build_s_low", interval.map(|i| i.low))
-            .set("build_s_high", interval.map(|i| i.high))
+            .median("build_s", median(&self.0).map(|middle| (middle, interval::of_median(&self.0, 0))))
             .set("build_s_min", quantile(&self.0, 0.0))
             .set("build_s_max", quantile(&self.0, 1.0))
     }
 }
 
-/// Plans each way again and again, in turn: mostly building its structure.
-pub(super) fn builds(work: &Work<'_>, built: &[(Way, Built)]) -> Result<Vec<Builds>, Error> {
+/// Plans each of them again and again, in turn: mostly building its structure.
+pub(super) fn builds(work: &Work<'_>, built: &[(Candidate, Built)]) -> Result<Vec<Builds>, Error> {
     let mut builds: Vec<Builds> = built.iter().map(|(_, built)| Builds(vec![built.build_s])).collect();
     let begin = Instant::now();
     for round in 1..work.either(3, 9) {
@@ -56,10 +45,10 @@ pub(super) fn builds(work: &Work<'_>, built: &[(Way, Built)]) -> Result<Vec<Buil
         if round >= 3 && begin.elapsed() > LONGEST || work.is_past(FOR_BUILDING) {
             break;
         }
-        for ((way, _), builds) in built.iter().zip(&mut builds) {
+        for ((one, _), builds) in built.iter().zip(&mut builds) {
             work.machine().forget_kernels();
             let begin = Instant::now();
-            Plan::new(&work.subject.scene, &way.options, &work.machine().limits())?;
+            Plan::new(&work.subject.scene, &one.options, &work.machine().limits())?;
             builds.0.push(begin.elapsed().as_secs_f64());
         }
     }
@@ -132,7 +121,7 @@ mod tests {
     #[test]
     fn few_builds_have_a_smallest_and_a_largest_but_no_interval() {
         const COLUMNS: &[&str] =
-            &["schema_version", "builds", "build_s", "build_s_low", "build_s_high", "build_s_min", "build_s_max"];
+            columns![schema_version builds build_s build_s_low build_s_high build_s_min build_s_max];
         let row = Builds(vec![3.0, 1.0, 2.0]).fill(Row::new(COLUMNS));
         assert!(row.is(&[("builds", "3"), ("build_s", "2"), ("build_s_min", "1"), ("build_s_max", "3")]));
         assert!(row.is(&[("build_s_low", ""), ("build_s_high", "")]));

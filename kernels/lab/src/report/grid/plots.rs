@@ -16,7 +16,7 @@ fn over_cells<'a>(rows: impl Iterator<Item = &'a Row>, y: impl Fn(&Row) -> Optio
 /// A plot over the number of cells, with whiskers if every point has an interval.
 fn plot(rows: &[Row], title: &str, y: &str, color: usize, [middle, low, high]: [&str; 3], unit: f64) -> Plot {
     let points = over_cells(grids(rows), |r| Some(r.number(middle)? * unit));
-    let ends = |r: &Row| Some((r.number(low)? * unit, r.number(high)? * unit));
+    let ends = |r: &Row| Some((r.number(low)? * unit, r.number(high)? * unit)).filter(|_| low != middle);
     let whiskers: Option<Vec<_>> = grids(rows).filter(|r| r.number(middle).is_some()).map(ends).collect();
     let places = rows.iter().filter_map(|r| {
         let name = match (r.get("is_automatic"), r.get("is_selected")) {
@@ -27,13 +27,9 @@ fn plot(rows: &[Row], title: &str, y: &str, color: usize, [middle, low, high]: [
         };
         Some((r.number("cells")?, name.to_owned()))
     });
-    Plot {
-        title: title.into(),
-        x: Axis::new("cells of the grid", Scale::Log),
-        y: Axis::new(y, Scale::Log),
-        series: vec![Series { whiskers: whiskers.unwrap_or_default(), ..Series::line("grid", color, points) }],
-        places: places.collect(),
-    }
+    let series = Series { whiskers: whiskers.unwrap_or_default(), ..Series::line("grid", color, points) };
+    let [x, y] = ["cells of the grid", y].map(|label| Axis::new(label, Scale::Log));
+    Plot { places: places.collect(), ..Plot::new(title, x, y, vec![series]) }
 }
 
 pub(super) fn times(rows: &[Row]) -> Plot {
@@ -47,10 +43,7 @@ pub(super) fn builds(rows: &[Row]) -> Plot {
 
 pub(super) fn bytes(rows: &[Row]) -> Plot {
     // No interval: a count.
-    let columns = ["structure_bytes"; 3];
-    let mut plot = plot(rows, "Memory by resolution", "memory, KiB", 2, columns, 1.0 / 1024.0);
-    plot.series.iter_mut().for_each(|series| series.whiskers.clear());
-    plot
+    plot(rows, "Memory by resolution", "memory, KiB", 2, ["structure_bytes"; 3], 1.0 / 1024.0)
 }
 
 /// One bar for each structure.

@@ -28,8 +28,8 @@ pub(super) fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
             }
         });
     }
-    let is_told = |row: &&Row| row.get("is_automatic") != "false" && row.get("accelerator") != "none";
-    for row in rows.iter().filter(is_told) {
+    let is_named = |row: &&Row| row.get("is_automatic") != "false" && row.get("accelerator") != "none";
+    for row in rows.iter().filter(is_named) {
         let is_compared =
             none.is_some_and(|none| !none.get("median_ns").is_empty() && none.get("rays") == row.get("rays"));
         part.prose.push(pays_off(row, is_compared));

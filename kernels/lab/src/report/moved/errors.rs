@@ -6,7 +6,7 @@ use glam::DVec3;
 use raystep_kernels::{Ray, Renderer};
 use raystep_scenes::Scene;
 
-use super::{Here, Place};
+use super::{Here, Transform};
 use crate::report::judge::{Judge, Judged, Right};
 use crate::statistics::quantile;
 use crate::tidy::Row;
@@ -28,7 +28,7 @@ pub(super) fn measure(
     judged: &Judged,
     judge: &Judge,
     of: &Range<usize>,
-    original: Option<(&Here, Place)>,
+    original: Option<(&Here, Transform)>,
     scene: &Scene,
     rays: &[Ray],
     renderer: &Renderer,
@@ -37,8 +37,9 @@ pub(super) fn measure(
     let mut errors = Errors::default();
     for right in judged.right.iter().filter(|right| of.contains(&judge.sample()[right.place])) {
         let index = judge.sample()[right.place];
-        if let Some((here, place)) = original {
-            let Some(forward) = forward(right, here, place, scene, index, &rays[index], renderer.t_scale(index)) else {
+        if let Some((here, transform)) = original {
+            let Some(forward) = forward(right, here, transform, scene, index, &rays[index], renderer.t_scale(index))
+            else {
                 continue;
             };
             errors.forward.push(forward);
@@ -55,7 +56,7 @@ pub(super) fn measure(
 fn forward(
     right: &Right,
     here: &Here,
-    place: Place,
+    transform: Transform,
     scene: &Scene,
     index: usize,
     ray: &Ray,
@@ -73,8 +74,8 @@ fn forward(
         |axis: usize| half_step(ray.origin[axis]) + corners.iter().map(|c| half_step(c[axis])).fold(0.0, f64::max);
     let moved: f64 =
         (0..3).map(|axis| normal[axis].abs() * half_steps(axis)).sum::<f64>() / direction.dot(normal).abs();
-    let length = direction.length() / (here.extent * place.scale());
-    let error = (right.t * t_scale - t * place.scale()).abs();
+    let length = direction.length() / (here.extent * transform.scale());
+    let error = (right.t * t_scale - t * transform.scale()).abs();
     Some([error, moved + right.exact.t_bound * t_scale].map(|t| t * length))
 }
 

@@ -30,13 +30,12 @@ pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
         let line = Series::dashed(name, 6, ends.iter().map(|p| (p.0, at)).collect());
         series.push(Series { stroke: Stroke::Line(dash), ..line });
     }
-    Plot {
-        title: "Largest error of t relative to the same ray's bound".into(),
-        x: axis_of(column),
-        y: Axis::new("error relative to bound", Scale::Log),
+    Plot::new(
+        "Largest error of t relative to the same ray's bound",
+        axis_of(column),
+        Axis::new("error relative to bound", Scale::Log),
         series,
-        places: Vec::new(),
-    }
+    )
 }
 
 /// Errors of t, and, over offsets, the predicted forward error.
@@ -56,13 +55,12 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
         }
     }
     series.push(Series::dashed("one rounding of the depth", 6, points("depth_rounding_extents_largest")));
-    Plot {
-        title: "Error of t along the ray".into(),
-        x: axis_of(column),
-        y: Axis::new("error, in extents of the scene", Scale::Log),
+    Plot::new(
+        "Error of t along the ray",
+        axis_of(column),
+        Axis::new("error, in extents of the scene", Scale::Log),
         series,
-        places: Vec::new(),
-    }
+    )
 }
 
 /// A count per million over places, with its interval if anything was counted.
@@ -117,13 +115,12 @@ pub(super) fn wrong(column: &str, rows: &[Row]) -> Plot {
         }
     }
     series.push(bound_of_none(column, "wrong", "95% bound, no ray wrong", rows));
-    Plot {
-        title: "Wrong rays, compared with the rounded scene".into(),
-        x: axis_of(column),
-        y: Axis::new("wrong rays per million", Scale::LogWithZero),
+    Plot::new(
+        "Wrong rays, compared with the rounded scene",
+        axis_of(column),
+        Axis::new("wrong rays per million", Scale::LogWithZero),
         series,
-        places: Vec::new(),
-    }
+    )
 }
 
 /// The upper bound where nothing was counted: the same for all series, so it is one line instead of many bars.
@@ -144,11 +141,10 @@ pub(super) fn changed(column: &str, rows: &[Row]) -> Plot {
     };
     let mut series: Vec<Series> = [("robust", 0), ("paper", 1)].map(of).into();
     series.push(bound_of_none(column, "changed", "95% bound, no hit differs", rows));
-    Plot {
-        title: "Hits that differ from those before rounding".into(),
-        x: axis_of(column),
-        y: Axis::new("differing hits per million rays", Scale::LogWithZero),
+    Plot::new(
+        "Hits that differ from those before rounding",
+        axis_of(column),
+        Axis::new("differing hits per million rays", Scale::LogWithZero),
         series,
-        places: Vec::new(),
-    }
+    )
 }

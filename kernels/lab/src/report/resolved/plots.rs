@@ -6,7 +6,7 @@ use crate::structures::STRUCTURES;
 use crate::tidy::Row;
 
 /// Schedules and numerics, with their colours and dashes.
-const WAYS: [(&str, &str, usize, Dash); 6] = [
+const LINES: [(&str, &str, usize, Dash); 6] = [
     ("first", "robust", 0, Dash::Solid),
     ("second", "robust", 4, Dash::DashDot),
     ("compact", "robust", 2, Dash::Dashed),
@@ -50,7 +50,7 @@ pub(super) fn resolved(accelerator: &str, rows: &[Row]) -> Plot {
     let share = |r: &Row| Some(100.0 * r.number("resolved_rays")? / r.number("rays").filter(|&n| n > 0.0)?);
     let range = range(rows);
     let mut series = Vec::new();
-    for (schedule, numerics, color, dash) in WAYS {
+    for (schedule, numerics, color, dash) in LINES {
         let of = rows_of(rows, &[("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)]);
         let points = curve(&of, range.map_or(0.0, |r| r[0]), share);
         let Some(&last) = points.last() else { continue };
@@ -71,13 +71,12 @@ pub(super) fn resolved(accelerator: &str, rows: &[Row]) -> Plot {
     }
     // Nothing is drawn for a structure without curves.
     series.extend(range.filter(|_| !series.is_empty()).map(|range| same_axis(range, 100.0)));
-    Plot {
-        title: format!("Rays finished over time, {accelerator}"),
-        x: Axis::new("time since the start of the first pass, ms", Scale::Log),
-        y: Axis::new("rays with a final hit, %", Scale::Linear),
+    Plot::new(
+        format!("Rays finished over time, {accelerator}"),
+        Axis::new("time since the start of the first pass, ms", Scale::Log),
+        Axis::new("rays with a final hit, %", Scale::Linear),
         series,
-        places: Vec::new(),
-    }
+    )
 }
 
 pub(super) fn wrong(rows: &[Row]) -> Plot {
@@ -85,9 +84,9 @@ pub(super) fn wrong(rows: &[Row]) -> Plot {
     let range = range(rows);
     let mut series = Vec::new();
     for (accelerator, color) in STRUCTURES {
-        let ways =
+        let lines =
             [("paper", "first", Dash::Solid), ("paper", "second", Dash::DashDot), ("robust", "compact", Dash::Dotted)];
-        for (numerics, schedule, dash) in ways {
+        for (numerics, schedule, dash) in lines {
             let of = rows_of(rows, &[("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)]);
             let points = curve(&of, range.map_or(0.0, |r| r[0]), wrong);
             let name = format!("{accelerator} {schedule}, {numerics}");
@@ -97,13 +96,12 @@ pub(super) fn wrong(rows: &[Row]) -> Plot {
         }
     }
     series.extend(range.map(|range| same_axis(range, 0.0)));
-    Plot {
-        title: "Rays with a wrong final hit".into(),
-        x: Axis::new("time since the start of the first pass, ms", Scale::Log),
-        y: Axis::new("wrong per million judged", Scale::LogWithZero),
+    Plot::new(
+        "Rays with a wrong final hit",
+        Axis::new("time since the start of the first pass, ms", Scale::Log),
+        Axis::new("wrong per million judged", Scale::LogWithZero),
         series,
-        places: Vec::new(),
-    }
+    )
 }
 
 pub(super) fn resolved_caption(accelerator: &str, rows: &[Row]) -> String {
@@ -139,11 +137,11 @@ mod tests {
     fn curves_share_an_axis_from_before_the_first_pass_and_wrong_ones_are_marked() {
         let rows = [row("compact", "robust", 2.0, 0), row("second", "paper", 50.0, 13)];
         let plot = resolved("grid", &rows);
-        let of = |name: &str| plot.series.iter().find(|s| s.name == name).expect("a curve");
+        let of = |name: &str| plot.panels[0].series.iter().find(|s| s.name == name).expect("a curve");
         assert_eq!(of("compact").points, [(1.0, 0.0), (2.0, 100.0)]);
         assert_eq!(of("second, paper: 13 wrong").points, [(1.0, 0.0), (50.0, 100.0)]);
-        assert_eq!(plot.series.iter().filter(|s| s.mark == Mark::Triangle).count(), 1);
+        assert_eq!(plot.panels[0].series.iter().filter(|s| s.mark == Mark::Triangle).count(), 1);
         // A structure that is not there has no plot.
-        assert!(resolved("bvh", &rows).series.is_empty());
+        assert!(resolved("bvh", &rows).panels[0].series.is_empty());
     }
 }

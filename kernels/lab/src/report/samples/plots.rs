@@ -49,13 +49,12 @@ pub(super) fn errors(of: Of, rows: &[Row]) -> Plot {
         let stroke = Stroke::Line(Dash::Dotted);
         series.push(Series { stroke, ..Series::dashed("the reference's own", 6, vec![(*first, own), (*last, own)]) });
     }
-    Plot {
-        title: format!("Error of the image, {}", of.words()),
-        x: Axis::new("samples per pixel", Scale::Log),
-        y: Axis::new("root mean square error, linear light", Scale::Log),
+    Plot::new(
+        format!("Error of the image, {}", of.words()),
+        Axis::new("samples per pixel", Scale::Log),
+        Axis::new("root mean square error, linear light", Scale::Log),
         series,
-        places: Vec::new(),
-    }
+    )
 }
 
 /// A line of this slope through the middle of points, between their ends.
@@ -80,13 +79,12 @@ pub(super) fn local_slopes(rows: &[Row]) -> Plot {
     if let [first, .., last] = samples[..] {
         series.push(Series::dashed("−1/2: independent samples", 6, vec![(first, -0.5), (last, -0.5)]));
     }
-    Plot {
-        title: "Local slopes".into(),
-        x: Axis::new("samples per pixel, the larger of two neighbours", Scale::Log),
-        y: Axis::new("exponent of error over samples", Scale::Linear),
+    Plot::new(
+        "Local slopes",
+        Axis::new("samples per pixel, the larger of two neighbours", Scale::Log),
+        Axis::new("exponent of error over samples", Scale::Linear),
         series,
-        places: Vec::new(),
-    }
+    )
 }
 
 /// Seeds, pixels and samples of the figures.

@@ -2,7 +2,7 @@
 
 use raystep_kernels::Sampler;
 
-use crate::statistics::interval::{self, Interval};
+use crate::statistics::interval;
 use crate::statistics::{median, power_law};
 use crate::tidy::Row;
 
@@ -144,12 +144,8 @@ pub(super) fn medians(rows: &[Row], seed: u64, blank: impl Fn(&str) -> Row) -> V
 /// Fills a column with the median of other rows', and its interval.
 fn with_median(row: Row, column: &str, of: &[&Row], seed: u64) -> Row {
     let values: Vec<f64> = of.iter().filter_map(|row| row.number(column)).collect();
-    let interval: Option<Interval> = interval::of_median(&values, seed);
-    let row = row.set(column, median(&values)).set("seeds", values.len());
-    let row = row.set(&format!("{column}_low"), interval.map(|i| i.low));
-    row.set(&format!("{column}_high"), interval.map(|i| i.high))
-        .set("interval_method", interval.map(|i| i.method.name()))
-        .set("interval_level", interval.map(|i| i.level))
+    let interval = interval::of_median(&values, seed);
+    row.median(column, median(&values).map(|median| (median, interval))).set("seeds", values.len()).method(interval)
 }
 
 #[cfg(test)]

@@ -11,9 +11,9 @@ use crate::Error;
 use crate::built::Built;
 use crate::lockstep::{Lockstep, lockstep};
 use crate::self_test::{Bench, Finding, Found, Group, Step, Verdict};
-use crate::stability::{Ceiling, StabilityError};
+use crate::stability::Ceiling;
 
-type Make = fn() -> Result<Scene, StabilityError>;
+type Make = fn() -> Result<Scene, Error>;
 
 /// Grids: of few cells; of more cells than a block of a scan has; of two levels; irregular; and around triangles that
 /// are set aside.
@@ -31,7 +31,7 @@ const GRIDS: [(&str, Make, Accelerator, GridSize); 5] = [
 ];
 
 /// Triangles all over a cube, and as many at one place in it.
-fn crowd() -> Result<Scene, StabilityError> {
+fn crowd() -> Result<Scene, Error> {
     let mut scene = generate::soup(600, 4)?;
     let mut knot = scene.triangles.clone();
     knot.iter_mut().flatten().flatten().for_each(|v| *v = 0.3 + 0.01 * *v);

@@ -5,8 +5,8 @@ use raystep_kernels::{GridSize, Options, RaySource, Sampler, Samples};
 use raystep_scenes::{Camera, Scene, generate};
 
 use super::as_fragments;
-use crate::stability::{Ceiling, StabilityError};
-use crate::ways::Way;
+use crate::configuration::Configuration;
+use crate::stability::Ceiling;
 use crate::{Error, rays};
 
 /// Rays in a scene.
@@ -50,7 +50,7 @@ impl Place {
         }
     }
 
-    fn scene(self) -> Result<Scene, StabilityError> {
+    fn scene(self) -> Result<Scene, Error> {
         Ok(match self {
             Self::Room | Self::Segments => generate::cornell_box(),
             Self::Soup => generate::soup(100, 4)?,
@@ -63,7 +63,7 @@ impl Place {
 #[derive(Clone, Debug)]
 pub(super) struct Traced {
     place: Place,
-    way: Way,
+    way: Configuration,
     is_shaded: bool,
     samples: u32,
     is_contracted: bool,
@@ -73,7 +73,7 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    pub(super) fn new(place: Place, way: Way) -> Self {
+    pub(super) fn new(place: Place, way: Configuration) -> Self {
         Self { place, way, is_shaded: true, samples: 1, is_contracted: false, how: None, turns: None }
     }
 

@@ -35,7 +35,7 @@ const GRID: [&str; 3] = ["grid", "compact", "robust"];
 const BVH: [&str; 3] = ["bvh", "fused", "robust"];
 const PAPER: [&str; 3] = ["bvh", "fused", "paper"];
 
-fn told(rows: &[Row], outside: Option<&str>) -> Vec<String> {
+fn sentences_of(rows: &[Row], outside: Option<&str>) -> Vec<String> {
     answer("On box with 2 CPU cores", rows, outside).iter().map(|sentence| plain(sentence)).collect()
 }
 
@@ -45,7 +45,7 @@ fn it_says_what_to_use_then_what_cannot_be_told_from_it_then_what_the_papers_rul
     let paper = row(PAPER, 107.0, Some([0.66, 0.6, 0.7]), 0);
     let rows = [paper.clone(), best(row(BVH, 162.0, Some([1.0; 3]), 0)), slow.clone()];
     assert_eq!(
-        told(&rows, None),
+        sentences_of(&rows, None),
         [
             "Use --accelerator bvh --schedule fused (robust): 162 ns per ray, none of 36,864 rays wrong.",
             "On box with 2 CPU cores, no other robust choice is as fast.",
@@ -66,7 +66,7 @@ fn it_says_what_to_use_then_what_cannot_be_told_from_it_then_what_the_papers_rul
         method("theirs", 100.0, None, 0),
         method("sloppy", 900.0, Some([9.0, 8.0, 10.0]), 7),
     ];
-    let sentences = told(&rows, Some("most"));
+    let sentences = sentences_of(&rows, Some("most"));
     assert_eq!(
         sentences[1..4],
         [
@@ -82,18 +82,18 @@ fn it_says_what_to_use_then_what_cannot_be_told_from_it_then_what_the_papers_rul
 #[test]
 fn without_an_accurate_choice_none_is_recommended_and_a_raised_limit_is_told() {
     let wrong = row(GRID, 50.0, None, 92);
-    let sentences = told(&[wrong], None);
+    let sentences = sentences_of(&[wrong], None);
     let first = "No choice can be recommended. On box with 2 CPU cores, no robust one was shown to be accurate.";
     assert_eq!(sentences[..2], [first, "The paper's rules were not measured."]);
     let of_sample = best(row(BVH, 162.0, Some([1.0; 3]), 0));
     let of_sample = of_sample.set("judged_rays", 13_421_u64).set("most_wrong_per_million", 223.187);
-    let sentences = told(&[of_sample], None);
+    let sentences = sentences_of(&[of_sample], None);
     assert!(sentences[0].ends_with("none of 13,421 judged rays wrong (a sample of 36,864)."), "{sentences:?}");
     assert_eq!(sentences[1], "On box with 2 CPU cores, no other robust choice was measured.");
     let limit = "Accurate means: at most 230 wrong rays per million, with 95% confidence; 13,421 judged rays cannot \
                  show less.";
     assert_eq!(sentences.last().map(String::as_str), Some(limit));
-    assert_eq!(told(&[], None).len(), 2);
+    assert_eq!(sentences_of(&[], None).len(), 2);
 }
 
 /// A table of random choices: some are missing, have no interval, are wrong, or are methods of other programs.
@@ -229,7 +229,7 @@ fn no_sentence_contradicts_an_interval_in_random_tables() {
     let mut recommended = 0;
     for _ in 0..400 {
         let rows = random_table(&mut random);
-        let sentences = told(&rows, None);
+        let sentences = sentences_of(&rows, None);
         let papers = sentences.iter().find(|s| s.starts_with("The paper's rules")).expect("a sentence");
         check_papers(&rows, papers);
         if let Some(list) = sentences.iter().find_map(|s| s.strip_prefix("Not accurate: ")) {

@@ -1,7 +1,7 @@
-//! Configurations in which a scene can be traced; see [`raystep_lab::ways`].
+//! Configurations in which a scene can be traced; see [`raystep_lab::configuration`].
 
 use raystep_kernels::Options;
-pub use raystep_lab::ways::{COVERING, EVERY, FAST, STEPPED, Way};
+pub use raystep_lab::configuration::{COVERING, Configuration, EVERY, FAST, STEPPED};
 use raystep_scenes::Scene;
 
 use crate::options;

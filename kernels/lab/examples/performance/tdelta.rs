@@ -10,11 +10,9 @@ use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::programs::closest_hit::states::TRAV;
 use raystep_kernels::shader::Variant;
 
-use crate::machine::Machine;
-use crate::probe::{Job, Stopwatch, bind, in_turn, layers, pipeline, texture};
-use crate::row::Probe;
-
-const SECTION: &str = "tdelta";
+use crate::bytes::bytes_per_ray;
+use crate::measure::Section;
+use crate::probe::{Job, Kernel, Stopwatch, buffer, layers, texture};
 
 /// Cells along each axis; rays start in the middle.
 const CELLS: i32 = 200;
@@ -39,54 +37,45 @@ const VARIANTS: [Loading; 3] = [
 ];
 const WORKED_OUT: &str = "let ray = grid_ray(load_origin(texel), load_direction(texel));";
 
-pub(super) fn measure(machine: &Machine) -> Result<Vec<Probe>, String> {
-    let Some(gpu) = machine.gpu() else {
-        let reason = "on the CPU, a ray's streams are in one row, so there is no texture to load from".into();
-        return Ok(vec![Probe { section: SECTION.into(), reason, ..Probe::default() }]);
+pub(crate) fn measure(section: &mut Section<'_>) -> Result<(), String> {
+    let setup = section.setup;
+    let Some(watch) = Stopwatch::new(setup) else {
+        section.notes.push("on the CPU, a ray's streams are in one row, so there is no texture to load from".into());
+        return Ok(());
     };
-    let watch = Stopwatch::new(machine, gpu);
-    let sizes: &[(u32, u32)] = if machine.quick { &[(128, 128)] } else { &[(512, 512), (1920, 1080)] };
-    let mut probes = Vec::new();
+    let sizes: &[[u32; 2]] = if setup.is_quick { &[[128, 128]] } else { &[[512, 512], [1920, 1080]] };
     for &size in sizes {
-        eprintln!("tdelta: {}x{}", size.0, size.1);
-        let runs = VARIANTS.iter().map(|variant| Steps::new(gpu, size, variant)).collect::<Result<Vec<_>, _>>()?;
+        let runs =
+            VARIANTS.iter().map(|variant| Steps::new(watch.gpu, size, variant)).collect::<Result<Vec<_>, _>>()?;
         let jobs = VARIANTS.iter().zip(&runs).map(|((what, ..), steps)| -> Job<'_> {
-            let probe = Probe {
-                section: SECTION.into(),
-                what: (*what).into(),
-                width_px: size.0,
-                height_px: size.1,
-                passes: PASSES,
-                bytes: Some(steps.bytes_a_ray * u64::from(size.0) * u64::from(size.1) * PASSES),
-                ..Probe::default()
-            };
-            (probe, Box::new(|| steps.time(gpu, &watch)))
+            let bytes = steps.bytes_per_ray * u64::from(size[0]) * u64::from(size[1]) * PASSES;
+            let row = section.row().set("what", *what).set("width_px", size[0]).set("height_px", size[1]);
+            (row.set("passes", PASSES).set("bytes", bytes), Box::new(|| steps.time(&watch)))
         });
-        let mut measured = in_turn(machine, jobs.collect());
-        let cells = runs.iter().map(|steps| steps.cells(machine, gpu)).collect::<Result<Vec<_>, _>>()?;
-        for (probe, other) in measured.iter_mut().zip(&cells) {
+        let first = section.table.rows.len();
+        section.time(jobs.collect())?;
+        let cells = runs.iter().map(|steps| steps.cells(&watch)).collect::<Result<Vec<_>, _>>()?;
+        for (row, other) in section.table.rows[first..].iter_mut().zip(&cells) {
             let differ = other.iter().zip(&cells[0]).filter(|(a, b)| a != b).count();
-            probe.value = Some(differ as f64 / other.len() as f64);
+            *row = row.clone().set("value", differ as f64 / other.len() as f64);
         }
-        probes.extend(measured);
     }
-    Ok(probes)
+    Ok(())
 }
 
 /// One variant, ready to run.
 struct Steps {
-    size: (u32, u32),
-    pipeline: wgpu::ComputePipeline,
-    groups: Vec<wgpu::BindGroup>,
+    size: [u32; 2],
+    kernel: Kernel,
     /// State and tmax, and their initial values.
     streams: [[wgpu::Texture; 2]; 2],
-    bytes_a_ray: u64,
+    bytes_per_ray: u64,
 }
 
 impl Steps {
-    fn new(gpu: &Gpu, size: (u32, u32), (_, ray, constants): &Loading) -> Result<Self, String> {
+    fn new(gpu: &Gpu, size: [u32; 2], (_, ray, constants): &Loading) -> Result<Self, String> {
         let features = Features { grid: true, perspective: true, ..Features::default() };
-        let mut variant = Variant::new(kernels::TRAVERSE_GRID, &features, &[]).map_err(|e| e.to_string())?;
+        let variant = Variant::new(kernels::TRAVERSE_GRID, &features, &[]).map_err(|e| e.to_string())?;
         // Rays that are not intersected in between continue at once.
         let next = "let tag = select(ISECT_NO_HIT, ISECT_HIT, keeps_hit(texel));";
         let source = replaced(&variant.source, next, "let tag = TRAV;")?;
@@ -95,20 +84,18 @@ impl Steps {
         // If the constants are computed, the origin is dead code, and compilers remove it.
         let needs_origin = loads_origin && *ray != WORKED_OUT;
         let dead = 12 * (u64::from(!needs_origin) + u64::from(!loads_direction));
-        let bytes_a_ray = super::bytes::bytes_a_ray(&variant)? - dead;
-        variant.source = source;
+        let bytes_per_ray = bytes_per_ray(&variant)? - dead;
 
         use wgpu::TextureFormat::{R32Float, R32Uint};
         let rays = Rays::new(size);
         let filled = |count, format, words: &[u32]| {
             let texture = texture(gpu, size, count, format);
-            upload(gpu, &texture, words);
+            gpu.write_texture(texture.as_image_copy(), texture.size(), bytemuck::cast_slice(words));
             texture
         };
         let constants = constants(&rays).map(|words| filled(3, R32Float, words));
         let streams = [(4, R32Uint, &rays.state), (3, R32Float, &rays.tmax)]
             .map(|(count, format, words)| [texture(gpu, size, count, format), filled(count, format, words)]);
-        let pipeline = pipeline(gpu, &variant.source, "traverse_grid");
         let views = [&constants[0], &constants[1], &streams[0][0], &streams[1][0]].map(layers);
         let is_used = [loads_origin, loads_direction, true, true];
         let resources = (0..).zip(&views).zip(is_used).filter(|(_, used)| *used);
@@ -116,37 +103,28 @@ impl Steps {
         let buffer = |contents: &[u32], usage| gpu.filled_buffer("measured", bytemuck::cast_slice(contents), usage);
         let grid = buffer(&grid(), wgpu::BufferUsages::UNIFORM);
         let sent = buffer(&[0; 8], wgpu::BufferUsages::STORAGE);
-        let groups = vec![
-            bind(gpu, &pipeline, 0, &resources),
-            bind(gpu, &pipeline, 1, &[(1, grid.as_entire_binding())]),
-            bind(gpu, &pipeline, 2, &[(0, sent.as_entire_binding())]),
-        ];
-        Ok(Self { size, pipeline, groups, streams, bytes_a_ray })
+        let groups = [&resources[..], &[(1, grid.as_entire_binding())], &[(0, sent.as_entire_binding())]];
+        let kernel = Kernel::new(gpu, &source, "traverse_grid", &groups);
+        Ok(Self { size, kernel, streams, bytes_per_ray })
     }
 
     /// Starts over and returns the nanoseconds of all passes.
-    fn time(&self, gpu: &Gpu, watch: &Stopwatch<'_>) -> Option<u64> {
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    fn time(&self, watch: &Stopwatch<'_>) -> Option<u64> {
+        let mut encoder = watch.gpu.device.create_command_encoder(&Default::default());
         for [now, first] in &self.streams {
             encoder.copy_texture_to_texture(first.as_image_copy(), now.as_image_copy(), now.size());
         }
-        gpu.submit([encoder.finish()]);
-        watch.time(|pass| {
-            pass.set_pipeline(&self.pipeline);
-            (0..).zip(&self.groups).for_each(|(i, group)| pass.set_bind_group(i, group, &[]));
-            let groups = (self.size.0.div_ceil(16), self.size.1.div_ceil(16));
-            (0..PASSES).for_each(|_| pass.dispatch_workgroups(groups.0, groups.1, 1));
-        })
+        watch.gpu.submit([encoder.finish()]);
+        watch.time(|pass| self.kernel.dispatch(pass, self.size.map(|side| side.div_ceil(16)), PASSES))
     }
 
     /// The cell of every ray.
-    fn cells(&self, machine: &Machine, gpu: &Gpu) -> Result<Vec<u32>, String> {
-        let (width, height) = self.size;
+    fn cells(&self, watch: &Stopwatch<'_>) -> Result<Vec<u32>, String> {
+        let [width, height] = self.size;
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let (size, usage) = (u64::from(row * height), wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
-        let descriptor = wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
-        let buffer = gpu.device.create_buffer(&descriptor);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let size = u64::from(row * height);
+        let buffer = buffer(watch.gpu, size, wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
+        let mut encoder = watch.gpu.device.create_command_encoder(&Default::default());
         let origin = wgpu::Origin3d { x: 0, y: 0, z: 2 };
         encoder.copy_texture_to_buffer(
             wgpu::TexelCopyTextureInfo { origin, ..self.streams[0][0].as_image_copy() },
@@ -156,10 +134,8 @@ impl Steps {
             },
             wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         );
-        gpu.submit([encoder.finish()]);
-        buffer.slice(..).map_async(wgpu::MapMode::Read, |_| ());
-        machine.settle();
-        let bytes = buffer.slice(..).get_mapped_range().map_err(|e| e.to_string())?;
+        let reading = watch.gpu.read_after(encoder.finish(), buffer, size);
+        let bytes = watch.setup.meter.machine.wait(reading).map_err(|e| e.to_string())?;
         let rows = bytes.chunks_exact(row as usize).map(|row| &row[..4 * width as usize]);
         Ok(rows.flat_map(|row| row.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]]))).collect())
     }
@@ -198,7 +174,7 @@ struct Rays {
 
 impl Rays {
     /// Rays of a camera in the middle, as the paper's setup kernel leaves them.
-    fn new((width, height): (u32, u32)) -> Self {
+    fn new([width, height]: [u32; 2]) -> Self {
         let mut rays = Self::default();
         // Slightly off the corner of the middle cell.
         let origin = [0.3, 0.4, 0.6].map(|share| share * WIDTH);
@@ -225,9 +201,4 @@ impl Rays {
         }
         rays
     }
-}
-
-fn upload(gpu: &Gpu, texture: &wgpu::Texture, words: &[u32]) {
-    let size = texture.size();
-    gpu.write_texture(texture.as_image_copy(), size, bytemuck::cast_slice(words));
 }
