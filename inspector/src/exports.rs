@@ -13,6 +13,9 @@ use serde::Serialize;
 use crate::dataflow::DataFlow;
 use crate::link::Link;
 
+/// The name of jobs that answer with an [`Export`].
+pub const EXPORTING: &str = "exporting";
+
 /// An exported file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Export {
@@ -116,8 +119,8 @@ pub fn stream_exr(data: &StreamData, pass: Option<usize>) -> Result<Export, Expo
     Ok(Export::new(&stream_name(data, pass), "exr", bytes.into_inner(), texels(data)))
 }
 
-fn life_name(life: &Trace) -> String {
-    let [x, y] = life.pixel;
+fn ray_name(history: &Trace) -> String {
+    let [x, y] = history.pixel;
     format!("ray-{x}-{y}")
 }
 
@@ -125,18 +128,18 @@ fn life_name(life: &Trace) -> String {
 ///
 /// # Errors
 /// [`ExportError::Csv`].
-pub fn life_csv(life: &Trace) -> Result<Export, ExportError> {
+pub fn ray_csv(history: &Trace) -> Result<Export, ExportError> {
     let mut bytes = Vec::new();
-    life.write_csv(&mut bytes).map_err(|e| ExportError::Csv(e.to_string()))?;
-    Ok(Export::new(&life_name(life), "csv", bytes, counted(life.rows.len(), "row")))
+    history.write_csv(&mut bytes).map_err(|e| ExportError::Csv(e.to_string()))?;
+    Ok(Export::new(&ray_name(history), "csv", bytes, counted(history.rows.len(), "row")))
 }
 
 /// A ray's life as `trace --format json` writes it.
 ///
 /// # Errors
 /// [`ExportError::Json`].
-pub fn life_json(life: &Trace) -> Result<Export, ExportError> {
-    Export::json(&life_name(life), life, counted(life.rows.len(), "row"))
+pub fn ray_json(history: &Trace) -> Result<Export, ExportError> {
+    Export::json(&ray_name(history), history, counted(history.rows.len(), "row"))
 }
 
 /// The data flow as SVG; see [`DataFlow::svg`].

@@ -5,7 +5,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::link::Link;
-use crate::ui::units::Units;
+use raystep_kernels::history::units::Units;
 
 /// Version of the file; incremented when the meaning of something in it changes.
 pub const VERSION: u32 = 1;

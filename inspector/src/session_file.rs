@@ -15,7 +15,6 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::runs::kept::MOST_RUNS;
 use crate::session::Watch;
-use crate::ui::Bookmark;
 pub use error::SessionFileError;
 pub use recipe::SavedRun;
 
@@ -29,6 +28,22 @@ pub const MOST_BYTES: usize = 4 << 20;
 pub const MOST_EDITS: usize = 10_000;
 /// The beginning of names of scenes that are not files.
 pub const BUILT_IN: &str = "built-in:";
+
+/// A place to return to.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bookmark {
+    /// The number of passes before it.
+    pub place: usize,
+    /// The ray that was selected.
+    pub pixel: Option<[u32; 2]>,
+    /// The user's name for it.
+    pub name: String,
+}
+
+/// Whether a file's name is that of a session.
+pub(crate) fn is_session(path: &str) -> bool {
+    path.rsplit_once('.').is_some_and(|(_, end)| end.eq_ignore_ascii_case(EXTENSION))
+}
 
 /// A saved session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -38,6 +38,9 @@ pub use tested::{Outcome, TestedTriangle};
 pub use unfolded::{Spacing, Strip, StripCell, StripNode, StripTest, letters};
 pub use why::Why;
 
+/// The names of the axes.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// The structure that the ray traverses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Structure {

@@ -8,8 +8,8 @@ use std::ops::ControlFlow;
 
 use raystep_kernels::{Device, Progress};
 
-use super::kept::{Recipe, RunId};
 use super::outcome::begin;
+use super::recipe::{Recipe, RunId};
 use crate::session::request::{Job, JobContext, JobFuture};
 use crate::session::{Session, Target};
 

@@ -9,7 +9,7 @@ use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Device, Options, Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
 
-use super::kept::{Recipe, RunId};
+use super::recipe::{Recipe, RunId};
 use super::scene_hash;
 use crate::session::request::{Job, JobContext, JobFuture};
 use crate::session::{Session, Target, go_on};

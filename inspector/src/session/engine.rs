@@ -4,19 +4,19 @@
 
 mod run;
 
+use super::devices::Devices;
 use std::ops::ControlFlow;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender};
-use raystep_kernels::{Device, Gpu, Progress, Region, RenderError, Stream};
+use raystep_kernels::{Device, Progress, Region, RenderError, Stream};
 use raystep_scenes::Scene;
 
 use super::Session;
 use super::confirm::Confirming;
 use super::glimpse::Glimpses;
-use super::measure::Measure;
 use super::request::{JobContext, Request, Texels, Update};
 use crate::settings::{DeviceKind, Settings};
 
@@ -29,19 +29,6 @@ pub(super) const FOLLOWING: &str = "following the ray";
 
 /// A task that serves requests until all senders are gone.
 pub type EngineTask = Pin<Box<dyn Future<Output = ()> + Send>>;
-
-/// The devices of an engine.
-#[derive(Clone)]
-pub struct Devices {
-    /// The adapter that the window renders with.
-    pub gpu: Arc<Gpu>,
-    /// A clock in nanoseconds, to time the CPU reference's passes.
-    pub clock: Option<fn() -> u64>,
-    /// Measures choices.
-    pub measure: Measure,
-    /// Called after every answer, to wake the user interface.
-    pub wake: Arc<dyn Fn() + Send + Sync>,
-}
 
 /// The engine's ends of the channels.
 pub struct Engine {
@@ -243,7 +230,7 @@ impl Server {
                 self.arrived().await?;
                 stepped.map(drop).map_err(Trouble::from)
             }
-            Request::RunToWatch { watches, way } => {
+            Request::RunToWatch { watches, direction } => {
                 let mut report = self.reporter("running to a watch");
                 let _moving = Moving::new(&self.moving);
                 let Some(run) = &mut self.run else { return Ok(()) };
@@ -251,7 +238,7 @@ impl Server {
                     run.session.select(x, y);
                 }
                 let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));
-                let fired = run.session.run_to_watch(&watches, way, tell).await;
+                let fired = run.session.run_to_watch(&watches, direction, tell).await;
                 self.arrived().await?;
                 self.say(Update::Fired(fired?));
                 Ok(())

@@ -10,7 +10,7 @@ use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::measure::Measure;
-use super::{Edit, Fired, Sketch, Target, Watch, Way};
+use super::{Direction, Edit, Fired, Sketch, Target, Watch};
 use crate::settings::Settings;
 
 /// Reads a scene; the error is one line.
@@ -52,7 +52,7 @@ pub enum Request {
         /// The watches.
         watches: Vec<Watch>,
         /// The direction.
-        way: Way,
+        direction: Direction,
     },
     /// Edits a component of a ray's texel at the current place: stream, layer, pixel, bits.
     Edit(Stream, usize, [u32; 2], u32),

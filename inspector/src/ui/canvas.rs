@@ -1,5 +1,8 @@
 //! Pictures drawn on the GPU and shown by egui.
 
+use crate::exports::Export;
+use crate::session::request::{Job, JobContext, JobFuture};
+use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -141,4 +144,22 @@ impl Still {
     pub fn of(&self, stream: Stream) -> Option<(Moment, &wgpu::Texture)> {
         self.kept.as_ref().filter(|(_, s, _)| *s == stream).map(|(moment, _, texture)| (*moment, texture))
     }
+}
+
+/// Reads an image back, and writes it as PNG.
+pub(super) fn png(canvas: &Canvas, texture: &wgpu::Texture, name: String) -> Job {
+    let (gpu, texture) = (canvas.gpu.clone(), texture.clone());
+    Box::new(move |_: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move {
+            let texels = gpu.read_rgba8(&texture).await.map_err(|e| e.to_string())?;
+            let image = image::RgbaImage::from_raw(texture.width(), texture.height(), texels);
+            let image = image.ok_or("the image was returned in another size")?;
+            let mut bytes = Vec::new();
+            let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+            image.write_with_encoder(encoder).map_err(|e| e.to_string())?;
+            let holds = format!("an image of {} x {} pixels", texture.width(), texture.height());
+            let export = Export { name: name.replace(' ', "-"), extension: "png", bytes, holds };
+            Ok(Box::new(export) as Box<dyn Any + Send>)
+        })
+    })
 }

@@ -2,7 +2,6 @@
 
 use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, Ui, pos2, vec2};
 
-use super::Inspector;
 use crate::session::preview::Preview;
 use crate::session::{Model, Work};
 
@@ -11,25 +10,13 @@ pub(super) struct PreviewTexture {
     texture: TextureHandle,
 }
 
-impl Inspector {
-    /// A preview has arrived: it is of use as long as its scene is being opened.
-    pub(super) fn show_preview(&mut self, ctx: &egui::Context, path: &str, preview: &Preview) {
-        if self.opening.as_deref() == Some(path) {
-            let image = ColorImage::from_rgb(preview.size.map(|side| side as usize), &preview.rgb);
-            self.shared.preview =
-                Some(PreviewTexture { texture: ctx.load_texture("preview", image, TextureOptions::LINEAR) });
-        }
-    }
-
-    /// Once the run is at its first place, or has failed, streams are shown.
-    pub(super) fn drop_preview(&mut self) {
-        if !self.model.is_busy() {
-            (self.opening, self.shared.preview) = (None, None);
-        }
-    }
-}
-
 impl PreviewTexture {
+    /// Of a preview.
+    pub(super) fn new(ctx: &egui::Context, preview: &Preview) -> Self {
+        let image = ColorImage::from_rgb(preview.size.map(|side| side as usize), &preview.rgb);
+        Self { texture: ctx.load_texture("preview", image, TextureOptions::LINEAR) }
+    }
+
     /// Shows the picture below a line that says what it is, and how far the run has got.
     pub(super) fn show(&self, ui: &mut Ui, model: &Model) {
         let [width, height] = self.texture.size();

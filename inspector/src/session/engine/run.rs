@@ -12,7 +12,7 @@ use super::super::confirm::Confirming;
 use super::super::copies::{bit, copy_of, fill, textures};
 use super::super::glimpse::Glimpses;
 use super::super::request::{At, Opened, Texels, Update};
-use super::super::sketch::Sketcher;
+use super::super::sketcher::Sketcher;
 use super::super::{Session, Target};
 use super::{GLIMPSING, Moving, Run, Server, Trouble, flow};
 use crate::settings::Settings;

@@ -1,4 +1,6 @@
 //! Two runs of the same scene side by side: the same stream, the same ray, and the difference.
+//!
+//! Touches: other, selection, asks.
 
 mod counted;
 mod placed;
@@ -11,12 +13,12 @@ use raystep_kernels::tables::state::States;
 use raystep_kernels::{Stream, StreamData};
 use raystep_lab::text::counted;
 
+use crate::command::Command;
 use crate::draw::stream::{self, Colors, Meaning};
 use crate::session::request::Request;
 use crate::session::{Model, Target};
 use crate::settings::Settings;
 use crate::ui::canvas::{Moment, Picture, Still};
-use crate::ui::command::Command;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use counted::{COUNTING, Counted, Question};
 use placed::Placed;
@@ -70,20 +72,16 @@ impl Default for Compare {
 }
 
 impl Panel for Compare {
-    fn title(&self) -> String {
-        "Compare".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if !cx.has_rays() {
             ui.weak(NO_RAYS);
             return;
         }
-        let (model, shared) = (&mut *cx.model, &mut *cx.shared);
+        let (model, selection, asks) = (&mut *cx.model, &mut *cx.selection, &mut *cx.asks);
         let Some(other) = cx.other.as_deref_mut() else {
             ui.weak("a second run of the same scene, beside this one");
             if ui.add_enabled(model.opened.is_some(), egui::Button::new(Command::Compare.name())).clicked() {
-                cx.todo.push(Command::Compare);
+                asks.commands.push(Command::Compare);
             }
             return;
         };
@@ -94,7 +92,7 @@ impl Panel for Compare {
                 ui.label("the second run could not be prepared; see the log");
             }
             if ui.button(Command::EndCompare.name()).clicked() {
-                cx.todo.push(Command::EndCompare);
+                asks.commands.push(Command::EndCompare);
             }
             return;
         };
@@ -106,12 +104,12 @@ impl Panel for Compare {
             if let Some(settings) = edit(ui, &b.settings) {
                 other.ask(Request::Plan(Box::new(settings)));
                 other.ask(Request::Step(Target::End));
-                if let Some(pixel) = shared.pixel {
+                if let Some(pixel) = selection.pixel {
                     other.ask(Request::Follow(pixel));
                 }
             }
             if ui.button("End").on_hover_text(Command::EndCompare.name()).clicked() {
-                cx.todo.push(Command::EndCompare);
+                asks.commands.push(Command::EndCompare);
             }
         });
         ui.horizontal_wrapped(|ui| {
@@ -142,7 +140,7 @@ impl Panel for Compare {
                 let Settings { size, view, ray, .. } = a.settings.clone();
                 other.ask(Request::Plan(Box::new(Settings { size, view, ray, ..b.settings.clone() })));
                 other.ask(Request::Step(Target::End));
-                if let Some(pixel) = shared.pixel {
+                if let Some(pixel) = selection.pixel {
                     other.ask(Request::Follow(pixel));
                 }
             }
@@ -154,7 +152,7 @@ impl Panel for Compare {
                 ui.label(line);
             }
         }
-        lives(ui, model.life.as_deref(), other.life.as_deref());
+        lives(ui, model.history.as_deref(), other.history.as_deref());
         let is_swapped = ui.input(|input| input.modifiers.shift) && ui.rect_contains_pointer(ui.max_rect());
         let gap = 6.0;
         let room = ui.available_size();
@@ -181,13 +179,13 @@ impl Panel for Compare {
                     let picture = self.draw(ui, cx.canvas, model, other, shown, i, rect, plan);
                     let texel = response.hover_pos().and_then(|at| picture.texel(at, plan));
                     if let Some(texel) = texel {
-                        shared.hovered = Some(texel);
+                        selection.hovered = Some(texel);
                         if response.clicked() {
-                            shared.select = Some(texel);
+                            asks.select = Some(texel);
                         }
                     }
-                    picture.mark(ui, rect, shared.hovered, Color32::from_white_alpha(140));
-                    picture.mark(ui, rect, shared.pixel, Color32::WHITE);
+                    picture.mark(ui, rect, selection.hovered, Color32::from_white_alpha(140));
+                    picture.mark(ui, rect, selection.pixel, Color32::WHITE);
                     let text = format!(
                         "{} of {}",
                         self.stream.name(),
@@ -206,25 +204,25 @@ impl Panel for Compare {
 
 /// The history of the ray in both runs, one line each.
 fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
-    let line = |life: &Trace| {
-        let of = |part: &str| life.rows.iter().filter(|row| row.kernel.starts_with(part)).count();
-        let tests = life.rows.iter().filter(|row| row.tested.is_some()).count();
-        let hit = life.rows.last().and_then(|row| row.after.triangle.zip(row.after.t));
+    let line = |history: &Trace| {
+        let of = |part: &str| history.rows.iter().filter(|row| row.kernel.starts_with(part)).count();
+        let tests = history.rows.iter().filter(|row| row.tested.is_some()).count();
+        let hit = history.rows.last().and_then(|row| row.after.triangle.zip(row.after.t));
         let hit = hit.map_or_else(
             || "hits nothing".into(),
-            |(id, t)| format!("hits triangle {id} at t {} scene units", f64::from(t) * life.t_scale),
+            |(id, t)| format!("hits triangle {id} at t {} scene units", f64::from(t) * history.t_scale),
         );
         format!(
             "{}, {} tested, {}: {hit}",
             counted(of("traverse"), "step"),
             counted(tests, "triangle"),
-            counted(life.rows.len(), "pass")
+            counted(history.rows.len(), "pass")
         )
     };
-    for (name, life) in [("A", a), ("B", b)] {
-        if let Some(life) = life {
-            let [x, y] = life.pixel;
-            ui.small(format!("{name}: ray {x},{y}: {}", line(life)));
+    for (name, history) in [("A", a), ("B", b)] {
+        if let Some(history) = history {
+            let [x, y] = history.pixel;
+            ui.small(format!("{name}: ray {x},{y}: {}", line(history)));
         }
     }
 }

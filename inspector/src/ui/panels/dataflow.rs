@@ -1,4 +1,6 @@
 //! Kernels, with the streams and buffers that they read and write; the last pass is highlighted.
+//!
+//! Touches: asks.
 
 mod paint;
 
@@ -6,9 +8,9 @@ use egui::{Pos2, Rect, Sense, Ui, Vec2, vec2};
 use raystep_kernels::{Kernel, Plan};
 use raystep_lab::text::counted;
 
+use crate::command::Command;
 use crate::dataflow::{Access, DataFlow, NodeKind};
 use crate::session::Model;
-use crate::ui::command::Command;
 use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, Panel};
 use paint::{LEAST, Paint, access_color};
@@ -40,10 +42,6 @@ enum Touched {
 }
 
 impl Panel for Dataflow {
-    fn title(&self) -> String {
-        "Data flow".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
             ui.weak("Open a scene to see its kernels and streams.");
@@ -91,7 +89,7 @@ impl Panel for Dataflow {
         let svg =
             DataFlow::new(&opened.plan).svg(cx.model.last_pass().map(|p| p.kernel), &waiting(&opened.plan, cx.model));
         let (name, holds) = ("data-flow.svg".into(), "a drawing".into());
-        cx.shared.files.push(FileToSave { name, bytes: svg.into_bytes(), holds });
+        cx.asks.files.push(FileToSave { name, bytes: svg.into_bytes(), holds });
         true
     }
 }
@@ -113,7 +111,7 @@ impl Dataflow {
                 ui.weak("drag to pan");
             }
             if ui.button("SVG…").on_hover_text("save as SVG").clicked() {
-                cx.todo.push(Command::ExportDataflow);
+                cx.asks.commands.push(Command::ExportDataflow);
             }
         });
     }

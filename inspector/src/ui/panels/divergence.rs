@@ -1,17 +1,18 @@
 //! Where the GPU differs from the CPU reference: the first such pass of each ray, as a map over the image.
+//!
+//! Touches: selection, asks.
 
 use std::ops::ControlFlow;
 
 use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, pos2, vec2};
-use raystep_kernels::Renderer;
 use raystep_kernels::plan::Bytes;
-use raystep_kernels::{Device, RenderError};
+use raystep_kernels::{Device, RenderError, Renderer};
 use raystep_lab::divergence::{Class, DivergenceMap, divergence, divergence_bytes};
 use raystep_lab::lockstep::{Lockstep, lockstep};
 use raystep_lab::text::counted;
 
+use crate::command::Command;
 use crate::session::request::{Job, JobContext, JobFuture, Request};
-use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
 const WHAT: &str = "comparing every pass with the CPU reference";
@@ -109,16 +110,12 @@ impl Divergence {
         ui.strong("Differs from the CPU reference");
         ui.label(format!("{compared} compared: {first}."));
         if ui.button("Go there").clicked() {
-            cx.shared.go_to = Some(first.pass + 1);
+            cx.asks.go_to = Some(first.pass + 1);
         }
     }
 }
 
 impl Panel for Divergence {
-    fn title(&self) -> String {
-        "Divergence".into()
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
             ui.weak("Open a scene first.");
@@ -189,7 +186,7 @@ impl Panel for Divergence {
         let text = format!("map of rays that differ from the CPU reference: {counts}");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         let Some([x, y]) = texel else { return };
-        cx.shared.hovered = Some([x, y]);
+        cx.selection.hovered = Some([x, y]);
         let ray = (y * width + x) as usize;
         let parting = shown(ray).and_then(|class| map.first(class, ray));
         let is_clicked = response.clicked();
@@ -218,8 +215,8 @@ impl Panel for Divergence {
             });
         }
         if is_clicked {
-            cx.shared.select = Some([x, y]);
-            cx.shared.go_to = parting.map(|p| p.pass + 1);
+            cx.asks.select = Some([x, y]);
+            cx.asks.go_to = parting.map(|p| p.pass + 1);
         }
     }
 

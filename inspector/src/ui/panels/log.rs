@@ -1,10 +1,12 @@
 //! The log.
+//!
+//! Touches: log.
 
 use egui::Ui;
 
 use super::table::{Head, Look, Rows, Table, View};
 use crate::ui::pane::{Context, Panel};
-use crate::ui::shared::LogLine;
+use crate::ui::state::LogLine;
 
 /// The log panel.
 #[derive(Default)]
@@ -60,18 +62,14 @@ impl Rows for Lines<'_> {
 }
 
 impl Panel for Log {
-    fn title(&self) -> String {
-        "Log".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
-        let lines = &cx.shared.log;
+        let lines = &cx.log.lines;
         if lines.is_empty() {
             ui.weak("No messages yet.");
             return;
         }
         // The oldest lines are dropped from a full log.
-        let version = cx.shared.dropped;
+        let version = cx.log.dropped;
         let view = View { name: "log", heads: &HEADS, rows: &Lines(lines), version, current: None };
         ui.horizontal_wrapped(|ui| self.table.tools(ui, &view));
         self.table.follow(ui, &view);

@@ -1,4 +1,6 @@
 //! A stream after a pass: zoomable to single texels with their values; range, exposure, colours, component.
+//!
+//! Touches: selection, display, asks, runs.
 
 mod kept;
 mod look;
@@ -19,16 +21,15 @@ use raystep_kernels::{Accelerator, Kernel, Pass, Plan, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others};
 use raystep_lab::text::counted;
 
+use crate::command::Command;
 use crate::draw::stream::{Colors, Meaning};
-use crate::link::LinkStream;
+use crate::exports::EXPORTING;
+use crate::link::{LinkStream, Shown};
 use crate::session::Pinned;
 use crate::session::request::Request;
-use crate::ui::Shown;
-use crate::ui::canvas::{Picture, Still};
-use crate::ui::command::Command;
+use crate::ui::canvas::{Picture, Still, png};
 use crate::ui::pane::{Context, Panel};
-use crate::ui::runs::Flipped;
-use crate::ui::take::{EXPORTING, png};
+use crate::ui::state::kept_runs::Flipped;
 use crate::ui::units::Scale;
 
 /// A view of a stream.
@@ -50,18 +51,17 @@ pub(in crate::ui) struct StreamView {
 }
 
 impl Panel for StreamView {
-    fn title(&self) -> String {
-        match (&self.pinned, self.look.stream) {
-            (Some(pinned), _) => format!("{} after {}", pinned.stream.name(), pinned.place),
-            (None, Some(stream)) => stream.name().into(),
-            (None, None) => "Stream".into(),
+    fn title(&self) -> Option<String> {
+        match &self.pinned {
+            Some(pinned) => Some(format!("{} after {}", pinned.stream.name(), pinned.place)),
+            None => self.look.stream.map(|stream| stream.name().into()),
         }
     }
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         // Who has chosen a stream sees no other picture in its place.
         let may_preview = self.pinned.is_none() && self.look.stream.is_none_or(Stream::is_color);
-        if let Some(preview) = cx.shared.preview.as_ref().filter(|_| may_preview) {
+        if let Some(preview) = cx.display.preview.as_ref().filter(|_| may_preview) {
             preview.show(ui, cx.model);
             return;
         }
@@ -70,12 +70,12 @@ impl Panel for StreamView {
             return;
         };
         let (plan, generation) = (opened.plan.clone(), cx.model.generation);
-        let in_units = Scale::in_scene(cx.shared.units, &opened.data);
+        let in_units = Scale::in_scene(cx.display.units, &opened.data);
         if self.pinned.as_ref().is_some_and(|pinned| pinned.generation != generation) {
             self.pinned = None;
         }
         if self.pinned.is_none()
-            && let Some(show) = cx.shared.show.take()
+            && let Some(show) = cx.asks.show.take()
         {
             (self.look.stream, self.look.layer, self.look.range) = (Some(show.stream.stream), show.stream.layer, None);
             (self.look.scale, self.look.center) = (show.zoom, show.pan.unwrap_or(self.look.center));
@@ -86,11 +86,11 @@ impl Panel for StreamView {
             return;
         };
         let stream = self.stream(&streams, default);
-        cx.shared.stream = Some(stream);
+        cx.display.stream = Some(stream);
         if self.pinned.is_none() {
             let (zoom, pan) = (self.look.scale, Some(self.look.center));
             let shown = |stream| Shown { stream: LinkStream { stream, layer: self.look.layer }, zoom, pan };
-            cx.shared.shown = self.look.stream.map(shown);
+            cx.display.shown = self.look.stream.map(shown);
         }
         let layer = self.look.layer.filter(|&l| l < stream.layers());
         let layer = layer.or_else(|| self.telling_layer(&plan, stream, cx.model.last_pass()));
@@ -118,26 +118,26 @@ impl Panel for StreamView {
         };
         let under = response.hover_pos().and_then(texel_at);
         if under.is_some() && can_select {
-            cx.shared.hovered = under;
+            cx.selection.hovered = under;
         }
         let clicked = response.interact_pointer_pos().filter(|_| response.clicked() && can_select);
-        cx.shared.select = clicked.and_then(texel_at).or(cx.shared.select);
+        cx.asks.select = clicked.and_then(texel_at).or(cx.asks.select);
         if response.double_clicked() {
             self.look.scale = None;
         }
         numbers::draw(ui, cx, rect, scale, origin, stream, self.whose(stream));
         if can_select {
-            mark(ui, cx.shared.pixel, rect, scale, origin, Color32::WHITE);
+            mark(ui, cx.selection.pixel, rect, scale, origin, Color32::WHITE);
         }
         if !response.hovered() && can_select {
-            mark(ui, cx.shared.hovered, rect, scale, origin, Color32::from_white_alpha(120));
+            mark(ui, cx.selection.hovered, rect, scale, origin, Color32::from_white_alpha(120));
         }
         let what = format!(
             "{}{} after {}{}",
             self.kept_label(ui, rect),
             stream.name(),
             counted(self.pinned.as_ref().map_or(cx.model.place, |p| p.place), "pass"),
-            cx.shared.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
+            cx.selection.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
         );
         let value = under.map(|texel| self.magnify(ui, cx, stream, texel, &response, (scale, origin)));
         let what = what + value.as_deref().unwrap_or_default();
@@ -162,7 +162,7 @@ impl Panel for StreamView {
             Command::ExposureDown => self.look.exposure /= 2.0,
             Command::OffsetUp | Command::OffsetDown => {
                 let by = if command == Command::OffsetUp { 0.1 } else { -0.1 };
-                if self.look.is_color(cx.shared.stream) {
+                if self.look.is_color(cx.display.stream) {
                     self.look.offset += by;
                 } else {
                     self.look.range = Some(range.map(|v| v + by * span));
@@ -173,11 +173,14 @@ impl Panel for StreamView {
             Command::Fit => self.look.scale = None,
             Command::ExportView => {
                 if let Some(texture) = self.picture.texture() {
-                    cx.model.ask(Request::Job(EXPORTING, png(cx.canvas, texture, self.title())));
+                    cx.model.ask(Request::Job(
+                        EXPORTING,
+                        png(cx.canvas, texture, self.title().unwrap_or_else(|| "stream".into())),
+                    ));
                 }
             }
             Command::Pin => {
-                if let Some(stream) = cx.shared.stream {
+                if let Some(stream) = cx.display.stream {
                     cx.model.ask(Request::Pin(stream));
                 }
             }
@@ -217,20 +220,20 @@ impl StreamView {
             ui.heading("raystep");
             ui.label("Drop a scene file here, or");
             if ui.button(Command::OpenScene.name()).clicked() {
-                cx.todo.push(Command::OpenScene);
+                cx.asks.commands.push(Command::OpenScene);
             }
-            if let Some(link) = &cx.shared.last_place
+            if let Some(link) = &cx.display.last_place
                 && ui.button("Resume where you left off").on_hover_text(link).clicked()
             {
-                cx.shared.visit = Some(link.clone());
+                cx.asks.visit = Some(link.clone());
             }
-            if !cx.shared.recent.is_empty() {
+            if !cx.display.recent.is_empty() {
                 ui.add_space(8.0);
                 ui.weak("recent");
             }
-            for path in cx.shared.recent.iter().take(5) {
+            for path in cx.display.recent.iter().take(5) {
                 if ui.link(path).clicked() {
-                    cx.shared.open = Some(path.clone());
+                    cx.asks.open = Some(path.clone());
                 }
             }
             ui.add_space(8.0);
@@ -238,7 +241,7 @@ impl StreamView {
             for index in 0..crate::lesson::built_in::LESSONS.len() {
                 let lesson = Command::Lesson(index);
                 if ui.link(lesson.name().trim_start_matches("Lesson: ")).clicked() {
-                    cx.todo.push(lesson);
+                    cx.asks.commands.push(lesson);
                 }
             }
         });
@@ -278,7 +281,7 @@ impl StreamView {
     /// Requests values when they have changed, and takes their range once they arrive.
     fn read_range(&mut self, cx: &mut Context<'_>, stream: Stream, layer: usize) {
         let (edition, place) = (cx.model.edition, cx.model.place);
-        let is_dragging = cx.shared.scrub.wanted().is_some();
+        let is_dragging = cx.asks.scrub.wanted().is_some();
         let is_known = self.pinned.is_some() || self.asked == Some((edition, place, stream, layer));
         if !is_known && !is_dragging && !cx.model.is_busy() {
             self.asked = Some((edition, place, stream, layer));

@@ -1,4 +1,6 @@
 //! Device time by kernel and by pass.
+//!
+//! Touches: asks.
 
 mod bars;
 mod parts;
@@ -11,9 +13,9 @@ use raystep_lab::text::counted;
 
 use super::chart::kernel_color;
 use super::table::{Head, Listed, ListedCell, Look, Table, View, version};
+use crate::command::Command;
 use crate::session::Model;
-use crate::ui::command::Command;
-use crate::ui::pane::{Context, Panel};
+use crate::ui::pane::{Context, Panel, saves};
 
 /// Totals of all passes of a kernel.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,10 +52,6 @@ const ABOUT: &str = "Timing every pass costs several µs per pass. Use these tim
                      the time of a whole run, use `raystep bench`, which measures runs without timers.";
 
 impl Panel for Timings {
-    fn title(&self) -> String {
-        "Timings".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if cx.model.passes.is_empty() {
             ui.weak("Step a pass to see its time.");
@@ -93,7 +91,7 @@ impl Panel for Timings {
                 ("Trace…", "save passes as trace events for Perfetto", Command::ExportTrace),
             ] {
                 if ui.button(name).on_hover_text(about).clicked() {
-                    cx.todo.push(command);
+                    cx.asks.commands.push(command);
                 }
             }
         });
@@ -111,13 +109,7 @@ impl Panel for Timings {
         });
     }
 
-    fn save(&self) -> String {
-        serde_json::to_string(&self.is_log).unwrap_or_default()
-    }
-
-    fn load(&mut self, saved: &str) {
-        self.is_log = serde_json::from_str(saved).unwrap_or_default();
-    }
+    saves!(is_log);
 }
 
 /// The summary if passes have no times.

@@ -1,5 +1,7 @@
 //! The walk of the selected ray, seen along one axis and unfolded along t, synchronised with the timeline: later steps
 //! are dimmed. A click goes to the pass.
+//!
+//! Touches: other, selection, display, asks.
 
 mod beside;
 mod picture;
@@ -15,12 +17,12 @@ use serde::{Deserialize, Serialize};
 
 use super::picked;
 use super::walked::{Walked, describe, event_buttons, go_on, number};
+use crate::command::Command;
 use crate::session::request::Request;
 use crate::session::{Model, Target};
-use crate::ui::command::Command;
 use crate::ui::host::FileToSave;
-use crate::ui::pane::{Context, NO_RAYS, Panel};
-use crate::ui::shared::Picked;
+use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
+use crate::ui::state::Picked;
 use crate::ui::units::{self, Scale};
 use crate::walk::{Projected, Spacing, Strip, Structure, SvgOptions, WalkGeometry, walk_svg};
 use beside::Beside;
@@ -45,8 +47,8 @@ struct Whole {
 }
 
 impl Whole {
-    fn of(life: &Trace, data: &SceneData) -> Self {
-        let walk = WalkGeometry::new(life, data, usize::MAX);
+    fn of(history: &Trace, data: &SceneData) -> Self {
+        let walk = WalkGeometry::new(history, data, usize::MAX);
         Self { picture: Projected::new(&walk), strip: Strip::new(&walk), walk }
     }
 }
@@ -78,10 +80,6 @@ struct Under {
 }
 
 impl Panel for Walk2d {
-    fn title(&self) -> String {
-        "Unfolded walk".into()
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
             ui.weak("Open a scene and click a pixel to see its ray's path.");
@@ -93,7 +91,7 @@ impl Panel for Walk2d {
         }
         self.is_dark = ui.visuals().dark_mode;
         self.update(cx.model);
-        let Some(life) = self.walked.life.clone().filter(|life| !life.rows.is_empty()) else {
+        let Some(history) = self.walked.history.clone().filter(|history| !history.rows.is_empty()) else {
             ui.weak("Click a pixel to see its ray's path.");
             return;
         };
@@ -103,11 +101,11 @@ impl Panel for Walk2d {
         }
         self.tools(ui, cx);
         self.about.show(ui, cx);
-        let found = self.second_walk(ui, life.pixel, cx);
-        cx.shared.beside = found.as_ref().map(|found| found.data.clone());
+        let found = self.second_walk(ui, history.pixel, cx);
+        cx.display.beside = found.as_ref().map(|found| found.data.clone());
         let (Some(whole), Some((_, progress))) = (&self.whole, &self.progress) else { return };
         if let Some(found) = &found {
-            Beside::update(&mut self.beside, &life, whole, found);
+            Beside::update(&mut self.beside, &history, whole, found);
         }
         let beside = self.beside.as_ref().zip(found.as_ref());
         let first = cx.model.opened.as_ref().map_or(String::new(), |opened| opened.plan.accelerator.to_string());
@@ -116,9 +114,9 @@ impl Panel for Walk2d {
         }
         let size = ui.available_size().max(vec2(32.0, 32.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-        let unit = Scale::of(cx.shared.units, &life).t64(1.0);
-        let (now, picked) = (self.walked.walk.as_ref(), cx.shared.picked);
-        let hides_next = cx.shared.hides_next;
+        let unit = Scale::of(cx.display.units, &history).t64(1.0);
+        let (now, picked) = (self.walked.walk.as_ref(), cx.selection.picked);
+        let hides_next = cx.display.hides_next;
         let scene = Scene { walk: &whole.walk, now, progress, visuals: ui.visuals(), unit, picked, hides_next };
         let cursor = response.hover_pos();
         let mut under = None;
@@ -145,18 +143,10 @@ impl Panel for Walk2d {
         }
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
         let found = found.as_ref();
-        point_at(&response, under, &life, found, cx);
+        point_at(&response, under, &history, found, cx);
     }
 
-    fn save(&self) -> String {
-        serde_json::to_string(&self.look).unwrap_or_default()
-    }
-
-    fn load(&mut self, saved: &str) {
-        if let Ok(look) = serde_json::from_str(saved) {
-            self.look = look;
-        }
-    }
+    saves!(look);
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
         if command == Command::SecondWalk {
@@ -167,12 +157,12 @@ impl Panel for Walk2d {
             return false;
         }
         self.update(cx.model);
-        let Some(life) = &self.walked.life else { return false };
+        let Some(history) = &self.walked.history else { return false };
         let walk = self.walked.walk.as_ref().or(self.whole.as_ref().map(|whole| &whole.walk));
         if let Some(walk) = walk {
             let second = self.beside.as_ref().map(|beside| (beside.name.as_str(), &beside.whole.walk));
-            let file = export(life, walk, second, self.spacing(), self.is_dark);
-            cx.shared.files.push(file);
+            let file = export(history, walk, second, self.spacing(), self.is_dark);
+            cx.asks.files.push(file);
         }
         walk.is_some()
     }
@@ -182,22 +172,22 @@ impl Panel for Walk2d {
 fn point_at(
     response: &egui::Response,
     under: Option<(usize, Under)>,
-    life: &Trace,
+    history: &Trace,
     found: Option<&Found>,
     cx: &mut Context<'_>,
 ) {
     let Some((which, Under { text, row, what })) = under else { return };
     let second = found.filter(|_| which == 1);
-    let rows = second.map_or(life, |found| &found.life);
+    let rows = second.map_or(history, |found| &found.history);
     let place = rows.rows.get(row).and_then(TraceRow::place);
     if response.clicked() {
-        let was_picked = what.is_some() && cx.shared.picked == what;
+        let was_picked = what.is_some() && cx.selection.picked == what;
         if let Some(what) = what {
-            picked::toggle(cx.shared, what);
+            picked::toggle(cx.selection, what);
         }
         // Without a second run, there is no pass to go to.
         match (second.map(|found| found.is_run), place.filter(|_| !was_picked)) {
-            (None, Some(place)) => cx.shared.go_to = Some(place),
+            (None, Some(place)) => cx.asks.go_to = Some(place),
             (Some(true), Some(place)) => {
                 if let Some(other) = cx.other.as_deref_mut().filter(|other| other.place != place) {
                     other.ask(Request::Step(Target::Pass(place)));
@@ -216,14 +206,14 @@ fn point_at(
 
 /// The walk as a drawing.
 fn export(
-    life: &Trace,
+    history: &Trace,
     walk: &WalkGeometry,
     second: Option<(&str, &WalkGeometry)>,
     spacing: Spacing,
     is_dark: bool,
 ) -> FileToSave {
-    let [x, y] = life.pixel;
-    let last = walk.row.and_then(|row| life.rows.get(row)).map(TraceRow::number);
+    let [x, y] = history.pixel;
+    let last = walk.row.and_then(|row| history.rows.get(row)).map(TraceRow::number);
     let until = last.map_or_else(String::new, |pass| format!(", up to pass {pass}"));
     let options = SvgOptions { spacing, is_dark, ..SvgOptions::default() };
     let svg = walk_svg(walk, &format!("Ray of pixel {x},{y}{until}"), second, &options);
@@ -260,12 +250,12 @@ impl Walk2d {
 
     fn update(&mut self, model: &Model) {
         let is_other = self.walked.update(model);
-        let (Some(life), Some(opened)) = (&self.walked.life, &model.opened) else {
+        let (Some(history), Some(opened)) = (&self.walked.history, &model.opened) else {
             (self.whole, self.progress) = (None, None);
             return;
         };
         if is_other || self.whole.is_none() {
-            self.whole = Some(Whole::of(life, &opened.data));
+            self.whole = Some(Whole::of(history, &opened.data));
             self.progress = None;
         }
         let version = self.walked.version;
@@ -322,13 +312,13 @@ impl Walk2d {
                     }
                 }
             }
-            if let Some(life) = &self.walked.life {
-                units::choose(ui, &mut cx.shared.units, life.scene_units_per_stream_unit);
+            if let Some(history) = &self.walked.history {
+                units::choose(ui, &mut cx.display.units, history.scene_units_per_stream_unit);
             }
             if ui.button("Export SVG").on_hover_text("save both pictures as SVG, up to this pass").clicked() {
-                cx.todo.push(Command::ExportWalk);
+                cx.asks.commands.push(Command::ExportWalk);
             }
-            if let Some(walk) = self.walked.walk.as_ref().filter(|_| ui.available_size_before_wrap().x > 280.0 && cx.shared.picked.is_none()) {
+            if let Some(walk) = self.walked.walk.as_ref().filter(|_| ui.available_size_before_wrap().x > 280.0 && cx.selection.picked.is_none()) {
                 ui.weak(describe(walk));
             }
         });
@@ -351,7 +341,7 @@ fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Option<Rect>) {
 mod tests {
     use raystep_kernels::Accelerator;
 
-    use super::super::walked::tests::life;
+    use super::super::walked::tests::history;
     use super::*;
 
     #[test]
@@ -363,12 +353,12 @@ mod tests {
 
     #[test]
     fn a_drawing_is_of_the_walk_so_far() {
-        let (life, data) = life(Accelerator::Grid);
-        let [x, y] = life.pixel;
-        let row = life.rows.len() / 2;
-        let file = export(&life, &WalkGeometry::new(&life, &data, row), None, Spacing::Equal, false);
+        let (history, data) = history(Accelerator::Grid);
+        let [x, y] = history.pixel;
+        let row = history.rows.len() / 2;
+        let file = export(&history, &WalkGeometry::new(&history, &data, row), None, Spacing::Equal, false);
         assert_eq!(file.name, format!("ray-{x}-{y}.svg"));
         let text = String::from_utf8(file.bytes).expect("text");
-        assert!(text.contains(&format!("pixel {x},{y}, up to pass {}", life.rows[row].number())), "{text}");
+        assert!(text.contains(&format!("pixel {x},{y}, up to pass {}", history.rows[row].number())), "{text}");
     }
 }

@@ -1,7 +1,8 @@
 //! The cost of every ray as colours over the picture.
 
-use egui::{Color32, ColorImage, Pos2, Rect, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2};
-use egui::{pos2, vec2};
+use egui::{
+    Color32, ColorImage, Pos2, Rect, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+};
 use raystep_kernels::Stream;
 use raystep_kernels::tables::kernel::Role;
 
@@ -92,7 +93,7 @@ impl HeatView {
         for &ray in marked {
             frame([ray % width.max(1), ray / width.max(1)], 2.0, Stroke::new(1.0, WARP));
         }
-        if let Some(pixel) = cx.shared.pixel {
+        if let Some(pixel) = cx.selection.pixel {
             frame(pixel, 9.0, Stroke::new(3.0, Color32::from_black_alpha(160)));
             frame(pixel, 9.0, Stroke::new(1.5, Color32::WHITE));
         }
@@ -112,10 +113,10 @@ impl HeatView {
         };
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         if let Some(texel) = response.interact_pointer_pos().filter(|_| response.clicked()).and_then(texel_at) {
-            cx.shared.select = Some(texel);
+            cx.asks.select = Some(texel);
         }
         let Some([x, y]) = response.hover_pos().and_then(texel_at) else { return };
-        cx.shared.hovered = Some([x, y]);
+        cx.selection.hovered = Some([x, y]);
         let order = heat.map(|heat| &heat.sorted.order);
         let ray = y as usize * width as usize + x as usize;
         if let Some((heat, (cost, rank))) = heat.zip(order.and_then(|o| o.cost(ray).zip(o.rank(ray)))) {

@@ -88,9 +88,14 @@ impl Runs {
     }
 
     /// What the ray did in a row of its history. `None` while its streams are read; the error is one line.
-    pub(super) fn branches(&mut self, model: &mut Model, life: &Trace, row: usize) -> Option<Result<OneRay, String>> {
+    pub(super) fn branches(
+        &mut self,
+        model: &mut Model,
+        history: &Trace,
+        row: usize,
+    ) -> Option<Result<OneRay, String>> {
         let opened = model.opened.clone()?;
-        let row = life.rows.get(row)?;
+        let row = history.rows.get(row)?;
         let kernel = opened.plan.program.kernel(row.kernel)?;
         let Some(pass) = row.pass else { return Some(Err("the index of this pass is not known yet".into())) };
         let interpreter = match self.interpreter(model.generation, &opened, kernel) {
@@ -98,9 +103,9 @@ impl Runs {
             Err(error) => return Some(Err(error.to_string())),
         };
         let key = PassKey { generation: model.generation, edition: model.edition, pass };
-        let mut texels = self.texels(model, &interpreter, key, life.pixel)?;
+        let mut texels = self.texels(model, &interpreter, key, history.pixel)?;
         let size = [opened.plan.width, opened.plan.height];
-        let element = Element { texel: life.pixel, size };
+        let element = Element { texel: history.pixel, size };
         let recording = match interpreter.record(&opened.data, element, &mut texels) {
             Ok(recording) => recording,
             Err(error) => return Some(Err(error.to_string())),

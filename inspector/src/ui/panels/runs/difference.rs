@@ -8,12 +8,12 @@ use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
 
 use super::super::legend::entry;
+use crate::command::Command;
 use crate::draw::stream::{self, Colors, Meaning, drawable};
 use crate::runs::differ::{Aspect, CLASSES, Counts, Differences};
 use crate::ui::canvas::{Canvas, Picture};
-use crate::ui::command::Command;
 use crate::ui::pane::Context;
-use crate::ui::runs::Question;
+use crate::ui::state::kept_runs::Question;
 
 /// Of rays that hit in one run only: that of an infinity in stream views.
 const ONE_SIDED: Color32 = Color32::from_rgb(242, 51, 26);
@@ -33,31 +33,31 @@ impl DifferenceView {
     pub(super) fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ui.separator();
         for aspect in Aspect::ALL {
-            ui.selectable_value(&mut cx.shared.runs.aspect, aspect, aspect.name());
+            ui.selectable_value(&mut cx.runs.aspect, aspect, aspect.name());
         }
-        let can = cx.shared.runs.why_not_compared().is_none();
+        let can = cx.runs.why_not_compared().is_none();
         let next = egui::Button::new(Command::NextDifferingRay.name());
         let about = format!(
             "selects the next ray that differs in {} ({})",
-            cx.shared.runs.aspect.name(),
+            cx.runs.aspect.name(),
             Command::NextDifferingRay.key_text(ui.ctx())
         );
         if ui.add_enabled(can, next).on_hover_text(about).clicked() {
-            cx.todo.push(Command::NextDifferingRay);
+            cx.asks.commands.push(Command::NextDifferingRay);
         }
     }
 
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
-        if let Some(why) = cx.shared.runs.why_not_compared() {
-            if cx.shared.runs.runs.list().len() > 1 {
+        if let Some(why) = cx.runs.why_not_compared() {
+            if cx.runs.runs.list().len() > 1 {
                 ui.label(why);
             }
             return;
         }
-        cx.shared.runs.compare(cx.model);
-        let names = cx.shared.runs.pair().map(|pair| pair.map(|kept| kept.name.clone()));
-        let stream = cx.shared.runs.pair().and_then(|[a, _]| Some(a.picture.as_ref().ok()?.results.color));
-        let Some((question, found)) = cx.shared.runs.differences() else {
+        cx.runs.compare(cx.model);
+        let names = cx.runs.pair().map(|pair| pair.map(|kept| kept.name.clone()));
+        let stream = cx.runs.pair().and_then(|[a, _]| Some(a.picture.as_ref().ok()?.results.color));
+        let Some((question, found)) = cx.runs.differences() else {
             if cx.model.is_busy() {
                 ui.spinner();
             } else {
@@ -80,10 +80,10 @@ impl DifferenceView {
         let (size, text) = (found.size, describe(aspect, found));
         let (selected, hovered) = self.paint(ui, cx, question, stream, range, size, &text);
         if let Some(hovered) = hovered {
-            cx.shared.hovered = Some(hovered);
+            cx.selection.hovered = Some(hovered);
         }
         if selected.is_some() {
-            cx.shared.select = selected;
+            cx.asks.select = selected;
         }
     }
 
@@ -127,7 +127,7 @@ impl DifferenceView {
         if let Some(id) = self.picture.id() {
             ui.painter().image(id, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
         }
-        if let Some([x, y]) = cx.shared.pixel.filter(|[x, y]| *x < width && *y < height) {
+        if let Some([x, y]) = cx.selection.pixel.filter(|[x, y]| *x < width && *y < height) {
             let middle = rect.min + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
             let frame = Rect::from_center_size(middle, egui::Vec2::splat(scale.max(9.0)));
             let painter = ui.painter().with_clip_rect(rect);

@@ -44,9 +44,9 @@ impl StreamView {
         let heading = format!("{} {x},{y}", stream.name());
         let line = match &values[..] {
             [] => format!("{x},{y}   reading…"),
-            values => format!("{x},{y}   {}", values::line(values, cx.shared.units)),
+            values => format!("{x},{y}   {}", values::line(values, cx.display.units)),
         };
-        if cx.shared.is_magnified {
+        if cx.display.is_magnified {
             self.enlarge(ui, cx, stream, texel);
             let corner = origin + vec2(x as f32, y as f32) * scale;
             let shown = Rect::from_min_size(corner, vec2(scale, scale));
@@ -63,7 +63,7 @@ impl StreamView {
     fn values(&mut self, cx: &mut Context<'_>, stream: Stream, texel: [u32; 2]) -> Vec<Value> {
         let Some(opened) = cx.model.opened.as_ref() else { return Vec::new() };
         let (plan, data) = (opened.plan.clone(), opened.data.clone());
-        let t_scale = cx.model.life.as_ref().filter(|life| life.pixel == texel).map(|life| life.t_scale);
+        let t_scale = cx.model.history.as_ref().filter(|history| history.pixel == texel).map(|history| history.t_scale);
         let bits = match &self.pinned {
             Some(pinned) => self.magnifier.tiles.texel(cx.model, &cx.canvas.gpu, pinned, texel),
             None => {

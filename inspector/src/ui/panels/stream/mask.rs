@@ -17,7 +17,7 @@ pub(super) struct Overlay {
 
 /// The mask, if it is of this run.
 fn current(cx: &Context<'_>) -> Option<Arc<Mask>> {
-    cx.shared.mask.clone().filter(|mask| mask.generation == cx.model.generation)
+    cx.display.mask.clone().filter(|mask| mask.generation == cx.model.generation)
 }
 
 /// A line about the mask, with a button that removes it.
@@ -32,7 +32,7 @@ pub(super) fn legend(ui: &mut egui::Ui, cx: &mut Context<'_>) {
             }
         }
         if ui.small_button("Remove mask").clicked() {
-            cx.shared.mask = None;
+            cx.display.mask = None;
         }
     });
 }

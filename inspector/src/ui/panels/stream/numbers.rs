@@ -42,7 +42,7 @@ pub(super) fn draw(
         return;
     }
     let Some(opened) = &cx.model.opened else { return };
-    let in_units = Scale::in_scene(cx.shared.units, &opened.data);
+    let in_units = Scale::in_scene(cx.display.units, &opened.data);
     let is_now = |t: &&Texels| t.stream == stream && t.place == cx.model.place;
     let layers: Vec<&[u32]>;
     let (width, height) = match whose {

@@ -8,7 +8,7 @@ use super::StreamView;
 use crate::draw::stream::{Colors, Meaning, Picture};
 use crate::ui::canvas::Moment;
 use crate::ui::pane::Context;
-use crate::ui::runs::Flipped;
+use crate::ui::state::kept_runs::Flipped;
 
 /// The inputs that the picture was drawn from: it is only redrawn if they change.
 #[derive(Clone, Copy, PartialEq)]
@@ -70,7 +70,7 @@ impl StreamView {
             (None, _, None) => still,
         };
         if glimpse.is_none() && !self.is_kept() && source.is_none_or(|(moment, _)| moment != now) {
-            cx.shared.is_behind = true;
+            cx.display.is_behind = true;
             ui.ctx().request_repaint();
         }
         let Some((moment, texture)) = source else { return };
@@ -100,13 +100,13 @@ impl StreamView {
         let is_chosen = self.look.stream.is_some() || self.look.layer.is_some();
         let view = is_chosen.then_some((stream, layer));
         if self.pinned.is_none() {
-            cx.shared.thumbs.look(view);
+            cx.display.thumbs.look(view);
         }
         if let Some(target) = self.picture.target(cx.canvas, size, self.drawn != Some(drawn)) {
             let picture = drawn.picture(states, texture);
             cx.canvas.streams.draw(&picture, target);
             if self.pinned.is_none() && self.drawn.is_none_or(|before| before.of() != drawn.of()) {
-                cx.shared.thumbs.take(cx.canvas, moment, view, &picture);
+                cx.display.thumbs.take(cx.canvas, moment, view, &picture);
             }
             self.drawn = Some(drawn);
         }
@@ -116,7 +116,7 @@ impl StreamView {
         }
         if self.pinned.is_none() {
             let picture = Rect::from_min_size(origin, scale * vec2(texture.width() as f32, texture.height() as f32));
-            cx.shared.thumbs.cover(ui, rect, picture, moment.1, cx.shared.scrub.wanted());
+            cx.display.thumbs.cover(ui, rect, picture, moment.1, cx.asks.scrub.wanted());
         }
     }
 }

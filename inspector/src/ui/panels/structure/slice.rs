@@ -4,6 +4,7 @@ mod numbers;
 mod path;
 mod placement;
 
+use crate::walk::AXES;
 use egui::{
     Color32, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
 };
@@ -12,15 +13,13 @@ use raystep_lab::structure_stats::{Slice, triangles_in};
 use raystep_lab::text::counted;
 
 use super::picture::{legend, picture};
-use crate::ui::command::Command;
+use crate::command::Command;
 use crate::ui::pane::Context;
 use crate::ui::panels::picked;
 use crate::ui::panels::zoom::Zoom;
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use path::Path;
 use placement::{Placement, others, place_in};
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A layer, and its marks.
 #[derive(Default)]
@@ -121,7 +120,7 @@ impl SliceView {
     /// Shows tools and image in this height, in points. `longest` is the grid's longest list.
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData, longest: u32, height: f32) {
         let top = ui.cursor().top();
-        self.path.update(cx.model.life.as_ref(), data, cx.model.place);
+        self.path.update(cx.model.history.as_ref(), data, cx.model.place);
         self.tools(ui, data, longest);
         let (axis, index) = (self.axis(), self.index(data));
         if self.drawn.as_ref().is_none_or(|(slice, _)| (slice.axis, slice.index) != (axis, index)) {
@@ -190,7 +189,7 @@ impl SliceView {
         if let Some([column, row]) = clicked.and_then(|at| place.at(at)) {
             self.index = Some(index);
             if let Some(picked) = picked::cell(slice.cell(column, row)) {
-                picked::toggle(cx.shared, picked);
+                picked::toggle(cx.selection, picked);
             }
         }
     }

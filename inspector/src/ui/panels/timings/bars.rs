@@ -92,7 +92,7 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
     }
     if let Some(column) = response.interact_pointer_pos().filter(|_| response.clicked()).and_then(|at| column_at(at.x))
     {
-        cx.shared.go_to = Some(column.dearest + 1);
+        cx.asks.go_to = Some(column.dearest + 1);
     }
 }
 

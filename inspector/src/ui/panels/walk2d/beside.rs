@@ -11,7 +11,7 @@ use super::progress::Progress;
 use super::second::Found;
 use super::{Scene, Under, Whole, strip};
 use crate::ui::pane::Context;
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::walk::{Both, Outcome, Spacing, Strip, Structure, WalkGeometry};
 
 const SIDES: [&str; 2] = ["A", "B"];
@@ -34,19 +34,19 @@ pub(super) struct Beside {
 
 impl Beside {
     /// Of the first walk and the one found.
-    pub(super) fn update(kept: &mut Option<Self>, life: &Arc<Trace>, first: &Whole, found: &Found) {
-        let is_known = |kept: &Self| Arc::ptr_eq(&kept.of[0], life) && Arc::ptr_eq(&kept.of[1], &found.life);
+    pub(super) fn update(kept: &mut Option<Self>, history: &Arc<Trace>, first: &Whole, found: &Found) {
+        let is_known = |kept: &Self| Arc::ptr_eq(&kept.of[0], history) && Arc::ptr_eq(&kept.of[1], &found.history);
         if !kept.as_ref().is_some_and(is_known) {
-            let whole = Whole::of(&found.life, &found.data);
+            let whole = Whole::of(&found.history, &found.data);
             let both = Both::of([&first.walk, &whole.walk], [&first.strip, &whole.strip]);
             let strips = [first.strip.clone().over(both.t), whole.strip.clone().over(both.t)];
             let structures = [first.walk.structure, whole.walk.structure];
-            let of = [life.clone(), found.life.clone()];
+            let of = [history.clone(), found.history.clone()];
             *kept = Some(Self { of, whole, name: found.name.clone(), now: None, both, strips, structures });
         }
         let Some(kept) = kept else { return };
         if kept.now.as_ref().is_none_or(|(row, ..)| *row != found.row) {
-            let walk = found.row.map(|row| WalkGeometry::new(&found.life, &found.data, row));
+            let walk = found.row.map(|row| WalkGeometry::new(&found.history, &found.data, row));
             let progress = Progress::new(&kept.whole.walk, &kept.whole.picture, found.row);
             kept.now = Some((found.row, walk, progress));
         }
@@ -69,12 +69,13 @@ impl Beside {
                 });
                 for &triangle in only.iter().take(MOST_IDS) {
                     let what = Picked::Triangle(triangle);
-                    let button = egui::Button::selectable(cx.shared.picked == Some(what), triangle.to_string()).small();
+                    let button =
+                        egui::Button::selectable(cx.selection.picked == Some(what), triangle.to_string()).small();
                     let about = format!("triangle {triangle}, tested only in {side}");
                     let response = ui.add(button).on_hover_text(&about);
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &about));
                     if response.clicked() {
-                        picked::toggle(cx.shared, what);
+                        picked::toggle(cx.selection, what);
                     }
                 }
                 if only.len() > MOST_IDS {

@@ -12,7 +12,7 @@ use super::super::picked;
 use super::picture::{outcome_color, ray_color};
 use super::progress::row_of;
 use super::{Scene, Under};
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::walk::{Outcome, Spacing, Strip, Ticks};
 use dots::Note;
 

@@ -4,8 +4,8 @@ use egui::{Event, Key, PointerButton};
 use glam::{DVec2, DVec3};
 
 use super::Wish;
+use crate::command::{COMMANDS, Command};
 use crate::orbit::Orbit;
-use crate::ui::command::{COMMANDS, Command};
 
 /// Flying speed per second, in sizes of the scene.
 const SPEED: f64 = 0.8;

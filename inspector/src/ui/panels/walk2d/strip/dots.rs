@@ -7,7 +7,7 @@ use super::super::picture::{current_color, outcome_color};
 use super::words::{note_words, test_words};
 use super::{MOST, Pen, SIZE};
 use crate::ui::panels::labels::{Avoid, Wanted, places};
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::walk::{Outcome, StripTest};
 
 /// Most labels that are placed.
