@@ -264,6 +264,14 @@ impl Command {
         )
     }
 
+    /// The command with this name, in any case and with or without the dots that ask for more: as `--do` and lessons
+    /// name it.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        let plain = |name: &str| name.trim_end_matches('…').to_lowercase();
+        COMMANDS.iter().find(|info| plain(info.name) == plain(name)).map(|info| info.command)
+    }
+
     /// Its row of the table.
     #[must_use]
     pub fn info(self) -> Option<&'static CommandInfo> {

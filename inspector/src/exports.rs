@@ -4,14 +4,11 @@
 
 use std::io::Cursor;
 
+use raystep_kernels::StreamData;
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::export::{Recorded, exr, npy};
-use raystep_kernels::{Kernel, StreamData};
 use raystep_lab::text::counted;
 use serde::Serialize;
-
-use crate::dataflow::DataFlow;
-use crate::link::Link;
 
 /// The name of jobs that answer with an [`Export`].
 pub const EXPORTING: &str = "exporting";
@@ -140,16 +137,4 @@ pub fn ray_csv(history: &Trace) -> Result<Export, ExportError> {
 /// [`ExportError::Json`].
 pub fn ray_json(history: &Trace) -> Result<Export, ExportError> {
     Export::json(&ray_name(history), history, counted(history.rows.len(), "row"))
-}
-
-/// The data flow as SVG; see [`DataFlow::svg`].
-#[must_use]
-pub fn data_flow_svg(graph: &DataFlow, current: Option<Kernel>, rays: &[(Kernel, u64)]) -> Export {
-    Export::new("data-flow", "svg", graph.svg(current, rays).into_bytes(), "a drawing".into())
-}
-
-/// A link as a line of text.
-#[must_use]
-pub fn link_text(link: &Link) -> Export {
-    Export::new("link", "txt", format!("{link}\n").into_bytes(), "a link".into())
 }

@@ -21,6 +21,7 @@ pub mod session_file;
 pub mod settings;
 pub mod source;
 pub mod ui;
+pub mod versioned;
 pub mod walk;
 
 pub use session::{Direction, Edit, Fired, OnProgress, Session, Target, Watch, go_on};

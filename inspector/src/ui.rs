@@ -21,6 +21,7 @@ pub mod retained;
 mod scrub;
 mod state;
 mod style;
+mod svg;
 mod thumbs;
 pub mod units;
 

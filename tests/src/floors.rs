@@ -60,7 +60,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
     (
         "raystep_inspector",
         &[
-            &["command", "dataflow", "names", "ray_text", "source", "walk"],
+            &["command", "dataflow", "names", "ray_text", "source", "versioned", "walk"],
             &["branches", "link", "orbit"],
             &["draw", "exports", "saved", "settings"],
             &["hits", "session"],
@@ -73,7 +73,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
         "raystep_inspector::ui",
         &[
             &["canvas", "host", "picture", "retained", "scrub", "style", "units"],
-            &["mask", "preview", "thumbs"],
+            &["mask", "preview", "svg", "thumbs"],
             &["state"],
             &["pane"],
             &["panels"],

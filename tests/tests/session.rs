@@ -271,7 +271,7 @@ fn a_session_can_go_to_another_thread() {
         can_move(session.twins_until(Some(2), &mut go_on)).await.expect("twins");
         can_move(session.edit(streams::HIT, 0, 0, 0, 1)).await.expect("an edit");
         can_move(session.clear_edits(&mut go_on)).await.expect("no edit");
-        let forward = raystep_inspector::Way::Forward;
+        let forward = raystep_inspector::Direction::Forward;
         can_move(session.run_to_watch(&[], forward, &mut go_on)).await.expect("nothing");
     });
     let _session = can_move(session);

@@ -1,6 +1,6 @@
 //! Watches stop a run forwards and back; edits, and passes run by twins, persist when moving through the run.
 
-use raystep_inspector::{Fired, Session, Target, Watch, Way as Direction, go_on};
+use raystep_inspector::{Direction, Fired, Session, Target, Watch, go_on};
 use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
 use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use raystep_kernels::tables::kernel::Role;

@@ -6,7 +6,7 @@ use super::expression::Expression;
 use super::fact::is_label;
 use super::prose::quoted;
 use super::question::{Choice, Question};
-use crate::command::{COMMANDS, Command, PaneKind};
+use crate::command::{Command, PaneKind};
 use crate::link::{Link, LinkDevice, LinkStream};
 
 /// Most steps from cell to cell that a lesson makes by itself.
@@ -266,10 +266,8 @@ fn zoom(rest: &str) -> Result<Action, Wrong> {
 }
 
 fn command(name: &str) -> Result<Command, Wrong> {
-    let plain = |name: &str| name.trim_end_matches('…').to_lowercase();
-    let found = COMMANDS.iter().find(|info| plain(info.name) == plain(name)).map(|info| info.command);
     // A lesson that opens another, or ends itself, would have no next step.
-    let found = found.filter(|command| !command.is_of_lessons() && *command != Command::Quit);
+    let found = Command::named(name).filter(|command| !command.is_of_lessons() && *command != Command::Quit);
     found.ok_or_else(|| wrong("do", format!("{name:?} is not a command that a lesson can perform; see the menus")))
 }
 

@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_distinct_and_the_list_ends() {
+    fn names_of_kept_runs_are_distinct_and_their_number_is_limited() {
         let mut runs = Runs::default();
         let long = "x".repeat(1000);
         for name in ["a", "a", "a 2", &long] {

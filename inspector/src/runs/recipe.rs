@@ -1,7 +1,5 @@
 //! How a run is made.
 
-use raystep_kernels::options::ProgramName;
-
 use crate::session::Edit;
 use crate::settings::{DeviceKind, Settings};
 
@@ -24,7 +22,7 @@ impl Recipe {
     #[must_use]
     pub fn name(&self) -> String {
         let Settings { program, accelerator, device, .. } = &self.settings;
-        if *program != ProgramName::ClosestHit {
+        if !self.settings.traces_rays() {
             return program.to_string();
         }
         let device = match device {

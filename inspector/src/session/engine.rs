@@ -5,7 +5,7 @@
 mod run;
 
 use super::devices::Devices;
-use std::ops::ControlFlow;
+use super::request::flow;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -184,15 +184,16 @@ impl Server {
     fn reporter(&self, what: &'static str) -> impl FnMut(u64, u64) -> bool + Send + use<> {
         let (outbox, cancel, wake) = (self.outbox.clone(), self.cancel.clone(), self.devices.wake.clone());
         let (served, clock) = (self.served, self.devices.clock);
-        let (mut last, mut told_ns) = (u64::MAX, None);
+        let (mut last, mut reported_ns) = (u64::MAX, None);
         move |done, of| {
             // A hundred reports are enough for a progress bar; without a known end, every hundredth. Each of them has
             // the window drawn: not more often than it can be read.
             let mark = done.saturating_mul(100).checked_div(of).unwrap_or(done / 100);
             let now_ns = clock.map(|clock| clock());
-            let is_soon = now_ns.zip(told_ns).is_some_and(|(now, told): (u64, u64)| now < told + TELL_EVERY_NS);
+            let is_soon =
+                now_ns.zip(reported_ns).is_some_and(|(now, reported): (u64, u64)| now < reported + TELL_EVERY_NS);
             if mark != last && !is_soon {
-                (last, told_ns) = (mark, now_ns);
+                (last, reported_ns) = (mark, now_ns);
                 let _ = outbox.unbounded_send(Update::Progress(what, done, of));
                 wake();
             }
@@ -320,8 +321,4 @@ impl Server {
             }
         }
     }
-}
-
-fn flow(goes_on: bool) -> ControlFlow<()> {
-    if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }

@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_device_or_the_reference_cannot_tell_it_is_said() {
+    fn a_history_that_cannot_be_confirmed_says_why() {
         let (mut model, _) = self::model(DeviceKind::Gpu);
         model.follow(PIXEL);
         model.compare(Err("the device was lost".into()));

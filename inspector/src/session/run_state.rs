@@ -8,6 +8,7 @@ use raystep_kernels::{DrawTime, Kernel, Pass, Stream};
 
 use super::request::{At, Glimpse, Opened, Texels};
 use super::{Edit, Fired, Sketch};
+use crate::settings::traces_rays;
 
 /// Work in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +116,7 @@ impl RunState {
     /// Whether the program that is open has rays, or none is open.
     #[must_use]
     pub fn has_rays(&self) -> bool {
-        self.opened.as_ref().is_none_or(|opened| opened.plan.program.course.is_some())
+        self.opened.as_ref().is_none_or(|opened| traces_rays(opened.plan.program))
     }
 
     /// Another run is ready; it arrives at a place next.

@@ -1,6 +1,7 @@
 //! The preview of a scene that is being opened: shown in place of a stream, as what it is, until the run has a picture.
 
-use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, Ui, pos2, vec2};
+use super::canvas::WHOLE;
+use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, Ui, vec2};
 
 use crate::session::preview::Preview;
 use crate::session::{Model, Work};
@@ -30,8 +31,7 @@ impl PreviewTexture {
         let side = self.texture.size_vec2();
         let scale = (rect.width() / side.x).min(rect.height() / side.y);
         let picture = Rect::from_center_size(rect.center(), side * scale);
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().image(self.texture.id(), picture, whole, Color32::WHITE);
+        ui.painter().image(self.texture.id(), picture, WHOLE, Color32::WHITE);
         let about = format!("preview of {width} × {height} pixels; the run: {progress}");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &about));
     }

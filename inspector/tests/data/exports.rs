@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use raystep_inspector::exports::{self, Export};
-use raystep_inspector::link::Link;
 use raystep_kernels::export::Recorded;
 use raystep_kernels::export::csv::{COLUMNS, RunContext, Timer};
 use raystep_kernels::export::trace::{Rays, trace};
@@ -79,7 +78,4 @@ fn exports_are_the_command_lines_formats() {
     let mut reader = csv::Reader::from_reader(csv.bytes.as_slice());
     assert_eq!(reader.records().count(), history.rows.len());
     assert_eq!(json["rows"].as_array().map(Vec::len), Some(history.rows.len()));
-
-    let link = exports::link_text(&Link { scene: Some("a.glb".into()), ..Link::default() });
-    assert_eq!((named(&link).as_str(), link.bytes.as_slice()), ("link.txt", &b"raystep:1?scene=a.glb\n"[..]));
 }

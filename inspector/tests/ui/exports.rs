@@ -41,7 +41,7 @@ fn says(stage: &Stage, text: &str) {
 }
 
 #[test]
-fn passes_end_here_only_where_that_is_chosen() {
+fn passes_are_exported_up_to_here_only_if_that_is_chosen() {
     let mut stage = stage();
     stage.perform(Command::Export);
     stage.frames(2);

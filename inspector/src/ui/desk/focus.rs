@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn both_ends_of_a_list_meet() {
+    fn the_neighbour_of_the_last_panel_is_the_first() {
         let all = ['a', 'b', 'c'];
         let step = |at, is_forward| neighbour(&all, at, is_forward).copied();
         assert_eq!([step(None, true), step(None, false)], [Some('a'), Some('c')]);

@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_line_follows_what_was_done() {
+    fn the_hint_for_beginners_depends_on_what_they_have_done() {
         let mut done = FirstSteps::default();
         assert!(next(done, true).starts_with("Click any pixel"));
         done.has_clicked = true;

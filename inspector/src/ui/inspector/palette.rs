@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn what_can_be_done_comes_first() {
+    fn commands_that_are_available_come_first() {
         let can = |command| command != Command::NextPass && command != Command::CopyLink;
         let found = matches("", &can);
         assert_eq!(found.len(), COMMANDS.len());

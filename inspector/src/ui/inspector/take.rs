@@ -1,8 +1,6 @@
 //! Exports, handed to the host for saving.
 
 use crate::exports::EXPORTING;
-use std::any::Any;
-use std::ops::ControlFlow;
 
 use raystep_kernels::export::Recorded;
 use raystep_kernels::export::csv::{RunContext, Timer};
@@ -14,7 +12,7 @@ use raystep_lab::machine::{clock_step_ns, session_id};
 use super::Inspector;
 use crate::command::Command;
 use crate::exports::{self, Export, ExportError};
-use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::request::{Job, JobContext, Request, answered, flow, job};
 use crate::session::{OnProgress, Session, Target, go_on};
 use crate::settings::DeviceKind;
 use crate::ui::host::FileToSave;
@@ -125,28 +123,24 @@ enum Write {
 
 /// Runs to a place, writes all passes before it, and returns.
 fn run_and_write(run: RunContext, write: Write, target: Target) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { session, progress, .. } = context;
-            let here = session.place();
-            let mut tell = |at: &Progress| {
-                if progress(at.rays_decided, at.rays) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-            };
-            let is_counted = write == Write::Csv && session.renderer().plan().counters().is_some();
-            let counted = match is_counted {
-                true => count(session, target, &mut tell).await,
-                false => session.step(target, &mut tell).await.map(|_| Vec::new()),
-            };
-            let export = counted.map_err(|e| e.to_string()).and_then(|counted| {
-                let run = RunContext { host_run_ns: session.renderer().host_ns(), ..run };
-                let recorded = Recorded::of(&run, session.renderer(), &counted);
-                let write = if write == Write::Csv { exports::passes_csv } else { exports::passes_trace };
-                write(&recorded).map_err(|e| e.to_string())
-            });
-            // Returns even if it was stopped: an export must not move the user's view.
-            session.step(Target::Pass(here), &mut go_on).await.map_err(|e| e.to_string())?;
-            Ok(Box::new(export?) as Box<dyn Any + Send>)
-        })
+    job!(context, {
+        let JobContext { session, progress, .. } = context;
+        let here = session.place();
+        let mut tell = |at: &Progress| flow(progress(at.rays_decided, at.rays));
+        let is_counted = write == Write::Csv && session.renderer().plan().counters().is_some();
+        let counted = match is_counted {
+            true => count(session, target, &mut tell).await,
+            false => session.step(target, &mut tell).await.map(|_| Vec::new()),
+        };
+        let export = counted.map_err(|e| e.to_string()).and_then(|counted| {
+            let run = RunContext { host_run_ns: session.renderer().host_ns(), ..run };
+            let recorded = Recorded::of(&run, session.renderer(), &counted);
+            let write = if write == Write::Csv { exports::passes_csv } else { exports::passes_trace };
+            write(&recorded).map_err(|e| e.to_string())
+        });
+        // Returns even if it was stopped: an export must not move the user's view.
+        session.step(Target::Pass(here), &mut go_on).await.map_err(|e| e.to_string())?;
+        answered(export?)
     })
 }
 
@@ -176,11 +170,9 @@ type WriteStream = fn(&raystep_kernels::StreamData, Option<usize>) -> Result<Exp
 
 /// Reads the current stream, and writes it as a file.
 fn read(stream: Stream, write: WriteStream) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let data = context.session.stream(stream).await.map_err(|e| e.to_string())?;
-            let export = write(&data, context.session.place().checked_sub(1)).map_err(|e| e.to_string())?;
-            Ok(Box::new(export) as Box<dyn Any + Send>)
-        })
+    job!(context, {
+        let data = context.session.stream(stream).await.map_err(|e| e.to_string())?;
+        let export = write(&data, context.session.place().checked_sub(1)).map_err(|e| e.to_string())?;
+        answered(export)
     })
 }

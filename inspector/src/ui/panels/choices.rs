@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::command::Command;
 use crate::session::Model;
 use crate::session::measure::Measurement;
-use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::request::{Job, JobContext, Request, answered, job};
 use crate::settings::{DeviceKind, View};
 use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
@@ -125,28 +125,26 @@ impl Reporter for Teller<'_> {
 }
 
 fn job(of: Of, asked: Asked, so_far: SoFar) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { measure, progress, device, .. } = context;
-            let device = match device {
-                Device::CpuF64(clock) => Device::Cpu(clock),
-                device => device,
-            };
-            let Of { scene, view, size, grid, .. } = of.clone();
-            let (camera, scene) = (view.camera(&scene), Scene::clone(&scene));
-            let subject = Subject { scene, camera, hash: Hash::default(), file: String::new() };
-            let time = Duration::from_secs(asked.seconds.into());
-            let extent = Extent { size, grid, is_quick: !asked.is_thorough, time };
-            let known = (of.clone(), so_far);
-            let ready = Arc::new(move |answer: Answer| {
-                let (of, so_far) = &known;
-                *so_far.lock().unwrap_or_else(PoisonError::into_inner) = Some((of.clone(), answer));
-            });
-            let measurement = Measurement { subject, extent, ready, device };
-            let teller = Teller(Mutex::new(Progress { tell: progress, last: (0, 0) }));
-            let answer = measure(measurement, &teller).await?;
-            Ok(Box::new((of, answer)) as Box<dyn std::any::Any + Send>)
-        })
+    job!(context, {
+        let JobContext { measure, progress, device, .. } = context;
+        let device = match device {
+            Device::CpuF64(clock) => Device::Cpu(clock),
+            device => device,
+        };
+        let Of { scene, view, size, grid, .. } = of.clone();
+        let (camera, scene) = (view.camera(&scene), Scene::clone(&scene));
+        let subject = Subject { scene, camera, hash: Hash::default(), file: String::new() };
+        let time = Duration::from_secs(asked.seconds.into());
+        let extent = Extent { size, grid, is_quick: !asked.is_thorough, time };
+        let known = (of.clone(), so_far);
+        let ready = Arc::new(move |answer: Answer| {
+            let (of, so_far) = &known;
+            *so_far.lock().unwrap_or_else(PoisonError::into_inner) = Some((of.clone(), answer));
+        });
+        let measurement = Measurement { subject, extent, ready, device };
+        let teller = Teller(Mutex::new(Progress { tell: progress, last: (0, 0) }));
+        let answer = measure(measurement, &teller).await?;
+        answered((of, answer))
     })
 }
 

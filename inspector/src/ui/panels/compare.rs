@@ -3,10 +3,10 @@
 //! Touches: other, selection, asks.
 
 mod counted;
-mod placed;
 mod settings;
 
-use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
+use crate::ui::panels::zoom::{Placed, Zoom};
+use egui::{Color32, ComboBox, Rect, Sense, Stroke, Ui, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::state::States;
@@ -21,7 +21,6 @@ use crate::settings::Settings;
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use counted::{COUNTING, Counted, Question};
-use placed::Placed;
 use settings::{edit, text_of};
 
 /// What a side shows.
@@ -177,15 +176,15 @@ impl Panel for Compare {
                     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
                     let plan = [a.plan.width, a.plan.height];
                     let picture = self.draw(ui, cx.canvas, model, other, shown, i, rect, plan);
-                    let texel = response.hover_pos().and_then(|at| picture.texel(at, plan));
+                    let texel = response.hover_pos().and_then(|at| picture.texel(at));
                     if let Some(texel) = texel {
                         selection.hovered = Some(texel);
                         if response.clicked() {
                             asks.select = Some(texel);
                         }
                     }
-                    picture.mark(ui, rect, selection.hovered, Color32::from_white_alpha(140));
-                    picture.mark(ui, rect, selection.pixel, Color32::WHITE);
+                    picture.mark(ui, selection.hovered, 7.0, Stroke::new(1.5, Color32::from_white_alpha(140)));
+                    picture.mark(ui, selection.pixel, 7.0, Stroke::new(1.5, Color32::WHITE));
                     let text = format!(
                         "{} of {}",
                         self.stream.name(),
@@ -300,12 +299,10 @@ impl Compare {
         side: Side,
         slot: usize,
         rect: Rect,
-        [width, height]: [u32; 2],
+        plan: [u32; 2],
     ) -> Placed {
-        let points = ui.ctx().pixels_per_point();
-        let scale = (rect.width() / width as f32).min(rect.height() / height as f32).max(1e-3);
-        let origin = rect.center() - vec2(width as f32, height as f32) * (0.5 * scale);
-        let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let placed = Zoom::default().place(rect, plan);
+        let size = Picture::pixels(ui, rect);
         let drawn = Drawn {
             runs: [(model.edition, model.place), (other.edition, other.place)],
             stream: self.stream,
@@ -332,7 +329,6 @@ impl Compare {
             let meaning = Meaning::of(self.stream, Some(self.layer));
             let states = model.opened.as_ref().map_or(States(&[]), |opened| opened.plan.program.states);
 
-            let offset = (origin - rect.min) * points;
             let picture = stream::Picture {
                 stream: self.stream,
                 states,
@@ -343,15 +339,13 @@ impl Compare {
                 range: if is_difference { [-largest, largest] } else { drawn.range },
                 exposure: 1.0,
                 colors: if is_difference { Colors::Diverging } else { Colors::Viridis },
-                offset: [offset.x, offset.y],
-                scale: scale * points,
+                offset: placed.offset(ui),
+                scale: placed.scale * ui.pixels_per_point(),
             };
             canvas.streams.draw(&picture, target);
             self.drawn[slot] = Some(drawn);
         }
-        if let Some(id) = self.pictures[slot].id() {
-            ui.painter().image(id, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
-        }
-        Placed { origin, scale }
+        self.pictures[slot].show(ui, rect);
+        placed
     }
 }

@@ -5,7 +5,6 @@
 mod plot;
 mod scales;
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use egui::{Button, Color32, ScrollArea, Sense, Shape, Stroke, Ui, vec2};
@@ -19,7 +18,7 @@ use scales::grouped;
 
 use crate::command::Command;
 use crate::session::judged::why_not;
-use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::request::{Job, JobContext, Request, answered, flow, job};
 use crate::session::{Model, Target};
 use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
 
@@ -57,22 +56,18 @@ pub(in crate::ui) struct ErrorOverTime {
 
 /// A second run.
 fn job(of: Of) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { session, device, progress, .. } = context;
-            let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
-            if !Arc::ptr_eq(&plan, &of.plan) {
-                return Err("the run changed before it was judged".into());
-            }
-            let options = Options { timings: false, ..session.options().clone() };
-            let fail = |e: raystep_kernels::RenderError| e.to_string();
-            let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
-            let judgement = judge_passes(&mut renderer, |done, all| {
-                if progress(done, all) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-            });
-            let judgement = judgement.await.map_err(fail)?;
-            Ok(Box::new((of, judgement)) as Box<dyn std::any::Any + Send>)
-        })
+    job!(context, {
+        let JobContext { session, device, progress, .. } = context;
+        let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
+        if !Arc::ptr_eq(&plan, &of.plan) {
+            return Err("the run changed before it was judged".into());
+        }
+        let options = Options { timings: false, ..session.options().clone() };
+        let fail = |e: raystep_kernels::RenderError| e.to_string();
+        let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
+        let judgement = judge_passes(&mut renderer, |done, all| flow(progress(done, all)));
+        let judgement = judgement.await.map_err(fail)?;
+        answered((of, judgement))
     })
 }
 

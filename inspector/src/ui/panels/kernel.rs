@@ -21,6 +21,7 @@ use crate::settings::DeviceKind;
 use crate::source::{self, Mark};
 use crate::ui::mask::Mask;
 use crate::ui::pane::{Context, Panel, saves};
+use crate::ui::panels::walked::command_button;
 use crate::walk::row_after_passes;
 use listing::Listing;
 use run::{OneRay, PassKey, Runs};
@@ -325,20 +326,10 @@ impl KernelView {
         let text = format!("Branch {place}, {outcome}{role}: line {line}{source}: {}", branch.condition);
         ui.horizontal_wrapped(|ui| {
             for (command, text) in [(Command::PreviousBranch, "< branch"), (Command::NextBranch, "branch >")] {
-                button(ui, cx, command, text);
+                command_button(ui, cx, command, text);
             }
-            button(ui, cx, Command::MaskBranch, "rays");
+            command_button(ui, cx, Command::MaskBranch, "rays");
             ui.label(text);
         });
-    }
-}
-
-/// A button for a command.
-fn button(ui: &mut egui::Ui, cx: &mut Context<'_>, command: Command, text: &str) {
-    let key = command.key_text(ui.ctx());
-    let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
-    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
-    if button.clicked() {
-        cx.asks.commands.push(command);
     }
 }

@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_says_when_and_where() {
+    fn a_line_of_the_log_has_its_time_and_its_place() {
         let line = |at_ns, place| LogLine { is_error: false, text: "x".into(), at_ns, place };
         let lines = [line(Some(12_340_000_000), 7), line(None, 73)];
         let texts = |row| [0, 1].map(|column| Lines(&lines).text(row, column));

@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pass_too_short_to_tell_is_below_a_bound() {
+    fn a_pass_shorter_than_the_clocks_tick_is_below_a_bound() {
         let rounded = |runs| Some(Rounding { runs, error_ns: 2048, below_ns: 67_584 });
         let passes = [
             pass(0, None, rounded(256)),

@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn picking_twice_picks_nothing() {
+    fn picking_the_same_thing_again_unpicks_it() {
         let mut selection = Selection::default();
         toggle(&mut selection, Picked::Node(3));
         toggle(&mut selection, Picked::Triangle(3));

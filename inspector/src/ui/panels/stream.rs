@@ -12,7 +12,8 @@ mod tile;
 mod tools;
 mod values;
 
-use egui::{Color32, Pos2, Rect, Sense, Vec2, vec2};
+use crate::ui::panels::zoom::Zoom;
+use egui::{Color32, Sense, vec2};
 use look::Look;
 use paint::Drawn;
 use raystep_kernels::tables::kernel::Role;
@@ -31,6 +32,9 @@ use crate::ui::canvas::{Picture, Still, png};
 use crate::ui::pane::{Context, Panel};
 use crate::ui::state::kept_runs::Flipped;
 use crate::ui::units::Scale;
+
+/// The smallest and the largest scale, points per texel.
+const ZOOM: [f32; 2] = [0.01, 256.0];
 
 /// A view of a stream.
 #[derive(Default)]
@@ -78,7 +82,8 @@ impl Panel for StreamView {
             && let Some(show) = cx.asks.show.take()
         {
             (self.look.stream, self.look.layer, self.look.range) = (Some(show.stream.stream), show.stream.layer, None);
-            (self.look.scale, self.look.center) = (show.zoom, show.pan.unwrap_or(self.look.center));
+            let center = show.pan.unwrap_or(self.look.zoom.center);
+            self.look.zoom = Zoom { scale: show.zoom, center };
         }
         let is_counted = |stream: &Stream| cx.model.texture(*stream).is_some();
         let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).filter(is_counted).collect();
@@ -88,7 +93,7 @@ impl Panel for StreamView {
         let stream = self.stream(&streams, default);
         cx.display.stream = Some(stream);
         if self.pinned.is_none() {
-            let (zoom, pan) = (self.look.scale, Some(self.look.center));
+            let (zoom, pan) = (self.look.zoom.scale, Some(self.look.zoom.center));
             let shown = |stream| Shown { stream: LinkStream { stream, layer: self.look.layer }, zoom, pan };
             cx.display.shown = self.look.stream.map(shown);
         }
@@ -107,30 +112,23 @@ impl Panel for StreamView {
         let size = texture.map_or([plan.width, plan.height], |texture| [texture.width(), texture.height()]);
         // What is selected is an element of the first set.
         let can_select = stream.info().elements == plan.program.elements[0];
-        self.move_view(ui, &response, rect, size);
-        let (scale, origin) = self.placement(rect, size);
-        self.paint(ui, cx, rect, scale, origin, stream, layer, meaning);
-        self.mask.draw(ui, cx, rect, scale, origin, size);
-        let texel_at = |at: Pos2| {
-            let texel = (at - origin) / scale;
-            let inside = texel.x >= 0.0 && texel.y >= 0.0 && texel.x < size[0] as f32 && texel.y < size[1] as f32;
-            inside.then_some([texel.x as u32, texel.y as u32])
-        };
-        let under = response.hover_pos().and_then(texel_at);
+        let texels = vec2(size[0] as f32, size[1] as f32);
+        self.look.zoom.follow_within(ui, &response, rect, texels, ZOOM);
+        let placed = self.look.zoom.place(rect, size);
+        self.paint(ui, cx, &placed, stream, layer, meaning);
+        self.mask.draw(ui, cx, &placed);
+        let under = response.hover_pos().and_then(|at| placed.texel(at));
         if under.is_some() && can_select {
             cx.selection.hovered = under;
         }
         let clicked = response.interact_pointer_pos().filter(|_| response.clicked() && can_select);
-        cx.asks.select = clicked.and_then(texel_at).or(cx.asks.select);
-        if response.double_clicked() {
-            self.look.scale = None;
-        }
-        numbers::draw(ui, cx, rect, scale, origin, stream, self.whose(stream));
+        cx.asks.select = clicked.and_then(|at| placed.texel(at)).or(cx.asks.select);
+        numbers::draw(ui, cx, &placed, stream, self.whose(stream));
         if can_select {
-            mark(ui, cx.selection.pixel, rect, scale, origin, Color32::WHITE);
+            placed.mark_clearly(ui, cx.selection.pixel, Color32::WHITE);
         }
         if !response.hovered() && can_select {
-            mark(ui, cx.selection.hovered, rect, scale, origin, Color32::from_white_alpha(120));
+            placed.mark_clearly(ui, cx.selection.hovered, Color32::from_white_alpha(120));
         }
         let what = format!(
             "{}{} after {}{}",
@@ -139,7 +137,7 @@ impl Panel for StreamView {
             counted(self.pinned.as_ref().map_or(cx.model.place, |p| p.place), "pass"),
             cx.selection.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
         );
-        let value = under.map(|texel| self.magnify(ui, cx, stream, texel, &response, (scale, origin)));
+        let value = under.map(|texel| self.magnify(ui, cx, stream, texel, &response, &placed));
         let what = what + value.as_deref().unwrap_or_default();
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
     }
@@ -170,7 +168,7 @@ impl Panel for StreamView {
             }
             Command::Normalise => self.look.range = None,
             Command::ResetRange => (self.look.range, self.look.exposure, self.look.offset) = (None, 1.0, 0.0),
-            Command::Fit => self.look.scale = None,
+            Command::Fit => self.look.zoom.fit(),
             Command::ExportView => {
                 if let Some(texture) = self.picture.texture() {
                     cx.model.ask(Request::Job(
@@ -304,37 +302,6 @@ impl StreamView {
             }
         }
     }
-
-    /// Points per texel, and the position of texel (0, 0).
-    fn placement(&self, rect: Rect, [width, height]: [u32; 2]) -> (f32, Pos2) {
-        let size = vec2(width as f32, height as f32);
-        match self.look.scale {
-            Some(scale) => (scale, rect.center() - vec2(self.look.center[0], self.look.center[1]) * scale),
-            None => {
-                let scale = (rect.width() / size.x).min(rect.height() / size.y).max(1e-3);
-                (scale, rect.center() - 0.5 * scale * size)
-            }
-        }
-    }
-
-    fn move_view(&mut self, ui: &egui::Ui, response: &egui::Response, rect: Rect, size: [u32; 2]) {
-        let (scale, origin) = self.placement(rect, size);
-        let zoom = match response.hovered() {
-            true => ui.input(|input| input.zoom_delta() * (input.smooth_scroll_delta().y / 200.0).exp()),
-            false => 1.0,
-        };
-        if zoom != 1.0
-            && let Some(at) = response.hover_pos()
-        {
-            let texel = (at - origin) / scale;
-            let scale = (scale * zoom).clamp(0.01, 256.0);
-            let center = texel + (rect.center() - at) / scale;
-            (self.look.scale, self.look.center) = (Some(scale), [center.x, center.y]);
-        } else if response.dragged() && response.drag_delta() != Vec2::ZERO {
-            let center = (rect.center() - origin - response.drag_delta()) / scale;
-            (self.look.scale, self.look.center) = (Some(scale), [center.x, center.y]);
-        }
-    }
 }
 
 /// From the first to the last percentile for floats; the full range for counts.
@@ -344,15 +311,4 @@ fn view_range(stats: &LayerStats) -> [f32; 2] {
     let is_float = matches!(stats.others, Others::Float { .. });
     let (lo, hi) = if is_float && first < last { (first, last) } else { (span.min, span.max) };
     [lo as f32, hi as f32]
-}
-
-/// A frame around a texel, large enough to be visible.
-fn mark(ui: &egui::Ui, texel: Option<[u32; 2]>, rect: Rect, scale: f32, origin: Pos2, color: Color32) {
-    let Some([x, y]) = texel else { return };
-    let side = scale.max(9.0);
-    let middle = origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
-    let frame = Rect::from_center_size(middle, Vec2::splat(side));
-    let painter = ui.painter().with_clip_rect(rect);
-    painter.rect_stroke(frame, 0.0, egui::Stroke::new(3.0, Color32::from_black_alpha(160)), egui::StrokeKind::Outside);
-    painter.rect_stroke(frame, 0.0, egui::Stroke::new(1.5, color), egui::StrokeKind::Outside);
 }

@@ -20,7 +20,7 @@ use tree::{Explored, TreeView};
 use super::chart::Histogram;
 use super::picked;
 use crate::command::Command;
-use crate::session::request::{JobContext, JobFuture, Request};
+use crate::session::request::{Job, Request, answered, job};
 use crate::ui::pane::{Context, Panel};
 use crate::ui::state::{Picked, Selection};
 use crate::ui::units::{Scale, Units};
@@ -116,7 +116,7 @@ impl Structure {
         if self.measured.is_none() && self.asked != generation {
             self.asked = generation;
             let (data, plan) = (data.clone(), plan.clone());
-            cx.model.ask(Request::Job(MEASURING, Box::new(move |job| measure(job, data, plan, generation))));
+            cx.model.ask(Request::Job(MEASURING, measure(data, plan, generation)));
         }
     }
 
@@ -248,13 +248,13 @@ impl Structure {
 }
 
 /// Statistics of a grid or BVH. The session is only used to stay cancellable.
-fn measure(_: JobContext<'_>, data: Arc<SceneData>, plan: Arc<Plan>, generation: u64) -> JobFuture<'_> {
-    Box::pin(async move {
+fn measure(data: Arc<SceneData>, plan: Arc<Plan>, generation: u64) -> Job {
+    job!(_, {
         let tree = || Some(Measured::Tree(Arc::new(TreeStats::of(&data)?), Arc::new(Explored::of(&data)?)));
         let grid = GridStats::of(&data).map(|stats| Measured::Grid(Arc::new(stats)));
         let irregular = || IrregularSummary::of(&plan, &data).map(Measured::Irregular);
         let measured = grid.or_else(irregular).or_else(tree).unwrap_or(Measured::Nothing);
-        Ok(Box::new((generation, measured)) as _)
+        answered((generation, measured))
     })
 }
 

@@ -283,14 +283,14 @@ mod tests {
         use raystep_kernels::Rounding;
         let rounding = Some(Rounding { runs: 256, error_ns: 2048, below_ns: 67_584 });
         let short = Pass { rounding, ..pass(0, INTERSECT, 1, None) };
-        let told = Pass { rounding, ..pass(1, INTERSECT, 1, Some(20_000)) };
+        let rounded = Pass { rounding, ..pass(1, INTERSECT, 1, Some(20_000)) };
         let unknown = pass(2, INTERSECT, 1, None);
         let fine = pass(3, INTERSECT, 1, Some(20_000));
-        let texts = [&short, &told, &unknown, &fine].map(time_of);
+        let texts = [&short, &rounded, &unknown, &fine].map(time_of);
         let expected = [Some("< 67.6 µs"), Some("20.0 µs ± 2.0 µs"), None, Some("20.0 µs")];
         assert_eq!(texts.each_ref().map(Option::as_deref), expected);
-        assert_eq!(too_short(&[short, told, short]), "; 2 too short to tell: < 67.6 µs each");
-        assert_eq!(too_short(&[told, unknown]), "");
+        assert_eq!(too_short(&[short, rounded, short]), "; 2 too short to tell: < 67.6 µs each");
+        assert_eq!(too_short(&[rounded, unknown]), "");
         let bounds = [999_999, 1_000_001, 1_000_000_001].map(less_than);
         assert_eq!(bounds, ["< 1.00 ms", "< 1.01 ms", "< 1.01 s"], "rounded up");
     }

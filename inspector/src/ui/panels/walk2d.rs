@@ -4,6 +4,7 @@
 //! Touches: other, selection, display, asks.
 
 mod beside;
+mod export;
 mod picture;
 mod progress;
 mod second;
@@ -20,11 +21,10 @@ use super::walked::{Walked, describe, event_buttons, go_on, number};
 use crate::command::Command;
 use crate::session::request::Request;
 use crate::session::{Model, Target};
-use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
 use crate::ui::state::Picked;
 use crate::ui::units::{self, Scale};
-use crate::walk::{Projected, Spacing, Strip, Structure, SvgOptions, WalkGeometry, walk_svg};
+use crate::walk::{Projected, Spacing, Strip, Structure, WalkGeometry};
 use beside::Beside;
 use progress::Progress;
 use second::{Found, Second};
@@ -47,8 +47,9 @@ struct Whole {
 }
 
 impl Whole {
-    fn of(history: &Trace, data: &SceneData) -> Self {
-        let walk = WalkGeometry::new(history, data, usize::MAX);
+    /// The walk up to a row.
+    fn of(history: &Trace, data: &SceneData, row: usize) -> Self {
+        let walk = WalkGeometry::new(history, data, row);
         Self { picture: Projected::new(&walk), strip: Strip::new(&walk), walk }
     }
 }
@@ -116,26 +117,20 @@ impl Panel for Walk2d {
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         let unit = Scale::of(cx.display.units, &history).t64(1.0);
         let (now, picked) = (self.walked.walk.as_ref(), cx.selection.picked);
-        let hides_next = cx.display.hides_next;
-        let scene = Scene { walk: &whole.walk, now, progress, visuals: ui.visuals(), unit, picked, hides_next };
-        let cursor = response.hover_pos();
-        let mut under = None;
-        if let Some((beside, found)) = beside {
-            let painter = ui.painter().with_clip_rect(rect);
-            under = beside.draw(&painter, rect, [&first, &found.name], &scene, cursor);
-        } else {
-            // The strip is all about what comes next.
-            let (upper, lower) = if hides_next { (Some(rect), None) } else { split(rect, whole) };
-            if let Some(upper) = upper {
-                under = picture::draw(&ui.painter().with_clip_rect(upper), upper, &whole.picture, &scene, cursor)
-                    .map(|under| (0, under));
-            }
-            if let Some(lower) = lower {
-                let painter = ui.painter().with_clip_rect(lower);
-                let found = strip::draw(&painter, lower, &whole.strip, self.spacing(), &scene, cursor);
-                under = found.map(|found| (0, found)).or(under);
-            }
-        }
+        let (hides_next, spacing, cursor) = (cx.display.hides_next, self.spacing(), response.hover_pos());
+        let scene = Scene {
+            walk: &whole.walk,
+            now,
+            progress,
+            visuals: ui.visuals(),
+            unit,
+            picked,
+            hides_next,
+            spacing,
+            cursor,
+        };
+        let names = beside.map(|(_, found)| [first.as_str(), found.name.as_str()]);
+        let under = self.paint(ui.painter(), rect, whole, names, &scene);
         let mut what = self.walked.walk.as_ref().map_or_else(|| "No pass has processed this ray yet.".into(), describe);
         if let Some((beside, found)) = beside {
             let [a, b] = beside.headings([&first, &found.name]);
@@ -157,14 +152,11 @@ impl Panel for Walk2d {
             return false;
         }
         self.update(cx.model);
-        let Some(history) = &self.walked.history else { return false };
-        let walk = self.walked.walk.as_ref().or(self.whole.as_ref().map(|whole| &whole.walk));
-        if let Some(walk) = walk {
-            let second = self.beside.as_ref().map(|beside| (beside.name.as_str(), &beside.whole.walk));
-            let file = export(history, walk, second, self.spacing(), self.is_dark);
-            cx.asks.files.push(file);
-        }
-        walk.is_some()
+        let shown = self.walked.history.as_ref().zip(cx.model.opened.as_ref());
+        let drawing =
+            shown.and_then(|(history, opened)| self.drawing(history, &opened.data, opened.plan.accelerator.name()));
+        cx.asks.files.extend(drawing);
+        self.walked.history.is_some()
     }
 }
 
@@ -204,22 +196,6 @@ fn point_at(
     response.on_hover_text_at_pointer(text + &on);
 }
 
-/// The walk as a drawing.
-fn export(
-    history: &Trace,
-    walk: &WalkGeometry,
-    second: Option<(&str, &WalkGeometry)>,
-    spacing: Spacing,
-    is_dark: bool,
-) -> FileToSave {
-    let [x, y] = history.pixel;
-    let last = walk.row.and_then(|row| history.rows.get(row)).map(TraceRow::number);
-    let until = last.map_or_else(String::new, |pass| format!(", up to pass {pass}"));
-    let options = SvgOptions { spacing, is_dark, ..SvgOptions::default() };
-    let svg = walk_svg(walk, &format!("Ray of pixel {x},{y}{until}"), second, &options);
-    FileToSave { name: format!("ray-{x}-{y}.svg"), bytes: svg.into_bytes(), holds: "a drawing".into() }
-}
-
 /// The inputs of the drawing.
 #[derive(Clone, Copy)]
 struct Scene<'a> {
@@ -234,6 +210,8 @@ struct Scene<'a> {
     picked: Option<Picked>,
     /// Whether only what the ray has reached is shown.
     hides_next: bool,
+    spacing: Spacing,
+    cursor: Option<egui::Pos2>,
 }
 
 impl Scene<'_> {
@@ -255,13 +233,38 @@ impl Walk2d {
             return;
         };
         if is_other || self.whole.is_none() {
-            self.whole = Some(Whole::of(history, &opened.data));
+            self.whole = Some(Whole::of(history, &opened.data, usize::MAX));
             self.progress = None;
         }
         let version = self.walked.version;
         if let Some(whole) = self.whole.as_ref().filter(|_| self.progress.as_ref().is_none_or(|p| p.0 != version)) {
             self.progress = Some((version, Progress::new(&whole.walk, &whole.picture, self.walked.row)));
         }
+    }
+
+    /// Paints the walk; with names, both walks. Describes the item under the cursor, and tells in which walk it is.
+    fn paint(
+        &self,
+        painter: &egui::Painter,
+        rect: Rect,
+        whole: &Whole,
+        names: Option<[&str; 2]>,
+        scene: &Scene<'_>,
+    ) -> Option<(usize, Under)> {
+        if let Some((beside, names)) = self.beside.as_ref().zip(names) {
+            return beside.draw(&painter.with_clip_rect(rect), rect, names, scene);
+        }
+        // The strip is all about what comes next.
+        let (upper, lower) = if scene.hides_next { (Some(rect), None) } else { split(rect, whole) };
+        let mut under = None;
+        if let Some(upper) = upper {
+            under = picture::draw(&painter.with_clip_rect(upper), upper, &whole.picture, scene);
+        }
+        if let Some(lower) = lower {
+            let painter = painter.with_clip_rect(lower);
+            under = strip::draw(&painter, lower, &whole.strip, scene).or(under);
+        }
+        under.map(|under| (0, under))
     }
 
     /// Whether the walk through the other structure is to be shown.
@@ -325,23 +328,24 @@ impl Walk2d {
     }
 }
 
-/// Space for the picture, if there is enough, and for the strip.
-fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Option<Rect>) {
-    let wanted = match whole.walk.structure {
+/// The height that the strip needs.
+fn strip_height(whole: &Whole) -> f32 {
+    match whole.walk.structure {
         Structure::Grid => 220.0,
         Structure::Tree => strip::TREE_EDGES + 16.0 * whole.strip.lines() as f32,
         Structure::Nothing => 70.0,
-    };
-    let lower = wanted.min(rect.height() * 0.5).max(64.0).min(rect.height());
+    }
+}
+
+/// Space for the picture, if there is enough, and for the strip.
+fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Option<Rect>) {
+    let lower = strip_height(whole).min(rect.height() * 0.5).max(64.0).min(rect.height());
     let (upper, lower) = rect.split_top_bottom_at_y(rect.bottom() - lower);
     ((upper.height() >= 40.0).then_some(upper), Some(lower))
 }
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::Accelerator;
-
-    use super::super::walked::tests::history;
     use super::*;
 
     #[test]
@@ -349,16 +353,5 @@ mod tests {
         let mut view = Walk2d::default();
         view.load(r#"{"by_t": true, "beside": false, "scene_units": true}"#);
         assert_eq!(view.look, Look { by_t: true, beside: Some(false) });
-    }
-
-    #[test]
-    fn a_drawing_is_of_the_walk_so_far() {
-        let (history, data) = history(Accelerator::Grid);
-        let [x, y] = history.pixel;
-        let row = history.rows.len() / 2;
-        let file = export(&history, &WalkGeometry::new(&history, &data, row), None, Spacing::Equal, false);
-        assert_eq!(file.name, format!("ray-{x}-{y}.svg"));
-        let text = String::from_utf8(file.bytes).expect("text");
-        assert!(text.contains(&format!("pixel {x},{y}, up to pass {}", history.rows[row].number())), "{text}");
     }
 }

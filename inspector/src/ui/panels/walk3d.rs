@@ -11,7 +11,7 @@ mod tools;
 
 use std::sync::Weak;
 
-use egui::{Color32, Rect, Sense, pos2, vec2};
+use egui::{Rect, Sense, vec2};
 use glam::DVec2;
 use raystep_scenes::Scene;
 use serde::{Deserialize, Serialize};
@@ -221,10 +221,7 @@ impl Walk3d {
             scene.draw(target, size, &camera, self.walked.walk.as_ref(), &around, &settings);
             self.drawn = Some(drawn);
         }
-        if let Some(id) = self.picture.id() {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(id, rect, whole, Color32::WHITE);
-        }
+        self.picture.show(ui, rect);
     }
 
     /// Hovering tells what is under the cursor, and a click picks it and goes to its pass.

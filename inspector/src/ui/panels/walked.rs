@@ -47,12 +47,17 @@ impl Walked {
 /// Buttons for the ray's previous and next event.
 pub(super) fn event_buttons(ui: &mut egui::Ui, cx: &mut Context<'_>) {
     for (command, text) in [(Command::PreviousEvent, "< event"), (Command::NextEvent, "event >")] {
-        let key = command.key_text(ui.ctx());
-        let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
-        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
-        if button.clicked() {
-            cx.asks.commands.push(command);
-        }
+        command_button(ui, cx, command, text);
+    }
+}
+
+/// A button for a command.
+pub(super) fn command_button(ui: &mut egui::Ui, cx: &mut Context<'_>, command: Command, text: &str) {
+    let key = command.key_text(ui.ctx());
+    let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
+    if button.clicked() {
+        cx.asks.commands.push(command);
     }
 }
 

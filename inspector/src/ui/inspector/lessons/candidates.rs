@@ -1,7 +1,5 @@
 //! What a ray may hit: each triangle by the kernels' own test in f32, and in f64 with a bound on f32's error.
 
-use std::any::Any;
-
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::scene_data::SceneData;
@@ -10,7 +8,7 @@ use raystep_lab::judge::{RAYS_A_BATCH, Traced};
 use raystep_lab::reference::{Possible, candidates_of};
 
 use crate::lesson::{Comparison, Fact, Name, Value, Wrong};
-use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::request::{Job, JobContext, JobFuture, Request, answered, job};
 use crate::session::{Session, go_on};
 
 /// The name of the engine's job.
@@ -99,12 +97,10 @@ impl Candidates {
 }
 
 fn of_ray(ray: [[f32; 3]; 2]) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let data = context.session.renderer().shared_data();
-            let all = candidates_of(&data.vertices, &[ray]).await.pop().unwrap_or_default();
-            Ok(Box::new(Candidates::of(&data, ray, &all.possible)) as Box<dyn Any + Send>)
-        })
+    job!(context, {
+        let data = context.session.renderer().shared_data();
+        let all = candidates_of(&data.vertices, &[ray]).await.pop().unwrap_or_default();
+        answered(Candidates::of(&data, ray, &all.possible))
     })
 }
 
@@ -127,7 +123,7 @@ impl Sought {
         Request::Job(
             SEEKING,
             Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-                Box::pin(async move { Ok(Box::new(self.nearest(context).await?) as Box<dyn Any + Send>) })
+                Box::pin(async move { answered(self.nearest(context).await?) })
             }),
         )
     }

@@ -1,7 +1,5 @@
 //! Whole runs that a lesson compares.
 
-use std::any::Any;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use raystep_kernels::options::mapping::Mapping;
@@ -12,7 +10,7 @@ use raystep_kernels::{Options, Pass, Plan, Progress, Renderer};
 use raystep_lab::work::Launch;
 
 use crate::lesson::{Clock, Lesson, Measurement};
-use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::request::{Job, JobContext, Request, answered, flow, job};
 use crate::settings::Settings;
 
 /// The name of the engine's job.
@@ -96,49 +94,44 @@ const ENOUGH_NS: u64 = 300_000_000;
 /// Traces the scene once more than that: in the first run, memory is touched and code is loaded for the first time. At
 /// least one run counts.
 fn job(name: String, settings: Settings, lesson: Arc<Lesson>) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { scene, device, progress, .. } = context;
-            let options = Options { keep_passes: true, ..settings.options(scene) };
-            let mut renderer = Renderer::new(scene, &options, &device).await.map_err(|e| e.to_string())?;
-            let (mut device_ns, mut host_ns) = (None, None);
-            let (mut runs, mut spent_ns) = (0, 0);
-            while runs < 2 || runs <= RUNS && spent_ns < ENOUGH_NS {
-                renderer.restart();
-                let go_on = |p: &Progress| match progress(p.rays_decided, p.rays) {
-                    true => ControlFlow::Continue(()),
-                    false => ControlFlow::Break(()),
-                };
-                renderer.run(go_on).await.map_err(|e| e.to_string())?;
-                spent_ns += renderer.host_ns().unwrap_or(0);
-                runs += 1;
-                if runs > 1 {
-                    device_ns = least(device_ns, renderer.device_ns());
-                    host_ns = least(host_ns, renderer.host_ns());
-                }
+    job!(context, {
+        let JobContext { scene, device, progress, .. } = context;
+        let options = Options { keep_passes: true, ..settings.options(scene) };
+        let mut renderer = Renderer::new(scene, &options, &device).await.map_err(|e| e.to_string())?;
+        let (mut device_ns, mut host_ns) = (None, None);
+        let (mut runs, mut spent_ns) = (0, 0);
+        while runs < 2 || runs <= RUNS && spent_ns < ENOUGH_NS {
+            renderer.restart();
+            let go_on = |p: &Progress| flow(progress(p.rays_decided, p.rays));
+            renderer.run(go_on).await.map_err(|e| e.to_string())?;
+            spent_ns += renderer.host_ns().unwrap_or(0);
+            runs += 1;
+            if runs > 1 {
+                device_ns = least(device_ns, renderer.device_ns());
+                host_ns = least(host_ns, renderer.host_ns());
             }
-            let (plan, passes) = (renderer.plan(), renderer.passes());
-            let why_no_times = match &device {
-                raystep_kernels::Device::Gpu(gpu) => gpu.why_no_times(),
-                _ => None,
-            };
-            let measured = Measured {
-                name,
-                options: options_of(&settings),
-                passes: passes.len(),
-                is_gpu: device.is_gpu(),
-                launched: launched_by(plan, passes),
-                useful: passes.iter().map(|pass| useful(plan, pass)).sum(),
-                drawn: plan.drawn.as_ref().map(|drawn| drawn_by(plan, drawn, passes)),
-                misses: misses(plan, passes),
-                device_ns: device_ns.filter(|_| why_no_times.is_none()),
-                host_ns,
-                why_no_times,
-                runs,
-                lesson,
-            };
-            Ok(Box::new(measured) as Box<dyn Any + Send>)
-        })
+        }
+        let (plan, passes) = (renderer.plan(), renderer.passes());
+        let why_no_times = match &device {
+            raystep_kernels::Device::Gpu(gpu) => gpu.why_no_times(),
+            _ => None,
+        };
+        let measured = Measured {
+            name,
+            options: options_of(&settings),
+            passes: passes.len(),
+            is_gpu: device.is_gpu(),
+            launched: launched_by(plan, passes),
+            useful: passes.iter().map(|pass| useful(plan, pass)).sum(),
+            drawn: plan.drawn.as_ref().map(|drawn| drawn_by(plan, drawn, passes)),
+            misses: misses(plan, passes),
+            device_ns: device_ns.filter(|_| why_no_times.is_none()),
+            host_ns,
+            why_no_times,
+            runs,
+            lesson,
+        };
+        answered(measured)
     })
 }
 

@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_goes_on_at_its_pace_and_stops_at_the_end() {
+    fn playing_goes_on_at_its_pace_and_stops_at_the_end() {
         let mut play = Play { stops: vec![(3, 0), (5, 1), (7, 1)], reached: 0, is_paused: false, due: None };
         let places: Vec<_> = [0.0, 0.5, 1.0, 1.1, 2.0, 3.0, 9.0].map(|now| play.next(10.0 + now)).to_vec();
         assert_eq!(places, [None, None, Some(3), None, Some(5), Some(7), None]);

@@ -1,6 +1,5 @@
 //! Sessions as files.
 
-use std::any::Any;
 use std::sync::Arc;
 
 use raystep_lab::text::counted;
@@ -10,7 +9,7 @@ use super::perform::RESTORING;
 use crate::exports::EXPORTING;
 use crate::link::{Link, LinkRay, Shown};
 use crate::runs::{Recipe, scene_hash};
-use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::request::{Job, Request, answered, job};
 use crate::session::{Edit, go_on};
 use crate::session_file::{BUILT_IN, EXTENSION, SavedRun, SessionFile, layout};
 use crate::ui::host::FileToSave;
@@ -24,29 +23,25 @@ const IDENTIFYING: &str = "identifying the scene";
 struct Identified(Arc<Scene>, String);
 
 fn identify() -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let hash = scene_hash(context.scene).to_string();
-            Ok(Box::new(Identified(context.scene.clone(), hash)) as Box<dyn Any + Send>)
-        })
+    job!(context, {
+        let hash = scene_hash(context.scene).to_string();
+        answered(Identified(context.scene.clone(), hash))
     })
 }
 
 /// Restores the edits of a run that has just begun, or none of them.
 fn restore(edits: Vec<Edit>) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let renderer = context.session.renderer();
-            for Edit { stream, x, y, .. } in &edits {
-                let size = renderer.size(stream.info().elements);
-                let is_inside = size.is_none_or(|size| *x < size.width && *y < size.height);
-                if !renderer.plan().has_stream(*stream) || !is_inside {
-                    return Err(format!("the run has no stream {} with a texel {x},{y}", stream.name()));
-                }
+    job!(context, {
+        let renderer = context.session.renderer();
+        for Edit { stream, x, y, .. } in &edits {
+            let size = renderer.size(stream.info().elements);
+            let is_inside = size.is_none_or(|size| *x < size.width && *y < size.height);
+            if !renderer.plan().has_stream(*stream) || !is_inside {
+                return Err(format!("the run has no stream {} with a texel {x},{y}", stream.name()));
             }
-            context.session.set_edits(edits, &mut go_on).await.map_err(|e| e.to_string())?;
-            Ok(Box::new(()) as Box<dyn Any + Send>)
-        })
+        }
+        context.session.set_edits(edits, &mut go_on).await.map_err(|e| e.to_string())?;
+        answered(())
     })
 }
 

@@ -73,7 +73,7 @@ impl WarpsView {
     /// Asks for a second run.
     pub(super) fn ask(cx: &mut Context<'_>, width: Width) {
         let (edition, lanes) = (cx.model.edition, width.0);
-        cx.model.ask(Request::Job(SURVEYING, Box::new(move |job| survey::survey(job, edition, lanes))));
+        cx.model.ask(Request::Job(SURVEYING, survey::survey(edition, lanes)));
     }
 
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, width: &mut Width) {

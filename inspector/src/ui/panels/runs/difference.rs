@@ -1,8 +1,9 @@
 //! The rays in which two kept runs differ, as a picture and in numbers.
 
+use crate::ui::panels::zoom::Placed;
 use std::sync::Arc;
 
-use egui::{Color32, Rect, Sense, Ui, pos2, vec2};
+use egui::{Color32, Sense, Ui, vec2};
 use raystep_kernels::Stream;
 use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
@@ -103,8 +104,8 @@ impl DifferenceView {
         let scale = (room.x / width as f32).min(room.y / height as f32);
         let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::click());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, text));
-        let points = ui.ctx().pixels_per_point();
-        let pixels = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let pixels = Picture::pixels(ui, rect);
+        let placed = Placed { rect, origin: rect.min, scale, size: [width, height] };
         let now = (question, pixels, range);
         let target = self.picture.target(cx.canvas, pixels, self.drawn != Some(now));
         if let Some(((_, texture), target)) = self.values.as_ref().zip(target) {
@@ -119,22 +120,15 @@ impl DifferenceView {
                 exposure: 1.0,
                 colors: colors(question.1),
                 offset: [0.0; 2],
-                scale: scale * points,
+                scale: scale * ui.pixels_per_point(),
             };
             cx.canvas.streams.draw(&picture, target);
             self.drawn = Some(now);
         }
-        if let Some(id) = self.picture.id() {
-            ui.painter().image(id, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
-        }
-        if let Some([x, y]) = cx.selection.pixel.filter(|[x, y]| *x < width && *y < height) {
-            let middle = rect.min + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
-            let frame = Rect::from_center_size(middle, egui::Vec2::splat(scale.max(9.0)));
-            let painter = ui.painter().with_clip_rect(rect);
-            painter.rect_stroke(frame, 0.0, egui::Stroke::new(1.5, Color32::WHITE), egui::StrokeKind::Outside);
-        }
-        let texel = response.hover_pos().map(|at| (at - rect.min) / scale);
-        let texel = texel.map(|at| [(at.x.max(0.0) as u32).min(width - 1), (at.y.max(0.0) as u32).min(height - 1)]);
+        self.picture.show(ui, rect);
+        let selected = cx.selection.pixel.filter(|[x, y]| *x < width && *y < height);
+        placed.mark(ui, selected, 9.0, egui::Stroke::new(1.5, Color32::WHITE));
+        let texel = response.hover_pos().and_then(|at| placed.texel(at));
         (texel.filter(|_| response.clicked()), texel)
     }
 }

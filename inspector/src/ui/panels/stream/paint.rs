@@ -1,6 +1,7 @@
 //! The picture of a stream, drawn again where it differs.
 
-use egui::{Color32, Pos2, Rect, pos2, vec2};
+use crate::ui::panels::zoom::Placed;
+use egui::{Rect, vec2};
 use raystep_kernels::Stream;
 use raystep_kernels::tables::state::States;
 
@@ -38,20 +39,17 @@ impl Drawn {
 }
 
 impl StreamView {
-    #[expect(clippy::too_many_arguments)]
     pub(super) fn paint(
         &mut self,
         ui: &egui::Ui,
         cx: &mut Context<'_>,
-        rect: Rect,
-        scale: f32,
-        origin: Pos2,
+        placed: &Placed,
         stream: Stream,
         layer: Option<usize>,
         meaning: Meaning,
     ) {
-        let points = ui.ctx().pixels_per_point();
-        let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let (rect, scale) = (placed.rect, placed.scale);
+        let size = crate::ui::canvas::Picture::pixels(ui, rect);
         let now = (cx.model.edition, cx.model.place);
         // While the run moves between two places, the last valid snapshot stays.
         if let Some(texture) = self.pinned.is_none().then(|| cx.model.drawn(stream)).flatten() {
@@ -80,7 +78,6 @@ impl StreamView {
         };
         let Some(states) = cx.model.opened.as_ref().map(|opened| opened.plan.program.states) else { return };
         let (range, colors) = (self.range(), self.colors(stream, layer.unwrap_or(0)));
-        let offset = (origin - rect.min) * points;
         let drawn = Drawn {
             moment,
             stream,
@@ -94,8 +91,8 @@ impl StreamView {
             },
             exposure: self.look.exposure,
             colors,
-            offset: [offset.x, offset.y],
-            scale: scale * points,
+            offset: placed.offset(ui),
+            scale: scale * ui.pixels_per_point(),
         };
         let is_chosen = self.look.stream.is_some() || self.look.layer.is_some();
         let view = is_chosen.then_some((stream, layer));
@@ -110,12 +107,10 @@ impl StreamView {
             }
             self.drawn = Some(drawn);
         }
-        if let Some(id) = self.picture.id() {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(id, rect, whole, Color32::WHITE);
-        }
+        self.picture.show(ui, rect);
         if self.pinned.is_none() {
-            let picture = Rect::from_min_size(origin, scale * vec2(texture.width() as f32, texture.height() as f32));
+            let picture =
+                Rect::from_min_size(placed.origin, scale * vec2(texture.width() as f32, texture.height() as f32));
             cx.display.thumbs.cover(ui, rect, picture, moment.1, cx.asks.scrub.wanted());
         }
     }

@@ -4,10 +4,9 @@ mod numbers;
 mod path;
 mod placement;
 
+use crate::ui::canvas::WHOLE;
 use crate::walk::AXES;
-use egui::{
-    Color32, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
-};
+use egui::{Color32, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::{Slice, triangles_in};
 use raystep_lab::text::counted;
@@ -133,11 +132,11 @@ impl SliceView {
         self.find_triangle(data);
         let Some((slice, texture)) = &self.drawn else { return };
         let [across, up] = others(axis);
-        let told = format!(
+        let text = format!(
             "layer {index} of {} along {}: {} to the right, {} up; numbers are triangles per cell",
             data.grid.cells[axis], AXES[axis], AXES[across], AXES[up]
         );
-        ui.label(told);
+        ui.label(text);
         let room = vec2(ui.available_width().max(60.0), (height - (ui.cursor().top() - top)).max(80.0));
         let (room, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
         let (view, size) = (numbers::beside_axes(room), placement::size(slice, data));
@@ -146,7 +145,7 @@ impl SliceView {
         let place = Placement::new(slice, data, scale, origin);
         let painter = ui.painter_at(view);
         painter.rect_filled(view, 0.0, ui.visuals().extreme_bg_color);
-        painter.image(texture.id(), place.rect, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
+        painter.image(texture.id(), place.rect, WHOLE, Color32::WHITE);
         numbers::axes(ui, &ui.painter_at(room), slice, &place, room, view);
         numbers::lengths(&painter, slice, &place, view, longest);
         let mark = |at: [i32; 2], color: Color32, width: f32| {
@@ -268,6 +267,7 @@ fn listing(data: &SceneData, slice: &Slice, triangle: u32) -> Vec<[i32; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use egui::pos2;
     use raystep_kernels::{GridSize, Limits, Options, Plan, RaySource};
     use raystep_scenes::generate;
 

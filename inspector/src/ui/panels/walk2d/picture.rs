@@ -70,13 +70,7 @@ fn square_at(squares: &[Square], p: DVec2) -> Option<&Square> {
 }
 
 /// Draws it; describes the item under the cursor.
-pub(super) fn draw(
-    painter: &egui::Painter,
-    rect: Rect,
-    picture: &Projected,
-    scene: &Scene<'_>,
-    cursor: Option<Pos2>,
-) -> Option<Under> {
+pub(super) fn draw(painter: &egui::Painter, rect: Rect, picture: &Projected, scene: &Scene<'_>) -> Option<Under> {
     let visuals = scene.visuals;
     let (note_rect, rest) = rect.split_top_bottom_at_y(rect.top() + 15.0);
     let map = Map::fit(picture, rest.shrink(3.0))?;
@@ -93,7 +87,7 @@ pub(super) fn draw(
     ray(&painter, &map, picture, scene);
     painter.rect_stroke(frame, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Inside);
 
-    let at = cursor.filter(|at| frame.contains(*at) && !scene.hides_next)?;
+    let at = scene.cursor.filter(|at| frame.contains(*at) && !scene.hides_next)?;
     let square = square_at(&picture.squares, map.back(at))?;
     let visit = chosen(&square.visits, scene.progress.visit)?;
     let outline = map.rect(square.min, square.max);

@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_to_come_has_not_happened() {
+    fn tests_and_visits_after_the_current_row_are_not_shown_as_done() {
         for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
             let (history, data) = history(accelerator);
             let walk = WalkGeometry::new(&history, &data, usize::MAX);

@@ -8,7 +8,7 @@ use raystep_kernels::history::RunSoFar;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Accelerator, Limits, Plan};
 
-use crate::session::request::{JobContext, JobFuture, Opened, Request};
+use crate::session::request::{Job, Opened, Request, answered, job};
 use crate::settings::{DeviceKind, Settings};
 use crate::ui::pane::Context;
 use crate::walk::row_after_passes;
@@ -69,7 +69,7 @@ impl Second {
             self.built = None;
             if self.asked != Some(generation) {
                 self.asked = Some(generation);
-                cx.model.ask(Request::Job(BUILDING, Box::new(move |job| build(job, generation))));
+                cx.model.ask(Request::Job(BUILDING, build(generation)));
             }
             return Err(match cx.model.is_busy() {
                 true => "The other structure is being built …",
@@ -109,13 +109,13 @@ fn of_run(pixel: [u32; 2], cx: &Context<'_>) -> Option<Found> {
 }
 
 /// Builds the other structure for the same view.
-fn build(job: JobContext<'_>, generation: u64) -> JobFuture<'_> {
-    let (scene, settings) = (job.scene.clone(), job.settings.clone());
-    Box::pin(async move {
+fn build(generation: u64) -> Job {
+    job!(job, {
+        let (scene, settings) = (job.scene.clone(), job.settings.clone());
         let grid = settings.options(&scene).accelerator == Accelerator::Grid;
         let accelerator = if grid { Accelerator::Bvh } else { Accelerator::Grid };
         let options = Settings { accelerator, ..settings }.options(&scene);
         let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).map_err(|e| e.to_string())?;
-        Ok(Box::new(Built { generation, plan, data: Arc::new(data) }) as _)
+        answered(Built { generation, plan, data: Arc::new(data) })
     })
 }

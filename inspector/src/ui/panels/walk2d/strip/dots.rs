@@ -82,7 +82,7 @@ impl Pen<'_> {
             let text = note_words(tested, rank < 4, self.scene);
             self.notes.push(Note { rank, at, text, color: outcome_color(visuals, test.outcome) });
         }
-        let is_over = self.cursor.is_some_and(|cursor| cursor.distance(at) <= radius.max(4.0));
+        let is_over = self.scene.cursor.is_some_and(|cursor| cursor.distance(at) <= radius.max(4.0));
         is_over.then(|| Under { text: test_words(tested, self.scene), row, what })
     }
 

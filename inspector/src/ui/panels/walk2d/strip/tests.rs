@@ -26,6 +26,8 @@ fn in_a_frame<T>(whole: &Whole, row: Option<usize>, show: impl Fn(&Painter, &Sce
             unit: 1.0,
             picked: None,
             hides_next: false,
+            spacing: Spacing::Equal,
+            cursor: None,
         };
         result = Some(show(ui.painter(), &scene));
     });
@@ -37,7 +39,7 @@ fn in_a_frame<T>(whole: &Whole, row: Option<usize>, show: impl Fn(&Painter, &Sce
 #[test]
 fn a_cell_is_told_in_numbers() {
     let (history, data) = history(Accelerator::Grid);
-    let whole = Whole::of(&history, &data);
+    let whole = Whole::of(&history, &data, usize::MAX);
     let cell = whole.strip.cells.iter().find(|cell| !cell.tests.is_empty()).expect("a test");
     let text = in_a_frame(&whole, None, |_, scene| cell_words(cell, scene));
     let [x, y, z] = cell.cell;
@@ -57,7 +59,7 @@ fn a_test_is_told_with_its_reason() {
     for accelerator in [Accelerator::Grid, Accelerator::None] {
         for pixel in [[32, 32], [44, 50], [20, 40]] {
             let (history, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, pixel);
-            let whole = Whole::of(&history, &data);
+            let whole = Whole::of(&history, &data, usize::MAX);
             for test in &whole.walk.tested {
                 let [long, short, hover] = in_a_frame(&whole, None, |_, scene| {
                     [note_words(test, true, scene), note_words(test, false, scene), test_words(test, scene)]
@@ -67,11 +69,14 @@ fn a_test_is_told_with_its_reason() {
                 assert_eq!(test.outcome == Outcome::Nearest, test.why == crate::walk::Why::Accepted);
                 assert!(test.outcome == Outcome::Nearest || long.contains(&why) && hover.contains(&why), "{long}");
                 // The kernels' own explanation gives the same reason.
-                let told = &history.rows[test.row].why;
+                let row_why = &history.rows[test.row].why;
                 if let Some(weight) = why.strip_suffix(" < 0") {
-                    assert!(told.contains(&format!("{weight} = -")) && told.contains(", outside"), "{why}: {told}");
+                    assert!(
+                        row_why.contains(&format!("{weight} = -")) && row_why.contains(", outside"),
+                        "{why}: {row_why}"
+                    );
                 }
-                assert_eq!(why == "not nearer", told.contains("not nearer than"), "{why}: {told}");
+                assert_eq!(why == "not nearer", row_why.contains("not nearer than"), "{why}: {row_why}");
                 reasons.insert(why);
             }
         }
@@ -83,7 +88,7 @@ fn a_test_is_told_with_its_reason() {
 fn a_cell_that_is_left_by_a_leap_says_so_and_has_a_gap() {
     let scene = scene(TEAPOT);
     let (history, data) = traced(&scene, &Options { skip: Skip::On, ..options(&scene) }, [32, 32]);
-    let whole = Whole::of(&history, &data);
+    let whole = Whole::of(&history, &data, usize::MAX);
     let strip = &whole.strip;
     let columns = strip.columns(Spacing::Equal);
     let mut leaps = 0;
@@ -145,14 +150,15 @@ fn painted_texts_lie_apart_and_within_at_every_size() {
     }
     let mut labels = 0;
     for (i, (history, data)) in all.iter().enumerate() {
-        let whole = Whole::of(history, data);
+        let whole = Whole::of(history, data, usize::MAX);
         for size in [vec2(468.0, 65.0), vec2(468.0, 190.0), vec2(1200.0, 300.0), vec2(120.0, 40.0)] {
             let rect = Rect::from_min_size(pos2(5.0, 7.0), size);
             for spacing in [Spacing::ByT, Spacing::Equal] {
                 for row in [history.rows.len() / 3, history.rows.len() / 2, history.rows.len() - 1] {
                     labels += in_a_frame(&whole, Some(row), |painter, scene| {
                         let (body, _) = split_scale(rect);
-                        let mut pen = Pen::new(painter, body, &whole.strip, spacing, scene, None);
+                        let scene = Scene { spacing, ..*scene };
+                        let mut pen = Pen::new(painter, body, &whole.strip, &scene);
                         let _ = pen.draw();
                         // Whatever was noted has been placed, or left out.
                         let notes = std::mem::take(&mut pen.placed);
