@@ -18,7 +18,7 @@ use driven::Driven;
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
 use raystep_inspector::lesson::Lesson;
-use raystep_inspector::session::engine::Devices;
+use raystep_inspector::session::devices::Devices;
 use raystep_inspector::session_file::SessionFile;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::{Arrival, Inspector};

@@ -103,11 +103,11 @@ fn branch(kernel: &Interpreter, recording: &Recording, site: usize) -> Option<Br
     let because = because.and_then(|decision| kernel.sites().get(decision.site)).map(|site| site.line + 1);
     let mut notes = Vec::new();
     for comparison in comparisons.iter().take(MOST_TOLD) {
-        let text = told(comparison);
+        let text = in_words(comparison);
         let text = if notes.is_empty() { format!("{outcome}: {text}") } else { text };
         let differs = comparison.holds != comparison.holds_wide;
         notes.push(Note { text, differs });
-        notes.extend(told_in_f64(comparison).map(|text| Note { text, differs }));
+        notes.extend(in_f64(comparison).map(|text| Note { text, differs }));
     }
     if notes.is_empty() {
         notes.push(Note { text: outcome, differs: decision.differs });
@@ -133,7 +133,7 @@ fn text_of(source: &str, span: std::ops::Range<usize>) -> String {
 }
 
 /// A comparison with the values of its sides.
-fn told(comparison: &Comparison) -> String {
+fn in_words(comparison: &Comparison) -> String {
     let operator = comparison.operator;
     let side = |i: usize| {
         let mut name = comparison.sides[i].clone();
@@ -154,7 +154,7 @@ fn told(comparison: &Comparison) -> String {
 }
 
 /// A comparison of floats with their shadows.
-fn told_in_f64(comparison: &Comparison) -> Option<String> {
+fn in_f64(comparison: &Comparison) -> Option<String> {
     if comparison.values[0].kind != Kind::F32 {
         return None;
     }

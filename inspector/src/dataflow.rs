@@ -12,7 +12,6 @@
 //! Edges join neighbouring rows only, so none runs through a node.
 
 mod layout;
-mod svg;
 
 use raystep_kernels::plan::Bytes;
 use raystep_kernels::shader::{Binding, Resource};

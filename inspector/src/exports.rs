@@ -4,14 +4,14 @@
 
 use std::io::Cursor;
 
+use raystep_kernels::StreamData;
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::export::{Recorded, exr, npy};
-use raystep_kernels::{Kernel, StreamData};
 use raystep_lab::text::counted;
 use serde::Serialize;
 
-use crate::dataflow::DataFlow;
-use crate::link::Link;
+/// The name of jobs that answer with an [`Export`].
+pub const EXPORTING: &str = "exporting";
 
 /// An exported file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -116,8 +116,8 @@ pub fn stream_exr(data: &StreamData, pass: Option<usize>) -> Result<Export, Expo
     Ok(Export::new(&stream_name(data, pass), "exr", bytes.into_inner(), texels(data)))
 }
 
-fn life_name(life: &Trace) -> String {
-    let [x, y] = life.pixel;
+fn ray_name(history: &Trace) -> String {
+    let [x, y] = history.pixel;
     format!("ray-{x}-{y}")
 }
 
@@ -125,28 +125,16 @@ fn life_name(life: &Trace) -> String {
 ///
 /// # Errors
 /// [`ExportError::Csv`].
-pub fn life_csv(life: &Trace) -> Result<Export, ExportError> {
+pub fn ray_csv(history: &Trace) -> Result<Export, ExportError> {
     let mut bytes = Vec::new();
-    life.write_csv(&mut bytes).map_err(|e| ExportError::Csv(e.to_string()))?;
-    Ok(Export::new(&life_name(life), "csv", bytes, counted(life.rows.len(), "row")))
+    history.write_csv(&mut bytes).map_err(|e| ExportError::Csv(e.to_string()))?;
+    Ok(Export::new(&ray_name(history), "csv", bytes, counted(history.rows.len(), "row")))
 }
 
 /// A ray's life as `trace --format json` writes it.
 ///
 /// # Errors
 /// [`ExportError::Json`].
-pub fn life_json(life: &Trace) -> Result<Export, ExportError> {
-    Export::json(&life_name(life), life, counted(life.rows.len(), "row"))
-}
-
-/// The data flow as SVG; see [`DataFlow::svg`].
-#[must_use]
-pub fn data_flow_svg(graph: &DataFlow, current: Option<Kernel>, rays: &[(Kernel, u64)]) -> Export {
-    Export::new("data-flow", "svg", graph.svg(current, rays).into_bytes(), "a drawing".into())
-}
-
-/// A link as a line of text.
-#[must_use]
-pub fn link_text(link: &Link) -> Export {
-    Export::new("link", "txt", format!("{link}\n").into_bytes(), "a link".into())
+pub fn ray_json(history: &Trace) -> Result<Export, ExportError> {
+    Export::json(&ray_name(history), history, counted(history.rows.len(), "row"))
 }

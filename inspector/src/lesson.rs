@@ -35,15 +35,16 @@ mod question;
 mod read;
 mod set_up;
 mod value;
+pub mod words;
 
-pub use command::{Action, Expect, Goal};
+pub use command::{Action, Expect, Goal, Values};
 pub use comparison::{Comparison, Condition, Operand};
 pub use error::{LessonError, Wrong};
 pub use expression::{Expression, Sign};
 pub use fact::{Fact, Field, Name};
 pub use prose::{Content, Paragraph, Part, Style};
 pub use question::{Choice, MOST_CHOICES, Question};
-pub use set_up::{Measurement, SetUp, Values};
+pub use set_up::{Measurement, SetUp};
 pub use value::{Clock, Value};
 
 /// Most bytes of a file.

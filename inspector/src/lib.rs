@@ -4,9 +4,11 @@
 //! use it. [`draw`] renders it with wgpu. [`ui`] is the contents of the window.
 
 pub mod branches;
+pub mod command;
 pub mod dataflow;
 pub mod draw;
 pub mod exports;
+pub mod hits;
 pub mod lesson;
 pub mod link;
 pub mod names;
@@ -19,6 +21,7 @@ pub mod session_file;
 pub mod settings;
 pub mod source;
 pub mod ui;
+pub mod versioned;
 pub mod walk;
 
-pub use session::{Edit, Fired, OnProgress, Session, Target, Watch, Way, go_on};
+pub use session::{Direction, Edit, Fired, OnProgress, Session, Target, Watch, go_on};

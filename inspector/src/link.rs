@@ -28,7 +28,6 @@
 //! | `zoom`, `pan` | screen points a texel; texel in the middle of the view, X,Y | |
 
 mod error;
-mod hits;
 mod read;
 
 use std::fmt;
@@ -41,7 +40,6 @@ use raystep_lab::Hash;
 
 use crate::ray_text::GivenRay;
 pub use error::LinkError;
-pub use hits::{HIT_WORDS, hit_words};
 
 /// Version of the text.
 pub const VERSION: u32 = 1;
@@ -227,6 +225,25 @@ pub struct LinkStream {
     pub stream: Stream,
     /// One of its layers; `None` for all of them.
     pub layer: Option<usize>,
+}
+
+/// The contents of a stream view, as in links.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// The stream, and one of its layers.
+    pub stream: LinkStream,
+    /// Points per texel; `None` fits the picture to its panel.
+    pub zoom: Option<f32>,
+    /// The texel in the middle.
+    pub pan: Option<[f32; 2]>,
+}
+
+impl Shown {
+    /// The view that a link requests, if it names a stream.
+    #[must_use]
+    pub fn of(link: &Link) -> Option<Self> {
+        Some(Self { stream: link.stream?, zoom: link.zoom, pan: link.pan })
+    }
 }
 
 impl Default for Link {

@@ -8,8 +8,10 @@ mod hash;
 pub mod kept;
 pub mod measure;
 pub mod outcome;
+pub mod recipe;
 pub mod spread;
 
+pub use self::kept::{Kept, Runs};
+pub use self::recipe::{Recipe, RunId};
 pub use hash::scene_hash;
-pub use kept::{Kept, Recipe, RunId, Runs};
 pub use outcome::{Outcome, Picture};

@@ -5,7 +5,8 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::link::Link;
-use crate::ui::units::Units;
+use crate::versioned::{FileError, FileKind};
+use raystep_kernels::history::units::Units;
 
 /// Version of the file; incremented when the meaning of something in it changes.
 pub const VERSION: u32 = 1;
@@ -15,6 +16,7 @@ pub const MOST_RECENT: usize = 10;
 pub const TEXT_SIZES: [f32; 2] = [0.5, 3.0];
 /// Largest file that is read or written, bytes.
 pub const MOST_BYTES: usize = 1 << 20;
+const KIND: FileKind = FileKind { name: "the file of settings", version: VERSION, most_bytes: MOST_BYTES };
 
 /// What the user has done, and whether the line that explains it was dismissed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -67,33 +69,6 @@ pub struct Saved {
     recent: Vec<String>,
 }
 
-/// A file cannot be read, or be written.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SavedError {
-    /// It is too large.
-    #[error("saved settings of {0} bytes: the limit is {MOST_BYTES}")]
-    TooLarge(usize),
-    /// It is not text.
-    #[error("saved settings are not UTF-8")]
-    NoText,
-    /// It is of another version.
-    #[error("saved settings have version {0}, but this raystep reads version {VERSION}")]
-    Version(u32),
-    /// It is not JSON, or not of this form.
-    #[error("saved settings cannot be read: line {line}, column {column}: {message}")]
-    Broken {
-        /// From 1.
-        line: usize,
-        /// From 1.
-        column: usize,
-        /// The problem.
-        message: String,
-    },
-    /// It cannot be written.
-    #[error("settings cannot be saved: {0}")]
-    Write(String),
-}
-
 impl Default for Saved {
     fn default() -> Self {
         Self {
@@ -116,30 +91,16 @@ impl Saved {
     /// Reads a file.
     ///
     /// # Errors
-    /// The fields common to all versions.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SavedError> {
-        /// What every version has.
-        #[derive(Deserialize)]
-        struct Head {
-            version: u32,
-        }
-        if bytes.len() > MOST_BYTES {
-            return Err(SavedError::TooLarge(bytes.len()));
-        }
-        let text = std::str::from_utf8(bytes).map_err(|_| SavedError::NoText)?;
-        // Other versions may have other fields: check the version first.
-        let head: Head = serde_json::from_str(text).map_err(broken)?;
-        if head.version != VERSION {
-            return Err(SavedError::Version(head.version));
-        }
-        let mut saved: Self = serde_json::from_str(text).map_err(broken)?;
+    /// Where it is not one of this version; with the line and the column of what is wrong.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FileError> {
+        let mut saved: Self = KIND.read(bytes)?;
         saved.recent.truncate(MOST_RECENT);
         Ok(saved)
     }
 
     /// Reads a file; where that fails, the defaults and the reason.
     #[must_use]
-    pub fn from_bytes_or_default(bytes: &[u8]) -> (Self, Option<SavedError>) {
+    pub fn from_bytes_or_default(bytes: &[u8]) -> (Self, Option<FileError>) {
         match Self::from_bytes(bytes) {
             Ok(saved) => (saved, None),
             Err(error) => (Self::default(), Some(error)),
@@ -150,9 +111,8 @@ impl Saved {
     ///
     /// # Errors
     /// Where it would be too large to be read again.
-    pub fn to_text(&self) -> Result<String, SavedError> {
-        let text = serde_json::to_string_pretty(self).map_err(|e| SavedError::Write(e.to_string()))? + "\n";
-        if text.len() > MOST_BYTES { Err(SavedError::TooLarge(text.len())) } else { Ok(text) }
+    pub fn to_text(&self) -> Result<String, FileError> {
+        KIND.write(self)
     }
 
     /// Recent files, the latest first; at most [`MOST_RECENT`], each once.
@@ -172,14 +132,6 @@ impl Saved {
     pub fn forget(&mut self, path: &str) {
         self.recent.retain(|other| other != path);
     }
-}
-
-fn broken(error: serde_json::Error) -> SavedError {
-    let (line, column) = (error.line(), error.column());
-    // serde_json's message ends with the position, which ours already contains.
-    let place = format!(" at line {line} column {column}");
-    let message = error.to_string();
-    SavedError::Broken { line, column, message: message.strip_suffix(&place).unwrap_or(&message).to_owned() }
 }
 
 /// A link is stored as text: one line that can be copied from the file.
@@ -271,7 +223,8 @@ mod tests {
             assert_eq!(saved, Saved::default());
         }
         let too_large = Saved { layout: Some("x".repeat(MOST_BYTES)), ..Saved::default() };
-        assert!(matches!(too_large.to_text(), Err(SavedError::TooLarge(_))));
+        let error = too_large.to_text().expect_err("too large").to_string();
+        assert!(error.contains("the limit is 1048576"), "{error}");
     }
     #[test]
     fn text_sizes_outside_the_range_are_clamped() {

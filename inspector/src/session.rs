@@ -7,6 +7,7 @@
 pub mod before;
 mod confirm;
 mod copies;
+pub mod devices;
 mod edit;
 pub mod engine;
 mod follow;
@@ -16,10 +17,12 @@ pub mod judged;
 pub mod measure;
 mod model;
 pub mod preview;
+mod ray_history;
 pub mod request;
+mod run_state;
 mod sketch;
+mod sketcher;
 mod target;
-mod told;
 mod travel;
 mod twins;
 mod watch;
@@ -30,17 +33,18 @@ use history::History;
 use raystep_kernels::export::trace::{RayState, ray_state};
 use raystep_kernels::{Device, Options, Pass, Progress, Region, RenderError, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
-use sketch::Sketcher;
+use sketcher::Sketcher;
 use twins::Twins;
 
 pub use edit::Edit;
 pub use history::DEFAULT_BUDGET;
-pub use model::{Model, Pinned, Work};
+pub use model::Model;
+pub use run_state::HistorySource;
+pub use run_state::{Pinned, RunState, Work};
 pub(crate) use sketch::SIDE as SKETCH_SIDE;
 pub use sketch::Sketch;
 pub use target::Target;
-pub use told::Told;
-pub use watch::{Fired, Watch, Way};
+pub use watch::{Direction, Fired, Watch};
 
 /// Called between batches of passes with the progress of a run; may stop it.
 pub type OnProgress<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + Send + 'a;

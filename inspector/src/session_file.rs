@@ -4,7 +4,6 @@
 //! and as what a link cannot express. Results are not stored: they follow from the rest. The file is untrusted: it is
 //! read as a whole or not at all. The caller reads and writes it.
 
-mod error;
 pub(crate) mod layout;
 mod recipe;
 #[cfg(test)]
@@ -15,8 +14,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::runs::kept::MOST_RUNS;
 use crate::session::Watch;
-use crate::ui::Bookmark;
-pub use error::SessionFileError;
+use crate::versioned::{FileError, FileKind};
 pub use recipe::SavedRun;
 
 /// Version of the file; incremented when the meaning of something in it changes.
@@ -25,10 +23,27 @@ pub const VERSION: u32 = 1;
 pub const EXTENSION: &str = "raystep-session";
 /// Largest file that is read or written, bytes.
 pub const MOST_BYTES: usize = 4 << 20;
+const KIND: FileKind = FileKind { name: "the session", version: VERSION, most_bytes: MOST_BYTES };
 /// Most edits of a run, and most bookmarks.
 pub const MOST_EDITS: usize = 10_000;
 /// The beginning of names of scenes that are not files.
 pub const BUILT_IN: &str = "built-in:";
+
+/// A place to return to.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bookmark {
+    /// The number of passes before it.
+    pub place: usize,
+    /// The ray that was selected.
+    pub pixel: Option<[u32; 2]>,
+    /// The user's name for it.
+    pub name: String,
+}
+
+/// Whether a file's name is that of a session.
+pub(crate) fn is_session(path: &str) -> bool {
+    path.rsplit_once('.').is_some_and(|(_, end)| end.eq_ignore_ascii_case(EXTENSION))
+}
 
 /// A saved session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -81,28 +96,14 @@ impl SessionFile {
     ///
     /// # Errors
     /// Where it is not a session of this version; with the line and the column of what is wrong.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SessionFileError> {
-        /// What every version has.
-        #[derive(Deserialize)]
-        struct Head {
-            version: u32,
-        }
-        if bytes.len() > MOST_BYTES {
-            return Err(SessionFileError::TooLarge(bytes.len()));
-        }
-        let text = std::str::from_utf8(bytes).map_err(|_| SessionFileError::NoText)?;
-        // Other versions may have other fields: check the version first.
-        let head: Head = serde_json::from_str(text)?;
-        if head.version != VERSION {
-            return Err(SessionFileError::Version(head.version));
-        }
-        let file: Self = serde_json::from_str(text)?;
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FileError> {
+        let file: Self = KIND.read(bytes)?;
         if file.here.link.scene.is_none() {
-            return Err(SessionFileError::NoScene);
+            return Err(KIND.wrong("names no scene: add scene=FILE to the link of \"here\""));
         }
-        let is_there = |index: Option<usize>| index.is_none_or(|index| index < file.runs.len());
-        if !is_there(file.reference) || !is_there(file.compared) {
-            return Err(SessionFileError::NoRun(file.runs.len()));
+        let runs = file.runs.len();
+        if [file.reference, file.compared].into_iter().flatten().any(|index| index >= runs) {
+            return Err(KIND.wrong(format!("compares runs that it does not have: it has {runs}, counted from 0")));
         }
         Ok(file)
     }
@@ -111,9 +112,8 @@ impl SessionFile {
     ///
     /// # Errors
     /// Where it would be too large to be read again.
-    pub fn to_text(&self) -> Result<String, SessionFileError> {
-        let text = serde_json::to_string_pretty(self).map_err(|e| SessionFileError::Write(e.to_string()))? + "\n";
-        if text.len() > MOST_BYTES { Err(SessionFileError::TooLarge(text.len())) } else { Ok(text) }
+    pub fn to_text(&self) -> Result<String, FileError> {
+        KIND.write(self)
     }
 
     /// Renames the files of all scenes, for example relative to another folder. Built-in scenes keep their names.

@@ -5,14 +5,23 @@ use std::sync::Arc;
 use glam::DVec3;
 use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
 use raystep_kernels::options::{ELEMENTS, ProgramName};
+use raystep_kernels::program::Program;
 use raystep_kernels::{
     Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, RaySource, Samples, ScheduleKind, Skip, Traversal,
+    programs,
 };
 use raystep_scenes::{Camera, Projection, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::link::{Link, LinkCamera, LinkDevice, LinkRay};
 use crate::ray_text::GivenRay;
+
+/// Whether a program traces rays: whether its elements have states, and its results are hits. This is the only question
+/// asked about what a program is.
+#[must_use]
+pub fn traces_rays(program: &Program) -> bool {
+    program.results.is_some()
+}
 
 /// Where passes run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -222,6 +231,12 @@ impl From<&Link> for Settings {
 }
 
 impl Settings {
+    /// Whether the program traces rays.
+    #[must_use]
+    pub fn traces_rays(&self) -> bool {
+        traces_rays(programs::named(self.program))
+    }
+
     /// A link with these settings, without scene and place. A link cannot express parallel rays of a custom camera: it
     /// then has the scene's camera.
     #[must_use]

@@ -13,7 +13,6 @@ mod framing;
 mod nodes;
 mod projected;
 mod scale;
-mod svg;
 mod tested;
 mod unfolded;
 mod why;
@@ -34,10 +33,12 @@ pub use events::{Event, EventKind, events, next_event, previous_event, row_after
 pub use nodes::NodeVisit;
 pub use projected::{Projected, ProjectedTriangle, Square};
 pub use scale::Ticks;
-pub use svg::{SvgOptions, walk_svg};
 pub use tested::{Outcome, TestedTriangle};
 pub use unfolded::{Spacing, Strip, StripCell, StripNode, StripTest, letters};
 pub use why::Why;
+
+/// The names of the axes.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The structure that the ray traverses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,10 +2,11 @@
 //!
 //! `cargo run -p raystep-tests --example hits -- LINKS WORDS`
 //!
-//! reads links of this repository's scenes, one a line, and writes [five words](raystep_inspector::link::hit_words) a ray,
+//! reads links of this repository's scenes, one a line, and writes [five words](raystep_inspector::hits::hit_words) a ray,
 //! little-endian.
 
-use raystep_inspector::link::{Link, hit_words};
+use raystep_inspector::hits::hit_words;
+use raystep_inspector::link::Link;
 use raystep_kernels::Device;
 use raystep_tests::{block_on, scene};
 

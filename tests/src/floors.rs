@@ -1,4 +1,4 @@
-//! Reads from the sources which modules of the crates use which others, and lists the floors of `kernels/src`.
+//! Reads from the sources which modules of the crates use which others, and lists the floors of the crates.
 //!
 //! The paths in the sources are resolved to the module that defines the item, through re-exports. Test code is ignored.
 //! A folder's own file and the modules below it count as one.
@@ -24,6 +24,129 @@ pub const FLOORS: &[&[&str]] = &[
     &["interpret"],
     &["history"],
     &["export"],
+];
+
+/// The floors of folders of modules, as [`FLOORS`], each with its path.
+pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
+    ("raystep_scenes", &[&["scene"], &["generate", "glb"], &["load"]]),
+    (KERNELS, FLOORS),
+    (
+        "raystep_lab",
+        &[
+            &[
+                "built",
+                "compare",
+                "compared",
+                "hash",
+                "layer_stats",
+                "png",
+                "portions",
+                "structure_stats",
+                "structures",
+                "text",
+                "wait",
+                "ways",
+                "work",
+            ],
+            &["html", "lockstep", "machine", "reference", "subject"],
+            &["human", "rays", "rounding"],
+            &["divergence", "judge", "parity", "plots", "statistics", "watertight"],
+            &["meter", "tidy"],
+            &["error", "reporter", "stability", "stiff"],
+            &["bench", "intensity", "report", "self_test"],
+            &["paper"],
+        ],
+    ),
+    (
+        "raystep_inspector",
+        &[
+            &["command", "dataflow", "names", "ray_text", "source", "versioned", "walk"],
+            &["branches", "link", "orbit"],
+            &["draw", "exports", "saved", "settings"],
+            &["hits", "session"],
+            &["lesson", "runs"],
+            &["session_file"],
+            &["ui"],
+        ],
+    ),
+    (
+        "raystep_inspector::ui",
+        &[
+            &["canvas", "host", "picture", "retained", "scrub", "style", "units"],
+            &["mask", "preview", "svg", "thumbs"],
+            &["state"],
+            &["pane"],
+            &["panels"],
+            &["keys", "panes"],
+            &["desk"],
+            &["inspector"],
+            &["latency", "offscreen"],
+        ],
+    ),
+    (
+        "raystep",
+        &[
+            &["error", "interrupt"],
+            &["args", "mapping"],
+            &["link"],
+            &[
+                "cli",
+                "commands",
+                "device",
+                "output",
+                "process",
+                "rays_file",
+                "scene_file",
+                "session",
+                "session_file",
+                "shard",
+                "terminal",
+                "threads",
+                "usage",
+                "window",
+            ],
+            &["api"],
+        ],
+    ),
+];
+
+/// Circles that are still there, by the path of their folder: modules that use each other.
+pub const KNOWN_CIRCLES: &[(&str, &[&str])] = &[
+    ("raystep_scenes::load", &["check", "json"]),
+    ("raystep_lab", &["error", "reporter", "stability", "stiff"]),
+    ("raystep_lab::bench", &["runs", "summary"]),
+    ("raystep_lab::plots", &["frame", "picture"]),
+    (
+        "raystep_lab::report",
+        &["choices", "grid", "left_out", "moved", "page", "resolved", "rules", "samples", "section", "stiff", "words"],
+    ),
+    ("raystep_lab::self_test", &["operations", "probe"]),
+    ("raystep_lab::stability", &["make", "planes"]),
+    ("raystep_lab::stability", &["beside", "page", "report", "table"]),
+    ("raystep_lab::work", &["lanes", "warps"]),
+    ("raystep", &["args", "mapping"]),
+    (
+        "raystep",
+        &[
+            "cli",
+            "commands",
+            "device",
+            "output",
+            "process",
+            "rays_file",
+            "scene_file",
+            "session",
+            "session_file",
+            "shard",
+            "terminal",
+            "threads",
+            "usage",
+            "window",
+        ],
+    ),
+    ("raystep::commands::info::self_test", &["drive", "report"]),
+    ("raystep::commands::sweep", &["gather", "page"]),
+    ("raystep::window", &["host", "opening"]),
 ];
 
 /// The crates, lowest first, each with its folder and its name in paths.

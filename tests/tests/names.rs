@@ -32,7 +32,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("panels about rays alone", &["inspector/src/ui/panels/compare.rs"]),
     (
         "what values of a ray mean in words, and how many of its threads do useful work",
-        &["inspector/src/ui/lessons/measured.rs", "inspector/src/ui/panels/stream/values.rs"],
+        &["inspector/src/ui/inspector/lessons/measured.rs", "inspector/src/ui/panels/stream/values.rs"],
     ),
     ("the plan of each program", &["kernels/src/plan/mod.rs", "kernels/src/plan/grid_build.rs"]),
     (

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
-use raystep_inspector::{Session, Target, Watch, Way, go_on};
+use raystep_inspector::{Direction, Session, Target, Watch, go_on};
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs::grid_build::PROGRAM;
 use raystep_kernels::programs::grid_build::elements::{REFERENCES, SPANS};
@@ -273,7 +273,8 @@ fn a_build_goes_back_and_forth_as_it_went() {
             // The first pass gives the selected triangle its box.
             go(&mut session, Target::Start).await;
             session.select(5, 0);
-            let fired = session.run_to_watch(&[Watch::RayState], Way::Forward, &mut go_on).await?.expect("a change");
+            let fired =
+                session.run_to_watch(&[Watch::RayState], Direction::Forward, &mut go_on).await?.expect("a change");
             assert_eq!(fired.place, 1);
             assert!(fired.value.starts_with("box."), "{}", fired.value);
             let texel = session.renderer().texel(BOX, 5, 0).await?;

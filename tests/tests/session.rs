@@ -173,13 +173,13 @@ fn a_kernel_is_found_forward_and_back_and_a_ray_is_followed() {
         assert_eq!(session.ray().await.expect("a ray").expect("selected").state, "UNWRITTEN");
 
         go(&mut session, Target::Pass(5)).await;
-        let life = session.follow(8, 8, &mut go_on).await.expect("a life");
-        assert_eq!((session.place(), life.passes), (5, Some(last)), "it returns");
+        let history = session.follow(8, 8, &mut go_on).await.expect("a history");
+        assert_eq!((session.place(), history.passes), (5, Some(last)), "it returns");
         let mut renderer =
             raystep_kernels::Renderer::new(&scene, session.options(), &device).await.expect("a renderer");
         let go_on = |_: &raystep_kernels::Pass| ControlFlow::Continue(());
         let told = trace(&mut renderer, 8, 8, Rays::All, go_on).await.expect("a trace");
-        assert_eq!(life, told);
+        assert_eq!(history, told);
     });
 }
 
@@ -272,11 +272,11 @@ fn a_session_can_go_to_another_thread() {
     let mut session = block_on(None, Session::new(&scene, &stepped(&scene, 8, 8), &Device::Cpu(None))).expect("one");
     block_on(None, async {
         can_move(session.step(Target::Pass(4), &mut go_on)).await.expect("a step");
-        can_move(session.follow(4, 4, &mut go_on)).await.expect("a life");
+        can_move(session.follow(4, 4, &mut go_on)).await.expect("a history");
         can_move(session.twins_until(Some(2), &mut go_on)).await.expect("twins");
         can_move(session.edit(streams::HIT, 0, 0, 0, 1)).await.expect("an edit");
         can_move(session.clear_edits(&mut go_on)).await.expect("no edit");
-        let forward = raystep_inspector::Way::Forward;
+        let forward = raystep_inspector::Direction::Forward;
         can_move(session.run_to_watch(&[], forward, &mut go_on)).await.expect("nothing");
     });
     let _session = can_move(session);

@@ -1,6 +1,6 @@
 //! Watches stop a run forwards and back; edits, and passes run by twins, persist when moving through the run.
 
-use raystep_inspector::{Fired, Session, Target, Watch, Way as Direction, go_on};
+use raystep_inspector::{Direction, Fired, Session, Target, Watch, go_on};
 use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
 use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use raystep_kernels::tables::kernel::Role;
@@ -60,9 +60,11 @@ fn a_ray_is_watched_forward_and_back() {
             block_on(gpu_of(&device), async {
                 let mut session = new_session(configuration, &device).await;
                 session.select(9, 7);
-                let life = session.follow(9, 7, &mut go_on).await.expect("a life");
-                let changes =
-                    life.rows.iter().filter(|row| row.state_before != row.after.state && row.place() < life.passes);
+                let history = session.follow(9, 7, &mut go_on).await.expect("a history");
+                let changes = history
+                    .rows
+                    .iter()
+                    .filter(|row| row.state_before != row.after.state && row.place() < history.passes);
                 let expected: Vec<usize> = changes.filter_map(|row| row.place()).collect();
                 let states = both_ways(&mut session, Watch::RayState).await;
                 assert_eq!(states.iter().map(|f| f.place).collect::<Vec<_>>(), expected, "{name} {configuration}");
@@ -70,12 +72,12 @@ fn a_ray_is_watched_forward_and_back() {
                 assert!(states.iter().all(|f| f.ray == [9, 7]));
 
                 let hits = both_ways(&mut session, Watch::RayHit).await;
-                let triangle = life.rows.last().and_then(|row| row.after.triangle).expect("a hit");
+                let triangle = history.rows.last().and_then(|row| row.after.triangle).expect("a hit");
                 let last = &hits.last().expect("a hit").value;
                 assert!(last.contains(&format!("> triangle {triangle} at t ")), "{name} {configuration}: {last}");
 
                 let cells = both_ways(&mut session, Watch::RayCell).await;
-                let walked = life.rows.windows(2).filter(|w| w[0].after.cell_index != w[1].after.cell_index).count();
+                let walked = history.rows.windows(2).filter(|w| w[0].after.cell_index != w[1].after.cell_index).count();
                 assert!(
                     cells.len().abs_diff(walked) <= 1 && walked > 1,
                     "{name} {configuration}: {} and {walked}",

@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, Parser};
-use raystep_inspector::link::{Link, LinkRay};
+use raystep_inspector::command::{COMMANDS, Command};
+use raystep_inspector::link::{Link, LinkRay, Shown};
 use raystep_inspector::session_file::BUILT_IN;
 use raystep_inspector::settings::Settings;
-use raystep_inspector::ui::command::{COMMANDS, Command};
-use raystep_inspector::ui::{Arrival, Shown};
+use raystep_inspector::ui::Arrival;
 use raystep_kernels::AdapterChoice;
 use raystep_kernels::options::ProgramName;
 use raystep_lab::text::visible;
@@ -119,9 +119,7 @@ fn parse_scale(text: &str) -> Result<f32, &'static str> {
 }
 
 fn parse_command(name: &str) -> Result<Command, String> {
-    let wanted = name.trim_end_matches('…').to_lowercase();
-    let found = COMMANDS.iter().find(|info| info.name.trim_end_matches('…').to_lowercase() == wanted);
-    found.map(|info| info.command).ok_or_else(|| {
+    Command::named(name).ok_or_else(|| {
         let names: Vec<&str> = COMMANDS.iter().map(|info| info.name).collect();
         format!("no such command; {}'raystep inspect --list' lists them", did_you_mean(name, &names))
     })

@@ -156,17 +156,17 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
         progress.pass(pass.index);
         ControlFlow::Continue(())
     });
-    let life = running.chosen.wait(following)?;
+    let history = running.chosen.wait(following)?;
     progress.finish();
     if let Some(link) = link {
         say(format_args!("open in the inspector: raystep inspect --link \"{link}\""));
     }
     match args.format {
-        Format::Table => print(&life.table(Units::Scene)),
-        Format::Json => print(&super::json_text(&life)?),
+        Format::Table => print(&history.table(Units::Scene)),
+        Format::Json => print(&super::json_text(&history)?),
         Format::Csv => {
             let mut text = Vec::new();
-            life.write_csv(&mut text).map_err(|e| Error::failed(format!("cannot write as CSV: {e}")))?;
+            history.write_csv(&mut text).map_err(|e| Error::failed(format!("cannot write as CSV: {e}")))?;
             print(&String::from_utf8_lossy(&text))
         }
     }

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, mutex::RwLock};
 use eframe::egui_wgpu::{Renderer, RendererOptions};
+use raystep_inspector::command::Command;
 use raystep_inspector::draw::picture::{FORMAT, picture};
-use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::latency::Script;
 use raystep_inspector::ui::{CheckedStep, Inspector, background, offscreen};
 use raystep_kernels::Gpu;

@@ -4,7 +4,8 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use raystep_inspector::link::{Link, hit_words};
+use raystep_inspector::hits::hit_words;
+use raystep_inspector::link::Link;
 use raystep_kernels::{AdapterChoice, Device, Gpu};
 use wasm_bindgen::prelude::*;
 
@@ -30,7 +31,7 @@ pub fn work() {
     tasks::work();
 }
 
-/// The hits of the picture that a link describes: see `raystep_inspector::link::hit_words`. Rejects with a sentence.
+/// The hits of the picture that a link describes: see `raystep_inspector::hits::hit_words`. Rejects with a sentence.
 #[wasm_bindgen]
 pub async fn hits(link: String, on_gpu: bool) -> Result<Vec<u32>, JsValue> {
     let link: Link = link.parse().map_err(|e: raystep_inspector::link::LinkError| e.to_string())?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use egui::{Event, OutputCommand, Vec2};
 use js_sys::Array;
-use raystep_inspector::session::engine::Devices;
+use raystep_inspector::session::devices::Devices;
 use raystep_inspector::session::measure::on_its_device;
 use raystep_inspector::ui::{Inspector, background};
 use raystep_kernels::{Gpu, GpuError};

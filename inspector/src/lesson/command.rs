@@ -4,70 +4,49 @@ use super::comparison::Comparison;
 use super::error::Wrong;
 use super::expression::Expression;
 use super::fact::is_label;
+use super::prose::quoted;
 use super::question::{Choice, Question};
-use super::set_up::Values;
+use crate::command::{Command, PaneKind};
 use crate::link::{Link, LinkDevice, LinkStream};
-use crate::ui::command::{COMMANDS, Command};
-use crate::ui::pane::PaneKind;
-
-/// The commands: the word, its arguments, and what it does.
-pub const WORDS: &[(&str, &str, &str)] = &[
-    (
-        "open",
-        "KEY=VALUE …",
-        "opens a scene with the keys of a link (or a link), runs it to its end, and resets the panels",
-    ),
-    ("pixel", "X,Y", "selects the ray of a pixel"),
-    (
-        "find",
-        "VALUE = VALUE, …",
-        "selects the ray nearest to that pixel, or to the middle of the image, for which all of this holds, and whose history on this device has the `row` of the step; only values of `tie`",
-    ),
-    ("start", "", "goes to before the first pass"),
-    ("pass", "N", "goes to after pass N"),
-    ("end", "", "goes to after the last pass"),
-    ("row", "[N] \"TEXT\"", "goes to the pass of the ray's first (or N-th) row whose *why* contains the text"),
-    (
-        "only",
-        "PANEL … / PANEL …",
-        "shows exactly these panels, in rows from top to bottom, separated by a slash; what `do` did before is not repeated",
-    ),
-    ("show", "PANEL", "shows one more panel, in a row at the bottom"),
-    ("stream", "NAME[.LAYER]", "shows a stream in the stream panel, as a whole"),
-    ("zoom", "N [at X,Y]", "enlarges it to N points a texel, around a pixel, or the selected one"),
-    ("do", "COMMAND", "performs a command of the menus"),
-    (
-        "measure",
-        "NAME KEY=VALUE …",
-        "traces the open scene with other options, on the same device, two to four times, and keeps the fastest after the first",
-    ),
-    ("bars", "NAME …", "shows measured runs next to each other in the lesson"),
-    ("candidates", "", "shows the triangles that the ray may hit, in f32 and in f64, in the lesson"),
-    (
-        "before-after",
-        "[axis] [cell] [tmax] [state]",
-        "shows the ray before its next step from cell to cell, or the one just made, in the lesson; of what comes after a step that is not made yet, only the named parts",
-    ),
-    (
-        "states",
-        "",
-        "shows the states of a ray, the kernels between them, and which of them this ray takes, in the lesson",
-    ),
-    ("code", "FUNCTION", "marks a function in the kernel panel"),
-    ("play", "N", "goes on by itself, pass by pass of the ray, until it has made N more steps from cell to cell"),
-    ("question", "\"TEXT\"", "asks the reader a question; the rest of the step is its answer"),
-    (
-        "choice",
-        "\"LABEL\" if VALUE = VALUE, … else \"TEXT\"",
-        "a choice, what holds if it is right, and what a reader is told who chooses it although it is wrong",
-    ),
-    ("expect", "panel PANEL", "the panel has to be in view"),
-    ("expect", "text \"TEXT\"", "the text has to be readable outside of the lesson"),
-    ("expect", "VALUE = VALUE", "values have to compare so; also !=, <, >, and `contains`"),
-];
 
 /// Most steps from cell to cell that a lesson makes by itself.
 const MOST_PLAYED: usize = 100;
+
+/// Which values of a step from cell to cell are shown for after it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Values {
+    /// The axis of the step.
+    pub axis: bool,
+    /// The new cell.
+    pub cell: bool,
+    /// The new tMax.
+    pub tmax: bool,
+    /// The new state.
+    pub state: bool,
+}
+
+impl Values {
+    /// Reads their names.
+    pub(super) fn parse(rest: &str) -> Result<Self, Wrong> {
+        let mut values = Self::default();
+        for word in rest.split_whitespace() {
+            let value = match word {
+                "axis" => &mut values.axis,
+                "cell" => &mut values.cell,
+                "tmax" => &mut values.tmax,
+                "state" => &mut values.state,
+                _ => {
+                    return Err(Wrong::Argument(
+                        "before-after",
+                        format!("{word:?}: expected axis, cell, tmax or state"),
+                    ));
+                }
+            };
+            *value = true;
+        }
+        Ok(values)
+    }
+}
 
 /// What a step sets up.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,13 +117,6 @@ pub(super) enum Line {
     Question(Question),
     /// A choice of the question before.
     Choice(Choice),
-}
-
-/// The words of all commands, for errors.
-pub(super) fn names() -> String {
-    let mut words: Vec<&str> = WORDS.iter().map(|(word, ..)| *word).collect();
-    words.dedup();
-    words.join(", ")
 }
 
 /// The name of a panel in lessons: that of the menu, in lower case with hyphens.
@@ -237,13 +209,6 @@ fn pair<T: std::str::FromStr>(word: &'static str, text: &str) -> Result<[T; 2], 
     parts.ok_or_else(|| wrong(word, "expected two numbers, such as 96,180"))
 }
 
-/// The text between double quotes.
-pub(super) fn quoted(word: &'static str, text: &str) -> Result<String, Wrong> {
-    let inner = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
-    let inner = inner.filter(|inner| !inner.trim().is_empty());
-    inner.map(str::to_owned).ok_or_else(|| wrong(word, "expected a text in double quotes"))
-}
-
 fn row(rest: &str) -> Result<Goal, Wrong> {
     let (number, text) = match rest.split_once(char::is_whitespace).filter(|_| !rest.starts_with('"')) {
         Some((number, text)) => {
@@ -301,10 +266,8 @@ fn zoom(rest: &str) -> Result<Action, Wrong> {
 }
 
 fn command(name: &str) -> Result<Command, Wrong> {
-    let plain = |name: &str| name.trim_end_matches('…').to_lowercase();
-    let found = COMMANDS.iter().find(|info| plain(info.name) == plain(name)).map(|info| info.command);
     // A lesson that opens another, or ends itself, would have no next step.
-    let found = found.filter(|command| !command.is_of_lessons() && *command != Command::Quit);
+    let found = Command::named(name).filter(|command| !command.is_of_lessons() && *command != Command::Quit);
     found.ok_or_else(|| wrong("do", format!("{name:?} is not a command that a lesson can perform; see the menus")))
 }
 

@@ -89,7 +89,7 @@ impl Comparison {
         let second = second.trim();
         let second = match second.parse::<f64>() {
             Ok(number) if number.is_finite() => Operand::Number(number),
-            _ if second.starts_with('"') => Operand::Text(super::command::quoted(word, second)?),
+            _ if second.starts_with('"') => Operand::Text(super::prose::quoted(word, second)?),
             _ => Operand::Value(Expression::parse(second)?),
         };
         Ok(Self { first: Expression::parse(first.trim())?, condition, second })

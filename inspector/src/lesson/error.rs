@@ -55,7 +55,7 @@ pub enum Wrong {
     #[error("{0} is not closed in this paragraph")]
     Unclosed(&'static str),
     /// Not a command.
-    #[error("{0:?} is not a command; the commands are {known}", known = super::command::names())]
+    #[error("{0:?} is not a command; the commands are {known}", known = super::words::names())]
     Command(String),
     /// A command with something wrong.
     #[error("{0}: {1}")]

@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn two_values_make_one() {
+    fn differences_and_ratios_of_values_are_values() {
         let show = |text: &str| {
             Expression::parse(text).and_then(|e| {
                 assert_eq!(e.to_string(), text);

@@ -65,6 +65,13 @@ pub(super) fn paragraph(lines: &[(usize, &str)], is_item: bool) -> Result<Paragr
     }
 }
 
+/// The text between double quotes.
+pub(super) fn quoted(word: &'static str, text: &str) -> Result<String, Wrong> {
+    let inner = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+    let inner = inner.filter(|inner| !inner.trim().is_empty());
+    inner.map(str::to_owned).ok_or_else(|| Wrong::Argument(word, "expected a text in double quotes".into()))
+}
+
 struct Reader {
     parts: Vec<Part>,
     /// Words since the last part.

@@ -37,7 +37,7 @@ pub struct Choice {
 impl Question {
     /// Reads `"TEXT"`.
     pub(super) fn parse(line: usize, rest: &str) -> Result<Self, Wrong> {
-        let text = prose(line, &super::command::quoted("question", rest)?)?;
+        let text = prose(line, &super::prose::quoted("question", rest)?)?;
         Ok(Self { line, text, choices: Vec::new() })
     }
 
@@ -95,7 +95,7 @@ impl Choice {
         let rest = rest.trim().strip_prefix("if ").ok_or_else(wrong)?;
         let (conditions, why_not) = rest.split_once(" else ").map_or((rest, None), |(all, why)| (all, Some(why)));
         let conditions = Comparison::parse_all("choice", conditions)?;
-        let why_not = why_not.map(|text| prose(line, &super::command::quoted("choice", text.trim())?)).transpose()?;
+        let why_not = why_not.map(|text| prose(line, &super::prose::quoted("choice", text.trim())?)).transpose()?;
         if label.trim().is_empty() {
             return Err(wrong());
         }

@@ -1,11 +1,9 @@
 //! The whole set-up of a step, as plain data.
 
-use super::error::Wrong;
+use super::command::Values;
 use super::{Action, Comparison, Expect, Expression, Goal, Lesson, Name, Step};
-use crate::link::Link;
-use crate::ui::Shown;
-use crate::ui::command::Command;
-use crate::ui::pane::PaneKind;
+use crate::command::{Command, PaneKind};
+use crate::link::{Link, Shown};
 
 /// A run to measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,42 +14,6 @@ pub struct Measurement {
     pub link: Link,
     /// The line of the command.
     pub line: usize,
-}
-
-/// Which values of a step from cell to cell are shown for after it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Values {
-    /// The axis of the step.
-    pub axis: bool,
-    /// The new cell.
-    pub cell: bool,
-    /// The new tMax.
-    pub tmax: bool,
-    /// The new state.
-    pub state: bool,
-}
-
-impl Values {
-    /// Reads their names.
-    pub(super) fn parse(rest: &str) -> Result<Self, Wrong> {
-        let mut values = Self::default();
-        for word in rest.split_whitespace() {
-            let value = match word {
-                "axis" => &mut values.axis,
-                "cell" => &mut values.cell,
-                "tmax" => &mut values.tmax,
-                "state" => &mut values.state,
-                _ => {
-                    return Err(Wrong::Argument(
-                        "before-after",
-                        format!("{word:?}: expected axis, cell, tmax or state"),
-                    ));
-                }
-            };
-            *value = true;
-        }
-        Ok(values)
-    }
 }
 
 /// Everything that a step needs: what its own commands say, and those before it, back to the last `open`.

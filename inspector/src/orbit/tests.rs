@@ -65,7 +65,7 @@ fn up_never_tips_over_and_the_axes_stay_a_frame() {
 }
 
 #[test]
-fn looking_around_stays_where_it_is() {
+fn looking_around_does_not_move_the_eye() {
     let mut orbit = Orbit::framing(&boxed(), 1.0);
     let eye = orbit.pose.eye();
     let right = orbit.pose.axes()[0];

@@ -1,6 +1,5 @@
 //! The rays in which two kept runs differ.
 
-use std::any::Any;
 use std::sync::Arc;
 
 use raystep_kernels::StreamData;
@@ -8,7 +7,7 @@ use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::shared::constants::INF;
 
 use super::outcome::Picture;
-use crate::session::request::{Job, JobContext, JobFuture};
+use crate::session::request::{Job, answered, job};
 
 /// The engine's job, named while it runs.
 pub const COMPARING: &str = "comparing kept runs";
@@ -197,11 +196,9 @@ pub fn differences(a: &Picture, b: &Picture, aspect: Aspect) -> Option<Differenc
 /// Compares two pictures in an engine. `question` comes back with the answer.
 #[must_use]
 pub fn job<Q: Send + 'static>(question: Q, a: Arc<Picture>, b: Arc<Picture>, aspect: Aspect) -> Job {
-    Box::new(move |_: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let found = differences(&a, &b, aspect).ok_or("the runs have different sizes")?;
-            Ok(Box::new((question, found)) as Box<dyn Any + Send>)
-        })
+    job!(_, {
+        let found = differences(&a, &b, aspect).ok_or("the runs have different sizes")?;
+        answered((question, found))
     })
 }
 

@@ -2,16 +2,11 @@
 
 use std::sync::{Arc, Weak};
 
-use raystep_kernels::options::ProgramName;
 use raystep_scenes::Scene;
 
 use super::measure::Measured;
 use super::outcome::{Outcome, Picture, Recorded};
-use crate::session::Edit;
-use crate::settings::{DeviceKind, Settings};
-
-/// Identifies a kept run as long as the window is open.
-pub type RunId = u64;
+use super::recipe::{Recipe, RunId};
 
 /// Most runs in the list.
 pub const MOST_RUNS: usize = 256;
@@ -19,50 +14,6 @@ pub const MOST_RUNS: usize = 256;
 pub const LONGEST_NAME: usize = 100;
 /// Initial budget of pictures, in bytes.
 pub const DEFAULT_BUDGET: u64 = 512 << 20;
-
-/// How a run is made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Recipe {
-    /// Its options.
-    pub settings: Settings,
-    /// Edits by hand.
-    pub edits: Vec<Edit>,
-    /// How many of the first passes run on the CPU reference.
-    pub twins: Option<usize>,
-}
-
-impl Recipe {
-    /// A name for the run: what distinguishes most runs from others.
-    #[must_use]
-    pub fn name(&self) -> String {
-        let Settings { program, accelerator, device, .. } = &self.settings;
-        if *program != ProgramName::ClosestHit {
-            return program.to_string();
-        }
-        let device = match device {
-            DeviceKind::CpuF64 => " f64",
-            _ => "",
-        };
-        let edited = if self.edits.is_empty() { "" } else { " edited" };
-        let (order, rules) = (self.settings.order(), self.settings.rules());
-        format!("{accelerator} {order} {rules}{device}{edited}")
-    }
-
-    /// Why the rays of two runs are not the same rays; `None` if they are.
-    #[must_use]
-    pub fn other_rays(&self, other: &Self) -> Option<&'static str> {
-        let (a, b) = (&self.settings, &other.settings);
-        if a.ray.is_none() && b.ray.is_none() && a.size != b.size {
-            Some("they have different sizes")
-        } else if a.ray != b.ray || a.ray.is_none() && a.view != b.view {
-            Some("they have different views")
-        } else if a.samples != b.samples {
-            Some("they have different samples")
-        } else {
-            None
-        }
-    }
-}
 
 /// A kept run.
 pub struct Kept {
@@ -229,6 +180,7 @@ mod tests {
     use super::*;
     use crate::ray_text::GivenRay;
     use crate::runs::outcome::tests::picture;
+    use crate::settings::{DeviceKind, Settings};
 
     fn recipe() -> Recipe {
         Recipe { settings: Settings { size: [8, 8], ..Settings::default() }, edits: Vec::new(), twins: None }
@@ -269,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_distinct_and_the_list_ends() {
+    fn names_of_kept_runs_are_distinct_and_their_number_is_limited() {
         let mut runs = Runs::default();
         let long = "x".repeat(1000);
         for name in ["a", "a", "a 2", &long] {

@@ -3,14 +3,11 @@
 //! Runs that are measured together take turns, so that what slows the machine down slows all of them down: their ratios
 //! are of pairs, one beside the other.
 
-use std::any::Any;
-use std::ops::ControlFlow;
-
 use raystep_kernels::{Device, Progress};
 
-use super::kept::{Recipe, RunId};
 use super::outcome::begin;
-use crate::session::request::{Job, JobContext, JobFuture};
+use super::recipe::{Recipe, RunId};
+use crate::session::request::{Job, JobContext, answered, flow, job};
 use crate::session::{Session, Target};
 
 /// The engine's job, named while it runs.
@@ -61,37 +58,35 @@ pub fn why_not(recipe: &Recipe) -> Option<&'static str> {
 #[must_use]
 pub fn measure(subjects: Vec<Subject>, repeats: usize, together: u64, clock: Option<fn() -> u64>) -> Job {
     let repeats = repeats.clamp(1, MOST_REPEATS);
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { session, scene, settings, progress, .. } = context;
-            let mut runs: Vec<(RunId, Session, Measured)> = Vec::new();
-            for Subject { id, recipe, device } in subjects {
-                if let Some(why) = why_not(&recipe) {
-                    return Err(format!("{}: {why}", recipe.name()));
-                }
-                let own = begin(session, (scene, settings), &recipe, (&device, clock)).await;
-                let why_no_times = match &device {
-                    Device::Gpu(gpu) => gpu.why_no_times(),
-                    Device::Cpu(_) | Device::CpuF64(_) => clock.is_none().then(|| "the host provided no clock".into()),
-                };
-                let measured = Measured { together, repeats: Vec::new(), why_no_times };
-                runs.push((id, own.map_err(|e| e.to_string())?, measured));
+    job!(context, {
+        let JobContext { session, scene, settings, progress, .. } = context;
+        let mut runs: Vec<(RunId, Session, Measured)> = Vec::new();
+        for Subject { id, recipe, device } in subjects {
+            if let Some(why) = why_not(&recipe) {
+                return Err(format!("{}: {why}", recipe.name()));
             }
-            let all = runs.len().saturating_mul(repeats + 1) as u64;
-            let mut done = 0;
-            for repeat in 0..=repeats {
-                for (_, own, measured) in &mut runs {
-                    let one = run(own, (done, all), progress).await?;
-                    // The first run warms up caches and clocks.
-                    if repeat > 0 {
-                        measured.repeats.push(one);
-                    }
-                    done += 1;
+            let own = begin(session, (scene, settings), &recipe, (&device, clock)).await;
+            let why_no_times = match &device {
+                Device::Gpu(gpu) => gpu.why_no_times(),
+                Device::Cpu(_) | Device::CpuF64(_) => clock.is_none().then(|| "the host provided no clock".into()),
+            };
+            let measured = Measured { together, repeats: Vec::new(), why_no_times };
+            runs.push((id, own.map_err(|e| e.to_string())?, measured));
+        }
+        let all = runs.len().saturating_mul(repeats + 1) as u64;
+        let mut done = 0;
+        for repeat in 0..=repeats {
+            for (_, own, measured) in &mut runs {
+                let one = run(own, (done, all), progress).await?;
+                // The first run warms up caches and clocks.
+                if repeat > 0 {
+                    measured.repeats.push(one);
                 }
+                done += 1;
             }
-            let answer: Vec<_> = runs.into_iter().map(|(id, _, measured)| (id, measured)).collect();
-            Ok(Box::new(answer) as Box<dyn Any + Send>)
-        })
+        }
+        let answer: Vec<_> = runs.into_iter().map(|(id, _, measured)| (id, measured)).collect();
+        answered(answer)
     })
 }
 
@@ -105,7 +100,7 @@ async fn run(
     const PARTS: u64 = 1000;
     let mut tell = |at: &Progress| {
         let part = (PARTS * at.rays_decided).checked_div(at.rays).unwrap_or(0);
-        if progress(done * PARTS + part, all * PARTS) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        flow(progress(done * PARTS + part, all * PARTS))
     };
     own.step(Target::Start, &mut tell).await.map_err(|e| e.to_string())?;
     own.step(Target::End, &mut tell).await.map_err(|e| e.to_string())?;

@@ -1,6 +1,5 @@
 //! What a run came to: its passes, and the final streams of its results.
 
-use std::any::Any;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -9,11 +8,11 @@ use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Device, Options, Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
 
-use super::kept::{Recipe, RunId};
+use super::recipe::{Recipe, RunId};
 use super::scene_hash;
-use crate::session::request::{Job, JobContext, JobFuture};
+use crate::session::request::{Job, JobContext, answered, flow, job};
 use crate::session::{Session, Target, go_on};
-use crate::settings::Settings;
+use crate::settings::{Settings, traces_rays};
 
 /// The engine's job that keeps a run, named while it runs.
 pub const KEEPING: &str = "keeping the run";
@@ -154,7 +153,7 @@ async fn record(session: &Session, device: &Device, most: u64) -> Result<(Outcom
     };
     let outcome = Outcome {
         passes: session.passes().to_vec(),
-        rays: if plan.program.results.is_some() { plan.rays } else { 0 },
+        rays: if traces_rays(plan.program) { plan.rays } else { 0 },
         hits: picture.as_ref().ok().and_then(Picture::hits),
         device: name,
         why_no_times,
@@ -166,29 +165,27 @@ async fn record(session: &Session, device: &Device, most: u64) -> Result<(Outcom
 pub(super) fn teller(
     progress: &mut (dyn FnMut(u64, u64) -> bool + Send),
 ) -> impl FnMut(&Progress) -> ControlFlow<()> + Send {
-    move |at| if progress(at.rays_decided, at.rays) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    move |at| flow(progress(at.rays_decided, at.rays))
 }
 
 /// Completes the session's run, records it, and returns to the session's place. `known`: the scene's hash.
 #[must_use]
 pub fn keep(known: Option<String>, most: u64) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { session, scene, settings, device, progress, .. } = context;
-            let here = session.place();
-            let ran = session.step(Target::End, &mut teller(progress)).await;
-            let recorded = match ran {
-                Ok(_) => record(session, &device, most).await,
-                Err(error) => Err(error.to_string()),
-            };
-            // Returns even if it was stopped: keeping a run must not move the user's view.
-            session.step(Target::Pass(here), &mut go_on).await.map_err(|e| e.to_string())?;
-            let (outcome, picture) = recorded?;
-            let recipe =
-                Recipe { settings: settings.clone(), edits: session.edits().to_vec(), twins: session.twin_passes() };
-            let (scene, hash) = (scene.clone(), known.unwrap_or_else(|| scene_hash(scene).to_string()));
-            Ok(Box::new(Recorded { again: None, recipe, scene, hash, outcome, picture }) as Box<dyn Any + Send>)
-        })
+    job!(context, {
+        let JobContext { session, scene, settings, device, progress, .. } = context;
+        let here = session.place();
+        let ran = session.step(Target::End, &mut teller(progress)).await;
+        let recorded = match ran {
+            Ok(_) => record(session, &device, most).await,
+            Err(error) => Err(error.to_string()),
+        };
+        // Returns even if it was stopped: keeping a run must not move the user's view.
+        session.step(Target::Pass(here), &mut go_on).await.map_err(|e| e.to_string())?;
+        let (outcome, picture) = recorded?;
+        let recipe =
+            Recipe { settings: settings.clone(), edits: session.edits().to_vec(), twins: session.twin_passes() };
+        let (scene, hash) = (scene.clone(), known.unwrap_or_else(|| scene_hash(scene).to_string()));
+        answered(Recorded { again: None, recipe, scene, hash, outcome, picture })
     })
 }
 
@@ -220,16 +217,14 @@ pub(super) async fn begin(
 /// Runs a recipe in a session of its own, and records it.
 #[must_use]
 pub fn again(id: RunId, recipe: Recipe, device: Device, clock: Option<fn() -> u64>, most: u64) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { session, scene, settings, progress, .. } = context;
-            let own = begin(session, (scene, settings), &recipe, (&device, clock)).await;
-            let mut own = own.map_err(|e| e.to_string())?;
-            own.step(Target::End, &mut teller(progress)).await.map_err(|e| e.to_string())?;
-            let (outcome, picture) = record(&own, &device, most).await?;
-            let (scene, hash) = (scene.clone(), scene_hash(scene).to_string());
-            Ok(Box::new(Recorded { again: Some(id), recipe, scene, hash, outcome, picture }) as Box<dyn Any + Send>)
-        })
+    job!(context, {
+        let JobContext { session, scene, settings, progress, .. } = context;
+        let own = begin(session, (scene, settings), &recipe, (&device, clock)).await;
+        let mut own = own.map_err(|e| e.to_string())?;
+        own.step(Target::End, &mut teller(progress)).await.map_err(|e| e.to_string())?;
+        let (outcome, picture) = record(&own, &device, most).await?;
+        let (scene, hash) = (scene.clone(), scene_hash(scene).to_string());
+        answered(Recorded { again: Some(id), recipe, scene, hash, outcome, picture })
     })
 }
 

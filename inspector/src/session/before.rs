@@ -7,7 +7,7 @@ use std::task::{Context, Poll};
 use raystep_kernels::export::trace::RunSoFar;
 use raystep_kernels::{Region, RenderError, Stream, StreamData};
 
-use super::{Model, Session, Target, Told, go_on};
+use super::{HistorySource, Model, Session, Target, go_on};
 use crate::settings::DeviceKind;
 
 impl Model {
@@ -16,7 +16,7 @@ impl Model {
     #[must_use]
     pub fn texels_before(&self, pixel: [u32; 2], pass: usize, streams: &[Stream]) -> Option<Vec<u32>> {
         let opened = self.opened.as_ref().filter(|_| self.edits.is_empty() && self.twins.is_none())?;
-        if matches!(&self.told, Told::Compared { differing } if !differing.is_empty()) {
+        if matches!(&self.history_source, HistorySource::Compared { differing } if !differing.is_empty()) {
             return None;
         }
         let (plan, data) = (&opened.plan, &opened.data);

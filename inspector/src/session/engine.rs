@@ -4,19 +4,19 @@
 
 mod run;
 
-use std::ops::ControlFlow;
+use super::devices::Devices;
+use super::request::flow;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender};
-use raystep_kernels::{Device, Gpu, Progress, Region, RenderError, Stream};
+use raystep_kernels::{Device, Progress, Region, RenderError, Stream};
 use raystep_scenes::Scene;
 
 use super::Session;
 use super::confirm::Confirming;
 use super::glimpse::Glimpses;
-use super::measure::Measure;
 use super::request::{JobContext, Request, Texels, Update};
 use crate::settings::{DeviceKind, Settings};
 
@@ -29,19 +29,6 @@ pub(super) const FOLLOWING: &str = "following the ray";
 
 /// A task that serves requests until all senders are gone.
 pub type EngineTask = Pin<Box<dyn Future<Output = ()> + Send>>;
-
-/// The devices of an engine.
-#[derive(Clone)]
-pub struct Devices {
-    /// The adapter that the window renders with.
-    pub gpu: Arc<Gpu>,
-    /// A clock in nanoseconds, to time the CPU reference's passes.
-    pub clock: Option<fn() -> u64>,
-    /// Measures choices.
-    pub measure: Measure,
-    /// Called after every answer, to wake the user interface.
-    pub wake: Arc<dyn Fn() + Send + Sync>,
-}
 
 /// The engine's ends of the channels.
 pub struct Engine {
@@ -197,15 +184,16 @@ impl Server {
     fn reporter(&self, what: &'static str) -> impl FnMut(u64, u64) -> bool + Send + use<> {
         let (outbox, cancel, wake) = (self.outbox.clone(), self.cancel.clone(), self.devices.wake.clone());
         let (served, clock) = (self.served, self.devices.clock);
-        let (mut last, mut told_ns) = (u64::MAX, None);
+        let (mut last, mut reported_ns) = (u64::MAX, None);
         move |done, of| {
             // A hundred reports are enough for a progress bar; without a known end, every hundredth. Each of them has
             // the window drawn: not more often than it can be read.
             let mark = done.saturating_mul(100).checked_div(of).unwrap_or(done / 100);
             let now_ns = clock.map(|clock| clock());
-            let is_soon = now_ns.zip(told_ns).is_some_and(|(now, told): (u64, u64)| now < told + TELL_EVERY_NS);
+            let is_soon =
+                now_ns.zip(reported_ns).is_some_and(|(now, reported): (u64, u64)| now < reported + TELL_EVERY_NS);
             if mark != last && !is_soon {
-                (last, told_ns) = (mark, now_ns);
+                (last, reported_ns) = (mark, now_ns);
                 let _ = outbox.unbounded_send(Update::Progress(what, done, of));
                 wake();
             }
@@ -243,7 +231,7 @@ impl Server {
                 self.arrived().await?;
                 stepped.map(drop).map_err(Trouble::from)
             }
-            Request::RunToWatch { watches, way } => {
+            Request::RunToWatch { watches, direction } => {
                 let mut report = self.reporter("running to a watch");
                 let _moving = Moving::new(&self.moving);
                 let Some(run) = &mut self.run else { return Ok(()) };
@@ -251,7 +239,7 @@ impl Server {
                     run.session.select(x, y);
                 }
                 let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));
-                let fired = run.session.run_to_watch(&watches, way, tell).await;
+                let fired = run.session.run_to_watch(&watches, direction, tell).await;
                 self.arrived().await?;
                 self.say(Update::Fired(fired?));
                 Ok(())
@@ -333,8 +321,4 @@ impl Server {
             }
         }
     }
-}
-
-fn flow(goes_on: bool) -> ControlFlow<()> {
-    if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }

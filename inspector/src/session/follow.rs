@@ -5,6 +5,7 @@ use raystep_kernels::export::trace::{Trace, TraceRow, ray_state};
 
 use super::travel::Guide;
 use super::{OnProgress, Session, go_on};
+use crate::settings::traces_rays;
 
 impl Session {
     /// Follows one ray from the first pass to the last, then returns to the current place. An edit right after a pass
@@ -17,7 +18,7 @@ impl Session {
         let mut guide = Guide::new(progress);
         ray_state(&self.renderer, x, y).await?;
         let here = self.place();
-        if self.renderer.plan().program.course().is_none() {
+        if !traces_rays(self.renderer.plan().program) {
             return Ok(Trace::new(&self.renderer, [x, y], Vec::new()));
         }
         let followed = self.follow_from_start([x, y], &mut guide).await;

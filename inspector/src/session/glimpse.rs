@@ -6,7 +6,7 @@ use raystep_scenes::Scene;
 
 use super::OnProgress;
 use super::copies::{copy_of, fill, stream_copy};
-use super::engine::Devices;
+use super::devices::Devices;
 use super::request::Glimpse;
 use crate::settings::Settings;
 

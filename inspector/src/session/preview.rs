@@ -1,13 +1,11 @@
 //! A quick picture of a scene that is being opened: at a lower resolution, without steps and counters, by the CPU
 //! reference kernels. A window shows it until the run has a picture of its own.
 
-use std::ops::ControlFlow;
-
-use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Accelerator, Device, Options, RenderError, Renderer, Samples, ScheduleKind};
 use raystep_scenes::Scene;
 
+use crate::session::request::flow;
 use crate::settings::Settings;
 
 /// Most pixels along a side.
@@ -38,7 +36,7 @@ impl Preview {
         mut goes_on: impl FnMut() -> bool + Send,
     ) -> Result<Option<Self>, RenderError> {
         let triangles = scene.triangles.len();
-        if settings.program != ProgramName::ClosestHit || settings.ray.is_some() || triangles > MOST_TRIANGLES {
+        if !settings.traces_rays() || settings.ray.is_some() || triangles > MOST_TRIANGLES {
             return Ok(None);
         }
         let settings = Settings { size: reduced(settings.size), samples: Samples::default(), ..settings.clone() };
@@ -56,7 +54,7 @@ impl Preview {
             ..settings.options(scene)
         };
         let mut renderer = Renderer::new(scene, &options, &Device::Cpu(None)).await?;
-        let flow = |_: &_| if goes_on() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let flow = |_: &_| flow(goes_on());
         match renderer.run(flow).await {
             Err(RenderError::Cancelled { .. }) => return Ok(None),
             result => result?,
@@ -74,6 +72,7 @@ fn reduced(size: [u32; 2]) -> [u32; 2] {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::options::ProgramName;
     use raystep_scenes::generate;
 
     use super::*;
@@ -92,7 +91,7 @@ mod tests {
         let scene = generate::cornell_box();
         let image = pollster::block_on(async {
             let mut renderer = Renderer::new(&scene, &settings.options(&scene), &Device::Cpu(None)).await?;
-            renderer.run(|_| ControlFlow::Continue(())).await?;
+            renderer.run(|_| flow(true)).await?;
             renderer.image().await
         });
         assert_eq!((shown.size, shown.rgb), ([32, 24], image.expect("an image").to_srgb8()));

@@ -1,5 +1,6 @@
 //! Requests to an engine, and its answers.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use raystep_kernels::export::trace::Trace;
@@ -10,7 +11,7 @@ use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::measure::Measure;
-use super::{Edit, Fired, Sketch, Target, Watch, Way};
+use super::{Direction, Edit, Fired, Sketch, Target, Watch};
 use crate::settings::Settings;
 
 /// Reads a scene; the error is one line.
@@ -52,7 +53,7 @@ pub enum Request {
         /// The watches.
         watches: Vec<Watch>,
         /// The direction.
-        way: Way,
+        direction: Direction,
     },
     /// Edits a component of a ray's texel at the current place: stream, layer, pixel, bits.
     Edit(Stream, usize, [u32; 2], u32),
@@ -89,6 +90,29 @@ pub type Job = Box<dyn for<'a> FnOnce(JobContext<'a>) -> JobFuture<'a> + Send>;
 /// The future of a [`Job`]: its answer, or an error.
 pub type JobFuture<'a> =
     std::pin::Pin<Box<dyn Future<Output = Result<Box<dyn std::any::Any + Send>, String>> + Send + 'a>>;
+
+/// A [`Job`]: a pattern for its context, and what it does.
+macro_rules! job {
+    ($context:pat, $work:block) => {
+        Box::new(move |$context: $crate::session::request::JobContext<'_>| -> $crate::session::request::JobFuture<'_> {
+            Box::pin(async move { $work })
+        })
+    };
+}
+pub(crate) use job;
+
+/// The answer of a [`Job`].
+///
+/// # Errors
+/// None: it is the job's last line.
+pub fn answered(answer: impl std::any::Any + Send) -> Result<Box<dyn std::any::Any + Send>, String> {
+    Ok(Box::new(answer))
+}
+
+/// Whether to go on, for what reports progress.
+pub fn flow(goes_on: bool) -> ControlFlow<()> {
+    if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+}
 
 /// The context of a [`Job`].
 pub struct JobContext<'a> {

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use raystep_kernels::{Progress, RenderError};
 
 use super::{OnProgress, Session};
+use crate::settings::traces_rays;
 
 /// Reports progress, and may stop the run.
 pub(super) struct Guide<'a> {
@@ -114,7 +115,7 @@ impl Session {
 
     /// Whether all hits are known and only the last passes are missing.
     fn is_before_end(&self) -> bool {
-        self.renderer.plan().program.course().is_some()
+        traces_rays(self.renderer.plan().program)
             && self.renderer.next_kernel().is_some()
             && is_decided(&self.renderer.progress())
     }

@@ -57,7 +57,7 @@ impl Watch {
 
 /// The direction to run in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum Direction {
     /// To the next place at which a watch fires.
     Forward,
     /// To the last place before this one at which a watch fired.
@@ -88,7 +88,7 @@ impl Session {
     pub async fn run_to_watch(
         &mut self,
         watches: &[Watch],
-        way: Way,
+        direction: Direction,
         progress: &mut OnProgress<'_>,
     ) -> Result<Option<Fired>, RenderError> {
         let mut guide = Guide::new(progress);
@@ -96,7 +96,7 @@ impl Session {
             return Ok(None);
         }
         let here = self.place();
-        if way == Way::Forward {
+        if direction == Direction::Forward {
             return self.last_fired(watches, [here, usize::MAX], true, &mut guide).await;
         }
         // From checkpoint to checkpoint, the last first, to run as few passes as possible.

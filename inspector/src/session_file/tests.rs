@@ -127,7 +127,7 @@ fn a_layout_that_would_not_end_is_refused() {
              {linear}}}}}, \"2\": {{\"Pane\": {{\"kind\": \"Log\"}}}}}}, \"invisible\": []}}, \"height\": 1.0, \"width\": 1.0}}"
         )
     };
-    assert_eq!(layout::read(&layout("2", "")).map(|tree| tree.tiles.len()), Ok(2));
+    assert_eq!(layout::read::<layout::SavedPane>(&layout("2", "")).map(|tree| tree.tiles.len()), Ok(2));
     for (children, shares, wanted) in [
         ("1", "", "tile 1 is there twice"),
         ("2, 2", "", "tile 2 is there twice"),
@@ -135,7 +135,7 @@ fn a_layout_that_would_not_end_is_refused() {
         ("2", "\"2\": -1.0", "shares of tile 1"),
         ("2", "\"2\": 1e30", "shares of tile 1"),
     ] {
-        let error = layout::read(&layout(children, shares)).map(|_| ()).expect_err(wanted);
+        let error = layout::read::<layout::SavedPane>(&layout(children, shares)).map(|_| ()).expect_err(wanted);
         assert!(error.contains(wanted), "{wanted}: {error}");
     }
 }

@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn attributes_are_no_part_of_a_line() {
+    fn attributes_are_not_part_of_what_a_line_decides() {
         assert_eq!(decided("    @if(a && !(b || c)) let x = 1;"), "let x = 1;");
         assert_eq!(decided("@else @if(d) return (y);"), "return (y);");
         assert_eq!(decided("@if(a)"), "");

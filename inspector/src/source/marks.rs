@@ -27,7 +27,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_several_arms_all_but_the_first_that_holds_are_left_out() {
+    fn only_the_first_branch_of_a_conditional_that_holds_is_kept() {
         let text = "@if(grid) const A = 1u;\n@else @if(bvh) const A = 2u;\n@else const A = 3u;\n\
                     fn setup() {\n    @if(grid) x();\n    @else @if(bvh) y();\n    @else z();\n}\n";
         for (grid, bvh, kept) in [(true, true, 0), (true, false, 0), (false, true, 1), (false, false, 2)] {

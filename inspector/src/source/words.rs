@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_have_their_classes() {
+    fn words_of_wgsl_have_their_classes() {
         let cases = [
             ("let", Class::Keyword),
             ("vec3f", Class::Type),
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn any_text_is_cut() {
+    fn any_text_is_split_into_words_without_a_rest() {
         for text in ["", "@", "@if(", "/*", "/* /*", "1.", "0x", "1e-", "深(", "a\u{0}b", "}}{{((", "*/", "\"'\\"] {
             let end = words(text).last().map_or(0, |w| w.range.end);
             assert_eq!(end, text.len(), "{text}");

@@ -1,9 +1,12 @@
 //! Pictures drawn on the GPU and shown by egui.
 
+use crate::exports::Export;
+use crate::session::request::{Job, answered, job};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::mutex::{Mutex, RwLock};
+use egui::{Color32, Pos2, Rect, Ui, pos2};
 use raystep_kernels::{Gpu, Stream};
 
 use crate::draw::picture::picture;
@@ -56,7 +59,23 @@ struct Kept {
     id: egui::TextureId,
 }
 
+/// All of a texture, in its own coordinates.
+pub const WHOLE: Rect = Rect { min: Pos2::ZERO, max: pos2(1.0, 1.0) };
+
 impl Picture {
+    /// The pixels of a rectangle on the screen.
+    #[must_use]
+    pub fn pixels(ui: &Ui, rect: Rect) -> [u32; 2] {
+        [rect.width(), rect.height()].map(|side| (side * ui.pixels_per_point()).round().max(1.0) as u32)
+    }
+
+    /// Shows it, once it was drawn.
+    pub fn show(&self, ui: &Ui, rect: Rect) {
+        if let Some(id) = self.id() {
+            ui.painter().image(id, rect, WHOLE, Color32::WHITE);
+        }
+    }
+
     /// The view to draw into, of exactly this many pixels, if it is to show something else than before, or is new and
     /// thus empty.
     pub fn target(&mut self, canvas: &Arc<Canvas>, size: [u32; 2], is_changed: bool) -> Option<&wgpu::TextureView> {
@@ -141,4 +160,20 @@ impl Still {
     pub fn of(&self, stream: Stream) -> Option<(Moment, &wgpu::Texture)> {
         self.kept.as_ref().filter(|(_, s, _)| *s == stream).map(|(moment, _, texture)| (*moment, texture))
     }
+}
+
+/// Reads an image back, and writes it as PNG.
+pub(super) fn png(canvas: &Canvas, texture: &wgpu::Texture, name: String) -> Job {
+    let (gpu, texture) = (canvas.gpu.clone(), texture.clone());
+    job!(_, {
+        let texels = gpu.read_rgba8(&texture).await.map_err(|e| e.to_string())?;
+        let image = image::RgbaImage::from_raw(texture.width(), texture.height(), texels);
+        let image = image.ok_or("the image was returned in another size")?;
+        let mut bytes = Vec::new();
+        let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+        image.write_with_encoder(encoder).map_err(|e| e.to_string())?;
+        let holds = format!("an image of {} x {} pixels", texture.width(), texture.height());
+        let export = Export { name: name.replace(' ', "-"), extension: "png", bytes, holds };
+        answered(export)
+    })
 }

@@ -2,8 +2,8 @@
 
 use egui::{Key, KeyboardShortcut};
 
-use super::command::{COMMANDS, Command, CommandInfo};
-use super::panels::table;
+use crate::command::{COMMANDS, Command, CommandInfo};
+use crate::ui::panels::table;
 
 /// Which keys the item with keyboard focus keeps for itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! The preview of a scene that is being opened: shown in place of a stream, as what it is, until the run has a picture.
 
-use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, Ui, pos2, vec2};
+use super::canvas::WHOLE;
+use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, Ui, vec2};
 
-use super::Inspector;
 use crate::session::preview::Preview;
 use crate::session::{Model, Work};
 
@@ -11,25 +11,13 @@ pub(super) struct PreviewTexture {
     texture: TextureHandle,
 }
 
-impl Inspector {
-    /// A preview has arrived: it is of use as long as its scene is being opened.
-    pub(super) fn show_preview(&mut self, ctx: &egui::Context, path: &str, preview: &Preview) {
-        if self.opening.as_deref() == Some(path) {
-            let image = ColorImage::from_rgb(preview.size.map(|side| side as usize), &preview.rgb);
-            self.shared.preview =
-                Some(PreviewTexture { texture: ctx.load_texture("preview", image, TextureOptions::LINEAR) });
-        }
-    }
-
-    /// Once the run is at its first place, or has failed, streams are shown.
-    pub(super) fn drop_preview(&mut self) {
-        if !self.model.is_busy() {
-            (self.opening, self.shared.preview) = (None, None);
-        }
-    }
-}
-
 impl PreviewTexture {
+    /// Of a preview.
+    pub(super) fn new(ctx: &egui::Context, preview: &Preview) -> Self {
+        let image = ColorImage::from_rgb(preview.size.map(|side| side as usize), &preview.rgb);
+        Self { texture: ctx.load_texture("preview", image, TextureOptions::LINEAR) }
+    }
+
     /// Shows the picture below a line that says what it is, and how far the run has got.
     pub(super) fn show(&self, ui: &mut Ui, model: &Model) {
         let [width, height] = self.texture.size();
@@ -43,8 +31,7 @@ impl PreviewTexture {
         let side = self.texture.size_vec2();
         let scale = (rect.width() / side.x).min(rect.height() / side.y);
         let picture = Rect::from_center_size(rect.center(), side * scale);
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().image(self.texture.id(), picture, whole, Color32::WHITE);
+        ui.painter().image(self.texture.id(), picture, WHOLE, Color32::WHITE);
         let about = format!("preview of {width} × {height} pixels; the run: {progress}");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &about));
     }

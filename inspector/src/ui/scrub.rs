@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn other_requests_do_not_hold_it_up() {
+    fn scrubbing_goes_on_beside_other_requests() {
         let mut scrub = Scrub::default();
         scrub.go(7);
         assert_eq!(scrub.next(3, 20), Some(7));

@@ -1,8 +1,9 @@
 //! Thumbnails of a stream after passes: of all that were shown, and of some on the way to them.
 
+use super::canvas::WHOLE;
 use std::sync::Arc;
 
-use egui::{Align2, Color32, FontId, Rect, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Rect, Ui, vec2};
 use raystep_kernels::Stream;
 use raystep_lab::text::counted;
 
@@ -41,9 +42,8 @@ impl Thumb {
 
     /// Paints it.
     pub fn paint(&self, painter: &egui::Painter, rect: Rect, tint: Color32) {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         if let Some(id) = self.picture.id() {
-            painter.image(id, rect, whole, tint);
+            painter.image(id, rect, WHOLE, tint);
         }
     }
 }
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_are_never_too_many_and_they_lie_evenly() {
+    fn thumbnails_are_limited_and_evenly_spaced() {
         let mut places: Vec<(usize, bool)> = Vec::new();
         for place in 0..1000 {
             places.push((place, true));

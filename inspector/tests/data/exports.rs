@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use raystep_inspector::exports::{self, Export};
-use raystep_inspector::link::Link;
 use raystep_kernels::export::Recorded;
 use raystep_kernels::export::csv::{COLUMNS, RunContext, Timer};
 use raystep_kernels::export::trace::{Rays, trace};
@@ -47,7 +46,8 @@ fn named(export: &Export) -> String {
 #[test]
 fn exports_are_the_command_lines_formats() {
     let (run, mut renderer) = run();
-    let life = pollster::block_on(trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(()))).expect("a ray");
+    let history =
+        pollster::block_on(trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(()))).expect("a ray");
     let passes = renderer.passes();
     let recorded = Recorded::of(&run, &renderer, &[]);
 
@@ -71,14 +71,11 @@ fn exports_are_the_command_lines_formats() {
     let exr = exports::stream_exr(&hit, None).expect("EXR");
     assert_eq!((named(&exr).as_str(), &exr.bytes[..4]), ("start.hit.exr", &[0x76, 0x2f, 0x31, 0x01][..]));
 
-    let json = exports::life_json(&life).expect("JSON");
+    let json = exports::ray_json(&history).expect("JSON");
     assert_eq!(named(&json), "ray-3-4.json");
     let json: serde_json::Value = serde_json::from_slice(&json.bytes).expect("JSON");
-    let csv = exports::life_csv(&life).expect("CSV");
+    let csv = exports::ray_csv(&history).expect("CSV");
     let mut reader = csv::Reader::from_reader(csv.bytes.as_slice());
-    assert_eq!(reader.records().count(), life.rows.len());
-    assert_eq!(json["rows"].as_array().map(Vec::len), Some(life.rows.len()));
-
-    let link = exports::link_text(&Link { scene: Some("a.glb".into()), ..Link::default() });
-    assert_eq!((named(&link).as_str(), link.bytes.as_slice()), ("link.txt", &b"raystep:1?scene=a.glb\n"[..]));
+    assert_eq!(reader.records().count(), history.rows.len());
+    assert_eq!(json["rows"].as_array().map(Vec::len), Some(history.rows.len()));
 }

@@ -2,10 +2,9 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT};
 use raystep_kernels::{Pass, ScheduleKind};
@@ -58,7 +57,7 @@ fn the_rays_that_took_a_branch_are_those_that_left_the_state() {
         // To a pass of this ray in which some lists have ended, and others have not.
         for _ in 0..40 {
             let model = stage.harness.state().model();
-            let has_row = model.life.as_ref().is_some_and(|l| l.rows.iter().any(|r| r.place() == Some(model.place)));
+            let has_row = model.history.as_ref().is_some_and(|l| l.rows.iter().any(|r| r.place() == Some(model.place)));
             let some = model.last_pass().filter(|pass| has_row && pass.kernel == kernels::INTERSECT);
             if some.is_some_and(|pass| (1..pass.rays_in).contains(&staying(pass))) {
                 break;

@@ -3,11 +3,10 @@
 use std::time::{Duration, Instant};
 
 use egui::{Key, Modifiers, Role};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::session::measure::on_its_device;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::GridSize;
 
 use crate::ui::desk::{CORNELL, TRIANGLE};

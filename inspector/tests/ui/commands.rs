@@ -8,10 +8,9 @@ use std::collections::HashSet;
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::command::{COMMANDS, Command, CommandInfo, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::{COMMANDS, Command, CommandInfo};
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::Kernel;
 
 use crate::ui::desk::CORNELL;

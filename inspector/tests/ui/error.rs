@@ -2,10 +2,9 @@
 
 use egui::{Role, pos2};
 use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::{GridSize, Numerics, ScheduleKind};
 
 use crate::ui::desk::CORNELL;

@@ -3,10 +3,9 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use egui::{Key, Modifiers, Role};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::{AdapterChoice, Gpu};
 
 use crate::ui::adapter::block_on;
@@ -42,7 +41,7 @@ fn says(stage: &Stage, text: &str) {
 }
 
 #[test]
-fn passes_end_here_only_where_that_is_chosen() {
+fn passes_are_exported_up_to_here_only_if_that_is_chosen() {
     let mut stage = stage();
     stage.perform(Command::Export);
     stage.frames(2);
@@ -106,9 +105,9 @@ fn passes_have_what_each_of_them_counted_and_the_clocks() {
 #[test]
 fn the_rays_rows_are_counted_and_predicted_ones_are_said() {
     let mut stage = stage();
-    let life = stage.inspector().model().life.clone().expect("a history");
-    let here = life.rows.iter().filter(|row| row.is_within(PLACE)).count();
-    let all = life.rows.len();
+    let history = stage.inspector().model().history.clone().expect("a history");
+    let here = history.rows.iter().filter(|row| row.is_within(PLACE)).count();
+    let all = history.rows.len();
     assert!(0 < here && here < all);
     stage.perform(Command::ExportRay);
     says(&stage, &format!("{all} rows ({} of them predicted) written to", all - here));

@@ -1,10 +1,9 @@
 //! Errors, and unusual sizes of windows and scenes: a clear message, and no panic.
 
 use egui::{Key, Modifiers, Rect, Vec2};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::adapter::own_gpu;
 use crate::ui::desk::{BROKEN, CORNELL, EMPTY, TRIANGLE};
@@ -68,8 +67,8 @@ fn a_scene_of_one_triangle() {
 fn hits(stage: &mut Stage, pixel: &str) -> Option<u32> {
     stage.perform(Command::GoToPixel);
     stage.answer(pixel);
-    let life = stage.inspector().model().life.clone().expect("a life");
-    life.rows.last().expect("a pass").after.triangle
+    let history = stage.inspector().model().history.clone().expect("a history");
+    history.rows.last().expect("a pass").after.triangle
 }
 
 #[test]

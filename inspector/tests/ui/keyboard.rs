@@ -6,10 +6,9 @@ use egui::accessibility::is_input;
 use egui::{Key, Modifiers, Rect, Role, Shape};
 use egui_kittest::Node;
 use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::readable::contrast;
@@ -370,8 +369,8 @@ fn the_three_uses_need_no_scrolling() {
     let picture = in_view(&stage, window, Role::Image, |name| name.starts_with("state after 20 passes"));
     assert!(picture.width().min(picture.height()) > 300.0, "{picture:?}");
     // A pixel's walk: the reason of the current row, and the walk itself.
-    let life = stage.inspector().model().life.clone().expect("a life");
-    let row = life.rows.iter().rev().find(|row| row.is_within(20)).expect("a row");
+    let history = stage.inspector().model().history.clone().expect("a history");
+    let row = history.rows.iter().rev().find(|row| row.is_within(20)).expect("a row");
     in_view(&stage, window, Role::Label, |text| text.starts_with(&format!("pass {}, {}: ", row.number(), row.kernel)));
     let walk = in_view(&stage, window, Role::Image, |name| name.contains("visited"));
     assert!(walk.height() > 140.0, "{walk:?}");

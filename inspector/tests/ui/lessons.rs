@@ -6,13 +6,12 @@ mod asking;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use egui::{Key, Modifiers, Role, Vec2};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::lesson::Lesson;
 use raystep_inspector::lesson::built_in::LESSONS;
-use raystep_inspector::lesson::command::WORDS;
 use raystep_inspector::lesson::fact::{FACTS, FIELDS};
+use raystep_inspector::lesson::words::WORDS;
 use raystep_inspector::settings::{DeviceKind, Settings};
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_inspector::ui::{Arrival, CheckedStep};
 use raystep_kernels::{AdapterChoice, Gpu};
 

@@ -1,9 +1,8 @@
 //! Kernels as fragment programs: their streams are drawn where they are, and their draws are timed.
 
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Update};
 use raystep_kernels::programs::closest_hit::streams::{COUNTERS, HIT, STATE, TMAX};
 use raystep_kernels::{Numerics, ScheduleKind};

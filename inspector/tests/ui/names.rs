@@ -5,10 +5,9 @@ use std::collections::HashSet;
 use egui::accessibility::is_input;
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::command::{Command, Menu, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::{Command, Menu};
-use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::Stage;

@@ -2,10 +2,10 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::command::PaneKind;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::host::HostEvent;
-use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};
@@ -59,11 +59,12 @@ fn at_first_there_are_the_picture_and_the_walk_and_history_of_a_ray_above_the_pa
     assert_eq!(panes, [PaneKind::Stream, PaneKind::Ray, PaneKind::Walk2d, PaneKind::Timeline]);
     let area = |kind| stage.harness.state().rect_of(kind).expect("in view").area();
     assert!(area(PaneKind::Stream) > 2.0 * area(PaneKind::Timeline));
-    let life = stage.harness.state().model().life.clone().expect("a history");
+    let history = stage.harness.state().model().history.clone().expect("a history");
     assert!(
-        life.rows.iter().any(|row| row.tested.is_some()) && life.rows.last().is_some_and(|row| row.after.t.is_some())
+        history.rows.iter().any(|row| row.tested.is_some())
+            && history.rows.last().is_some_and(|row| row.after.t.is_some())
     );
-    assert!(stage.paints("scene units") && stage.reads(&format!("pixel {},{}", life.pixel[0], life.pixel[1])));
+    assert!(stage.paints("scene units") && stage.reads(&format!("pixel {},{}", history.pixel[0], history.pixel[1])));
 }
 
 #[test]

@@ -7,10 +7,9 @@ mod overlap;
 use std::collections::HashSet;
 
 use egui::{Role, Theme};
+use raystep_inspector::command::{Command, Menu, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::{Command, Menu};
-use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};

@@ -1,10 +1,9 @@
 //! Drawing only what differs from the last frame gives the same window, bit for bit, as drawing all of it.
 
 use egui::{Key, Modifiers};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};

@@ -1,12 +1,11 @@
 //! Kept runs: bit for bit those of other runs, flipped through, compared and measured.
 
 use egui::{Key, Modifiers, Role};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::runs::differ::{Aspect, differences};
 use raystep_inspector::session::go_on;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_inspector::{Session, Target};
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Device, Numerics, ScheduleKind};

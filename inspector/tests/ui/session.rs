@@ -3,9 +3,8 @@
 use std::ops::ControlFlow;
 
 use egui::{Key, Modifiers, Role, vec2};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::Settings;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 use raystep_kernels::export::trace::{Rays, Trace, trace};
 use raystep_kernels::{Accelerator, Device, Renderer};
@@ -21,7 +20,7 @@ fn pixel(side: u32) -> [u32; 2] {
 }
 
 /// The history of one ray in a separate run.
-fn life(settings: &Settings) -> Trace {
+fn history(settings: &Settings) -> Trace {
     let (gpu, scene) = (gpu(), cornell_box());
     let device = Device::Gpu(gpu.clone());
     let options = settings.options(&scene);
@@ -79,8 +78,8 @@ fn go_on(mut stage: Stage, settings: Settings) {
     stage.click_at(rect.center() + texel * scale);
     stage.settle();
     assert_eq!(stage.inspector().pixel(), Some(pixel));
-    let shown = stage.inspector().model().life.clone().expect("a life");
-    let expected = life(&settings);
+    let shown = stage.inspector().model().history.clone().expect("a history");
+    let expected = history(&settings);
     assert!(expected.rows.len() > 10, "{}", expected.rows.len());
     assert_eq!(shown.rows, expected.rows);
     assert_eq!(*shown, expected);
@@ -98,7 +97,7 @@ fn go_on(mut stage: Stage, settings: Settings) {
     // Compare with the BVH: the same ray there, and the same image.
     stage.key(Modifiers::COMMAND, Key::B);
     stage.settle();
-    let tree = life(&Settings { accelerator: Accelerator::Bvh, ..settings });
+    let tree = history(&Settings { accelerator: Accelerator::Bvh, ..settings });
     let hit = tree.rows.last().and_then(|row| row.after.triangle.zip(row.after.t)).expect("a hit");
     let line = format!("B: ray {},{}: ", pixel[0], pixel[1]);
     let end = format!(

@@ -1,12 +1,11 @@
 //! Sessions as files: saved, opened again, and refused as a whole if they are broken.
 
 use egui::{Key, Modifiers, Role};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::link::Link;
 use raystep_inspector::session_file::SessionFile;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::Accelerator;
 use raystep_lab::Hash;
 

@@ -4,10 +4,9 @@
 //! counts, so that snapshots contain neither durations nor the adapter's name.
 
 use egui::Theme;
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};

@@ -2,10 +2,9 @@
 
 use egui::{Event, Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::programs::closest_hit::streams;
 
 use crate::ui::desk::CORNELL;
@@ -157,11 +156,11 @@ fn the_reason_is_in_view_however_narrow_the_panel_is() {
 #[test]
 fn units_are_the_same_in_head_and_rows() {
     let mut stage = stage([1280.0, 700.0], &[PaneKind::Ray]);
-    let life = stage.inspector().model().life.clone().expect("a history");
-    let last = life.rows.last().expect("a row").after;
+    let history = stage.inspector().model().history.clone().expect("a history");
+    let last = history.rows.last().expect("a row").after;
     let t = f64::from(last.t.expect("a hit"));
-    assert_ne!(life.t_scale, 1.0, "the box is larger than a traced unit");
-    for (unit, scale) in [("traced units", 1.0), ("scene units", life.t_scale)] {
+    assert_ne!(history.t_scale, 1.0, "the box is larger than a traced unit");
+    for (unit, scale) in [("traced units", 1.0), ("scene units", history.t_scale)] {
         stage.click(Role::Button, unit);
         stage.settle();
         let digits = |decimals: usize| format!("{:.decimals$}", t * scale);
@@ -186,7 +185,7 @@ fn the_range_of_colours_is_in_the_units_that_are_chosen() {
         assert!(stage.painted().iter().any(|text| text.ends_with(&legend)), "{:?}", stage.painted());
         ["from", "to"].map(|end| stage.number(end))
     });
-    let scale = stage.inspector().model().life.as_ref().expect("a history").t_scale;
+    let scale = stage.inspector().model().history.as_ref().expect("a history").t_scale;
     for (traced, scene) in traced.into_iter().zip(scene) {
         // Fields have four decimals.
         assert!(traced > 0.1 && (scene - scale * traced).abs() <= 1e-4 * scale, "{traced} {scene} {scale}");

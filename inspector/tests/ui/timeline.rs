@@ -3,10 +3,9 @@
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, pos2};
 use egui_kittest::kittest::NodeT as _;
 use image::RgbaImage;
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};
@@ -191,8 +190,8 @@ fn an_event_of_the_ray_is_named_and_a_click_goes_there() {
     s.click_at(pos2(x, lane));
     s.settle();
     let place = s.place();
-    let life = s.harness.state().model().life.clone().expect("a life");
-    let row = life.rows.iter().find(|row| row.place() == Some(place)).expect("a pass of the ray");
+    let history = s.harness.state().model().history.clone().expect("a history");
+    let row = history.rows.iter().find(|row| row.place() == Some(place)).expect("a pass of the ray");
     assert!(row.tested.is_some() && text.ends_with(&row.why), "{text}: {}", row.why);
 }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use egui::{Event, Key, Modifiers, PointerButton, Role, pos2, vec2};
+use raystep_inspector::command::Command;
 use raystep_inspector::settings::{DeviceKind, Settings, View};
-use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::{Arrival, Inspector};
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_scenes::generate::cornell_box;
@@ -41,8 +41,8 @@ fn the_ray_under_the_cursor_is_told_without_a_click() {
     // Clicking it tells the same history.
     stage.click_at(picture.center() + vec2(60.0, 90.0));
     stage.settle();
-    let life = stage.inspector().model().life.clone().expect("a history");
-    assert_eq!(format!("{:?}", life.rows), format!("{:?}", glanced.rows));
+    let history = stage.inspector().model().history.clone().expect("a history");
+    assert_eq!(format!("{:?}", history.rows), format!("{:?}", glanced.rows));
     assert!(stage.inspector().model().glanced().is_none(), "the cursor has left");
 }
 
@@ -108,7 +108,7 @@ fn while_the_camera_turns_there_is_a_coarse_picture_and_then_the_true_one() {
     let glimpse = model.glimpse.as_ref().expect("a glimpse");
     assert_eq!(glimpse.stream, streams::COLOR);
     assert!(glimpse.texture.width() < 64, "{}", glimpse.texture.width());
-    assert!(model.is_complete && model.life.is_some(), "the run before stays");
+    assert!(model.is_complete && model.history.is_some(), "the run before stays");
     let generation = model.generation;
     press(&mut stage, at, false);
     stage.event(Event::PointerGone);

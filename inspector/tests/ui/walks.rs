@@ -1,10 +1,9 @@
 //! The walk of a ray, in 3D and unfolded: its camera, what a click picks, and the same ray through two structures.
 
 use egui::{Key, Modifiers, Pos2, Role, pos2};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_inspector::walk::WalkGeometry;
 use raystep_kernels::Accelerator;
 
@@ -28,8 +27,8 @@ fn enlarge(stage: &mut Stage) {
 
 fn walk(stage: &Stage) -> WalkGeometry {
     let model = stage.harness.state().model();
-    let (life, opened) = (model.life.as_ref().expect("a ray"), model.opened.as_ref().expect("a run"));
-    WalkGeometry::new(life, &opened.data, usize::MAX)
+    let (history, opened) = (model.history.as_ref().expect("a ray"), model.opened.as_ref().expect("a run"));
+    WalkGeometry::new(history, &opened.data, usize::MAX)
 }
 
 /// The middle of a cell of the unfolded walk, as it is drawn with cells of equal width.
@@ -47,7 +46,7 @@ fn a_click_on_a_cell_goes_to_its_pass_and_every_panel_shows_it_until_escape() {
     let walk = walk(&stage);
     let visit = walk.cells[2];
     let [x, y, z] = visit.cell;
-    let place = stage.harness.state().model().life.as_ref().expect("a ray").rows[visit.row].place();
+    let place = stage.harness.state().model().history.as_ref().expect("a ray").rows[visit.row].place();
     assert_ne!(Some(stage.place()), place);
     let at = cell_at(&stage, 2, walk.cells.len());
     stage.click_at(at);
@@ -151,7 +150,7 @@ fn the_walk_through_the_other_structure_is_shown_without_a_second_run_and_with_o
     // The drawing has both.
     stage.perform(Command::ExportWalk);
     let file = stage.desk.lock().expect("not poisoned").saved.pop().expect("a file");
-    assert!(String::from_utf8(file.bytes).expect("text").contains("The same ray through the bvh"));
+    assert!(String::from_utf8(file.bytes).expect("text").contains("B bvh: "));
     stage.perform(Command::Compare);
     stage.perform(Command::Show(PaneKind::Walk2d));
     stage.settle();

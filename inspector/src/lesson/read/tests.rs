@@ -1,7 +1,6 @@
 use super::*;
+use crate::command::{Command, PaneKind};
 use crate::lesson::{Condition, Expect, Goal, Operand};
-use crate::ui::command::Command;
-use crate::ui::pane::PaneKind;
 
 /// A lesson with these commands in its only step, after one that opens a scene (line 5).
 fn with(commands: &str) -> Result<Lesson, LessonError> {

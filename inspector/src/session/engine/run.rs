@@ -1,5 +1,6 @@
 //! The parts of requests that concern a run's device: opening, where it is, reading, and confirming a ray.
 
+use crate::session::request::flow;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -12,9 +13,9 @@ use super::super::confirm::Confirming;
 use super::super::copies::{bit, copy_of, fill, textures};
 use super::super::glimpse::Glimpses;
 use super::super::request::{At, Opened, Texels, Update};
-use super::super::sketch::Sketcher;
+use super::super::sketcher::Sketcher;
 use super::super::{Session, Target};
-use super::{GLIMPSING, Moving, Run, Server, Trouble, flow};
+use super::{GLIMPSING, Moving, Run, Server, Trouble};
 use crate::settings::Settings;
 
 impl Server {

@@ -12,6 +12,7 @@ use raystep_kernels::{Kernel, RenderError, Renderer, Stream, StreamData};
 use raystep_lab::text::counted;
 
 use super::{Fired, Watch};
+use crate::settings::traces_rays;
 
 /// The data that watches examine at a place of a run.
 pub(super) struct Look {
@@ -145,9 +146,9 @@ fn own_streams(renderer: &Renderer) -> Vec<Stream> {
     plan.streams.iter().map(|planned| planned.what).filter(is_own).collect()
 }
 
-/// Texels of `state` and `hit`; in a program without states all texels of the element, one after the other.
+/// Texels of `state` and `hit`; in a program without rays all texels of the element, one after the other.
 async fn ray_texels(renderer: &Renderer, [x, y]: [u32; 2]) -> Result<[Vec<u32>; 2], RenderError> {
-    if renderer.plan().program.course().is_none() {
+    if !traces_rays(renderer.plan().program) {
         return Ok([renderer.texels(&own_streams(renderer), x, y).await?.concat(), Vec::new()]);
     }
     let mut texels = renderer.texels(&[streams::STATE, streams::HIT], x, y).await?.into_iter();
@@ -210,7 +211,7 @@ fn texel_change(renderer: &Renderer, before: &[u32], now: &[u32]) -> Option<Stri
 fn ray_change(renderer: &Renderer, watch: Watch, before: &[Vec<u32>; 2], now: &[Vec<u32>; 2]) -> Option<String> {
     let [(state_before, hit_before), (state_now, hit_now)] = [before, now].map(|[state, hit]| (state, hit));
     let both = |layer: usize| Some((*state_before.get(layer)?, *state_now.get(layer)?));
-    if renderer.plan().program.course().is_none() {
+    if !traces_rays(renderer.plan().program) {
         return if watch == Watch::RayState { texel_change(renderer, state_before, state_now) } else { None };
     }
     match watch {

@@ -2,9 +2,8 @@
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 
+use crate::command::{Command, PaneKind};
 use crate::ui::Inspector;
-use crate::ui::command::Command;
-use crate::ui::pane::PaneKind;
 
 /// The name of the row that others are compared with.
 pub(super) const REPAINTS: &str = "two idle repaints";
@@ -158,7 +157,7 @@ fn is_there(inspector: &Inspector, _: &Before) -> bool {
 /// Another ray is selected, and its history is there.
 fn ray(inspector: &Inspector, was: &Before) -> bool {
     let pixel = inspector.pixel();
-    pixel != was.pixel && inspector.model().life.as_ref().map(|life| life.pixel) == pixel
+    pixel != was.pixel && inspector.model().history.as_ref().map(|history| history.pixel) == pixel
 }
 
 fn key(modifiers: Modifiers, key: Key) -> Vec<Event> {

@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_single_one_is_seen_beside_a_million() {
+    fn a_bar_of_one_is_visible_beside_a_bar_of_a_million() {
         assert_eq!((log_height(0, 1_000_000), log_height(1_000_000, 1_000_000), log_height(1, 1)), (0.0, 1.0, 1.0));
         assert!(log_height(1, 1_000_000) > 0.04);
         assert_eq!(without_zeros(&[0, 3, 0, 0]), [0, 3]);

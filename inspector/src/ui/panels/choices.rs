@@ -1,4 +1,6 @@
 //! The first screen of `raystep report`: which choice is fastest, what it costs, and what it gets wrong.
+//!
+//! Touches: asks.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -13,11 +15,11 @@ use raystep_lab::subject::Subject;
 use raystep_scenes::Scene;
 use serde::{Deserialize, Serialize};
 
+use crate::command::Command;
 use crate::session::Model;
 use crate::session::measure::Measurement;
-use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::request::{Job, JobContext, Request, answered, job};
 use crate::settings::{DeviceKind, View};
-use crate::ui::command::Command;
 use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::ui::picture;
@@ -90,69 +92,63 @@ pub(in crate::ui) struct Choices {
 }
 
 /// Passes progress on to the engine, and its wish to stop back.
-struct Teller<'a>(Mutex<Told<'a>>);
+struct Teller<'a>(Mutex<Progress<'a>>);
 
-struct Told<'a> {
+struct Progress<'a> {
     tell: &'a mut (dyn FnMut(u64, u64) -> bool + Send),
     /// What was last told: runs done, of all.
     last: (u64, u64),
 }
 
 impl<'a> Teller<'a> {
-    fn told(&self) -> MutexGuard<'_, Told<'a>> {
+    fn lock(&self) -> MutexGuard<'_, Progress<'a>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Reporter for Teller<'_> {
     fn stage(&self, _name: &str) {
-        self.told().last = (0, 0);
+        self.lock().last = (0, 0);
     }
 
     fn part(&self, _what: &str, done: u64, of: u64) {
-        self.told().last = (done, of);
+        self.lock().last = (done, of);
     }
 
     fn note(&self, _text: &str) {}
 
     fn is_cancelled(&self) -> bool {
-        let mut told = self.told();
-        let (done, of) = told.last;
-        !(told.tell)(done, of)
+        let mut progress = self.lock();
+        let (done, of) = progress.last;
+        !(progress.tell)(done, of)
     }
 }
 
 fn job(of: Of, asked: Asked, so_far: SoFar) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { measure, progress, device, .. } = context;
-            let device = match device {
-                Device::CpuF64(clock) => Device::Cpu(clock),
-                device => device,
-            };
-            let Of { scene, view, size, grid, .. } = of.clone();
-            let (camera, scene) = (view.camera(&scene), Scene::clone(&scene));
-            let subject = Subject { scene, camera, hash: Hash::default(), file: String::new() };
-            let time = Duration::from_secs(asked.seconds.into());
-            let extent = Extent { size, grid, is_quick: !asked.is_thorough, time };
-            let known = (of.clone(), so_far);
-            let ready = Arc::new(move |answer: Answer| {
-                let (of, so_far) = &known;
-                *so_far.lock().unwrap_or_else(PoisonError::into_inner) = Some((of.clone(), answer));
-            });
-            let measurement = Measurement { subject, extent, ready, device };
-            let teller = Teller(Mutex::new(Told { tell: progress, last: (0, 0) }));
-            let answer = measure(measurement, &teller).await?;
-            Ok(Box::new((of, answer)) as Box<dyn std::any::Any + Send>)
-        })
+    job!(context, {
+        let JobContext { measure, progress, device, .. } = context;
+        let device = match device {
+            Device::CpuF64(clock) => Device::Cpu(clock),
+            device => device,
+        };
+        let Of { scene, view, size, grid, .. } = of.clone();
+        let (camera, scene) = (view.camera(&scene), Scene::clone(&scene));
+        let subject = Subject { scene, camera, hash: Hash::default(), file: String::new() };
+        let time = Duration::from_secs(asked.seconds.into());
+        let extent = Extent { size, grid, is_quick: !asked.is_thorough, time };
+        let known = (of.clone(), so_far);
+        let ready = Arc::new(move |answer: Answer| {
+            let (of, so_far) = &known;
+            *so_far.lock().unwrap_or_else(PoisonError::into_inner) = Some((of.clone(), answer));
+        });
+        let measurement = Measurement { subject, extent, ready, device };
+        let teller = Teller(Mutex::new(Progress { tell: progress, last: (0, 0) }));
+        let answer = measure(measurement, &teller).await?;
+        answered((of, answer))
     })
 }
 
 impl Panel for Choices {
-    fn title(&self) -> String {
-        "Choices".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let so_far = self.so_far.lock().unwrap_or_else(PoisonError::into_inner).take();
         self.answer = so_far.or(self.answer.take());
@@ -205,7 +201,7 @@ impl Choices {
     fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>, is_same: bool) {
         ui.horizontal_wrapped(|ui| {
             if ui.add_enabled(!cx.model.is_busy(), Button::new("Measure")).on_hover_text(ABOUT).clicked() {
-                cx.todo.push(Command::Measure);
+                cx.asks.commands.push(Command::Measure);
             }
             let asked = &mut self.asked;
             if ui.checkbox(&mut asked.is_thorough, "thorough").on_hover_text(THOROUGH).changed() {
@@ -217,7 +213,7 @@ impl Choices {
                 for (name, bytes) in &answer.files {
                     if ui.button(name).clicked() {
                         let holds = "measured choices".to_owned();
-                        cx.shared.files.push(FileToSave { name: name.clone(), bytes: bytes.clone(), holds });
+                        cx.asks.files.push(FileToSave { name: name.clone(), bytes: bytes.clone(), holds });
                     }
                 }
             });

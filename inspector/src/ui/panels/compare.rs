@@ -1,25 +1,26 @@
 //! Two runs of the same scene side by side: the same stream, the same ray, and the difference.
+//!
+//! Touches: other, selection, asks.
 
 mod counted;
-mod placed;
 mod settings;
 
-use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
+use crate::ui::panels::zoom::{Placed, Zoom};
+use egui::{Color32, ComboBox, Rect, Sense, Stroke, Ui, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::state::States;
 use raystep_kernels::{Stream, StreamData};
 use raystep_lab::text::counted;
 
+use crate::command::Command;
 use crate::draw::stream::{self, Colors, Meaning};
 use crate::session::request::Request;
 use crate::session::{Model, Target};
 use crate::settings::Settings;
 use crate::ui::canvas::{Moment, Picture, Still};
-use crate::ui::command::Command;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use counted::{COUNTING, Counted, Question};
-use placed::Placed;
 use settings::{edit, text_of};
 
 /// What a side shows.
@@ -70,20 +71,16 @@ impl Default for Compare {
 }
 
 impl Panel for Compare {
-    fn title(&self) -> String {
-        "Compare".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if !cx.has_rays() {
             ui.weak(NO_RAYS);
             return;
         }
-        let (model, shared) = (&mut *cx.model, &mut *cx.shared);
+        let (model, selection, asks) = (&mut *cx.model, &mut *cx.selection, &mut *cx.asks);
         let Some(other) = cx.other.as_deref_mut() else {
             ui.weak("a second run of the same scene, beside this one");
             if ui.add_enabled(model.opened.is_some(), egui::Button::new(Command::Compare.name())).clicked() {
-                cx.todo.push(Command::Compare);
+                asks.commands.push(Command::Compare);
             }
             return;
         };
@@ -94,7 +91,7 @@ impl Panel for Compare {
                 ui.label("the second run could not be prepared; see the log");
             }
             if ui.button(Command::EndCompare.name()).clicked() {
-                cx.todo.push(Command::EndCompare);
+                asks.commands.push(Command::EndCompare);
             }
             return;
         };
@@ -106,12 +103,12 @@ impl Panel for Compare {
             if let Some(settings) = edit(ui, &b.settings) {
                 other.ask(Request::Plan(Box::new(settings)));
                 other.ask(Request::Step(Target::End));
-                if let Some(pixel) = shared.pixel {
+                if let Some(pixel) = selection.pixel {
                     other.ask(Request::Follow(pixel));
                 }
             }
             if ui.button("End").on_hover_text(Command::EndCompare.name()).clicked() {
-                cx.todo.push(Command::EndCompare);
+                asks.commands.push(Command::EndCompare);
             }
         });
         ui.horizontal_wrapped(|ui| {
@@ -142,7 +139,7 @@ impl Panel for Compare {
                 let Settings { size, view, ray, .. } = a.settings.clone();
                 other.ask(Request::Plan(Box::new(Settings { size, view, ray, ..b.settings.clone() })));
                 other.ask(Request::Step(Target::End));
-                if let Some(pixel) = shared.pixel {
+                if let Some(pixel) = selection.pixel {
                     other.ask(Request::Follow(pixel));
                 }
             }
@@ -154,7 +151,7 @@ impl Panel for Compare {
                 ui.label(line);
             }
         }
-        lives(ui, model.life.as_deref(), other.life.as_deref());
+        lives(ui, model.history.as_deref(), other.history.as_deref());
         let is_swapped = ui.input(|input| input.modifiers.shift) && ui.rect_contains_pointer(ui.max_rect());
         let gap = 6.0;
         let room = ui.available_size();
@@ -179,15 +176,15 @@ impl Panel for Compare {
                     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
                     let plan = [a.plan.width, a.plan.height];
                     let picture = self.draw(ui, cx.canvas, model, other, shown, i, rect, plan);
-                    let texel = response.hover_pos().and_then(|at| picture.texel(at, plan));
+                    let texel = response.hover_pos().and_then(|at| picture.texel(at));
                     if let Some(texel) = texel {
-                        shared.hovered = Some(texel);
+                        selection.hovered = Some(texel);
                         if response.clicked() {
-                            shared.select = Some(texel);
+                            asks.select = Some(texel);
                         }
                     }
-                    picture.mark(ui, rect, shared.hovered, Color32::from_white_alpha(140));
-                    picture.mark(ui, rect, shared.pixel, Color32::WHITE);
+                    picture.mark(ui, selection.hovered, 7.0, Stroke::new(1.5, Color32::from_white_alpha(140)));
+                    picture.mark(ui, selection.pixel, 7.0, Stroke::new(1.5, Color32::WHITE));
                     let text = format!(
                         "{} of {}",
                         self.stream.name(),
@@ -206,25 +203,25 @@ impl Panel for Compare {
 
 /// The history of the ray in both runs, one line each.
 fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
-    let line = |life: &Trace| {
-        let of = |part: &str| life.rows.iter().filter(|row| row.kernel.starts_with(part)).count();
-        let tests = life.rows.iter().filter(|row| row.tested.is_some()).count();
-        let hit = life.rows.last().and_then(|row| row.after.triangle.zip(row.after.t));
+    let line = |history: &Trace| {
+        let of = |part: &str| history.rows.iter().filter(|row| row.kernel.starts_with(part)).count();
+        let tests = history.rows.iter().filter(|row| row.tested.is_some()).count();
+        let hit = history.rows.last().and_then(|row| row.after.triangle.zip(row.after.t));
         let hit = hit.map_or_else(
             || "hits nothing".into(),
-            |(id, t)| format!("hits triangle {id} at t {} scene units", f64::from(t) * life.t_scale),
+            |(id, t)| format!("hits triangle {id} at t {} scene units", f64::from(t) * history.t_scale),
         );
         format!(
             "{}, {} tested, {}: {hit}",
             counted(of("traverse"), "step"),
             counted(tests, "triangle"),
-            counted(life.rows.len(), "pass")
+            counted(history.rows.len(), "pass")
         )
     };
-    for (name, life) in [("A", a), ("B", b)] {
-        if let Some(life) = life {
-            let [x, y] = life.pixel;
-            ui.small(format!("{name}: ray {x},{y}: {}", line(life)));
+    for (name, history) in [("A", a), ("B", b)] {
+        if let Some(history) = history {
+            let [x, y] = history.pixel;
+            ui.small(format!("{name}: ray {x},{y}: {}", line(history)));
         }
     }
 }
@@ -302,12 +299,10 @@ impl Compare {
         side: Side,
         slot: usize,
         rect: Rect,
-        [width, height]: [u32; 2],
+        plan: [u32; 2],
     ) -> Placed {
-        let points = ui.ctx().pixels_per_point();
-        let scale = (rect.width() / width as f32).min(rect.height() / height as f32).max(1e-3);
-        let origin = rect.center() - vec2(width as f32, height as f32) * (0.5 * scale);
-        let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let placed = Zoom::default().place(rect, plan);
+        let size = Picture::pixels(ui, rect);
         let drawn = Drawn {
             runs: [(model.edition, model.place), (other.edition, other.place)],
             stream: self.stream,
@@ -334,7 +329,6 @@ impl Compare {
             let meaning = Meaning::of(self.stream, Some(self.layer));
             let states = model.opened.as_ref().map_or(States(&[]), |opened| opened.plan.program.states);
 
-            let offset = (origin - rect.min) * points;
             let picture = stream::Picture {
                 stream: self.stream,
                 states,
@@ -345,15 +339,13 @@ impl Compare {
                 range: if is_difference { [-largest, largest] } else { drawn.range },
                 exposure: 1.0,
                 colors: if is_difference { Colors::Diverging } else { Colors::Viridis },
-                offset: [offset.x, offset.y],
-                scale: scale * points,
+                offset: placed.offset(ui),
+                scale: placed.scale * ui.pixels_per_point(),
             };
             canvas.streams.draw(&picture, target);
             self.drawn[slot] = Some(drawn);
         }
-        if let Some(id) = self.pictures[slot].id() {
-            ui.painter().image(id, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
-        }
-        Placed { origin, scale }
+        self.pictures[slot].show(ui, rect);
+        placed
     }
 }

@@ -1,4 +1,6 @@
 //! Where the cost is: every ray's as a heatmap, their distribution, the most expensive rays, and the use of lanes.
+//!
+//! Touches: selection, asks, log.
 
 mod curve;
 mod heat;
@@ -15,9 +17,9 @@ use egui::{ScrollArea, Slider, Ui, vec2};
 use serde::{Deserialize, Serialize};
 
 use super::table::{Table, version};
+use crate::command::{Command, PaneKind};
 use crate::draw::stream::Colors;
-use crate::ui::command::Command;
-use crate::ui::pane::{Context, NO_RAYS, PaneKind, Panel};
+use crate::ui::pane::{Context, NO_RAYS, Panel};
 use heat::{Heat, HeatView};
 use histogram::Histogram;
 use known::Known;
@@ -70,10 +72,6 @@ pub(in crate::ui) struct Cost {
 }
 
 impl Panel for Cost {
-    fn title(&self) -> String {
-        "Cost".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
             ui.weak("Open a scene to see the cost of its rays.");
@@ -131,12 +129,12 @@ impl Panel for Cost {
         self.update(cx);
         let Some(width) = cx.model.opened.as_ref().map(|opened| opened.plan.width) else { return false };
         let Some((_, sorted)) = self.known.shown(cx, &self.look, &self.warps) else {
-            cx.shared.say(false, "rays are not sorted by cost yet: the run needs counters");
+            cx.log.say(false, "rays are not sorted by cost yet: the run needs counters");
             return true;
         };
-        let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width));
+        let selected = cx.selection.pixel.map(|pixel| ray_at(pixel, width));
         if let Some(ray) = step(&sorted.order, selected, is_dearer) {
-            cx.shared.select = Some(pixel_of(ray, width));
+            cx.asks.select = Some(pixel_of(ray, width));
         }
         true
     }
@@ -227,7 +225,7 @@ impl Cost {
         match self.look.section {
             Section::Histogram => {
                 let is_log = self.look.scale.is_log;
-                let selected = cx.shared.pixel.and_then(|pixel| sorted.order.cost(ray_at(pixel, width)));
+                let selected = cx.selection.pixel.and_then(|pixel| sorted.order.cost(ray_at(pixel, width)));
                 let picked = self.bin.map(|(.., bin)| bin);
                 let (spread, scale, unit) = (&sorted.spread, self.look.scale, self.look.shown.unit());
                 let histogram = Histogram { spread, scale, unit, picked, selected };
@@ -267,6 +265,6 @@ fn seen_width(ui: &Ui) -> f32 {
 /// A button that shows the options.
 fn to_options(ui: &mut Ui, cx: &mut Context<'_>) {
     if ui.button("Options").clicked() {
-        cx.todo.push(Command::Show(PaneKind::Options));
+        cx.asks.commands.push(Command::Show(PaneKind::Options));
     }
 }

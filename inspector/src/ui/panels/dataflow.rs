@@ -1,4 +1,6 @@
 //! Kernels, with the streams and buffers that they read and write; the last pass is highlighted.
+//!
+//! Touches: asks.
 
 mod paint;
 
@@ -6,11 +8,12 @@ use egui::{Pos2, Rect, Sense, Ui, Vec2, vec2};
 use raystep_kernels::{Kernel, Plan};
 use raystep_lab::text::counted;
 
-use crate::dataflow::{Access, DataFlow, NodeKind};
+use crate::command::Command;
+use crate::dataflow::{DataFlow, NodeKind};
 use crate::session::Model;
-use crate::ui::command::Command;
 use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, Panel};
+use crate::ui::svg;
 use paint::{LEAST, Paint, access_color};
 
 /// Distance in points within which the cursor selects an edge.
@@ -40,10 +43,6 @@ enum Touched {
 }
 
 impl Panel for Dataflow {
-    fn title(&self) -> String {
-        "Data flow".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
             ui.weak("Open a scene to see its kernels and streams.");
@@ -88,22 +87,37 @@ impl Panel for Dataflow {
             return false;
         }
         let Some(opened) = &cx.model.opened else { return false };
-        let svg =
-            DataFlow::new(&opened.plan).svg(cx.model.last_pass().map(|p| p.kernel), &waiting(&opened.plan, cx.model));
-        let (name, holds) = ("data-flow.svg".into(), "a drawing".into());
-        cx.shared.files.push(FileToSave { name, bytes: svg.into_bytes(), holds });
+        let (last, rays) = (cx.model.last_pass().map(|pass| pass.kernel), waiting(&opened.plan, cx.model));
+        let bytes = drawing(&DataFlow::new(&opened.plan), last, &rays).into_bytes();
+        cx.asks.files.push(FileToSave { name: "data-flow.svg".into(), bytes, holds: "a drawing".into() });
         true
+    }
+}
+
+/// The graph as an SVG drawing, with what each kernel worked on.
+fn drawing(flow: &DataFlow, last: Option<Kernel>, rays: &[(Kernel, u64)]) -> String {
+    svg::drawing(flow.size[0] + 24.0, false, |ui| {
+        let (rect, _) = ui.allocate_exact_size(Vec2::from(flow.size), Sense::hover());
+        let place = |[x, y]: [f32; 2]| rect.min + vec2(x, y) * rect.size();
+        Paint { ui, rect, flow, place: &place, last, next: None, rays, touched: None }.all();
+        ui.horizontal(|ui| legend(ui, flow));
+    })
+}
+
+/// The colours of edges.
+fn legend(ui: &mut Ui, flow: &DataFlow) {
+    for access in flow.accesses() {
+        let (rect, _) = ui.allocate_exact_size(vec2(14.0, 10.0), Sense::hover());
+        ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.5, access_color(access, ui)));
+        ui.small(access.verb());
     }
 }
 
 impl Dataflow {
     fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
-        let accesses: Vec<Access> = self.flow.iter().flat_map(|(_, flow)| flow.accesses()).collect();
         ui.horizontal_wrapped(|ui| {
-            for access in accesses {
-                let (rect, _) = ui.allocate_exact_size(vec2(14.0, 10.0), Sense::hover());
-                ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.5, access_color(access, ui)));
-                ui.small(access.verb());
+            if let Some((_, flow)) = &self.flow {
+                legend(ui, flow);
             }
             let zoom = self.scale.map_or_else(|| "fit".into(), |scale| format!("{:.0}%", scale.min_elem() * 100.0));
             if ui.button(zoom).on_hover_text("fit to panel (double click)").clicked() {
@@ -113,7 +127,7 @@ impl Dataflow {
                 ui.weak("drag to pan");
             }
             if ui.button("SVG…").on_hover_text("save as SVG").clicked() {
-                cx.todo.push(Command::ExportDataflow);
+                cx.asks.commands.push(Command::ExportDataflow);
             }
         });
     }
@@ -223,6 +237,7 @@ fn about(flow: &DataFlow, touched: Touched, rays: &[(Kernel, u64)]) -> String {
 #[cfg(test)]
 mod tests {
     use egui::pos2;
+    use raystep_kernels::programs::closest_hit::kernels;
     use raystep_kernels::{Limits, Options, RaySource};
     use raystep_scenes::generate;
 
@@ -247,6 +262,23 @@ mod tests {
             assert!(text.starts_with(&node.label) && text.lines().count() > lines, "{text}");
         }
         assert_eq!(touched(&flow, pos2(-50.0, -50.0), &place), None);
+    }
+
+    #[test]
+    fn the_drawing_has_every_node_and_shows_where_the_run_is() {
+        let (flow, last) = (flow(), kernels::WALK);
+        let rays = [(last, 4096), (kernels::SETUP, 77)];
+        let text = drawing(&flow, Some(last), &rays).replace(">\n", ">").replace("\n<", "<");
+        for node in &flow.nodes {
+            assert!(text.contains(&format!(">{}</text>", node.label)), "{}", node.label);
+        }
+        assert!(text.contains(">4096 rays</text>") && text.contains(">77 rays</text>"), "{text}");
+        // Edges of other kernels are faded: a line, and a head or two.
+        let faded = |text: &str| text.matches("<line").count() - text.matches("stroke=\"#d4d4d4\"").count();
+        let own = flow.of(last).count();
+        let legend = flow.accesses().count();
+        assert_eq!(faded(&text), own + legend);
+        assert_eq!(faded(&drawing(&flow, None, &[])), flow.edges.len() + legend);
     }
 
     #[test]

@@ -1,17 +1,18 @@
 //! Where the GPU differs from the CPU reference: the first such pass of each ray, as a map over the image.
+//!
+//! Touches: selection, asks.
 
-use std::ops::ControlFlow;
-
-use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, pos2, vec2};
-use raystep_kernels::Renderer;
+use crate::ui::canvas::WHOLE;
+use crate::ui::panels::zoom::Placed;
+use egui::{Color32, ColorImage, Sense, TextureHandle, TextureOptions, vec2};
 use raystep_kernels::plan::Bytes;
-use raystep_kernels::{Device, RenderError};
+use raystep_kernels::{Device, RenderError, Renderer};
 use raystep_lab::divergence::{Class, DivergenceMap, divergence, divergence_bytes};
 use raystep_lab::lockstep::{Lockstep, lockstep};
 use raystep_lab::text::counted;
 
-use crate::session::request::{Job, JobContext, JobFuture, Request};
-use crate::ui::command::Command;
+use crate::command::Command;
+use crate::session::request::{Job, JobContext, Request, answered, flow, job};
 use crate::ui::pane::{Context, Panel};
 
 const WHAT: &str = "comparing every pass with the CPU reference";
@@ -39,49 +40,33 @@ fn color(class: Class) -> Color32 {
 
 /// A second run, compared pass by pass.
 fn job(generation: u64) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { session, device, progress, .. } = context;
-            let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
-            let options = session.options().clone();
-            let fail = |e: raystep_kernels::RenderError| e.to_string();
-            let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
-            let map = divergence(&mut renderer, |now| {
-                if progress(now.run.rays_decided, now.run.rays) {
-                    ControlFlow::Continue(())
-                } else {
-                    ControlFlow::Break(())
-                }
-            });
-            let map = map.await.map_err(fail)?;
-            Ok(Box::new((generation, map)) as Box<dyn std::any::Any + Send>)
-        })
+    job!(context, {
+        let JobContext { session, device, progress, .. } = context;
+        let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
+        let options = session.options().clone();
+        let fail = |e: raystep_kernels::RenderError| e.to_string();
+        let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
+        let map = divergence(&mut renderer, |now| flow(progress(now.run.rays_decided, now.run.rays)));
+        let map = map.await.map_err(fail)?;
+        answered((generation, map))
     })
 }
 
 /// The same for a program without states: its results must be the same bits.
 fn lockstep_job(generation: u64) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { session, device, progress, .. } = context;
-            let renderer = async |device: &Device| {
-                let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
-                Renderer::from_plan(plan, data, session.options(), device).await
-            };
-            let mut compared = async || {
-                let (mut ours, mut reference) = (renderer(&device).await?, renderer(&Device::Cpu(None)).await?);
-                let more = |now: raystep_kernels::Progress| {
-                    if progress(now.rays_decided, now.rays) {
-                        ControlFlow::Continue(())
-                    } else {
-                        ControlFlow::Break(())
-                    }
-                };
-                lockstep(&mut ours, &mut reference, more).await
-            };
-            let found = compared().await.map_err(|error: RenderError| error.to_string())?;
-            Ok(Box::new((generation, found)) as Box<dyn std::any::Any + Send>)
-        })
+    job!(context, {
+        let JobContext { session, device, progress, .. } = context;
+        let renderer = async |device: &Device| {
+            let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
+            Renderer::from_plan(plan, data, session.options(), device).await
+        };
+        let mut compared = async || {
+            let (mut ours, mut reference) = (renderer(&device).await?, renderer(&Device::Cpu(None)).await?);
+            let more = |now: raystep_kernels::Progress| flow(progress(now.rays_decided, now.rays));
+            lockstep(&mut ours, &mut reference, more).await
+        };
+        let found = compared().await.map_err(|error: RenderError| error.to_string())?;
+        answered((generation, found))
     })
 }
 
@@ -109,16 +94,12 @@ impl Divergence {
         ui.strong("Differs from the CPU reference");
         ui.label(format!("{compared} compared: {first}."));
         if ui.button("Go there").clicked() {
-            cx.shared.go_to = Some(first.pass + 1);
+            cx.asks.go_to = Some(first.pass + 1);
         }
     }
 }
 
 impl Panel for Divergence {
-    fn title(&self) -> String {
-        "Divergence".into()
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
             ui.weak("Open a scene first.");
@@ -181,15 +162,14 @@ impl Panel for Divergence {
         let room = ui.available_size().max(vec2(16.0, 16.0));
         let scale = (room.x / width as f32).min(room.y / height as f32);
         let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::click());
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().image(picture.id(), rect, whole, Color32::WHITE);
-        let texel = response.hover_pos().map(|at| (at - rect.min) / scale);
-        let texel = texel.map(|at| [(at.x as u32).min(width - 1), (at.y as u32).min(height - 1)]);
+        ui.painter().image(picture.id(), rect, WHOLE, Color32::WHITE);
+        let placed = Placed { rect, origin: rect.min, scale, size: [width, height] };
+        let texel = response.hover_pos().and_then(|at| placed.texel(at));
         let counts = Class::ALL.map(|class| format!("{} {}", map.count(class), class.name())).join(", ");
         let text = format!("map of rays that differ from the CPU reference: {counts}");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         let Some([x, y]) = texel else { return };
-        cx.shared.hovered = Some([x, y]);
+        cx.selection.hovered = Some([x, y]);
         let ray = (y * width + x) as usize;
         let parting = shown(ray).and_then(|class| map.first(class, ray));
         let is_clicked = response.clicked();
@@ -218,8 +198,8 @@ impl Panel for Divergence {
             });
         }
         if is_clicked {
-            cx.shared.select = Some([x, y]);
-            cx.shared.go_to = parting.map(|p| p.pass + 1);
+            cx.asks.select = Some([x, y]);
+            cx.asks.go_to = parting.map(|p| p.pass + 1);
         }
     }
 

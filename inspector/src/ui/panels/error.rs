@@ -1,9 +1,10 @@
 //! Error against run time: rays not yet resolved, and rays resolved wrongly, over device time.
+//!
+//! Touches: other, selection, asks.
 
 mod plot;
 mod scales;
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use egui::{Button, Color32, ScrollArea, Sense, Shape, Stroke, Ui, vec2};
@@ -15,11 +16,11 @@ use raystep_lab::statistics::proportion::exact_interval;
 use raystep_lab::text::counted;
 use scales::grouped;
 
+use crate::command::Command;
 use crate::session::judged::why_not;
-use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::request::{Job, JobContext, Request, answered, flow, job};
 use crate::session::{Model, Target};
-use crate::ui::command::Command;
-use crate::ui::pane::{Context, NO_RAYS, Panel};
+use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
 
 /// The engine's job, named while it runs.
 const JUDGING: &str = "judging hits";
@@ -55,22 +56,18 @@ pub(in crate::ui) struct ErrorOverTime {
 
 /// A second run.
 fn job(of: Of) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { session, device, progress, .. } = context;
-            let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
-            if !Arc::ptr_eq(&plan, &of.plan) {
-                return Err("the run changed before it was judged".into());
-            }
-            let options = Options { timings: false, ..session.options().clone() };
-            let fail = |e: raystep_kernels::RenderError| e.to_string();
-            let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
-            let judgement = judge_passes(&mut renderer, |done, all| {
-                if progress(done, all) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-            });
-            let judgement = judgement.await.map_err(fail)?;
-            Ok(Box::new((of, judgement)) as Box<dyn std::any::Any + Send>)
-        })
+    job!(context, {
+        let JobContext { session, device, progress, .. } = context;
+        let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
+        if !Arc::ptr_eq(&plan, &of.plan) {
+            return Err("the run changed before it was judged".into());
+        }
+        let options = Options { timings: false, ..session.options().clone() };
+        let fail = |e: raystep_kernels::RenderError| e.to_string();
+        let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
+        let judgement = judge_passes(&mut renderer, |done, all| flow(progress(done, all)));
+        let judgement = judgement.await.map_err(fail)?;
+        answered((of, judgement))
     })
 }
 
@@ -107,10 +104,6 @@ fn colors(ui: &Ui) -> [Color32; 2] {
 }
 
 impl Panel for ErrorOverTime {
-    fn title(&self) -> String {
-        "Error over time".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         take(&mut self.judged[0], Some(&mut *cx.model));
         take(&mut self.judged[1], cx.other.as_deref_mut());
@@ -132,13 +125,7 @@ impl Panel for ErrorOverTime {
         });
     }
 
-    fn save(&self) -> String {
-        serde_json::to_string(&self.is_linear).unwrap_or_default()
-    }
-
-    fn load(&mut self, saved: &str) {
-        self.is_linear = serde_json::from_str(saved).unwrap_or_default();
-    }
+    saves!(is_linear);
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
         if command != Command::Judge {
@@ -159,7 +146,7 @@ impl ErrorOverTime {
             let other_can = cx.other.as_ref().is_some_and(|other| refusal(other).is_none());
             let can = !is_busy && (refusal(cx.model).is_none() || other_can);
             if ui.add_enabled(can, Button::new("Judge")).on_hover_text(ABOUT).clicked() {
-                cx.todo.push(Command::Judge);
+                cx.asks.commands.push(Command::Judge);
             }
             let mut is_log = !self.is_linear;
             ui.checkbox(&mut is_log, "log").on_hover_text("Logarithmic axis; zero is drawn at the bottom.");
@@ -193,10 +180,10 @@ impl ErrorOverTime {
                     ui.strong(name);
                 }
                 if let Some((_, judgement)) = judged {
-                    if let Some((pixel, place)) = verdicts(ui, judgement, model, cx.shared.pixel) {
-                        cx.shared.select = Some(pixel);
+                    if let Some((pixel, place)) = verdicts(ui, judgement, model, cx.selection.pixel) {
+                        cx.asks.select = Some(pixel);
                         match place {
-                            Some(place) if i == 0 => cx.shared.go_to = Some(place),
+                            Some(place) if i == 0 => cx.asks.go_to = Some(place),
                             Some(place) => drop(model.ask(Request::Step(Target::Pass(place)))),
                             None => {}
                         }
@@ -223,7 +210,7 @@ impl ErrorOverTime {
         // During a drag, one place at a time; intermediate ones are skipped.
         let is_free = |model: &Model| is_click || !model.is_busy();
         if run == 0 {
-            cx.shared.go_to = is_free(cx.model).then_some(place).or(cx.shared.go_to);
+            cx.asks.go_to = is_free(cx.model).then_some(place).or(cx.asks.go_to);
         } else if let Some(other) = cx.other.as_deref_mut().filter(|other| is_free(other)) {
             other.ask(Request::Step(Target::Pass(place)));
         }

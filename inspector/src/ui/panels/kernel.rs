@@ -1,5 +1,7 @@
 //! The kernel's WGSL: what ran for the selected ray in the current pass, the branch that decided, and which rays of the
 //! pass took it.
+//!
+//! Touches: display, asks.
 
 mod listing;
 mod run;
@@ -12,14 +14,15 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::interpret::MOST_SITES;
 use serde::{Deserialize, Serialize};
 
-use super::ray::current_row;
 use crate::branches::Branch;
+use crate::command::Command;
 use crate::session::Model;
 use crate::settings::DeviceKind;
 use crate::source::{self, Mark};
-use crate::ui::command::Command;
 use crate::ui::mask::Mask;
-use crate::ui::pane::{Context, Panel};
+use crate::ui::pane::{Context, Panel, saves};
+use crate::ui::panels::walked::command_button;
+use crate::walk::row_after_passes;
 use listing::Listing;
 use run::{OneRay, PassKey, Runs};
 
@@ -90,8 +93,8 @@ pub(in crate::ui) struct KernelView {
 }
 
 impl Panel for KernelView {
-    fn title(&self) -> String {
-        self.shown.as_ref().map_or_else(|| "Kernel".into(), |shown| format!("Kernel {}", shown.kernel.name()))
+    fn title(&self) -> Option<String> {
+        Some(format!("Kernel {}", self.shown.as_ref()?.kernel.name()))
     }
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
@@ -113,15 +116,7 @@ impl Panel for KernelView {
         }
     }
 
-    fn save(&self) -> String {
-        serde_json::to_string(&self.look).unwrap_or_default()
-    }
-
-    fn load(&mut self, saved: &str) {
-        if let Ok(look) = serde_json::from_str(saved) {
-            self.look = look;
-        }
-    }
+    saves!(look);
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
         if !matches!(command, Command::NextBranch | Command::PreviousBranch | Command::MaskBranch) {
@@ -139,7 +134,7 @@ impl Panel for KernelView {
 impl KernelView {
     /// Brings the lines up to date.
     fn update(&mut self, cx: &mut Context<'_>) -> Option<Shown> {
-        let shown = Shown { code: cx.shared.code.clone(), ..self.what(cx.model)? };
+        let shown = Shown { code: cx.display.code.clone(), ..self.what(cx.model)? };
         let has_news = self.runs.listen(cx.model);
         if self.shown.as_ref() != Some(&shown) || has_news || matches!(self.known, Known::Waiting) {
             let is_same_pass =
@@ -164,10 +159,11 @@ impl KernelView {
 
     /// The ray's last pass; without a ray the last pass of all, and before the first pass the next one.
     fn what(&self, model: &Model) -> Option<Shown> {
-        let row = model.life.as_ref().and_then(|life| Some((life.clone(), current_row(life, model.place)?)));
+        let row =
+            model.history.as_ref().and_then(|history| Some((history.clone(), row_after_passes(history, model.place)?)));
         let of_row = row
             .as_ref()
-            .and_then(|(life, row)| model.opened.as_ref()?.plan.program.kernel(life.rows.get(*row)?.kernel));
+            .and_then(|(history, row)| model.opened.as_ref()?.plan.program.kernel(history.rows.get(*row)?.kernel));
         let kernel = of_row.or(model.last_pass().map(|pass| pass.kernel)).or(model.next)?;
         let row = row.filter(|_| of_row.is_some());
         let (generation, edition) = (model.generation, model.edition);
@@ -175,13 +171,13 @@ impl KernelView {
     }
 
     fn know(&mut self, model: &mut Model, shown: &Shown) -> Known {
-        let Some((life, row)) = &shown.row else {
+        let Some((history, row)) = &shown.row else {
             let opened = model.opened.clone();
             let made = opened.map(|opened| self.runs.interpreter(model.generation, &opened, shown.kernel));
             // Without a ray, only what can never be interpreted is worth a word.
             return made.and_then(Result::err).map_or(Known::Nothing, |error| Known::Failed(error.to_string()));
         };
-        match self.runs.branches(model, life, *row) {
+        match self.runs.branches(model, history, *row) {
             None => Known::Waiting,
             Some(Err(error)) => Known::Failed(format!("not interpreted: {error}")),
             Some(Ok(ray)) => Known::Ray(ray),
@@ -265,7 +261,7 @@ impl KernelView {
             let kernel = interpreter.kernel().name();
             let what = format!("pass {}, {kernel}, line {}: {}", key.pass, branch.line + 1, branch.condition);
             let mask = Mask::new(key.generation, what, all.size, &all.outcomes, branch.site);
-            cx.shared.mask = Some(Arc::new(mask));
+            cx.display.mask = Some(Arc::new(mask));
         } else if wanted && branch.site < MOST_SITES {
             let interpreter = interpreter.clone();
             self.runs.ask_for_all(cx.model, &interpreter, key);
@@ -274,8 +270,8 @@ impl KernelView {
     }
 
     fn key(&self, model: &Model) -> Option<PassKey> {
-        let (life, row) = self.shown.as_ref()?.row.as_ref()?;
-        let pass = life.rows.get(*row)?.pass?;
+        let (history, row) = self.shown.as_ref()?.row.as_ref()?;
+        let pass = history.rows.get(*row)?.pass?;
         Some(PassKey { generation: model.generation, edition: model.edition, pass })
     }
 
@@ -293,7 +289,7 @@ impl KernelView {
                 listing::legend(ui);
             }
         });
-        match shown.row.as_ref().and_then(|(life, row)| life.rows.get(*row)) {
+        match shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)) {
             Some(row) => {
                 let is_last = row.place() == Some(cx.model.place);
                 let when = if is_last { "" } else { " (the ray's last so far)" };
@@ -330,20 +326,10 @@ impl KernelView {
         let text = format!("Branch {place}, {outcome}{role}: line {line}{source}: {}", branch.condition);
         ui.horizontal_wrapped(|ui| {
             for (command, text) in [(Command::PreviousBranch, "< branch"), (Command::NextBranch, "branch >")] {
-                button(ui, cx, command, text);
+                command_button(ui, cx, command, text);
             }
-            button(ui, cx, Command::MaskBranch, "rays");
+            command_button(ui, cx, Command::MaskBranch, "rays");
             ui.label(text);
         });
-    }
-}
-
-/// A button for a command.
-fn button(ui: &mut egui::Ui, cx: &mut Context<'_>, command: Command, text: &str) {
-    let key = command.key_text(ui.ctx());
-    let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
-    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
-    if button.clicked() {
-        cx.todo.push(command);
     }
 }

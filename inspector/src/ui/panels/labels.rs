@@ -20,7 +20,7 @@ pub(super) struct Wanted {
 
 /// A label's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct LabelRect {
     pub(super) rect: Rect,
     /// A line from the label to its mark, if it is not beside it.
     pub(super) leader: Option<[Pos2; 2]>,
@@ -36,8 +36,8 @@ pub(super) struct Avoid {
 }
 
 /// The places of labels within `room`, the most important first; `None` for a label without room.
-pub(super) fn places(room: Rect, wanted: &[Wanted], avoid: &Avoid) -> Vec<Option<Place>> {
-    let mut placed: Vec<Place> = Vec::new();
+pub(super) fn places(room: Rect, wanted: &[Wanted], avoid: &Avoid) -> Vec<Option<LabelRect>> {
+    let mut placed: Vec<LabelRect> = Vec::new();
     let mut places = Vec::with_capacity(wanted.len());
     for (i, label) in wanted.iter().enumerate() {
         let free =
@@ -52,7 +52,7 @@ pub(super) fn places(room: Rect, wanted: &[Wanted], avoid: &Avoid) -> Vec<Option
 }
 
 /// Every place that is tried: right beside the mark, and on a lattice around it.
-fn candidates(room: Rect, Wanted { at, size }: Wanted) -> impl Iterator<Item = Place> {
+fn candidates(room: Rect, Wanted { at, size }: Wanted) -> impl Iterator<Item = LabelRect> {
     let fits = size.x <= room.width() && size.y <= room.height() && at.x.is_finite() && at.y.is_finite();
     let most = room.max - size;
     let inside = move |min: Pos2| min.clamp(room.min, most.max(room.min));
@@ -68,12 +68,12 @@ fn candidates(room: Rect, Wanted { at, size }: Wanted) -> impl Iterator<Item = P
     all.map(move |min| {
         let rect = Rect::from_min_size(inside(min), size);
         let end = rect.clamp(at);
-        Place { rect, leader: (end.distance(at) > NEAR).then_some([end, at]) }
+        LabelRect { rect, leader: (end.distance(at) > NEAR).then_some([end, at]) }
     })
 }
 
 /// How bad a place is, in points of distance: covering something counts more than being near.
-fn cost(place: &Place, own: usize, wanted: &[Wanted], avoid: &Avoid, placed: &[Place]) -> f32 {
+fn cost(place: &LabelRect, own: usize, wanted: &[Wanted], avoid: &Avoid, placed: &[LabelRect]) -> f32 {
     let (rect, at) = (place.rect, wanted[own].at);
     let leaders = placed.iter().filter_map(|p| p.leader);
     let covered = leaders.clone().filter(|&line| is_through(line, rect)).count() as f32;

@@ -1,10 +1,12 @@
 //! The log.
+//!
+//! Touches: log.
 
 use egui::Ui;
 
 use super::table::{Head, Look, Rows, Table, View};
 use crate::ui::pane::{Context, Panel};
-use crate::ui::shared::LogLine;
+use crate::ui::state::LogLine;
 
 /// The log panel.
 #[derive(Default)]
@@ -60,18 +62,14 @@ impl Rows for Lines<'_> {
 }
 
 impl Panel for Log {
-    fn title(&self) -> String {
-        "Log".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
-        let lines = &cx.shared.log;
+        let lines = &cx.log.lines;
         if lines.is_empty() {
             ui.weak("No messages yet.");
             return;
         }
         // The oldest lines are dropped from a full log.
-        let version = cx.shared.dropped;
+        let version = cx.log.dropped;
         let view = View { name: "log", heads: &HEADS, rows: &Lines(lines), version, current: None };
         ui.horizontal_wrapped(|ui| self.table.tools(ui, &view));
         self.table.follow(ui, &view);
@@ -83,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_says_when_and_where() {
+    fn a_line_of_the_log_has_its_time_and_its_place() {
         let line = |at_ns, place| LogLine { is_error: false, text: "x".into(), at_ns, place };
         let lines = [line(Some(12_340_000_000), 7), line(None, 73)];
         let texts = |row| [0, 1].map(|column| Lines(&lines).text(row, column));

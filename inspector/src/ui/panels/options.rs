@@ -1,4 +1,6 @@
 //! The options of the run. A change prepares a new run and keeps the view.
+//!
+//! Touches: asks.
 
 use std::fmt::Display;
 
@@ -6,10 +8,10 @@ use egui::{ComboBox, DragValue, Ui};
 use raystep_kernels::options::mapping::{Cull, Mapping, MappingName, Targets, Until, Update};
 use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip, Traversal};
 
+use crate::command::Command;
 use crate::ray_text::GivenRay;
 use crate::session::request::Request;
 use crate::settings::{DeviceKind, Settings, View};
-use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
 /// Most pixels per side that the panel offers.
@@ -25,10 +27,6 @@ pub(in crate::ui) struct Options {
 }
 
 impl Panel for Options {
-    fn title(&self) -> String {
-        "Options".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = cx.model.opened.clone() else {
             ui.weak("Open a scene first.");
@@ -57,7 +55,7 @@ impl Panel for Options {
                     draft.ray = None;
                 }
             } else if ui.button("Enter a ray…").clicked() {
-                cx.todo.push(Command::TypeRay);
+                cx.asks.commands.push(Command::TypeRay);
             }
             if ui.button("Defaults").on_hover_text("default options, except size, view and device").clicked() {
                 let Settings { size, view, device, .. } = draft.clone();

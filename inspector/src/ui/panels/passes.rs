@@ -1,12 +1,14 @@
 //! The list of passes: kernel, duration, rays. A click goes there.
+//!
+//! Touches: asks, bookmarks.
 
 use egui::{Ui, Vec2, vec2};
 use raystep_kernels::{Pass, Rounding};
 use raystep_lab::text::counted;
 
 use super::table::{Head, Look, Rows, Table, View, version};
+use crate::session_file::Bookmark;
 use crate::ui::pane::{Context, Panel};
-use crate::ui::shared::Bookmark;
 use crate::ui::units::TimeUnit;
 
 /// The list of passes.
@@ -20,10 +22,6 @@ pub(in crate::ui) struct Passes {
 }
 
 impl Panel for Passes {
-    fn title(&self) -> String {
-        "Passes".into()
-    }
-
     fn least(&self) -> Vec2 {
         // A strip below other panels has room for the current row.
         vec2(240.0, 84.0)
@@ -36,9 +34,9 @@ impl Panel for Passes {
         }
         let (has_rays, passes) = (cx.has_rays(), &cx.model.passes);
         let unit = TimeUnit::of(self.longest(cx.model.edition, passes));
-        let life = cx.model.life.as_ref().filter(|_| self.only_ray && has_rays);
-        let shown: Option<Vec<usize>> = life.map(|life| {
-            let of_ray = life.rows.iter().filter_map(|row| row.pass);
+        let history = cx.model.history.as_ref().filter(|_| self.only_ray && has_rays);
+        let shown: Option<Vec<usize>> = history.map(|history| {
+            let of_ray = history.rows.iter().filter_map(|row| row.pass);
             of_ray.filter(|&pass| pass < passes.len()).collect()
         });
         let place = cx.model.place;
@@ -61,10 +59,10 @@ impl Panel for Passes {
             Head::number(unit.name(), &about_times),
             rays,
         ];
-        let life = life.map(|life| (life.pixel, life.rows.len()));
-        let bookmarks = &cx.shared.bookmarks;
+        let history = history.map(|history| (history.pixel, history.rows.len()));
+        let bookmarks = &cx.bookmarks.list;
         let marked: Vec<usize> = bookmarks.iter().map(|bookmark| bookmark.place).collect();
-        let version = version((cx.model.generation, cx.model.edition, unit, has_rays, life, marked));
+        let version = version((cx.model.generation, cx.model.edition, unit, has_rays, history, marked));
         let list = List { passes, shown: shown.as_deref(), current, unit, bookmarks };
         let view = View { name: "passes", heads: &heads, rows: &list, version, current: Some(current) };
         ui.horizontal_wrapped(|ui| {
@@ -75,7 +73,7 @@ impl Panel for Passes {
             }
         });
         if let Some(row) = self.table.show(ui, &view) {
-            cx.shared.go_to = Some(list.pass(row).map_or(0, |pass| pass.index + 1));
+            cx.asks.go_to = Some(list.pass(row).map_or(0, |pass| pass.index + 1));
         }
     }
 }
@@ -185,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pass_too_short_to_tell_is_below_a_bound() {
+    fn a_pass_shorter_than_the_clocks_tick_is_below_a_bound() {
         let rounded = |runs| Some(Rounding { runs, error_ns: 2048, below_ns: 67_584 });
         let passes = [
             pass(0, None, rounded(256)),

@@ -10,7 +10,7 @@ use raystep_lab::text::counted;
 use super::walked::number;
 use crate::draw::scene3d::Marked;
 use crate::ui::pane::Context;
-use crate::ui::shared::{Picked, Shared};
+use crate::ui::state::{Picked, Selection};
 use crate::ui::units::{Scale, Units};
 use crate::walk::{Aabb, WalkGeometry, corners, listed};
 
@@ -47,8 +47,8 @@ pub(super) fn name(picked: Picked) -> String {
 }
 
 /// Picks; what is picked already is picked no longer.
-pub(super) fn toggle(shared: &mut Shared, picked: Picked) {
-    shared.picked = if shared.picked == Some(picked) { None } else { Some(picked) };
+pub(super) fn toggle(selection: &mut Selection, picked: Picked) {
+    selection.picked = if selection.picked == Some(picked) { None } else { Some(picked) };
 }
 
 /// The colour of a selection, as in the 3D view.
@@ -162,13 +162,13 @@ type Key = (Picked, u64, usize, usize, Units);
 impl About {
     /// Shows what is picked, with a button that clears it. Nothing is shown if nothing is picked.
     pub(super) fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
-        let Some(picked) = cx.shared.picked else { return };
+        let Some(picked) = cx.selection.picked else { return };
         let text = self.text(picked, cx);
         ui.horizontal(|ui| {
             let clear = ui.small_button("×").on_hover_text("clear this selection (Escape)");
             clear.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "clear selection"));
             if clear.clicked() {
-                cx.shared.picked = None;
+                cx.selection.picked = None;
             }
             let text = egui::RichText::new(text).color(color(ui.visuals()));
             ui.add(egui::Label::new(text).truncate());
@@ -176,20 +176,20 @@ impl About {
     }
 
     fn text(&mut self, picked: Picked, cx: &Context<'_>) -> String {
-        let at = |life: Option<&Arc<Trace>>| life.map_or(0, |life| Arc::as_ptr(life) as usize);
-        let beside = cx.shared.beside.as_ref().map_or(0, |data| Arc::as_ptr(data) as usize);
-        let key = (picked, cx.model.generation, at(cx.model.life.as_ref()), beside, cx.shared.units);
+        let at = |history: Option<&Arc<Trace>>| history.map_or(0, |history| Arc::as_ptr(history) as usize);
+        let beside = cx.display.beside.as_ref().map_or(0, |data| Arc::as_ptr(data) as usize);
+        let key = (picked, cx.model.generation, at(cx.model.history.as_ref()), beside, cx.display.units);
         if let Some((known, text)) = &self.known
             && *known == key
         {
             return text.clone();
         }
         let text = cx.model.opened.as_ref().map_or_else(String::new, |opened| {
-            let walk = cx.model.life.as_ref().map(|life| WalkGeometry::new(life, &opened.data, usize::MAX));
+            let walk = cx.model.history.as_ref().map(|history| WalkGeometry::new(history, &opened.data, usize::MAX));
             // A node of the other structure, while this run has the grid.
             let is_here = marked(picked, &opened.data).is_some();
-            let scale = cx.model.life.as_ref().map_or(Scale::TRACED, |life| Scale::of(cx.shared.units, life));
-            match cx.shared.beside.as_ref().filter(|_| !is_here) {
+            let scale = cx.model.history.as_ref().map_or(Scale::TRACED, |history| Scale::of(cx.display.units, history));
+            match cx.display.beside.as_ref().filter(|_| !is_here) {
                 Some(other) => describe(picked, other, None, &scale),
                 None => describe(picked, &opened.data, walk.as_ref(), &scale),
             }
@@ -203,18 +203,18 @@ impl About {
 mod tests {
     use raystep_kernels::Accelerator;
 
-    use super::super::walked::tests::life;
+    use super::super::walked::tests::history;
     use super::*;
 
     #[test]
     fn rows_are_found_by_what_they_are_about() {
         for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
-            let (life, data) = life(accelerator);
-            let walk = WalkGeometry::new(&life, &data, usize::MAX);
-            let rows = |picked| life.rows.iter().filter(|row| touches(row, picked)).count();
+            let (history, data) = history(accelerator);
+            let walk = WalkGeometry::new(&history, &data, usize::MAX);
+            let rows = |picked| history.rows.iter().filter(|row| touches(row, picked)).count();
             for test in &walk.tested {
                 let picked = Picked::Triangle(test.triangle);
-                assert!(touches(&life.rows[test.row], picked) && of_row(&life.rows[test.row]) == Some(picked));
+                assert!(touches(&history.rows[test.row], picked) && of_row(&history.rows[test.row]) == Some(picked));
                 assert_eq!(rows(picked), walk.tested.iter().filter(|t| t.triangle == test.triangle).count());
                 assert!(marked(picked, &data).is_some());
                 let text = describe(picked, &data, Some(&walk), &Scale::TRACED);
@@ -237,7 +237,7 @@ mod tests {
                 let picked = Picked::Node(visit.node);
                 // A node that is missed is left for its neighbour at once: the row that brings the ray to it is marked.
                 assert!(
-                    touches(&life.rows[visit.row], picked) || touches(&life.rows[visit.row - 1], picked),
+                    touches(&history.rows[visit.row], picked) || touches(&history.rows[visit.row - 1], picked),
                     "{picked:?}"
                 );
                 assert_eq!(marked(picked, &data), Some(Marked::Box(visit.bounds)));
@@ -250,8 +250,8 @@ mod tests {
 
     #[test]
     fn a_triangle_is_counted_in_lists_and_tests() {
-        let (life, data) = life(Accelerator::Grid);
-        let walk = WalkGeometry::new(&life, &data, usize::MAX);
+        let (history, data) = history(Accelerator::Grid);
+        let walk = WalkGeometry::new(&history, &data, usize::MAX);
         let hit = walk.hit.expect("a hit").triangle;
         let lists = data.grid_items.iter().filter(|&&item| item == hit).count();
         let text = describe(Picked::Triangle(hit), &data, Some(&walk), &Scale::TRACED);
@@ -262,12 +262,12 @@ mod tests {
     }
 
     #[test]
-    fn picking_twice_picks_nothing() {
-        let mut shared = Shared::default();
-        toggle(&mut shared, Picked::Node(3));
-        toggle(&mut shared, Picked::Triangle(3));
-        assert_eq!(shared.picked, Some(Picked::Triangle(3)));
-        toggle(&mut shared, Picked::Triangle(3));
-        assert_eq!(shared.picked, None);
+    fn picking_the_same_thing_again_unpicks_it() {
+        let mut selection = Selection::default();
+        toggle(&mut selection, Picked::Node(3));
+        toggle(&mut selection, Picked::Triangle(3));
+        assert_eq!(selection.picked, Some(Picked::Triangle(3)));
+        toggle(&mut selection, Picked::Triangle(3));
+        assert_eq!(selection.picked, None);
     }
 }

@@ -1,4 +1,6 @@
 //! What the run needs, and what is omitted and why.
+//!
+//! Touches: nothing.
 
 mod lists;
 
@@ -29,10 +31,6 @@ struct Part {
 }
 
 impl Panel for PlanView {
-    fn title(&self) -> String {
-        "Plan".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
             ui.weak("Open a scene to see what its run needs.");

@@ -1,18 +1,21 @@
 //! The history of the selected ray: one row per pass that processed it, with the changes and the reason.
+//!
+//! Touches: selection, display, asks.
 
 mod rows;
 
+use crate::walk::row_after_passes;
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Ui, Vec2, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
-use rows::{History, heads};
+use rows::{RayRows, heads};
 
 use super::picked::of_row;
 use super::table::{Table, View, version};
-use crate::session::{Model, Told};
+use crate::session::{HistorySource, Model};
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::ui::units::{self, Scale};
 
@@ -27,10 +30,6 @@ pub(in crate::ui) struct RayView {
 }
 
 impl Panel for RayView {
-    fn title(&self) -> String {
-        "Ray".into()
-    }
-
     fn least(&self) -> Vec2 {
         // Some rows below what is said of the ray and of its current row.
         vec2(240.0, 220.0)
@@ -41,35 +40,35 @@ impl Panel for RayView {
             ui.weak(NO_RAYS);
             return;
         }
-        let Some(life) = cx.model.life.clone() else {
+        let Some(history) = cx.model.history.clone() else {
             ui.weak("Click a pixel to see the history of its ray.");
             return;
         };
-        summary(ui, &life, cx);
+        summary(ui, &history, cx);
         ui.separator();
-        let (units, model) = (cx.shared.units, &*cx.model);
-        let scale = Scale::of(units, &life);
+        let (units, model) = (cx.display.units, &*cx.model);
+        let scale = Scale::of(units, &history);
         let opened = model.opened.as_ref();
-        let current = current_row(&life, model.place);
-        let shown = match cx.shared.hides_next {
+        let current = row_after_passes(&history, model.place);
+        let shown = match cx.display.hides_next {
             true => current.map_or(0, |row| row + 1),
-            false => life.rows.len(),
+            false => history.rows.len(),
         };
-        let history = History {
-            life: &life,
+        let rows = RayRows {
+            history: &history,
             model,
             states: opened.map_or(States(&[]), |opened| opened.plan.program.states),
             scale,
-            decimals: self.decimals(&life, scale),
+            decimals: self.decimals(&history, scale),
             current,
             shown,
-            picked: cx.shared.picked,
+            picked: cx.selection.picked,
         };
-        if let Some(row) = history.current.and_then(|i| life.rows.get(i)) {
-            let text = format!("pass {}, {}: {}", row.number(), row.kernel, history.why(row));
+        if let Some(row) = rows.current.and_then(|i| history.rows.get(i)) {
+            let text = format!("pass {}, {}: {}", row.number(), row.kernel, rows.why(row));
             ui.horizontal_wrapped(|ui| {
                 ui.label(RichText::new(text).strong());
-                if let Some(meaning) = history.meaning(row) {
+                if let Some(meaning) = rows.meaning(row) {
                     ui.label(format!("{}: {meaning}", row.after.state));
                 }
             });
@@ -79,58 +78,60 @@ impl Panel for RayView {
         let is_tree = opened.is_some_and(|opened| opened.data.features.bvh);
         let is_dda = opened.is_some_and(|opened| opened.data.features.dda);
         let heads = heads(!is_tree, is_dda);
-        let told = matches!(model.told, Told::Compared { .. });
-        let version =
-            version((Arc::as_ptr(&life) as usize, model.edition, life.pixel, shown, units, (is_tree, is_dda), told));
-        let view = View { name: "ray", heads: &heads, rows: &history, version, current: history.current };
+        let is_compared = matches!(model.history_source, HistorySource::Compared { .. });
+        let version = version((
+            Arc::as_ptr(&history) as usize,
+            model.edition,
+            history.pixel,
+            shown,
+            units,
+            (is_tree, is_dda),
+            is_compared,
+        ));
+        let view = View { name: "ray", heads: &heads, rows: &rows, version, current: rows.current };
         // Before the ray's first pass there is no current row: the table begins at its first one.
-        if std::mem::replace(&mut self.current, history.current) != history.current && history.current.is_none() {
+        if std::mem::replace(&mut self.current, rows.current) != rows.current && rows.current.is_none() {
             self.table.rewind();
         }
         let mut units = units;
         ui.horizontal_wrapped(|ui| {
             self.table.tools(ui, &view);
-            units::choose(ui, &mut units, life.scene_units_per_stream_unit);
+            units::choose(ui, &mut units, history.scene_units_per_stream_unit);
         });
-        let chosen = self.table.show(ui, &view).and_then(|row| life.rows.get(row));
-        cx.shared.units = units;
+        let chosen = self.table.show(ui, &view).and_then(|row| history.rows.get(row));
+        cx.display.units = units;
         if let Some(row) = chosen {
-            (cx.shared.go_to, cx.shared.picked) = (row.place().or(cx.shared.go_to), of_row(row));
+            (cx.asks.go_to, cx.selection.picked) = (row.place().or(cx.asks.go_to), of_row(row));
         }
     }
 }
 
 impl RayView {
-    fn decimals(&mut self, life: &Arc<Trace>, scale: Scale) -> [usize; 4] {
-        let of = Arc::as_ptr(life) as usize;
+    fn decimals(&mut self, history: &Arc<Trace>, scale: Scale) -> [usize; 4] {
+        let of = Arc::as_ptr(history) as usize;
         if let Some((known, in_scale, decimals)) = self.decimals
             && (known, in_scale) == (of, scale)
         {
             return decimals;
         }
         // One digit less than elsewhere: ten columns have to fit.
-        let decimals = scale.decimals(life).map(|decimals| decimals.saturating_sub(1));
+        let decimals = scale.decimals(history).map(|decimals| decimals.saturating_sub(1));
         self.decimals = Some((of, scale, decimals));
         decimals
     }
 }
 
-/// The last row whose pass has run.
-pub(in crate::ui) fn current_row(life: &Trace, place: usize) -> Option<usize> {
-    life.rows.partition_point(|row| row.is_within(place)).checked_sub(1)
-}
-
-fn summary(ui: &mut Ui, life: &Trace, cx: &Context<'_>) {
-    let [x, y] = life.pixel;
-    let scale = Scale::of(cx.shared.units, life);
+fn summary(ui: &mut Ui, history: &Trace, cx: &Context<'_>) {
+    let [x, y] = history.pixel;
+    let scale = Scale::of(cx.display.units, history);
     let unit = scale.units.name();
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("pixel {x},{y}"));
-        ui.label(match life.passes {
-            Some(passes) => format!("processed by {} of {}", life.rows.len(), counted(passes, "pass")),
-            None => format!("processed by {}", counted(life.rows.len(), "pass")),
+        ui.label(match history.passes {
+            Some(passes) => format!("processed by {} of {}", history.rows.len(), counted(passes, "pass")),
+            None => format!("processed by {}", counted(history.rows.len(), "pass")),
         });
-        if let Some(last) = life.rows.last() {
+        if let Some(last) = history.rows.last() {
             match (last.after.triangle, last.after.t) {
                 (Some(triangle), Some(t)) => {
                     let shown = scale.t(t);
@@ -142,11 +143,11 @@ fn summary(ui: &mut Ui, life: &Trace, cx: &Context<'_>) {
             }
         }
         if ui.button("Copy as text").clicked() {
-            ui.ctx().copy_text(life.table(cx.shared.units));
+            ui.ctx().copy_text(history.table(cx.display.units));
         }
         source(ui, cx.model);
     });
-    let Some(first) = life.rows.first() else { return };
+    let Some(first) = history.rows.first() else { return };
     let (origin, direction) = (first.after.origin, first.after.direction);
     ui.horizontal_wrapped(|ui| {
         let bits = |v: [f32; 3]| v.map(|c| format!("0x{:08x}", c.to_bits())).join(", ");
@@ -163,22 +164,24 @@ fn summary(ui: &mut Ui, life: &Trace, cx: &Context<'_>) {
 fn source(ui: &mut Ui, model: &Model) {
     const ABOUT: &str = "The CPU reference kernels trace the selected ray alone, at once. Then the device traces it, and \
                          both are compared, row by row and bit by bit.";
-    match &model.told {
-        Told::Device => {}
-        Told::Reference => drop(ui.label("by the CPU reference kernels, not yet confirmed").on_hover_text(ABOUT)),
-        Told::Compared { differing } if differing.is_empty() => {
+    match &model.history_source {
+        HistorySource::Device => {}
+        HistorySource::Reference => {
+            drop(ui.label("by the CPU reference kernels, not yet confirmed").on_hover_text(ABOUT))
+        }
+        HistorySource::Compared { differing } if differing.is_empty() => {
             ui.label("confirmed by the device").on_hover_text(ABOUT);
         }
-        Told::Compared { differing } => {
+        HistorySource::Compared { differing } => {
             let text = format!("{} differ from the CPU reference kernels", counted(differing.len(), "row"));
             ui.label(RichText::new(text).color(changed_color(ui))).on_hover_text(ABOUT);
         }
-        Told::Unconfirmed(why) => {
+        HistorySource::Unconfirmed(why) => {
             let text = format!("by the CPU reference kernels; the device could not confirm it: {why}");
             ui.label(RichText::new(text).color(changed_color(ui))).on_hover_text(ABOUT);
         }
     }
-    if model.life.as_ref().is_some_and(|life| life.rows.iter().any(|row| model.is_predicted(row))) {
+    if model.history.as_ref().is_some_and(|history| history.rows.iter().any(|row| model.is_predicted(row))) {
         ui.label(RichText::new("passes that have not run are predicted").italics());
     }
 }

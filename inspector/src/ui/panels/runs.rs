@@ -1,4 +1,6 @@
 //! Kept runs: a table, the difference of two of them, and how long each takes.
+//!
+//! Touches: selection, asks, runs.
 
 mod difference;
 mod table;
@@ -9,12 +11,12 @@ use raystep_kernels::plan::Bytes;
 use raystep_lab::text::counted;
 use serde::{Deserialize, Serialize};
 
+use crate::command::Command;
 use crate::runs::RunId;
 use crate::runs::measure::{MOST_REPEATS, why_not};
 use crate::runs::spread::FEWEST_REPEATS;
-use crate::ui::command::Command;
-use crate::ui::pane::{Context, Panel};
-use crate::ui::runs::Asked;
+use crate::ui::pane::{Context, Panel, saves};
+use crate::ui::state::kept_runs::Asked;
 use difference::DifferenceView;
 
 /// What is shown below the table.
@@ -40,17 +42,13 @@ const ABOUT_MEASURING: &str = "Repeats the runs in turns, after a first one that
                                their kernels. Stepping waits meanwhile; Escape cancels it.";
 
 impl Panel for RunsPanel {
-    fn title(&self) -> String {
-        "Runs".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
             ui.weak("Open a scene, then keep runs of it side by side.");
             return;
         }
         self.tools(ui, cx);
-        if cx.shared.runs.runs.list().is_empty() {
+        if cx.runs.runs.list().is_empty() {
             let key = Command::KeepRun.key_text(ui.ctx());
             ui.label(format!(
                 "Keep a run ({key}), change its options, and keep that run, too: then flip between their pictures, \
@@ -70,7 +68,7 @@ impl Panel for RunsPanel {
             Part::Difference => self.difference.show(ui, cx),
             Part::Times => times::show(ui, cx),
             Part::Notes => {
-                let notes = &mut cx.shared.runs.notes;
+                let notes = &mut cx.runs.notes;
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     let field = TextEdit::multiline(notes).desired_width(f32::INFINITY).desired_rows(4);
                     ui.add(field.hint_text("Notes, saved with the session")).accessible_name("notes");
@@ -79,13 +77,7 @@ impl Panel for RunsPanel {
         }
     }
 
-    fn save(&self) -> String {
-        serde_json::to_string(&self.part).unwrap_or_default()
-    }
-
-    fn load(&mut self, saved: &str) {
-        self.part = serde_json::from_str(saved).unwrap_or_default();
-    }
+    saves!(part);
 }
 
 impl RunsPanel {
@@ -94,22 +86,22 @@ impl RunsPanel {
             let keep = Button::new(Command::KeepRun.name());
             let about = "Completes the run if necessary, keeps its results and times, and returns to this pass.";
             if ui.add_enabled(!cx.model.is_busy(), keep).on_hover_text(about).clicked() {
-                cx.todo.push(Command::KeepRun);
+                cx.asks.commands.push(Command::KeepRun);
             }
-            let is_unknown = cx.shared.runs.runs.list().iter().any(|kept| kept.outcome.is_none());
+            let is_unknown = cx.runs.runs.list().iter().any(|kept| kept.outcome.is_none());
             let again = Button::new("Run all again");
             let about = "runs kept runs of this scene that have no results";
             if is_unknown && ui.add_enabled(!cx.model.is_busy(), again).on_hover_text(about).clicked() {
-                cx.todo.push(Command::RunKept);
+                cx.asks.commands.push(Command::RunKept);
             }
             for (command, name) in [(Command::SaveSession, "Save session…"), (Command::OpenSession, "Open session…")]
             {
                 if ui.button(name).on_hover_text("runs, edits, bookmarks, watches, notes, layout").clicked() {
-                    cx.todo.push(command);
+                    cx.asks.commands.push(command);
                 }
             }
             ui.separator();
-            let runs = &mut cx.shared.runs;
+            let runs = &mut cx.runs;
             let (bytes, budget) = (runs.runs.bytes(), runs.runs.budget());
             let label = ui.label(format!("{} of", Bytes(bytes)));
             let mut mib = budget >> 20;
@@ -129,11 +121,11 @@ impl RunsPanel {
             Part::Times => {
                 ui.separator();
                 let label = ui.label("repeats");
-                let value = DragValue::new(&mut cx.shared.runs.repeats).range(1..=MOST_REPEATS);
+                let value = DragValue::new(&mut cx.runs.repeats).range(1..=MOST_REPEATS);
                 let about = format!("{FEWEST_REPEATS} or more give an interval of ratios");
                 ui.add(value).labelled_by(label.id).on_hover_text(about);
                 let opened = cx.model.opened.as_ref();
-                let runs = &cx.shared.runs;
+                let runs = &cx.runs;
                 let ids = |wanted: &[Option<RunId>]| -> Vec<RunId> {
                     let list = runs.runs.list().iter();
                     let fits = list.filter(|kept| opened.is_some_and(|opened| runs.is_of(kept, opened)));
@@ -147,7 +139,7 @@ impl RunsPanel {
                     let button = Button::new(name);
                     let can = !ids.is_empty() && !cx.model.is_busy();
                     if ui.add_enabled(can, button).on_hover_text(ABOUT_MEASURING).clicked() {
-                        cx.shared.runs.asked.push(Asked::Measure(ids));
+                        cx.runs.asked.push(Asked::Measure(ids));
                     }
                 }
             }

@@ -1,4 +1,6 @@
 //! A stream after a pass: zoomable to single texels with their values; range, exposure, colours, component.
+//!
+//! Touches: selection, display, asks, runs.
 
 mod kept;
 mod look;
@@ -10,7 +12,8 @@ mod tile;
 mod tools;
 mod values;
 
-use egui::{Color32, Pos2, Rect, Sense, Vec2, vec2};
+use crate::ui::panels::zoom::Zoom;
+use egui::{Color32, Sense, vec2};
 use look::Look;
 use paint::Drawn;
 use raystep_kernels::tables::kernel::Role;
@@ -19,17 +22,19 @@ use raystep_kernels::{Accelerator, Kernel, Pass, Plan, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others};
 use raystep_lab::text::counted;
 
+use crate::command::Command;
 use crate::draw::stream::{Colors, Meaning};
-use crate::link::LinkStream;
+use crate::exports::EXPORTING;
+use crate::link::{LinkStream, Shown};
 use crate::session::Pinned;
 use crate::session::request::Request;
-use crate::ui::Shown;
-use crate::ui::canvas::{Picture, Still};
-use crate::ui::command::Command;
+use crate::ui::canvas::{Picture, Still, png};
 use crate::ui::pane::{Context, Panel};
-use crate::ui::runs::Flipped;
-use crate::ui::take::{EXPORTING, png};
+use crate::ui::state::kept_runs::Flipped;
 use crate::ui::units::Scale;
+
+/// The smallest and the largest scale, points per texel.
+const ZOOM: [f32; 2] = [0.01, 256.0];
 
 /// A view of a stream.
 #[derive(Default)]
@@ -50,18 +55,17 @@ pub(in crate::ui) struct StreamView {
 }
 
 impl Panel for StreamView {
-    fn title(&self) -> String {
-        match (&self.pinned, self.look.stream) {
-            (Some(pinned), _) => format!("{} after {}", pinned.stream.name(), pinned.place),
-            (None, Some(stream)) => stream.name().into(),
-            (None, None) => "Stream".into(),
+    fn title(&self) -> Option<String> {
+        match &self.pinned {
+            Some(pinned) => Some(format!("{} after {}", pinned.stream.name(), pinned.place)),
+            None => self.look.stream.map(|stream| stream.name().into()),
         }
     }
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         // Who has chosen a stream sees no other picture in its place.
         let may_preview = self.pinned.is_none() && self.look.stream.is_none_or(Stream::is_color);
-        if let Some(preview) = cx.shared.preview.as_ref().filter(|_| may_preview) {
+        if let Some(preview) = cx.display.preview.as_ref().filter(|_| may_preview) {
             preview.show(ui, cx.model);
             return;
         }
@@ -70,15 +74,16 @@ impl Panel for StreamView {
             return;
         };
         let (plan, generation) = (opened.plan.clone(), cx.model.generation);
-        let in_units = Scale::in_scene(cx.shared.units, &opened.data);
+        let in_units = Scale::in_scene(cx.display.units, &opened.data);
         if self.pinned.as_ref().is_some_and(|pinned| pinned.generation != generation) {
             self.pinned = None;
         }
         if self.pinned.is_none()
-            && let Some(show) = cx.shared.show.take()
+            && let Some(show) = cx.asks.show.take()
         {
             (self.look.stream, self.look.layer, self.look.range) = (Some(show.stream.stream), show.stream.layer, None);
-            (self.look.scale, self.look.center) = (show.zoom, show.pan.unwrap_or(self.look.center));
+            let center = show.pan.unwrap_or(self.look.zoom.center);
+            self.look.zoom = Zoom { scale: show.zoom, center };
         }
         let is_counted = |stream: &Stream| cx.model.texture(*stream).is_some();
         let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).filter(is_counted).collect();
@@ -86,11 +91,11 @@ impl Panel for StreamView {
             return;
         };
         let stream = self.stream(&streams, default);
-        cx.shared.stream = Some(stream);
+        cx.display.stream = Some(stream);
         if self.pinned.is_none() {
-            let (zoom, pan) = (self.look.scale, Some(self.look.center));
+            let (zoom, pan) = (self.look.zoom.scale, Some(self.look.zoom.center));
             let shown = |stream| Shown { stream: LinkStream { stream, layer: self.look.layer }, zoom, pan };
-            cx.shared.shown = self.look.stream.map(shown);
+            cx.display.shown = self.look.stream.map(shown);
         }
         let layer = self.look.layer.filter(|&l| l < stream.layers());
         let layer = layer.or_else(|| self.telling_layer(&plan, stream, cx.model.last_pass()));
@@ -107,39 +112,32 @@ impl Panel for StreamView {
         let size = texture.map_or([plan.width, plan.height], |texture| [texture.width(), texture.height()]);
         // What is selected is an element of the first set.
         let can_select = stream.info().elements == plan.program.elements[0];
-        self.move_view(ui, &response, rect, size);
-        let (scale, origin) = self.placement(rect, size);
-        self.paint(ui, cx, rect, scale, origin, stream, layer, meaning);
-        self.mask.draw(ui, cx, rect, scale, origin, size);
-        let texel_at = |at: Pos2| {
-            let texel = (at - origin) / scale;
-            let inside = texel.x >= 0.0 && texel.y >= 0.0 && texel.x < size[0] as f32 && texel.y < size[1] as f32;
-            inside.then_some([texel.x as u32, texel.y as u32])
-        };
-        let under = response.hover_pos().and_then(texel_at);
+        let texels = vec2(size[0] as f32, size[1] as f32);
+        self.look.zoom.follow_within(ui, &response, rect, texels, ZOOM);
+        let placed = self.look.zoom.place(rect, size);
+        self.paint(ui, cx, &placed, stream, layer, meaning);
+        self.mask.draw(ui, cx, &placed);
+        let under = response.hover_pos().and_then(|at| placed.texel(at));
         if under.is_some() && can_select {
-            cx.shared.hovered = under;
+            cx.selection.hovered = under;
         }
         let clicked = response.interact_pointer_pos().filter(|_| response.clicked() && can_select);
-        cx.shared.select = clicked.and_then(texel_at).or(cx.shared.select);
-        if response.double_clicked() {
-            self.look.scale = None;
-        }
-        numbers::draw(ui, cx, rect, scale, origin, stream, self.whose(stream));
+        cx.asks.select = clicked.and_then(|at| placed.texel(at)).or(cx.asks.select);
+        numbers::draw(ui, cx, &placed, stream, self.whose(stream));
         if can_select {
-            mark(ui, cx.shared.pixel, rect, scale, origin, Color32::WHITE);
+            placed.mark_clearly(ui, cx.selection.pixel, Color32::WHITE);
         }
         if !response.hovered() && can_select {
-            mark(ui, cx.shared.hovered, rect, scale, origin, Color32::from_white_alpha(120));
+            placed.mark_clearly(ui, cx.selection.hovered, Color32::from_white_alpha(120));
         }
         let what = format!(
             "{}{} after {}{}",
             self.kept_label(ui, rect),
             stream.name(),
             counted(self.pinned.as_ref().map_or(cx.model.place, |p| p.place), "pass"),
-            cx.shared.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
+            cx.selection.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
         );
-        let value = under.map(|texel| self.magnify(ui, cx, stream, texel, &response, (scale, origin)));
+        let value = under.map(|texel| self.magnify(ui, cx, stream, texel, &response, &placed));
         let what = what + value.as_deref().unwrap_or_default();
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
     }
@@ -162,7 +160,7 @@ impl Panel for StreamView {
             Command::ExposureDown => self.look.exposure /= 2.0,
             Command::OffsetUp | Command::OffsetDown => {
                 let by = if command == Command::OffsetUp { 0.1 } else { -0.1 };
-                if self.look.is_color(cx.shared.stream) {
+                if self.look.is_color(cx.display.stream) {
                     self.look.offset += by;
                 } else {
                     self.look.range = Some(range.map(|v| v + by * span));
@@ -170,14 +168,17 @@ impl Panel for StreamView {
             }
             Command::Normalise => self.look.range = None,
             Command::ResetRange => (self.look.range, self.look.exposure, self.look.offset) = (None, 1.0, 0.0),
-            Command::Fit => self.look.scale = None,
+            Command::Fit => self.look.zoom.fit(),
             Command::ExportView => {
                 if let Some(texture) = self.picture.texture() {
-                    cx.model.ask(Request::Job(EXPORTING, png(cx.canvas, texture, self.title())));
+                    cx.model.ask(Request::Job(
+                        EXPORTING,
+                        png(cx.canvas, texture, self.title().unwrap_or_else(|| "stream".into())),
+                    ));
                 }
             }
             Command::Pin => {
-                if let Some(stream) = cx.shared.stream {
+                if let Some(stream) = cx.display.stream {
                     cx.model.ask(Request::Pin(stream));
                 }
             }
@@ -217,20 +218,20 @@ impl StreamView {
             ui.heading("raystep");
             ui.label("Drop a scene file here, or");
             if ui.button(Command::OpenScene.name()).clicked() {
-                cx.todo.push(Command::OpenScene);
+                cx.asks.commands.push(Command::OpenScene);
             }
-            if let Some(link) = &cx.shared.last_place
+            if let Some(link) = &cx.display.last_place
                 && ui.button("Resume where you left off").on_hover_text(link).clicked()
             {
-                cx.shared.visit = Some(link.clone());
+                cx.asks.visit = Some(link.clone());
             }
-            if !cx.shared.recent.is_empty() {
+            if !cx.display.recent.is_empty() {
                 ui.add_space(8.0);
                 ui.weak("recent");
             }
-            for path in cx.shared.recent.iter().take(5) {
+            for path in cx.display.recent.iter().take(5) {
                 if ui.link(path).clicked() {
-                    cx.shared.open = Some(path.clone());
+                    cx.asks.open = Some(path.clone());
                 }
             }
             ui.add_space(8.0);
@@ -238,7 +239,7 @@ impl StreamView {
             for index in 0..crate::lesson::built_in::LESSONS.len() {
                 let lesson = Command::Lesson(index);
                 if ui.link(lesson.name().trim_start_matches("Lesson: ")).clicked() {
-                    cx.todo.push(lesson);
+                    cx.asks.commands.push(lesson);
                 }
             }
         });
@@ -278,7 +279,7 @@ impl StreamView {
     /// Requests values when they have changed, and takes their range once they arrive.
     fn read_range(&mut self, cx: &mut Context<'_>, stream: Stream, layer: usize) {
         let (edition, place) = (cx.model.edition, cx.model.place);
-        let is_dragging = cx.shared.scrub.wanted().is_some();
+        let is_dragging = cx.asks.scrub.wanted().is_some();
         let is_known = self.pinned.is_some() || self.asked == Some((edition, place, stream, layer));
         if !is_known && !is_dragging && !cx.model.is_busy() {
             self.asked = Some((edition, place, stream, layer));
@@ -301,37 +302,6 @@ impl StreamView {
             }
         }
     }
-
-    /// Points per texel, and the position of texel (0, 0).
-    fn placement(&self, rect: Rect, [width, height]: [u32; 2]) -> (f32, Pos2) {
-        let size = vec2(width as f32, height as f32);
-        match self.look.scale {
-            Some(scale) => (scale, rect.center() - vec2(self.look.center[0], self.look.center[1]) * scale),
-            None => {
-                let scale = (rect.width() / size.x).min(rect.height() / size.y).max(1e-3);
-                (scale, rect.center() - 0.5 * scale * size)
-            }
-        }
-    }
-
-    fn move_view(&mut self, ui: &egui::Ui, response: &egui::Response, rect: Rect, size: [u32; 2]) {
-        let (scale, origin) = self.placement(rect, size);
-        let zoom = match response.hovered() {
-            true => ui.input(|input| input.zoom_delta() * (input.smooth_scroll_delta().y / 200.0).exp()),
-            false => 1.0,
-        };
-        if zoom != 1.0
-            && let Some(at) = response.hover_pos()
-        {
-            let texel = (at - origin) / scale;
-            let scale = (scale * zoom).clamp(0.01, 256.0);
-            let center = texel + (rect.center() - at) / scale;
-            (self.look.scale, self.look.center) = (Some(scale), [center.x, center.y]);
-        } else if response.dragged() && response.drag_delta() != Vec2::ZERO {
-            let center = (rect.center() - origin - response.drag_delta()) / scale;
-            (self.look.scale, self.look.center) = (Some(scale), [center.x, center.y]);
-        }
-    }
 }
 
 /// From the first to the last percentile for floats; the full range for counts.
@@ -341,15 +311,4 @@ fn view_range(stats: &LayerStats) -> [f32; 2] {
     let is_float = matches!(stats.others, Others::Float { .. });
     let (lo, hi) = if is_float && first < last { (first, last) } else { (span.min, span.max) };
     [lo as f32, hi as f32]
-}
-
-/// A frame around a texel, large enough to be visible.
-fn mark(ui: &egui::Ui, texel: Option<[u32; 2]>, rect: Rect, scale: f32, origin: Pos2, color: Color32) {
-    let Some([x, y]) = texel else { return };
-    let side = scale.max(9.0);
-    let middle = origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
-    let frame = Rect::from_center_size(middle, Vec2::splat(side));
-    let painter = ui.painter().with_clip_rect(rect);
-    painter.rect_stroke(frame, 0.0, egui::Stroke::new(3.0, Color32::from_black_alpha(160)), egui::StrokeKind::Outside);
-    painter.rect_stroke(frame, 0.0, egui::Stroke::new(1.5, color), egui::StrokeKind::Outside);
 }

@@ -1,4 +1,6 @@
 //! The acceleration structure: the lists of the grid and a slice through them, or the nodes of the BVH as a tree.
+//!
+//! Touches: selection, display, log.
 
 mod picture;
 mod slice;
@@ -17,10 +19,10 @@ use tree::{Explored, TreeView};
 
 use super::chart::Histogram;
 use super::picked;
-use crate::session::request::{JobContext, JobFuture, Request};
-use crate::ui::command::Command;
+use crate::command::Command;
+use crate::session::request::{Job, Request, answered, job};
 use crate::ui::pane::{Context, Panel};
-use crate::ui::shared::{Picked, Shared};
+use crate::ui::state::{Picked, Selection};
 use crate::ui::units::{Scale, Units};
 
 /// The engine's job, named while it runs.
@@ -50,10 +52,6 @@ pub(in crate::ui) struct Structure {
 }
 
 impl Panel for Structure {
-    fn title(&self) -> String {
-        "Grid and BVH".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
             ui.weak("Open a scene to see its grid or BVH.");
@@ -62,7 +60,7 @@ impl Panel for Structure {
         let data = opened.data.clone();
         let plan = opened.plan.clone();
         self.measure(&data, &plan, cx);
-        self.slice.mark(&data, cx.shared.picked);
+        self.slice.mark(&data, cx.selection.picked);
         self.about.show(ui, cx);
         match self.measured.clone() {
             Some((_, Measured::Grid(stats))) => self.grid(ui, cx, &data, &stats),
@@ -93,7 +91,7 @@ impl Panel for Structure {
         }
         let Some(data) = cx.model.opened.as_ref().map(|opened| opened.data.clone()) else { return false };
         if data.grid_cells.len() < 2 {
-            cx.shared.say(false, "this run has no grid");
+            cx.log.say(false, "this run has no grid");
             return true;
         }
         self.slice.command(command, &data);
@@ -118,14 +116,14 @@ impl Structure {
         if self.measured.is_none() && self.asked != generation {
             self.asked = generation;
             let (data, plan) = (data.clone(), plan.clone());
-            cx.model.ask(Request::Job(MEASURING, Box::new(move |job| measure(job, data, plan, generation))));
+            cx.model.ask(Request::Job(MEASURING, measure(data, plan, generation)));
         }
     }
 
     fn grid(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData, stats: &GridStats) {
         // Side by side if there is room.
         let is_wide = ui.available_width() > 640.0;
-        let size = ui.available_size();
+        let (size, units) = (ui.available_size(), cx.display.units);
         if is_wide {
             ui.horizontal_top(|ui| {
                 let picture = egui::vec2((size.x * 0.55).min(size.x - 300.0), size.y);
@@ -136,14 +134,14 @@ impl Structure {
                     ScrollArea::vertical()
                         .id_salt("numbers")
                         .auto_shrink(false)
-                        .show(ui, |ui| self.numbers(ui, cx.shared, data, stats));
+                        .show(ui, |ui| self.numbers(ui, cx.selection, units, data, stats));
                 });
             });
         } else {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 // Part of what follows stays visible, so that it is clear that there is more.
                 self.slice.show(ui, cx, data, stats.longest, (size.y * 0.6).max(140.0));
-                self.numbers(ui, cx.shared, data, stats);
+                self.numbers(ui, cx.selection, units, data, stats);
             });
         }
     }
@@ -176,8 +174,8 @@ impl Structure {
         }
     }
 
-    fn numbers(&mut self, ui: &mut Ui, shared: &mut Shared, data: &SceneData, stats: &GridStats) {
-        self.list(ui, shared, data);
+    fn numbers(&mut self, ui: &mut Ui, selection: &mut Selection, units: Units, data: &SceneData, stats: &GridStats) {
+        self.list(ui, selection, units, data);
         let [x, y, z] = stats.cells;
         ui.horizontal_wrapped(|ui| {
             ui.strong(format!("{x} × {y} × {z} cells")).on_hover_text(format!("{} in total", stats.cells_in_all()));
@@ -189,7 +187,7 @@ impl Structure {
                 .on_hover_text(format!("{} references in all lists", stats.references));
             let text = format!("longest list: {}", stats.longest);
             if ui.link(text).on_hover_text("select the first cell with such a list").clicked() && stats.longest > 0 {
-                shared.picked = picked::cell(data.grid.cell_of_index(stats.longest_cell));
+                selection.picked = picked::cell(data.grid.cell_of_index(stats.longest_cell));
             }
             if let Some(triangle) = stats.most_listed_triangle {
                 let text = format!("triangle {triangle} is in {}", counted(stats.most_listed, "list"));
@@ -198,7 +196,7 @@ impl Structure {
                     .on_hover_text("the most of any triangle; click to mark its cells in the slice")
                     .clicked()
                 {
-                    shared.picked = Some(Picked::Triangle(triangle));
+                    selection.picked = Some(Picked::Triangle(triangle));
                 }
             }
         });
@@ -220,12 +218,12 @@ impl Structure {
     }
 
     /// The triangles of the selected cell.
-    fn list(&mut self, ui: &mut Ui, shared: &mut Shared, data: &SceneData) {
+    fn list(&mut self, ui: &mut Ui, selection: &mut Selection, units: Units, data: &SceneData) {
         let Some(cell) = self.slice.cell().filter(|&cell| data.grid.is_in_grid(cell)) else {
             ui.weak("Click a cell to see its list.");
             return;
         };
-        let ([x, y, z], units) = (cell, shared.units);
+        let [x, y, z] = cell;
         let triangles = triangles_in(data, data.grid.cell_index(cell));
         ui.horizontal_wrapped(|ui| {
             ui.strong(format!("cell {x},{y},{z}")).on_hover_text(format!("index {}", data.grid.cell_index(cell)));
@@ -238,7 +236,7 @@ impl Structure {
                 let chip = egui::Button::selectable(is_marked, RichText::new(triangle.to_string()).monospace());
                 let chip = ui.add(chip.stroke(ui.visuals().widgets.noninteractive.bg_stroke));
                 if chip.on_hover_ui(|ui| corners(ui, data, triangle, units)).clicked() {
-                    picked::toggle(shared, Picked::Triangle(triangle));
+                    picked::toggle(selection, Picked::Triangle(triangle));
                 }
             }
             if triangles.len() > MOST_CHIPS {
@@ -250,13 +248,13 @@ impl Structure {
 }
 
 /// Statistics of a grid or BVH. The session is only used to stay cancellable.
-fn measure(_: JobContext<'_>, data: Arc<SceneData>, plan: Arc<Plan>, generation: u64) -> JobFuture<'_> {
-    Box::pin(async move {
+fn measure(data: Arc<SceneData>, plan: Arc<Plan>, generation: u64) -> Job {
+    job!(_, {
         let tree = || Some(Measured::Tree(Arc::new(TreeStats::of(&data)?), Arc::new(Explored::of(&data)?)));
         let grid = GridStats::of(&data).map(|stats| Measured::Grid(Arc::new(stats)));
         let irregular = || IrregularSummary::of(&plan, &data).map(Measured::Irregular);
         let measured = grid.or_else(irregular).or_else(tree).unwrap_or(Measured::Nothing);
-        Ok(Box::new((generation, measured)) as _)
+        answered((generation, measured))
     })
 }
 

@@ -1,5 +1,7 @@
 //! The passes as a scrubber: rays in each state, by pass or by time on the device; the selected ray's events, bookmarks
 //! and thumbnails. Dragging goes through the passes, and the pictures follow.
+//!
+//! Touches: selection, display, asks, bookmarks.
 
 mod axis;
 mod columns;
@@ -18,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use ticks::{Mark, Tick, Ticks};
 
 use super::legend;
-use crate::ui::command::Command;
+use crate::command::Command;
 use crate::ui::pane::{Context, Panel};
 use crate::ui::style::SMALLEST;
 
@@ -65,10 +67,6 @@ struct Lanes {
 }
 
 impl Panel for Timeline {
-    fn title(&self) -> String {
-        "Timeline".into()
-    }
-
     fn least(&self) -> Vec2 {
         // A strip below other panels: the chart needs little height.
         vec2(240.0, 96.0)
@@ -89,16 +87,16 @@ impl Panel for Timeline {
         }
         let size = ui.available_size().max(vec2(LEFT + RIGHT + 40.0, 40.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-        let has_flags = !cx.shared.bookmarks.is_empty();
-        let lanes = lanes(rect, has_flags, has_events(cx), cx.shared.thumbs.shown().next().is_some());
+        let has_flags = !cx.bookmarks.list.is_empty();
+        let lanes = lanes(rect, has_flags, has_events(cx), cx.display.thumbs.shown().next().is_some());
         let axis = &self.axis;
         let (left, width) = (lanes.field.left(), f64::from(lanes.field.width().max(1.0)));
         let at = |part: f64| left + (part * width) as f32;
         let part = |x: f32| f64::from(x - left) / width;
         let middle = |place: usize| axis.middle_of(place).map(at);
         let run = cx.model.opened.as_ref().map(|opened| (&*opened.data, opened.plan.program.states));
-        let ticks = self.ticks.of(cx.model.life.as_ref(), run);
-        let thumbs = lanes.strip.map(|lane| strip::placed(lane, &cx.shared.thumbs, middle)).unwrap_or_default();
+        let ticks = self.ticks.of(cx.model.history.as_ref(), run);
+        let thumbs = lanes.strip.map(|lane| strip::placed(lane, &cx.display.thumbs, middle)).unwrap_or_default();
 
         // A mark or a thumbnail is met, or the pass under the cursor.
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
@@ -113,13 +111,13 @@ impl Panel for Timeline {
             pointer.map(|pos| tick.map(|tick| tick.place).or(thumb).unwrap_or_else(|| axis.place_at(part(pos.x))));
         let is_held = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down());
         match under {
-            Some(place) if is_held => cx.shared.scrub.hold(place),
-            Some(place) if response.clicked() || response.drag_stopped() => cx.shared.scrub.go(place),
+            Some(place) if is_held => cx.asks.scrub.hold(place),
+            Some(place) if response.clicked() || response.drag_stopped() => cx.asks.scrub.go(place),
             _ => {}
         }
         keys(ui, &response, cx, axis);
 
-        let shown = cx.shared.scrub.wanted().unwrap_or(cx.model.place);
+        let shown = cx.asks.scrub.wanted().unwrap_or(cx.model.place);
         let painter = ui.painter_at(rect);
         painter.rect_filled(lanes.field, 0.0, ui.visuals().extreme_bg_color);
         let passes = &cx.model.passes;
@@ -129,7 +127,7 @@ impl Panel for Timeline {
         feet(ui, lanes.field, axis, look.scale);
         let colors = [ui.visuals().text_color(), ui.visuals().selection.stroke.color];
         ticks::paint(&painter, lanes.events, ticks, shown, colors, middle);
-        strip::paint(&painter, &thumbs, &cx.shared.thumbs, shown);
+        strip::paint(&painter, &thumbs, &cx.display.thumbs, shown);
         playhead(ui, rect, &lanes, at(axis.part_of(shown)));
         if let Some(pos) = pointer.filter(|pos| rect.contains(*pos) || is_held) {
             painter.vline(pos.x.clamp(left, rect.right()), lanes.field.y_range(), Stroke::new(1.0, colors[0]));
@@ -208,8 +206,8 @@ impl Timeline {
             text += &format!("; pass {}: {}, processed {}", pass.index, pass.kernel.name(), pass.rays_in);
             text += &inset::states(pass).map_or_else(String::new, |states| format!(", {states}"));
         }
-        if !cx.shared.bookmarks.is_empty() {
-            text += &format!("; {}", counted(cx.shared.bookmarks.len(), "bookmark"));
+        if !cx.bookmarks.list.is_empty() {
+            text += &format!("; {}", counted(cx.bookmarks.list.len(), "bookmark"));
         }
         text += if look.scale == Scale::Time { "; by device time" } else { "; by pass" };
         text + if look.is_log { ", logarithmic" } else { "" } + if look.is_walk_only { ", walk only" } else { "" }
@@ -218,7 +216,7 @@ impl Timeline {
 
 /// Whether a ray is selected that some pass processes.
 fn has_events(cx: &Context<'_>) -> bool {
-    cx.model.life.as_ref().is_some_and(|life| !life.rows.is_empty())
+    cx.model.history.as_ref().is_some_and(|history| !history.rows.is_empty())
 }
 
 fn lanes(rect: Rect, has_flags: bool, has_events: bool, has_thumbs: bool) -> Lanes {
@@ -250,14 +248,14 @@ fn keys(ui: &Ui, response: &Response, cx: &mut Context<'_>, axis: &Axis) {
             }
             for (key, command) in [(Key::Home, Command::Start), (Key::End, Command::End)] {
                 if input.consume_key(Modifiers::NONE, key) {
-                    cx.todo.push(command);
+                    cx.asks.commands.push(command);
                 }
             }
         });
     }
     if by != 0 {
-        let from = cx.shared.scrub.wanted().unwrap_or(cx.model.place);
-        cx.shared.scrub.go(axis.step(from, by));
+        let from = cx.asks.scrub.wanted().unwrap_or(cx.model.place);
+        cx.asks.scrub.go(axis.step(from, by));
     }
 }
 
@@ -311,7 +309,7 @@ fn feet(ui: &Ui, field: Rect, axis: &Axis, scale: Scale) {
 /// The ray's event in the pass under the cursor, in words.
 fn event_at(cx: &Context<'_>, ticks: &[Tick], tick: Option<Tick>, place: usize) -> Option<String> {
     let tick = tick.or_else(|| ticks.iter().find(|tick| tick.place == place).copied())?;
-    let row = cx.model.life.as_ref()?.rows.get(tick.row)?;
+    let row = cx.model.history.as_ref()?.rows.get(tick.row)?;
     Some(format!("the selected ray: {}", row.why))
 }
 

@@ -1,4 +1,6 @@
 //! Device time by kernel and by pass.
+//!
+//! Touches: asks.
 
 mod bars;
 mod parts;
@@ -11,9 +13,9 @@ use raystep_lab::text::counted;
 
 use super::chart::kernel_color;
 use super::table::{Head, Listed, ListedCell, Look, Table, View, version};
+use crate::command::Command;
 use crate::session::Model;
-use crate::ui::command::Command;
-use crate::ui::pane::{Context, Panel};
+use crate::ui::pane::{Context, Panel, saves};
 
 /// Totals of all passes of a kernel.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,10 +52,6 @@ const ABOUT: &str = "Timing every pass costs several µs per pass. Use these tim
                      the time of a whole run, use `raystep bench`, which measures runs without timers.";
 
 impl Panel for Timings {
-    fn title(&self) -> String {
-        "Timings".into()
-    }
-
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if cx.model.passes.is_empty() {
             ui.weak("Step a pass to see its time.");
@@ -93,7 +91,7 @@ impl Panel for Timings {
                 ("Trace…", "save passes as trace events for Perfetto", Command::ExportTrace),
             ] {
                 if ui.button(name).on_hover_text(about).clicked() {
-                    cx.todo.push(command);
+                    cx.asks.commands.push(command);
                 }
             }
         });
@@ -111,13 +109,7 @@ impl Panel for Timings {
         });
     }
 
-    fn save(&self) -> String {
-        serde_json::to_string(&self.is_log).unwrap_or_default()
-    }
-
-    fn load(&mut self, saved: &str) {
-        self.is_log = serde_json::from_str(saved).unwrap_or_default();
-    }
+    saves!(is_log);
 }
 
 /// The summary if passes have no times.
@@ -291,14 +283,14 @@ mod tests {
         use raystep_kernels::Rounding;
         let rounding = Some(Rounding { runs: 256, error_ns: 2048, below_ns: 67_584 });
         let short = Pass { rounding, ..pass(0, INTERSECT, 1, None) };
-        let told = Pass { rounding, ..pass(1, INTERSECT, 1, Some(20_000)) };
+        let rounded = Pass { rounding, ..pass(1, INTERSECT, 1, Some(20_000)) };
         let unknown = pass(2, INTERSECT, 1, None);
         let fine = pass(3, INTERSECT, 1, Some(20_000));
-        let texts = [&short, &told, &unknown, &fine].map(time_of);
+        let texts = [&short, &rounded, &unknown, &fine].map(time_of);
         let expected = [Some("< 67.6 µs"), Some("20.0 µs ± 2.0 µs"), None, Some("20.0 µs")];
         assert_eq!(texts.each_ref().map(Option::as_deref), expected);
-        assert_eq!(too_short(&[short.clone(), told.clone(), short]), "; 2 too short to tell: < 67.6 µs each");
-        assert_eq!(too_short(&[told, unknown]), "");
+        assert_eq!(too_short(&[short.clone(), rounded.clone(), short]), "; 2 too short to tell: < 67.6 µs each");
+        assert_eq!(too_short(&[rounded, unknown]), "");
         let bounds = [999_999, 1_000_001, 1_000_000_001].map(less_than);
         assert_eq!(bounds, ["< 1.00 ms", "< 1.01 ms", "< 1.01 s"], "rounded up");
     }

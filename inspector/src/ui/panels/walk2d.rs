@@ -1,7 +1,10 @@
 //! The walk of the selected ray, seen along one axis and unfolded along t, synchronised with the timeline: later steps
 //! are dimmed. A click goes to the pass.
+//!
+//! Touches: other, selection, display, asks.
 
 mod beside;
+mod export;
 mod picture;
 mod progress;
 mod second;
@@ -15,14 +18,13 @@ use serde::{Deserialize, Serialize};
 
 use super::picked;
 use super::walked::{Walked, describe, event_buttons, go_on, number};
+use crate::command::Command;
 use crate::session::request::Request;
 use crate::session::{Model, Target};
-use crate::ui::command::Command;
-use crate::ui::host::FileToSave;
-use crate::ui::pane::{Context, NO_RAYS, Panel};
-use crate::ui::shared::Picked;
+use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
+use crate::ui::state::Picked;
 use crate::ui::units::{self, Scale};
-use crate::walk::{Projected, Spacing, Strip, Structure, SvgOptions, WalkGeometry, walk_svg};
+use crate::walk::{Projected, Spacing, Strip, Structure, WalkGeometry};
 use beside::Beside;
 use progress::Progress;
 use second::{Found, Second};
@@ -45,8 +47,9 @@ struct Whole {
 }
 
 impl Whole {
-    fn of(life: &Trace, data: &SceneData) -> Self {
-        let walk = WalkGeometry::new(life, data, usize::MAX);
+    /// The walk up to a row.
+    fn of(history: &Trace, data: &SceneData, row: usize) -> Self {
+        let walk = WalkGeometry::new(history, data, row);
         Self { picture: Projected::new(&walk), strip: Strip::new(&walk), walk }
     }
 }
@@ -78,10 +81,6 @@ struct Under {
 }
 
 impl Panel for Walk2d {
-    fn title(&self) -> String {
-        "Unfolded walk".into()
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
             ui.weak("Open a scene and click a pixel to see its ray's path.");
@@ -93,7 +92,7 @@ impl Panel for Walk2d {
         }
         self.is_dark = ui.visuals().dark_mode;
         self.update(cx.model);
-        let Some(life) = self.walked.life.clone().filter(|life| !life.rows.is_empty()) else {
+        let Some(history) = self.walked.history.clone().filter(|history| !history.rows.is_empty()) else {
             ui.weak("Click a pixel to see its ray's path.");
             return;
         };
@@ -103,11 +102,11 @@ impl Panel for Walk2d {
         }
         self.tools(ui, cx);
         self.about.show(ui, cx);
-        let found = self.second_walk(ui, life.pixel, cx);
-        cx.shared.beside = found.as_ref().map(|found| found.data.clone());
+        let found = self.second_walk(ui, history.pixel, cx);
+        cx.display.beside = found.as_ref().map(|found| found.data.clone());
         let (Some(whole), Some((_, progress))) = (&self.whole, &self.progress) else { return };
         if let Some(found) = &found {
-            Beside::update(&mut self.beside, &life, whole, found);
+            Beside::update(&mut self.beside, &history, whole, found);
         }
         let beside = self.beside.as_ref().zip(found.as_ref());
         let first = cx.model.opened.as_ref().map_or(String::new(), |opened| opened.plan.accelerator.to_string());
@@ -116,28 +115,22 @@ impl Panel for Walk2d {
         }
         let size = ui.available_size().max(vec2(32.0, 32.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-        let unit = Scale::of(cx.shared.units, &life).t64(1.0);
-        let (now, picked) = (self.walked.walk.as_ref(), cx.shared.picked);
-        let hides_next = cx.shared.hides_next;
-        let scene = Scene { walk: &whole.walk, now, progress, visuals: ui.visuals(), unit, picked, hides_next };
-        let cursor = response.hover_pos();
-        let mut under = None;
-        if let Some((beside, found)) = beside {
-            let painter = ui.painter().with_clip_rect(rect);
-            under = beside.draw(&painter, rect, [&first, &found.name], &scene, cursor);
-        } else {
-            // The strip is all about what comes next.
-            let (upper, lower) = if hides_next { (Some(rect), None) } else { split(rect, whole) };
-            if let Some(upper) = upper {
-                under = picture::draw(&ui.painter().with_clip_rect(upper), upper, &whole.picture, &scene, cursor)
-                    .map(|under| (0, under));
-            }
-            if let Some(lower) = lower {
-                let painter = ui.painter().with_clip_rect(lower);
-                let found = strip::draw(&painter, lower, &whole.strip, self.spacing(), &scene, cursor);
-                under = found.map(|found| (0, found)).or(under);
-            }
-        }
+        let unit = Scale::of(cx.display.units, &history).t64(1.0);
+        let (now, picked) = (self.walked.walk.as_ref(), cx.selection.picked);
+        let (hides_next, spacing, cursor) = (cx.display.hides_next, self.spacing(), response.hover_pos());
+        let scene = Scene {
+            walk: &whole.walk,
+            now,
+            progress,
+            visuals: ui.visuals(),
+            unit,
+            picked,
+            hides_next,
+            spacing,
+            cursor,
+        };
+        let names = beside.map(|(_, found)| [first.as_str(), found.name.as_str()]);
+        let under = self.paint(ui.painter(), rect, whole, names, &scene);
         let mut what = self.walked.walk.as_ref().map_or_else(|| "No pass has processed this ray yet.".into(), describe);
         if let Some((beside, found)) = beside {
             let [a, b] = beside.headings([&first, &found.name]);
@@ -145,18 +138,10 @@ impl Panel for Walk2d {
         }
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
         let found = found.as_ref();
-        point_at(&response, under, &life, found, cx);
+        point_at(&response, under, &history, found, cx);
     }
 
-    fn save(&self) -> String {
-        serde_json::to_string(&self.look).unwrap_or_default()
-    }
-
-    fn load(&mut self, saved: &str) {
-        if let Ok(look) = serde_json::from_str(saved) {
-            self.look = look;
-        }
-    }
+    saves!(look);
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
         if command == Command::SecondWalk {
@@ -167,14 +152,11 @@ impl Panel for Walk2d {
             return false;
         }
         self.update(cx.model);
-        let Some(life) = &self.walked.life else { return false };
-        let walk = self.walked.walk.as_ref().or(self.whole.as_ref().map(|whole| &whole.walk));
-        if let Some(walk) = walk {
-            let second = self.beside.as_ref().map(|beside| (beside.name.as_str(), &beside.whole.walk));
-            let file = export(life, walk, second, self.spacing(), self.is_dark);
-            cx.shared.files.push(file);
-        }
-        walk.is_some()
+        let shown = self.walked.history.as_ref().zip(cx.model.opened.as_ref());
+        let drawing =
+            shown.and_then(|(history, opened)| self.drawing(history, &opened.data, opened.plan.accelerator.name()));
+        cx.asks.files.extend(drawing);
+        self.walked.history.is_some()
     }
 }
 
@@ -182,22 +164,22 @@ impl Panel for Walk2d {
 fn point_at(
     response: &egui::Response,
     under: Option<(usize, Under)>,
-    life: &Trace,
+    history: &Trace,
     found: Option<&Found>,
     cx: &mut Context<'_>,
 ) {
     let Some((which, Under { text, row, what })) = under else { return };
     let second = found.filter(|_| which == 1);
-    let rows = second.map_or(life, |found| &found.life);
+    let rows = second.map_or(history, |found| &found.history);
     let place = rows.rows.get(row).and_then(TraceRow::place);
     if response.clicked() {
-        let was_picked = what.is_some() && cx.shared.picked == what;
+        let was_picked = what.is_some() && cx.selection.picked == what;
         if let Some(what) = what {
-            picked::toggle(cx.shared, what);
+            picked::toggle(cx.selection, what);
         }
         // Without a second run, there is no pass to go to.
         match (second.map(|found| found.is_run), place.filter(|_| !was_picked)) {
-            (None, Some(place)) => cx.shared.go_to = Some(place),
+            (None, Some(place)) => cx.asks.go_to = Some(place),
             (Some(true), Some(place)) => {
                 if let Some(other) = cx.other.as_deref_mut().filter(|other| other.place != place) {
                     other.ask(Request::Step(Target::Pass(place)));
@@ -214,22 +196,6 @@ fn point_at(
     response.on_hover_text_at_pointer(text + &on);
 }
 
-/// The walk as a drawing.
-fn export(
-    life: &Trace,
-    walk: &WalkGeometry,
-    second: Option<(&str, &WalkGeometry)>,
-    spacing: Spacing,
-    is_dark: bool,
-) -> FileToSave {
-    let [x, y] = life.pixel;
-    let last = walk.row.and_then(|row| life.rows.get(row)).map(TraceRow::number);
-    let until = last.map_or_else(String::new, |pass| format!(", up to pass {pass}"));
-    let options = SvgOptions { spacing, is_dark, ..SvgOptions::default() };
-    let svg = walk_svg(walk, &format!("Ray of pixel {x},{y}{until}"), second, &options);
-    FileToSave { name: format!("ray-{x}-{y}.svg"), bytes: svg.into_bytes(), holds: "a drawing".into() }
-}
-
 /// The inputs of the drawing.
 #[derive(Clone, Copy)]
 struct Scene<'a> {
@@ -244,6 +210,8 @@ struct Scene<'a> {
     picked: Option<Picked>,
     /// Whether only what the ray has reached is shown.
     hides_next: bool,
+    spacing: Spacing,
+    cursor: Option<egui::Pos2>,
 }
 
 impl Scene<'_> {
@@ -260,18 +228,43 @@ impl Walk2d {
 
     fn update(&mut self, model: &Model) {
         let is_other = self.walked.update(model);
-        let (Some(life), Some(opened)) = (&self.walked.life, &model.opened) else {
+        let (Some(history), Some(opened)) = (&self.walked.history, &model.opened) else {
             (self.whole, self.progress) = (None, None);
             return;
         };
         if is_other || self.whole.is_none() {
-            self.whole = Some(Whole::of(life, &opened.data));
+            self.whole = Some(Whole::of(history, &opened.data, usize::MAX));
             self.progress = None;
         }
         let version = self.walked.version;
         if let Some(whole) = self.whole.as_ref().filter(|_| self.progress.as_ref().is_none_or(|p| p.0 != version)) {
             self.progress = Some((version, Progress::new(&whole.walk, &whole.picture, self.walked.row)));
         }
+    }
+
+    /// Paints the walk; with names, both walks. Describes the item under the cursor, and tells in which walk it is.
+    fn paint(
+        &self,
+        painter: &egui::Painter,
+        rect: Rect,
+        whole: &Whole,
+        names: Option<[&str; 2]>,
+        scene: &Scene<'_>,
+    ) -> Option<(usize, Under)> {
+        if let Some((beside, names)) = self.beside.as_ref().zip(names) {
+            return beside.draw(&painter.with_clip_rect(rect), rect, names, scene);
+        }
+        // The strip is all about what comes next.
+        let (upper, lower) = if scene.hides_next { (Some(rect), None) } else { split(rect, whole) };
+        let mut under = None;
+        if let Some(upper) = upper {
+            under = picture::draw(&painter.with_clip_rect(upper), upper, &whole.picture, scene);
+        }
+        if let Some(lower) = lower {
+            let painter = painter.with_clip_rect(lower);
+            under = strip::draw(&painter, lower, &whole.strip, scene).or(under);
+        }
+        under.map(|under| (0, under))
     }
 
     /// Whether the walk through the other structure is to be shown.
@@ -322,36 +315,37 @@ impl Walk2d {
                     }
                 }
             }
-            if let Some(life) = &self.walked.life {
-                units::choose(ui, &mut cx.shared.units, life.scene_units_per_stream_unit);
+            if let Some(history) = &self.walked.history {
+                units::choose(ui, &mut cx.display.units, history.scene_units_per_stream_unit);
             }
             if ui.button("Export SVG").on_hover_text("save both pictures as SVG, up to this pass").clicked() {
-                cx.todo.push(Command::ExportWalk);
+                cx.asks.commands.push(Command::ExportWalk);
             }
-            if let Some(walk) = self.walked.walk.as_ref().filter(|_| ui.available_size_before_wrap().x > 280.0 && cx.shared.picked.is_none()) {
+            if let Some(walk) = self.walked.walk.as_ref().filter(|_| ui.available_size_before_wrap().x > 280.0 && cx.selection.picked.is_none()) {
                 ui.weak(describe(walk));
             }
         });
     }
 }
 
-/// Space for the picture, if there is enough, and for the strip.
-fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Option<Rect>) {
-    let wanted = match whole.walk.structure {
+/// The height that the strip needs.
+fn strip_height(whole: &Whole) -> f32 {
+    match whole.walk.structure {
         Structure::Grid => 220.0,
         Structure::Tree => strip::TREE_EDGES + 16.0 * whole.strip.lines() as f32,
         Structure::Nothing => 70.0,
-    };
-    let lower = wanted.min(rect.height() * 0.5).max(64.0).min(rect.height());
+    }
+}
+
+/// Space for the picture, if there is enough, and for the strip.
+fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Option<Rect>) {
+    let lower = strip_height(whole).min(rect.height() * 0.5).max(64.0).min(rect.height());
     let (upper, lower) = rect.split_top_bottom_at_y(rect.bottom() - lower);
     ((upper.height() >= 40.0).then_some(upper), Some(lower))
 }
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::Accelerator;
-
-    use super::super::walked::tests::life;
     use super::*;
 
     #[test]
@@ -359,16 +353,5 @@ mod tests {
         let mut view = Walk2d::default();
         view.load(r#"{"by_t": true, "beside": false, "scene_units": true}"#);
         assert_eq!(view.look, Look { by_t: true, beside: Some(false) });
-    }
-
-    #[test]
-    fn a_drawing_is_of_the_walk_so_far() {
-        let (life, data) = life(Accelerator::Grid);
-        let [x, y] = life.pixel;
-        let row = life.rows.len() / 2;
-        let file = export(&life, &WalkGeometry::new(&life, &data, row), None, Spacing::Equal, false);
-        assert_eq!(file.name, format!("ray-{x}-{y}.svg"));
-        let text = String::from_utf8(file.bytes).expect("text");
-        assert!(text.contains(&format!("pixel {x},{y}, up to pass {}", life.rows[row].number())), "{text}");
     }
 }

@@ -1,4 +1,6 @@
 //! The walk of the selected ray in 3D, synchronised with the timeline.
+//!
+//! Touches: selection, display, asks.
 
 mod camera;
 mod control;
@@ -9,25 +11,25 @@ mod tools;
 
 use std::sync::Weak;
 
-use egui::{Color32, Rect, Sense, pos2, vec2};
+use egui::{Rect, Sense, vec2};
 use glam::DVec2;
 use raystep_scenes::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::picked;
 use super::walked::{Walked, describe, event_buttons, go_on};
+use crate::command::Command;
 use crate::draw::scene3d::{Around, Marked, Scene3d, Settings, TriangleStyle};
 use crate::orbit::Orbit;
 use crate::session::request::{Opened, Request};
 use crate::settings::View;
 use crate::ui::canvas::Picture;
-use crate::ui::command::Command;
-use crate::ui::pane::{Context, NO_RAYS, Panel};
-use crate::ui::shared::Picked;
+use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
+use crate::ui::state::Picked;
 use crate::ui::units::Scale;
 use crate::walk::Aabb;
 use camera::Framed;
-use labels::{Ready, Told};
+use labels::{LabelStyle, Ready};
 
 /// The saved part of the view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -84,15 +86,11 @@ pub(in crate::ui) struct Walk3d {
     /// What a command asked of the camera.
     wish: Option<Wish>,
     /// The labels of the picture drawn last, and where it was.
-    labels: Option<(Drawn, Rect, Told, Vec<Ready>)>,
+    labels: Option<(Drawn, Rect, LabelStyle, Vec<Ready>)>,
     about: picked::About,
 }
 
 impl Panel for Walk3d {
-    fn title(&self) -> String {
-        "Walk in 3D".into()
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let Some(opened) = cx.model.opened.clone() else {
             ui.weak("Open a scene and click a pixel to see its ray's path.");
@@ -100,7 +98,7 @@ impl Panel for Walk3d {
         };
         self.walked.update(cx.model);
         let traced_bounds = self.bounds(&opened, cx);
-        self.framed.update(cx.model.life.as_ref(), cx.model.generation, &opened);
+        self.framed.update(cx.model.history.as_ref(), cx.model.generation, &opened);
         let scale = opened.data.units.scale();
         let aspect = f64::from(ui.available_rect_before_wrap().aspect_ratio());
         let mut camera = self.camera(&opened, &traced_bounds, scale, aspect);
@@ -117,24 +115,24 @@ impl Panel for Walk3d {
         }
         self.look.camera = Some(camera);
         let traced = camera.scaled(scale);
-        let other = cx.shared.beside.as_ref().filter(|_| cx.shared.picked.is_some());
-        let marked = cx.shared.picked.and_then(|picked| {
+        let other = cx.display.beside.as_ref().filter(|_| cx.selection.picked.is_some());
+        let marked = cx.selection.picked.and_then(|picked| {
             let of = |data| Some((picked, picked::marked(picked, data)?));
             of(&opened.data).or_else(|| other.and_then(|data| of(data)))
         });
         let around = Around { marked: marked.map(|(_, marked)| marked), cut: self.framed.front(&traced) };
         self.paint(ui, cx, rect, traced, around);
-        let scale = self.walked.life.as_ref().map_or(Scale::TRACED, |life| Scale::of(cx.shared.units, life));
-        let told = Told { scale, hides_next: cx.shared.hides_next };
-        self.annotate(ui, rect, &traced, marked, cx.has_rays(), told);
+        let scale = self.walked.history.as_ref().map_or(Scale::TRACED, |history| Scale::of(cx.display.units, history));
+        let style = LabelStyle { scale, hides_next: cx.display.hides_next };
+        self.annotate(ui, rect, &traced, marked, cx.has_rays(), style);
         if let Some(glanced) = cx.model.glanced() {
             glance::draw(&ui.painter().with_clip_rect(rect), ui.visuals(), rect, glanced, &traced, &traced_bounds);
         }
         if response.has_focus() {
-            cx.shared.keeps_keys = true;
-            cx.todo.extend(ui.input(control::commands));
+            cx.display.keeps_keys = true;
+            cx.asks.commands.extend(ui.input(control::commands));
         } else if response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
-            cx.shared.picked = None;
+            cx.selection.picked = None;
         }
         let mut what = self.walked.walk.as_ref().map_or_else(|| "scene without a ray".into(), describe);
         if self.look.is_moved {
@@ -145,15 +143,7 @@ impl Panel for Walk3d {
         self.follow_camera(ui, &camera, &opened, cx);
     }
 
-    fn save(&self) -> String {
-        serde_json::to_string(&self.look).unwrap_or_default()
-    }
-
-    fn load(&mut self, saved: &str) {
-        if let Ok(look) = serde_json::from_str(saved) {
-            self.look = look;
-        }
-    }
+    saves!(look);
 
     fn command(&mut self, command: Command, _: &mut Context<'_>) -> bool {
         if command == Command::FrameWalk {
@@ -231,15 +221,13 @@ impl Walk3d {
             scene.draw(target, size, &camera, self.walked.walk.as_ref(), &around, &settings);
             self.drawn = Some(drawn);
         }
-        if let Some(id) = self.picture.id() {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(id, rect, whole, Color32::WHITE);
-        }
+        self.picture.show(ui, rect);
     }
 
     /// Hovering tells what is under the cursor, and a click picks it and goes to its pass.
     fn pick(&self, response: &egui::Response, camera: &Orbit, around: Around, cx: &mut Context<'_>) {
-        let (Some(at), Some(life)) = (response.hover_pos().filter(|_| !response.dragged()), &self.walked.life) else {
+        let (Some(at), Some(history)) = (response.hover_pos().filter(|_| !response.dragged()), &self.walked.history)
+        else {
             return;
         };
         let (Some(walk), at) = (&self.walked.walk, at - response.rect.min) else { return };
@@ -248,16 +236,16 @@ impl Walk3d {
         let cut = around.cut.filter(|_| self.look.settings.cut);
         let found = pick::under(walk, camera, at, size, cut);
         if response.clicked() && !found.is_empty() {
-            let chosen = pick::chosen(&found, cx.shared.picked);
-            cx.shared.picked = chosen.map(|found| found.what);
-            cx.shared.go_to = chosen.and_then(|found| life.rows.get(found.row)?.place());
+            let chosen = pick::chosen(&found, cx.selection.picked);
+            cx.selection.picked = chosen.map(|found| found.what);
+            cx.asks.go_to = chosen.and_then(|found| history.rows.get(found.row)?.place());
         }
         if let Some(first) = found.first() {
             let mut text = picked::name(first.what);
             if found.len() > 1 {
                 text += &format!(", and {} behind or around it", found.len() - 1);
             }
-            response.clone().on_hover_text_at_pointer(text + &go_on(life, first.row));
+            response.clone().on_hover_text_at_pointer(text + &go_on(history, first.row));
         }
     }
 
@@ -269,17 +257,17 @@ impl Walk3d {
         camera: &Orbit,
         marked: Option<(Picked, Marked)>,
         has_rays: bool,
-        told: Told,
+        style: LabelStyle,
     ) {
         let painter = ui.painter().with_clip_rect(rect);
         let drawn = self.drawn.filter(|_| self.look.labels);
         match (&self.walked.walk, drawn) {
             (Some(walk), Some(drawn)) => {
-                let now = (drawn, rect, told);
-                let is_known = self.labels.as_ref().is_some_and(|(of, at, told, _)| (*of, *at, *told) == now);
+                let now = (drawn, rect, style);
+                let is_known = self.labels.as_ref().is_some_and(|(of, at, style, _)| (*of, *at, *style) == now);
                 if !is_known {
-                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera, told);
-                    self.labels = Some((drawn, rect, told, ready));
+                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera, style);
+                    self.labels = Some((drawn, rect, style, ready));
                 }
                 let ready = self.labels.as_ref().map_or(&[][..], |(.., ready)| ready);
                 labels::draw(&painter, ui.visuals(), ready);
@@ -288,7 +276,7 @@ impl Walk3d {
             (None, _) => {
                 let text = if !has_rays {
                     NO_RAYS
-                } else if self.walked.life.is_some() {
+                } else if self.walked.history.is_some() {
                     "No pass has processed this ray yet."
                 } else {
                     "Click a pixel to see its ray's path."
@@ -304,7 +292,8 @@ impl Walk3d {
             }
         }
         let shown = self.scene.as_ref().map(|scene| scene.shown().to_string()).filter(|text| !text.is_empty());
-        let unit = (drawn.is_some() && self.walked.walk.is_some()).then(|| format!("t in {}", told.scale.units.name()));
+        let unit =
+            (drawn.is_some() && self.walked.walk.is_some()).then(|| format!("t in {}", style.scale.units.name()));
         let shown: Vec<String> = shown.into_iter().chain(unit).collect();
         if !shown.is_empty() {
             let font = egui::TextStyle::Small.resolve(ui.style());

@@ -5,17 +5,16 @@ use std::sync::Arc;
 use raystep_kernels::export::trace::Trace;
 use raystep_lab::text::counted;
 
-use super::ray::current_row;
+use crate::command::Command;
 use crate::session::Model;
-use crate::ui::command::Command;
 use crate::ui::pane::Context;
-use crate::walk::{CellVisit, Structure, WalkGeometry};
+use crate::walk::{CellVisit, Structure, WalkGeometry, row_after_passes};
 
 /// A walk up to the last pass that has run.
 #[derive(Default)]
 pub(super) struct Walked {
     /// The ray's history; `None` without a ray.
-    pub(super) life: Option<Arc<Trace>>,
+    pub(super) history: Option<Arc<Trace>>,
     /// The last row whose pass has run.
     pub(super) row: Option<usize>,
     /// The walk up to it; `None` before the ray's first pass.
@@ -27,9 +26,9 @@ pub(super) struct Walked {
 impl Walked {
     /// Updates it from the model. Returns whether the ray is a different one.
     pub(super) fn update(&mut self, model: &Model) -> bool {
-        let life = model.life.clone();
-        let row = life.as_ref().and_then(|life| current_row(life, model.place));
-        let is_same = match (&life, &self.life) {
+        let history = model.history.clone();
+        let row = history.as_ref().and_then(|history| row_after_passes(history, model.place));
+        let is_same = match (&history, &self.history) {
             (Some(now), Some(then)) => Arc::ptr_eq(now, then),
             (now, then) => now.is_none() && then.is_none(),
         };
@@ -37,9 +36,9 @@ impl Walked {
             return false;
         }
         let data = model.opened.as_ref().map(|opened| &opened.data);
-        let all = life.as_ref().zip(row).zip(data);
-        self.walk = all.map(|((life, row), data)| WalkGeometry::new(life, data, row));
-        (self.life, self.row) = (life, row);
+        let all = history.as_ref().zip(row).zip(data);
+        self.walk = all.map(|((history, row), data)| WalkGeometry::new(history, data, row));
+        (self.history, self.row) = (history, row);
         self.version += 1;
         !is_same
     }
@@ -48,19 +47,24 @@ impl Walked {
 /// Buttons for the ray's previous and next event.
 pub(super) fn event_buttons(ui: &mut egui::Ui, cx: &mut Context<'_>) {
     for (command, text) in [(Command::PreviousEvent, "< event"), (Command::NextEvent, "event >")] {
-        let key = command.key_text(ui.ctx());
-        let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
-        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
-        if button.clicked() {
-            cx.todo.push(command);
-        }
+        command_button(ui, cx, command, text);
+    }
+}
+
+/// A button for a command.
+pub(super) fn command_button(ui: &mut egui::Ui, cx: &mut Context<'_>, command: Command, text: &str) {
+    let key = command.key_text(ui.ctx());
+    let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
+    if button.clicked() {
+        cx.asks.commands.push(command);
     }
 }
 
 /// The row of a ray's history, for what is under the cursor, and where a click goes.
-pub(super) fn go_on(life: &Trace, row: usize) -> String {
-    let Some(at) = life.rows.get(row) else { return String::new() };
-    let rows = life.rows.len();
+pub(super) fn go_on(history: &Trace, row: usize) -> String {
+    let Some(at) = history.rows.get(row) else { return String::new() };
+    let rows = history.rows.len();
     match at.place() {
         Some(_) => format!("\nrow {} of {rows}; click: go to pass {}", row + 1, at.number()),
         None => format!("\nrow {} of {rows}", row + 1),
@@ -112,15 +116,15 @@ pub(in crate::ui::panels) mod tests {
     use crate::walk::tests::{CORNELL, options, scene, traced};
 
     /// A ray of the Cornell box that meets a box in it.
-    pub(in super::super) fn life(accelerator: Accelerator) -> (Trace, SceneData) {
+    pub(in super::super) fn history(accelerator: Accelerator) -> (Trace, SceneData) {
         let scene = scene(CORNELL);
         traced(&scene, &Options { accelerator, ..options(&scene) }, [44, 50])
     }
 
     #[test]
     fn a_walk_says_where_it_is() {
-        let (life, data) = life(Accelerator::Grid);
-        let whole = WalkGeometry::new(&life, &data, usize::MAX);
+        let (history, data) = history(Accelerator::Grid);
+        let whole = WalkGeometry::new(&history, &data, usize::MAX);
         let hit = whole.hit.expect("a hit").triangle;
         let cells = whole.cells.len();
         let text = describe(&whole);
@@ -129,7 +133,7 @@ pub(in crate::ui::panels) mod tests {
             "{text}"
         );
         let missed = whole.tested.iter().find(|test| !test.outcome.is_hit()).expect("a miss");
-        let text = describe(&WalkGeometry::new(&life, &data, missed.row));
+        let text = describe(&WalkGeometry::new(&history, &data, missed.row));
         assert!(text.starts_with("cell ") && text.ends_with(&format!("triangle {} missed", missed.triangle)), "{text}");
     }
 

@@ -1,12 +1,14 @@
 //! Watches, edits by hand, and passes that run on the CPU reference.
+//!
+//! Touches: selection, asks, watches.
 
 use egui::{DragValue, RichText};
 use raystep_lab::text::counted;
 
 use super::table::{Head, Listed, ListedCell, Table, View, version};
+use crate::command::Command;
 use crate::session::request::Request;
-use crate::session::{Edit, Watch, Way};
-use crate::ui::command::Command;
+use crate::session::{Direction, Edit, Watch};
 use crate::ui::pane::{Context, Panel};
 
 /// Watches and edits.
@@ -18,17 +20,13 @@ pub(in crate::ui) struct Watches {
 }
 
 impl Panel for Watches {
-    fn title(&self) -> String {
-        "Watches".into()
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ui.strong("Stop when");
             let has_rays = cx.has_rays();
             // Elements without states have values that change, and nothing else that can be watched.
             let is_shown = |watch: &Watch| has_rays || *watch == Watch::RayState;
-            for (watch, is_on) in cx.shared.watches.iter_mut().filter(|(watch, _)| is_shown(watch)) {
+            for (watch, is_on) in cx.watches.list.iter_mut().filter(|(watch, _)| is_shown(watch)) {
                 ui.horizontal(|ui| {
                     let name = match *watch {
                         Watch::MoreSteps(_) => "any ray: more steps than".into(),
@@ -49,11 +47,11 @@ impl Panel for Watches {
                         .on_hover_text(key)
                         .clicked()
                     {
-                        cx.todo.push(command);
+                        cx.asks.commands.push(command);
                     }
                 }
             });
-            if let Some(text) = &cx.shared.fired {
+            if let Some(text) = &cx.watches.fired {
                 ui.label(RichText::new(text).strong());
             }
             ui.separator();
@@ -65,7 +63,7 @@ impl Panel for Watches {
             ui.horizontal_wrapped(|ui| {
                 let can = cx.model.opened.is_some();
                 if ui.add_enabled(can, egui::Button::new(Command::EditTexel.name())).clicked() {
-                    cx.todo.push(Command::EditTexel);
+                    cx.asks.commands.push(Command::EditTexel);
                 }
                 if ui.add_enabled(!cx.model.edits.is_empty(), egui::Button::new("Undo all")).clicked() {
                     again(cx, Request::ClearEdits);
@@ -124,7 +122,7 @@ impl Watches {
         ui.horizontal_wrapped(|ui| self.edits.tools(ui, &view));
         let chosen = self.edits.show_all(ui, &view).and_then(|row| edits.get(row));
         if let Some((place, pixel)) = chosen.map(|edit| (edit.place, [edit.x, edit.y])) {
-            (cx.shared.go_to, cx.shared.select) = (Some(place), Some(pixel));
+            (cx.asks.go_to, cx.asks.select) = (Some(place), Some(pixel));
         }
     }
 }
@@ -132,7 +130,7 @@ impl Watches {
 /// Requests a change to the run, and follows the ray again.
 fn again(cx: &mut Context<'_>, request: Request) {
     cx.model.ask(request);
-    if let Some(pixel) = cx.shared.pixel {
+    if let Some(pixel) = cx.selection.pixel {
         cx.model.ask(Request::Follow(pixel));
     }
 }
@@ -143,7 +141,7 @@ pub(in crate::ui) fn wanted(cx: &[(Watch, bool)]) -> Vec<Watch> {
 }
 
 /// A request to run to them.
-pub(in crate::ui) fn run(watches: &[(Watch, bool)], way: Way) -> Option<Request> {
+pub(in crate::ui) fn run(watches: &[(Watch, bool)], direction: Direction) -> Option<Request> {
     let watches = wanted(watches);
-    (!watches.is_empty()).then_some(Request::RunToWatch { watches, way })
+    (!watches.is_empty()).then_some(Request::RunToWatch { watches, direction })
 }

@@ -2,9 +2,8 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::lesson::Lesson;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_T;
 
@@ -235,8 +234,8 @@ pub(super) fn same_kernel(stage: &mut Stage, was: &Before, is_forward: bool) {
 #[track_caller]
 pub(super) fn event(stage: &mut Stage, was: &Before, is_forward: bool) {
     stage.settle();
-    let life = stage.harness.state().model().life.clone().expect("a life");
-    let mut places = life.rows.iter().filter_map(|row| row.place());
+    let history = stage.harness.state().model().history.clone().expect("a history");
+    let mut places = history.rows.iter().filter_map(|row| row.place());
     let to = if is_forward { places.find(|&p| p > was.place) } else { places.rfind(|&p| p < was.place) };
     assert_eq!(Some(stage.place()), to);
 }
@@ -246,8 +245,8 @@ pub(super) fn pixel_moved(stage: &mut Stage, by: [i64; 2]) {
     stage.settle();
     let to = [0, 1].map(|i| (i64::from(PIXEL[i]) + by[i]) as u32);
     assert_eq!(stage.harness.state().pixel(), Some(to));
-    let life = stage.harness.state().model().life.as_ref().map(|life| life.pixel);
-    assert_eq!(life, Some(to), "its history is not shown");
+    let history = stage.harness.state().model().history.as_ref().map(|history| history.pixel);
+    assert_eq!(history, Some(to), "its history is not shown");
 }
 
 /// The cursor is over a stream; returns whether texels are magnified already.

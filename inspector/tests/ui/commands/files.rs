@@ -1,6 +1,6 @@
 //! Files that commands have saved.
 
-use raystep_inspector::ui::pane::PaneKind;
+use raystep_inspector::command::PaneKind;
 
 use super::effects::is_shown;
 use crate::ui::stage::Stage;

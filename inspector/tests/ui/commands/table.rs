@@ -1,10 +1,9 @@
 //! What each command needs, and how to tell that it worked.
 
 use egui::Role;
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::link::Link;
 use raystep_inspector::session_file::SessionFile;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
@@ -79,7 +78,7 @@ pub(super) fn row(command: Command) -> Row {
         C::ExportRay => (nothing, |s, _| {
             let bytes = file(s, ".csv");
             let mut reader = csv::Reader::from_reader(bytes.as_slice());
-            let rows = s.harness.state().model().life.as_ref().expect("a life").rows.len();
+            let rows = s.harness.state().model().history.as_ref().expect("a history").rows.len();
             assert_eq!(reader.records().count(), rows);
             assert!(rows > 10, "{rows}");
         }),

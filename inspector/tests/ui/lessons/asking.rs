@@ -1,11 +1,10 @@
 //! Questions, what goes on by itself, what is shown while a step measures, and what is there after a lesson.
 
 use egui::{Key, Modifiers, Role};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::lesson::Lesson;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::Accelerator;
 
 use super::{THREE, begin, one, problems, stage, view};

@@ -1,13 +1,11 @@
 //! Differences between the streams of two runs, counted by the engine of the first.
 
-use std::any::Any;
-
 use raystep_kernels::{Stream, StreamData};
 use raystep_lab::compare::Comparison;
 use raystep_lab::layer_stats::LayerStats;
 use raystep_lab::text::counted;
 
-use crate::session::request::{Job, JobContext, JobFuture};
+use crate::session::request::{Job, answered, job};
 use crate::ui::canvas::Moment;
 
 /// The job's name.
@@ -28,19 +26,17 @@ pub(super) struct Counted {
 
 /// Compares the first run's stream, as it is then, with the second's.
 pub(super) fn job(question: Question, right: StreamData) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let ([(edition, _), other], stream, layer) = question;
-            let left = context.session.stream(stream).await.map_err(|e| e.to_string())?;
-            let lines = match Comparison::new(&left, &right) {
-                Ok(comparison) => lines(stream, &comparison),
-                Err(error) => vec![error.to_string()],
-            };
-            let stats = LayerStats::of(stream, layer, left.layer(layer));
-            let range = stats.span.map_or([0.0, 1.0], |span| [span.min as f32, span.max as f32]);
-            let question = ([(edition, context.session.place()), other], stream, layer);
-            Ok(Box::new(Counted { question, lines, range }) as Box<dyn Any + Send>)
-        })
+    job!(context, {
+        let ([(edition, _), other], stream, layer) = question;
+        let left = context.session.stream(stream).await.map_err(|e| e.to_string())?;
+        let lines = match Comparison::new(&left, &right) {
+            Ok(comparison) => lines(stream, &comparison),
+            Err(error) => vec![error.to_string()],
+        };
+        let stats = LayerStats::of(stream, layer, left.layer(layer));
+        let range = stats.span.map_or([0.0, 1.0], |span| [span.min as f32, span.max as f32]);
+        let question = ([(edition, context.session.place()), other], stream, layer);
+        answered(Counted { question, lines, range })
     })
 }
 

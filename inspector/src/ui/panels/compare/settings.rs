@@ -15,12 +15,12 @@ pub(super) fn text_of(settings: &Settings) -> String {
 
 /// Where passes run, and how: fragment programs run on a GPU only.
 #[derive(Clone, Copy, PartialEq)]
-struct Place {
+struct RunsOn {
     device: DeviceKind,
     mapping: MappingName,
 }
 
-impl Place {
+impl RunsOn {
     const ALL: [Self; 4] = [
         Self { device: DeviceKind::Gpu, mapping: MappingName::Compute },
         Self { device: DeviceKind::Gpu, mapping: MappingName::Fragment },
@@ -52,8 +52,8 @@ pub(super) fn edit(ui: &mut Ui, settings: &Settings) -> Option<Settings> {
     combo(ui, "accelerator", Accelerator::ALL, Accelerator::name, &mut new.accelerator);
     combo(ui, "schedule", &stepped, ScheduleKind::name, &mut new.schedule);
     combo(ui, "numerics", Numerics::ALL, Numerics::name, &mut new.numerics);
-    let mut place = Place { device: new.device, mapping: new.mapping.name() };
-    combo(ui, "device", &Place::ALL, Place::name, &mut place);
+    let mut place = RunsOn { device: new.device, mapping: new.mapping.name() };
+    combo(ui, "device", &RunsOn::ALL, RunsOn::name, &mut place);
     if place.mapping != new.mapping.name() {
         new.map_kernels(place.mapping);
     }

@@ -1,7 +1,8 @@
 //! The cost of every ray as colours over the picture.
 
-use egui::{Color32, ColorImage, Pos2, Rect, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2};
-use egui::{pos2, vec2};
+use crate::ui::canvas::WHOLE;
+use crate::ui::panels::zoom::Placed;
+use egui::{Color32, ColorImage, Sense, Stroke, TextureHandle, TextureOptions, Ui, vec2};
 use raystep_kernels::Stream;
 use raystep_kernels::tables::kernel::Role;
 
@@ -70,37 +71,19 @@ impl HeatView {
         let room = vec2(ui.available_width(), height).max(vec2(32.0, 32.0));
         let (rect, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
         self.zoom.follow(ui, &response, rect, size);
-        let (scale, origin) = self.zoom.placement(rect, size);
-        self.paint_below(ui, cx, rect, scale, origin, heat.is_some_and(|heat| heat.of.place.is_none()));
-        let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+        let placed = self.zoom.place(rect, [width, rows]);
+        self.paint_below(ui, cx, &placed, heat.is_some_and(|heat| heat.of.place.is_none()));
         if let Some(heat) = heat {
             let texture = self.texture(ui, heat, [width, rows]);
             let opacity = if heat.only.is_some() { 1.0 } else { heat.opacity };
-            let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-            painter.image(
-                texture,
-                Rect::from_min_size(origin, size * scale),
-                whole,
-                Color32::WHITE.gamma_multiply(opacity),
-            );
+            let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+            painter.image(texture, placed.whole(), WHOLE, Color32::WHITE.gamma_multiply(opacity));
         }
-        let frame = |[x, y]: [u32; 2], least: f32, stroke: Stroke| {
-            let middle = origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
-            let frame = Rect::from_center_size(middle, Vec2::splat(scale.max(least)));
-            painter.rect_stroke(frame, 0.0, stroke, StrokeKind::Outside);
-        };
         for &ray in marked {
-            frame([ray % width.max(1), ray / width.max(1)], 2.0, Stroke::new(1.0, WARP));
+            let pixel = [ray % width.max(1), ray / width.max(1)];
+            placed.mark(ui, Some(pixel), 2.0, Stroke::new(1.0, WARP));
         }
-        if let Some(pixel) = cx.shared.pixel {
-            frame(pixel, 9.0, Stroke::new(3.0, Color32::from_black_alpha(160)));
-            frame(pixel, 9.0, Stroke::new(1.5, Color32::WHITE));
-        }
-        let texel_at = |at: Pos2| {
-            let texel = (at - origin) / scale;
-            let is_inside = texel.x >= 0.0 && texel.y >= 0.0 && texel.x < size.x && texel.y < size.y;
-            is_inside.then_some([texel.x as u32, texel.y as u32])
-        };
+        placed.mark_clearly(ui, cx.selection.pixel, Color32::WHITE);
         let text = match heat {
             Some(heat) => format!(
                 "heatmap of {} by {rows} pixels: {} from 0 to {}",
@@ -111,11 +94,13 @@ impl HeatView {
             None => format!("picture of {width} by {rows} pixels, without costs"),
         };
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
-        if let Some(texel) = response.interact_pointer_pos().filter(|_| response.clicked()).and_then(texel_at) {
-            cx.shared.select = Some(texel);
+        if let Some(texel) =
+            response.interact_pointer_pos().filter(|_| response.clicked()).and_then(|at| placed.texel(at))
+        {
+            cx.asks.select = Some(texel);
         }
-        let Some([x, y]) = response.hover_pos().and_then(texel_at) else { return };
-        cx.shared.hovered = Some([x, y]);
+        let Some([x, y]) = response.hover_pos().and_then(|at| placed.texel(at)) else { return };
+        cx.selection.hovered = Some([x, y]);
         let order = heat.map(|heat| &heat.sorted.order);
         let ray = y as usize * width as usize + x as usize;
         if let Some((heat, (cost, rank))) = heat.zip(order.and_then(|o| o.cost(ray).zip(o.rank(ray)))) {
@@ -131,7 +116,7 @@ impl HeatView {
     }
 
     /// The picture that costs are laid over: colours if the run has them, else the states of its rays.
-    fn paint_below(&mut self, ui: &Ui, cx: &Context<'_>, rect: Rect, scale: f32, origin: Pos2, is_of_end: bool) {
+    fn paint_below(&mut self, ui: &Ui, cx: &Context<'_>, placed: &Placed, is_of_end: bool) {
         let Some(opened) = &cx.model.opened else { return };
         let now = (cx.model.edition, cx.model.place);
         let color = opened.plan.streams.iter().map(|planned| planned.what).find(|stream| stream.is_color());
@@ -157,10 +142,9 @@ impl HeatView {
             ui.ctx().request_repaint();
             return;
         };
-        let points = ui.ctx().pixels_per_point();
-        let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
-        let offset = (origin - rect.min) * points;
-        let drawn = Drawn { moment, stream, offset: [offset.x, offset.y], scale: scale * points, size };
+        let size = Picture::pixels(ui, placed.rect);
+        let scale = placed.scale * ui.pixels_per_point();
+        let drawn = Drawn { moment, stream, offset: placed.offset(ui), scale, size };
         if let Some(target) = self.picture.target(cx.canvas, size, self.drawn != Some(drawn)) {
             let meaning = Meaning::of(stream, None);
             cx.canvas.streams.draw(
@@ -181,9 +165,7 @@ impl HeatView {
             );
             self.drawn = Some(drawn);
         }
-        if let Some(id) = self.picture.id() {
-            ui.painter().image(id, rect, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
-        }
+        self.picture.show(ui, placed.rect);
     }
 
     fn texture(&mut self, ui: &Ui, heat: &Heat<'_>, size: [u32; 2]) -> egui::TextureId {

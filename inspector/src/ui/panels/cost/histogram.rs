@@ -87,8 +87,8 @@ impl Histogram<'_> {
             |tick| x(f64::from(tick)),
             Rect::from_x_y_ranges(rect.x_range(), field.bottom()..=rect.bottom()),
         );
-        let told = marks.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
-        let text = format!("rays by {}: {told}", self.unit);
+        let names = marks.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
+        let text = format!("rays by {}: {names}", self.unit);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         if let Some((bin, [from, to])) = hovered.and_then(|bin| Some((bin, bins.range(bin, most)?))) {
             let span = if from == to { from.to_string() } else { format!("{from} to {to}") };

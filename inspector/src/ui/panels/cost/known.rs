@@ -102,13 +102,13 @@ impl Known {
     fn ask(&mut self, cx: &mut Context<'_>, of: Of, from: From) {
         if self.asked != Some(of) {
             self.asked = Some(of);
-            cx.model.ask(Request::Job(SORTING, Box::new(move |job| sort(job, of, from))));
+            cx.model.ask(Request::Job(SORTING, sort(of, from)));
         }
     }
 
     fn ask_again(&mut self, cx: &mut Context<'_>, of: Of) {
         self.asked = Some(of);
-        cx.model.ask(Request::Job(COUNTING, Box::new(move |job| count_again(job, of))));
+        cx.model.ask(Request::Job(COUNTING, count_again(of)));
     }
 
     fn found(&self, cx: &Context<'_>, look: &Look) -> Option<&Found> {

@@ -7,7 +7,7 @@ use raystep_lab::text::counted;
 use raystep_lab::work::{LANES, Lanes, Launch};
 
 use crate::session::Edit;
-use crate::session::request::{JobContext, JobFuture, Request};
+use crate::session::request::{Job, Request, answered, job};
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::Histogram;
 
@@ -124,7 +124,7 @@ impl LanesView {
             Which::Next(kernel) => {
                 if self.asked.as_ref() != Some(&of) && !cx.model.is_busy() {
                     self.asked = Some(of.clone());
-                    cx.model.ask(Request::Job(COUNTING, Box::new(move |job| count(job, of, kernel))));
+                    cx.model.ask(Request::Job(COUNTING, count(of, kernel)));
                 }
                 return;
             }
@@ -134,18 +134,18 @@ impl LanesView {
 }
 
 /// Counts the threads of the next pass that will have work. Returns nothing if the run has moved on.
-fn count(job: JobContext<'_>, of: Of, kernel: Kernel) -> JobFuture<'_> {
-    Box::pin(async move {
+fn count(of: Of, kernel: Kernel) -> Job {
+    job!(job, {
         let renderer = job.session.renderer();
         if job.session.place() != of.place || renderer.next_kernel() != Some(kernel) {
-            return Ok(Box::new((of, None::<Lanes>)) as _);
+            return answered((of, None::<Lanes>));
         }
         let Some(states) = renderer.plan().program.state_stream() else {
-            return Ok(Box::new((of, None::<Lanes>)) as _);
+            return answered((of, None::<Lanes>));
         };
         let state = job.session.stream(states).await.map_err(|error| error.to_string())?;
         let lanes = Lanes::of(&ahead(of.place, kernel, 0), renderer.plan(), state.layer(STATE_TAG));
-        Ok(Box::new((of, lanes)) as _)
+        answered((of, lanes))
     })
 }
 

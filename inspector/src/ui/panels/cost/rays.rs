@@ -4,7 +4,7 @@ use egui::Ui;
 use raystep_lab::work::CostOrder;
 
 use super::source::Sorted;
-use crate::ui::command::Command;
+use crate::command::Command;
 use crate::ui::pane::Context;
 use crate::ui::panels::table::{Head, Rows, Table, View, version};
 
@@ -41,11 +41,11 @@ pub(super) fn summary(ui: &mut Ui, cx: &mut Context<'_>, sorted: &Sorted, width:
         ui.label(format!("top 10%: {:.1}%", ten * 100.0))
             .on_hover_text("the most expensive 10% of rays, as a percentage of the total cost");
     });
-    let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width)).filter(|&ray| order.rank(ray).is_some());
+    let selected = cx.selection.pixel.map(|pixel| ray_at(pixel, width)).filter(|&ray| order.rank(ray).is_some());
     if let Some(rank) = sorted.curve.show(ui, height, order, selected.and_then(|ray| order.rank(ray)))
         && let Some(&ray) = order.rays().get(rank)
     {
-        cx.shared.select = Some(pixel_of(ray as usize, width));
+        cx.asks.select = Some(pixel_of(ray as usize, width));
     }
     ui.horizontal_wrapped(|ui| {
         if let Some(ray) = selected {
@@ -56,7 +56,7 @@ pub(super) fn summary(ui: &mut Ui, cx: &mut Context<'_>, sorted: &Sorted, width:
         for (name, command) in [("costlier", Command::PreviousRayByCost), ("cheaper", Command::NextRayByCost)] {
             let key = command.key_text(ui.ctx());
             if ui.button(name).on_hover_text(format!("the neighbouring ray in the order  {key}")).clicked() {
-                cx.todo.push(command);
+                cx.asks.commands.push(command);
             }
         }
     });
@@ -121,13 +121,13 @@ impl Rows for Rays<'_> {
 pub(super) fn list(ui: &mut Ui, cx: &mut Context<'_>, sorted: &Sorted, width: u32, of: u64, table: &mut Table) {
     let order = &sorted.order;
     let rows = Rays { order, width, count: order.rays().len().min(MOST_LISTED) };
-    let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width));
+    let selected = cx.selection.pixel.map(|pixel| ray_at(pixel, width));
     let current = selected.and_then(|ray| order.rank(ray)).filter(|&rank| rank < rows.count);
     let version = version((of, width, order.total(), order.rays().first().copied()));
     let view = View { name: "rays by cost", heads: &HEADS, rows: &rows, version, current };
     ui.horizontal_wrapped(|ui| table.tools(ui, &view));
     if let Some(rank) = table.show(ui, &view) {
-        cx.shared.select = rows.ray(rank).map(|ray| pixel_of(ray, width));
+        cx.asks.select = rows.ray(rank).map(|ray| pixel_of(ray, width));
     }
 }
 

@@ -1,6 +1,5 @@
 //! Where costs come from: the run's counters after the current pass, or a second run that counts.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use raystep_kernels::{Options, Progress, RenderError, Renderer};
@@ -9,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
 use super::spread::Spread;
-use crate::session::request::{JobContext, JobFuture};
+use crate::session::request::{Job, JobContext, answered, flow, job};
 
 /// The engine's job, named while it runs.
 pub(super) const SORTING: &str = "sorting rays by cost";
@@ -120,8 +119,8 @@ pub(super) enum From {
 }
 
 /// Sorts rays by cost.
-pub(super) fn sort(job: JobContext<'_>, of: Of, from: From) -> JobFuture<'_> {
-    Box::pin(async move {
+pub(super) fn sort(of: Of, from: From) -> Job {
+    job!(job, {
         let counts = match from {
             From::Known(counts) => Some(counts),
             From::Session => {
@@ -138,13 +137,13 @@ pub(super) fn sort(job: JobContext<'_>, of: Of, from: From) -> JobFuture<'_> {
             let sorted = Sorted::new(counts.costs(of.shown));
             (counts, sorted)
         });
-        Ok(Box::new(Answer { of, found, is_again: false }) as _)
+        answered(Answer { of, found, is_again: false })
     })
 }
 
 /// Runs all passes again, up to the wanted place, with counters.
-pub(super) fn count_again(job: JobContext<'_>, of: Of) -> JobFuture<'_> {
-    Box::pin(async move {
+pub(super) fn count_again(of: Of) -> Job {
+    job!(job, {
         let JobContext { session, scene, device, progress, .. } = job;
         let mut counted = async || {
             let wanted = Options { counters: true, timings: false, keep_passes: false, ..session.options().clone() };
@@ -153,10 +152,7 @@ pub(super) fn count_again(job: JobContext<'_>, of: Of) -> JobFuture<'_> {
             } else {
                 Renderer::new(scene, &wanted, &device).await?
             };
-            let tell = |p: &Progress| match progress(p.rays_decided, p.rays) {
-                true => ControlFlow::Continue(()),
-                false => ControlFlow::Break(()),
-            };
+            let tell = |p: &Progress| flow(progress(p.rays_decided, p.rays));
             renderer.run_to(of.place.unwrap_or(usize::MAX), tell).await?;
             Counts::of(&renderer).await
         };
@@ -165,6 +161,6 @@ pub(super) fn count_again(job: JobContext<'_>, of: Of) -> JobFuture<'_> {
             let sorted = Sorted::new(counts.costs(of.shown));
             (Arc::new(counts), sorted)
         });
-        Ok(Box::new(Answer { of, found, is_again: true }) as _)
+        answered(Answer { of, found, is_again: true })
     })
 }

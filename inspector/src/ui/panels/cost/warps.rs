@@ -73,7 +73,7 @@ impl WarpsView {
     /// Asks for a second run.
     pub(super) fn ask(cx: &mut Context<'_>, width: Width) {
         let (edition, lanes) = (cx.model.edition, width.0);
-        cx.model.ask(Request::Job(SURVEYING, Box::new(move |job| survey::survey(job, edition, lanes))));
+        cx.model.ask(Request::Job(SURVEYING, survey::survey(edition, lanes)));
     }
 
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, width: &mut Width) {
@@ -103,7 +103,7 @@ impl WarpsView {
         } else {
             kernels(ui, bars, &mut self.only);
             if let Some(pass) = chart::show(ui, bars, self.only, cx.model.place, 110.0) {
-                cx.shared.go_to = Some(pass + 1);
+                cx.asks.go_to = Some(pass + 1);
             }
         }
         let Some(known) = self.known.clone() else {
@@ -136,7 +136,7 @@ impl WarpsView {
         let clicked = ui.allocate_ui(room, |ui| table::show(ui, &known.slowest, self.selected, plan.width)).inner;
         if let Some(warp) = clicked.and_then(|at| known.slowest.get(at)) {
             self.selected = clicked;
-            cx.shared.select = Some(super::rays::pixel_of(warp.slowest as usize, plan.width));
+            cx.asks.select = Some(super::rays::pixel_of(warp.slowest as usize, plan.width));
         }
         self.lanes.show(ui, cx);
     }

@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn one_ray_of_all_is_seen_and_none_is_at_the_bottom() {
+    fn a_share_of_one_ray_is_above_the_line_for_none() {
         let log = Shares::of(4096, true);
         assert_eq!(log, Shares::Log(4));
         assert_eq!((log.above(1.0, 100.0), log.above(0.0, 100.0)), (100.0, 0.0));

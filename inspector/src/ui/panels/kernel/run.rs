@@ -9,7 +9,7 @@ use raystep_kernels::{Kernel, StreamData};
 use crate::branches::Branches;
 use crate::session::Model;
 use crate::session::before::pause;
-use crate::session::request::{Job, JobContext, JobFuture, Opened, Request};
+use crate::session::request::{Job, JobContext, Opened, Request, answered, job};
 
 /// The name of reading one ray's streams.
 const READING: &str = "reading the ray's streams";
@@ -88,9 +88,14 @@ impl Runs {
     }
 
     /// What the ray did in a row of its history. `None` while its streams are read; the error is one line.
-    pub(super) fn branches(&mut self, model: &mut Model, life: &Trace, row: usize) -> Option<Result<OneRay, String>> {
+    pub(super) fn branches(
+        &mut self,
+        model: &mut Model,
+        history: &Trace,
+        row: usize,
+    ) -> Option<Result<OneRay, String>> {
         let opened = model.opened.clone()?;
-        let row = life.rows.get(row)?;
+        let row = history.rows.get(row)?;
         let kernel = opened.plan.program.kernel(row.kernel)?;
         let Some(pass) = row.pass else { return Some(Err("the index of this pass is not known yet".into())) };
         let interpreter = match self.interpreter(model.generation, &opened, kernel) {
@@ -98,9 +103,9 @@ impl Runs {
             Err(error) => return Some(Err(error.to_string())),
         };
         let key = PassKey { generation: model.generation, edition: model.edition, pass };
-        let mut texels = self.texels(model, &interpreter, key, life.pixel)?;
+        let mut texels = self.texels(model, &interpreter, key, history.pixel)?;
         let size = [opened.plan.width, opened.plan.height];
-        let element = Element { texel: life.pixel, size };
+        let element = Element { texel: history.pixel, size };
         let recording = match interpreter.record(&opened.data, element, &mut texels) {
             Ok(recording) => recording,
             Err(error) => return Some(Err(error.to_string())),
@@ -142,34 +147,30 @@ impl Runs {
 }
 
 fn one_ray(interpreter: Arc<Interpreter>, key: PassKey, pixel: [u32; 2]) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let read = context.session.streams_before(key.pass, interpreter.streams(), Some(pixel)).await;
-            let texels = read.map_err(|e| e.to_string())?.into_iter().flat_map(|data| data.bits).collect::<Vec<u32>>();
-            Ok(Box::new((key, pixel, texels)) as Box<dyn std::any::Any + Send>)
-        })
+    job!(context, {
+        let read = context.session.streams_before(key.pass, interpreter.streams(), Some(pixel)).await;
+        let texels = read.map_err(|e| e.to_string())?.into_iter().flat_map(|data| data.bits).collect::<Vec<u32>>();
+        answered((key, pixel, texels))
     })
 }
 
 fn all_rays(interpreter: Arc<Interpreter>, key: PassKey) -> Job {
-    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let JobContext { session, progress, .. } = context;
-            let read = session.streams_before(key.pass, interpreter.streams(), None).await;
-            let streams: Vec<StreamData> = read.map_err(|e| e.to_string())?;
-            let data = session.renderer().shared_data();
-            let many = Many { kernel: &interpreter, data: &data, streams: &streams };
-            let size = many.size();
-            let rays = size[0] as usize * size[1] as usize;
-            let mut outcomes = Vec::with_capacity(rays);
-            for first in (0..rays).step_by(RAYS_A_REPORT) {
-                if !progress(first as u64, rays as u64) {
-                    return Err("cancelled".into());
-                }
-                outcomes.extend(many.outcomes(first..first + RAYS_A_REPORT).map_err(|e| e.to_string())?);
-                pause().await;
+    job!(context, {
+        let JobContext { session, progress, .. } = context;
+        let read = session.streams_before(key.pass, interpreter.streams(), None).await;
+        let streams: Vec<StreamData> = read.map_err(|e| e.to_string())?;
+        let data = session.renderer().shared_data();
+        let many = Many { kernel: &interpreter, data: &data, streams: &streams };
+        let size = many.size();
+        let rays = size[0] as usize * size[1] as usize;
+        let mut outcomes = Vec::with_capacity(rays);
+        for first in (0..rays).step_by(RAYS_A_REPORT) {
+            if !progress(first as u64, rays as u64) {
+                return Err("cancelled".into());
             }
-            Ok(Box::new(AllRays { key, size, outcomes }) as Box<dyn std::any::Any + Send>)
-        })
+            outcomes.extend(many.outcomes(first..first + RAYS_A_REPORT).map_err(|e| e.to_string())?);
+            pause().await;
+        }
+        answered(AllRays { key, size, outcomes })
     })
 }

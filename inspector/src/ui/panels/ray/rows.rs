@@ -7,9 +7,9 @@ use raystep_kernels::tables::state::States;
 use super::super::picked::touches;
 use super::changed_color;
 use crate::draw::stream::state_color;
-use crate::session::{Model, Told};
+use crate::session::{HistorySource, Model};
 use crate::ui::panels::table::{Head, Look, Rows};
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::ui::units::Scale;
 
 const PASS: usize = 0;
@@ -64,8 +64,8 @@ pub(super) const fn heads(is_grid: bool, is_dda: bool) -> [Head<'static>; 11] {
 }
 
 /// The rows, in the units of the panel.
-pub(super) struct History<'a> {
-    pub(super) life: &'a Trace,
+pub(super) struct RayRows<'a> {
+    pub(super) history: &'a Trace,
     pub(super) model: &'a Model,
     pub(super) states: States,
     pub(super) scale: Scale,
@@ -78,9 +78,9 @@ pub(super) struct History<'a> {
     pub(super) picked: Option<Picked>,
 }
 
-impl History<'_> {
+impl RayRows<'_> {
     fn row(&self, row: usize) -> Option<&TraceRow> {
-        self.life.rows.get(row)
+        self.history.rows.get(row)
     }
 
     fn number_text(&self, number: Option<f64>, column: usize) -> String {
@@ -143,13 +143,13 @@ impl History<'_> {
 
     /// Whether the device's row differs from the CPU reference's.
     fn differs(&self, index: usize) -> bool {
-        matches!(&self.model.told, Told::Compared { differing } if differing.contains(&index))
+        matches!(&self.model.history_source, HistorySource::Compared { differing } if differing.contains(&index))
     }
 
     /// What to know about a row: that it is predicted, or how the device's differs from the CPU reference's.
     fn note(&self, index: usize, row: &TraceRow) -> Option<String> {
         if self.differs(index) {
-            let reference = self.model.reference_life.as_ref().and_then(|life| life.rows.get(index));
+            let reference = self.model.reference_history.as_ref().and_then(|history| history.rows.get(index));
             return Some(reference.map_or_else(
                 || "the CPU reference kernels have no such row".into(),
                 |row| format!("CPU reference kernels: {}, {}", row.kernel, row.why),
@@ -159,7 +159,7 @@ impl History<'_> {
     }
 }
 
-impl Rows for History<'_> {
+impl Rows for RayRows<'_> {
     fn count(&self) -> usize {
         self.shown
     }
@@ -243,34 +243,34 @@ mod tests {
     use crate::ui::units::Units;
 
     /// Every row of a ray's history, told with the given units.
-    fn told(accelerator: Accelerator, units: Units, look: impl Fn(&History<'_>)) {
+    fn with_rows(accelerator: Accelerator, units: Units, look: impl Fn(&RayRows<'_>)) {
         let scene = generate::cornell_box();
         let source = RaySource::Camera { camera: scene.cameras[0].clone(), width: 16, height: 16 };
         let options = Options { accelerator, schedule: ScheduleKind::Second, ..Options::new(source) };
         let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a small scene");
         let run = RunSoFar { plan: &plan, data: &data, passes: &[], is_complete: false };
-        let life = run.follow::<f32>([9, 11]).expect("a ray");
+        let history = run.follow::<f32>([9, 11]).expect("a ray");
         let (model, task) = Model::new(|engine| Box::pin(async move { drop(engine) }));
         std::mem::forget(task);
-        let scale = Scale::of(units, &life);
-        let current = Some(life.rows.len());
-        look(&History {
-            life: &life,
+        let scale = Scale::of(units, &history);
+        let current = Some(history.rows.len());
+        look(&RayRows {
+            history: &history,
             model: &model,
             states: STATES,
             scale,
             decimals: [5; 4],
             current,
-            shown: life.rows.len(),
+            shown: history.rows.len(),
             picked: None,
         });
     }
 
     #[test]
     fn a_cell_has_one_notation_and_changes_in_the_row_of_its_step() {
-        told(Accelerator::Grid, Units::Traced, |rows| {
+        with_rows(Accelerator::Grid, Units::Traced, |rows| {
             let mut steps = 0;
-            for (i, row) in rows.life.rows.iter().enumerate() {
+            for (i, row) in rows.history.rows.iter().enumerate() {
                 let cell = rows.text(i, CELL);
                 assert!(cell == "–" || cell.split(',').count() == 3, "{cell}");
                 if let Some(to) = row.why.split(" to cell (").nth(1).and_then(|rest| rest.split(')').next()) {
@@ -284,7 +284,7 @@ mod tests {
             }
             assert!(steps > 2, "{steps}");
         });
-        told(Accelerator::Bvh, Units::Traced, |rows| {
+        with_rows(Accelerator::Bvh, Units::Traced, |rows| {
             let nodes = (0..rows.count()).filter(|&row| rows.text(row, CELL).parse::<u32>().is_ok()).count();
             assert!(nodes > 2, "{nodes}");
         });
@@ -295,12 +295,13 @@ mod tests {
         let mut texts = [Vec::new(), Vec::new()];
         for (units, texts) in [Units::Traced, Units::Scene].into_iter().zip(&mut texts) {
             let found = std::cell::RefCell::new(Vec::new());
-            told(Accelerator::Grid, units, |rows| {
+            with_rows(Accelerator::Grid, units, |rows| {
                 for row in 0..rows.count() {
                     found.borrow_mut().push([TMAX, T].map(|column| rows.number(row, column)));
                 }
                 // The reason quotes the hit's t as the row has it.
-                let hits = rows.life.rows.iter().filter(|row| row.why.contains(": hit at t ") && row.after.t.is_some());
+                let hits =
+                    rows.history.rows.iter().filter(|row| row.why.contains(": hit at t ") && row.after.t.is_some());
                 for row in hits.filter(|row| row.why.contains(", u ")) {
                     let t = rows.scale.exact_t(row.after.t.unwrap_or_default());
                     assert!(rows.why(row).contains(&format!("hit at t {t}, u ")), "{}", rows.why(row));

@@ -1,19 +1,20 @@
 //! The rays in which two kept runs differ, as a picture and in numbers.
 
+use crate::ui::panels::zoom::Placed;
 use std::sync::Arc;
 
-use egui::{Color32, Rect, Sense, Ui, pos2, vec2};
+use egui::{Color32, Sense, Ui, vec2};
 use raystep_kernels::Stream;
 use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
 
 use super::super::legend::entry;
+use crate::command::Command;
 use crate::draw::stream::{self, Colors, Meaning, drawable};
 use crate::runs::differ::{Aspect, CLASSES, Counts, Differences};
 use crate::ui::canvas::{Canvas, Picture};
-use crate::ui::command::Command;
 use crate::ui::pane::Context;
-use crate::ui::runs::Question;
+use crate::ui::state::kept_runs::Question;
 
 /// Of rays that hit in one run only: that of an infinity in stream views.
 const ONE_SIDED: Color32 = Color32::from_rgb(242, 51, 26);
@@ -33,31 +34,31 @@ impl DifferenceView {
     pub(super) fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ui.separator();
         for aspect in Aspect::ALL {
-            ui.selectable_value(&mut cx.shared.runs.aspect, aspect, aspect.name());
+            ui.selectable_value(&mut cx.runs.aspect, aspect, aspect.name());
         }
-        let can = cx.shared.runs.why_not_compared().is_none();
+        let can = cx.runs.why_not_compared().is_none();
         let next = egui::Button::new(Command::NextDifferingRay.name());
         let about = format!(
             "selects the next ray that differs in {} ({})",
-            cx.shared.runs.aspect.name(),
+            cx.runs.aspect.name(),
             Command::NextDifferingRay.key_text(ui.ctx())
         );
         if ui.add_enabled(can, next).on_hover_text(about).clicked() {
-            cx.todo.push(Command::NextDifferingRay);
+            cx.asks.commands.push(Command::NextDifferingRay);
         }
     }
 
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
-        if let Some(why) = cx.shared.runs.why_not_compared() {
-            if cx.shared.runs.runs.list().len() > 1 {
+        if let Some(why) = cx.runs.why_not_compared() {
+            if cx.runs.runs.list().len() > 1 {
                 ui.label(why);
             }
             return;
         }
-        cx.shared.runs.compare(cx.model);
-        let names = cx.shared.runs.pair().map(|pair| pair.map(|kept| kept.name.clone()));
-        let stream = cx.shared.runs.pair().and_then(|[a, _]| Some(a.picture.as_ref().ok()?.results.color));
-        let Some((question, found)) = cx.shared.runs.differences() else {
+        cx.runs.compare(cx.model);
+        let names = cx.runs.pair().map(|pair| pair.map(|kept| kept.name.clone()));
+        let stream = cx.runs.pair().and_then(|[a, _]| Some(a.picture.as_ref().ok()?.results.color));
+        let Some((question, found)) = cx.runs.differences() else {
             if cx.model.is_busy() {
                 ui.spinner();
             } else {
@@ -80,10 +81,10 @@ impl DifferenceView {
         let (size, text) = (found.size, describe(aspect, found));
         let (selected, hovered) = self.paint(ui, cx, question, stream, range, size, &text);
         if let Some(hovered) = hovered {
-            cx.shared.hovered = Some(hovered);
+            cx.selection.hovered = Some(hovered);
         }
         if selected.is_some() {
-            cx.shared.select = selected;
+            cx.asks.select = selected;
         }
     }
 
@@ -103,8 +104,8 @@ impl DifferenceView {
         let scale = (room.x / width as f32).min(room.y / height as f32);
         let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::click());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, text));
-        let points = ui.ctx().pixels_per_point();
-        let pixels = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let pixels = Picture::pixels(ui, rect);
+        let placed = Placed { rect, origin: rect.min, scale, size: [width, height] };
         let now = (question, pixels, range);
         let target = self.picture.target(cx.canvas, pixels, self.drawn != Some(now));
         if let Some(((_, texture), target)) = self.values.as_ref().zip(target) {
@@ -119,22 +120,15 @@ impl DifferenceView {
                 exposure: 1.0,
                 colors: colors(question.1),
                 offset: [0.0; 2],
-                scale: scale * points,
+                scale: scale * ui.pixels_per_point(),
             };
             cx.canvas.streams.draw(&picture, target);
             self.drawn = Some(now);
         }
-        if let Some(id) = self.picture.id() {
-            ui.painter().image(id, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
-        }
-        if let Some([x, y]) = cx.shared.pixel.filter(|[x, y]| *x < width && *y < height) {
-            let middle = rect.min + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
-            let frame = Rect::from_center_size(middle, egui::Vec2::splat(scale.max(9.0)));
-            let painter = ui.painter().with_clip_rect(rect);
-            painter.rect_stroke(frame, 0.0, egui::Stroke::new(1.5, Color32::WHITE), egui::StrokeKind::Outside);
-        }
-        let texel = response.hover_pos().map(|at| (at - rect.min) / scale);
-        let texel = texel.map(|at| [(at.x.max(0.0) as u32).min(width - 1), (at.y.max(0.0) as u32).min(height - 1)]);
+        self.picture.show(ui, rect);
+        let selected = cx.selection.pixel.filter(|[x, y]| *x < width && *y < height);
+        placed.mark(ui, selected, 9.0, egui::Stroke::new(1.5, Color32::WHITE));
+        let texel = response.hover_pos().and_then(|at| placed.texel(at));
         (texel.filter(|_| response.clicked()), texel)
     }
 }

@@ -13,7 +13,7 @@ use crate::runs::spread::{Spread, Timed};
 use crate::runs::{Kept, RunId};
 use crate::settings::Settings;
 use crate::ui::pane::Context;
-use crate::ui::runs::Asked;
+use crate::ui::state::kept_runs::Asked;
 
 /// Heads, with their explanations and the widths of columns that have a fixed one.
 const HEADS: [(&str, &str, Option<f32>); 15] = [
@@ -58,7 +58,7 @@ enum Change {
 pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, most_height: f32) {
     let height = ui.spacing().interact_size.y + 4.0;
     let mut changes = Vec::new();
-    let rows = cx.shared.runs.runs.list().len();
+    let rows = cx.runs.runs.list().len();
     ScrollArea::horizontal().id_salt("kept runs").auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
         let mut table = TableBuilder::new(ui)
@@ -78,7 +78,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, most_height: f32) {
         });
         table.body(|body| {
             body.rows(height, rows, |row| {
-                if let Some(kept) = cx.shared.runs.runs.list().get(row.index()) {
+                if let Some(kept) = cx.runs.runs.list().get(row.index()) {
                     self::row(row, cx, kept, &mut changes);
                 }
             });
@@ -99,7 +99,7 @@ fn aligned(ui: &mut Ui, column: usize, add: impl FnOnce(&mut Ui)) {
 }
 
 fn apply(change: Change, cx: &mut Context<'_>) {
-    let runs = &mut cx.shared.runs;
+    let runs = &mut cx.runs;
     match change {
         Change::Show(id) => runs.set_flipped(id),
         Change::Reference(id) => {
@@ -131,7 +131,7 @@ fn apply(change: Change, cx: &mut Context<'_>) {
 
 fn row(mut row: TableRow<'_, '_>, cx: &Context<'_>, kept: &Kept, changes: &mut Vec<Change>) {
     let Some(opened) = &cx.model.opened else { return };
-    let (runs, id) = (&cx.shared.runs, kept.id);
+    let (runs, id) = (&cx.runs, kept.id);
     let is_here = runs.is_of(kept, opened);
     row.col(|ui| {
         let (is_shown, why) = (runs.flipped() == Some(id), runs.why_not_flipped(kept, opened));
@@ -192,7 +192,7 @@ fn actions(ui: &mut Ui, cx: &Context<'_>, kept: &Kept, is_here: bool, changes: &
         changes.push(Change::Ask(Asked::Again(id)));
     }
     let menu = ui.menu_button("…", |ui| {
-        let reference = cx.shared.runs.reference.filter(|&reference| reference != id);
+        let reference = cx.runs.reference.filter(|&reference| reference != id);
         for (name, about, can, asked) in [
             ("Run again", "replaces its results", is_free, Asked::Again(id)),
             (

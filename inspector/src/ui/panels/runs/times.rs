@@ -21,7 +21,7 @@ const TIME: f32 = 165.0;
 const RATIO: f32 = 125.0;
 
 pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>) {
-    let runs = &cx.shared.runs;
+    let runs = &cx.runs;
     let measured: Vec<(&Kept, &Measured)> =
         runs.runs.list().iter().filter_map(|kept| Some((kept, kept.measured.as_deref()?))).collect();
     if measured.is_empty() {

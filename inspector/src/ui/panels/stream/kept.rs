@@ -11,7 +11,7 @@ impl StreamView {
     /// The kept run that is shown in place of the stream, if any.
     pub(super) fn take_kept(&mut self, cx: &mut Context<'_>, stream: Stream) {
         let opened = cx.model.opened.as_ref().filter(|_| self.pinned.is_none());
-        self.kept = opened.and_then(|opened| cx.shared.runs.shown(cx.canvas, opened, stream));
+        self.kept = opened.and_then(|opened| cx.runs.shown(cx.canvas, opened, stream));
     }
 
     /// Whether the stream of a kept run is shown.

@@ -1,5 +1,6 @@
 //! The saved part of a stream view.
 
+use crate::ui::panels::zoom::Zoom;
 use raystep_kernels::Stream;
 use serde::{Deserialize, Serialize};
 
@@ -21,24 +22,13 @@ pub(super) struct Look {
     pub(super) offset: f32,
     /// `None` takes it from the values.
     pub(super) range: Option<[f32; 2]>,
-    /// Points per texel; `None` fits the picture to the panel.
-    pub(super) scale: Option<f32>,
-    /// The texel in the middle of the panel.
-    pub(super) center: [f32; 2],
+    #[serde(flatten)]
+    pub(super) zoom: Zoom,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self {
-            stream: None,
-            layer: None,
-            colors: None,
-            exposure: 1.0,
-            offset: 0.0,
-            range: None,
-            scale: None,
-            center: [0.0; 2],
-        }
+        Self { stream: None, layer: None, colors: None, exposure: 1.0, offset: 0.0, range: None, zoom: Zoom::default() }
     }
 }
 
@@ -51,8 +41,7 @@ impl Look {
             exposure: or(self.exposure, default.exposure),
             offset: or(self.offset, default.offset),
             range: self.range.filter(|range| range.iter().all(|v| v.is_finite())),
-            scale: self.scale.filter(|scale| scale.is_finite()),
-            center: if self.center.iter().all(|v| v.is_finite()) { self.center } else { default.center },
+            zoom: self.zoom.finite(),
             ..self
         }
     }
@@ -75,8 +64,7 @@ mod tests {
                 exposure: bad,
                 offset: bad,
                 range: Some([0.0, bad]),
-                scale: Some(bad),
-                center: [bad, 1.0],
+                zoom: Zoom { scale: Some(bad), center: [bad, 1.0] },
                 ..Look::default()
             };
             let text = serde_json::to_string(&look.finite()).expect("text");
@@ -85,8 +73,8 @@ mod tests {
                 Look { layer: Some(2), ..Look::default() }
             );
         }
-        let look =
-            Look { exposure: 2.0, range: Some([-1.0, 1.0]), scale: Some(3.0), center: [4.0, 5.0], ..Look::default() };
+        let zoom = Zoom { scale: Some(3.0), center: [4.0, 5.0] };
+        let look = Look { exposure: 2.0, range: Some([-1.0, 1.0]), zoom, ..Look::default() };
         assert_eq!(look.clone().finite(), look);
     }
 }

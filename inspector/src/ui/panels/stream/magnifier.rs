@@ -1,7 +1,11 @@
 //! The value of the texel under the cursor: a line at the edge of the picture, or an enlarged part of it with all
 //! components beside the cursor.
 
-use egui::{Area, Color32, Frame, Grid, Id, Order, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use crate::ui::canvas::WHOLE;
+use crate::ui::panels::zoom::Placed;
+use egui::{
+    Area, Color32, Frame, Grid, Id, Order, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
+};
 
 use raystep_kernels::Stream;
 
@@ -36,7 +40,7 @@ impl StreamView {
         stream: Stream,
         texel: [u32; 2],
         response: &egui::Response,
-        (scale, origin): (f32, Pos2),
+        placed: &Placed,
     ) -> String {
         let Some(pointer) = response.hover_pos() else { return String::new() };
         let values = self.values(cx, stream, texel);
@@ -44,12 +48,11 @@ impl StreamView {
         let heading = format!("{} {x},{y}", stream.name());
         let line = match &values[..] {
             [] => format!("{x},{y}   reading…"),
-            values => format!("{x},{y}   {}", values::line(values, cx.shared.units)),
+            values => format!("{x},{y}   {}", values::line(values, cx.display.units)),
         };
-        if cx.shared.is_magnified {
+        if cx.display.is_magnified {
             self.enlarge(ui, cx, stream, texel);
-            let corner = origin + vec2(x as f32, y as f32) * scale;
-            let shown = Rect::from_min_size(corner, vec2(scale, scale));
+            let shown = Rect::from_center_size(placed.middle(texel), Vec2::splat(placed.scale));
             // A texel that is larger than the room beside it is left in view around the cursor.
             let near = Rect::from_center_size(pointer, vec2(160.0, 160.0));
             inset(ui, self.magnifier.picture.id(), shown.intersect(near), &heading, &values);
@@ -63,7 +66,7 @@ impl StreamView {
     fn values(&mut self, cx: &mut Context<'_>, stream: Stream, texel: [u32; 2]) -> Vec<Value> {
         let Some(opened) = cx.model.opened.as_ref() else { return Vec::new() };
         let (plan, data) = (opened.plan.clone(), opened.data.clone());
-        let t_scale = cx.model.life.as_ref().filter(|life| life.pixel == texel).map(|life| life.t_scale);
+        let t_scale = cx.model.history.as_ref().filter(|history| history.pixel == texel).map(|history| history.t_scale);
         let bits = match &self.pinned {
             Some(pinned) => self.magnifier.tiles.texel(cx.model, &cx.canvas.gpu, pinned, texel),
             None => {
@@ -124,8 +127,7 @@ fn inset(ui: &Ui, picture: Option<egui::TextureId>, texel: Rect, heading: &str, 
             ui.strong(heading);
             let (rect, _) = ui.allocate_exact_size(vec2(TEXELS, TEXELS) * SCALE, Sense::hover());
             if let Some(picture) = picture {
-                let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-                ui.painter().image(picture, rect, whole, Color32::WHITE);
+                ui.painter().image(picture, rect, WHOLE, Color32::WHITE);
             }
             let middle = Rect::from_center_size(rect.center(), vec2(SCALE, SCALE));
             ui.painter().rect_stroke(middle, 0.0, Stroke::new(3.0, Color32::BLACK), StrokeKind::Outside);

@@ -1,8 +1,10 @@
 //! The mask of a branch over a stream's picture, and its legend.
 
+use crate::ui::canvas::WHOLE;
+use crate::ui::panels::zoom::Placed;
 use std::sync::Arc;
 
-use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, pos2, vec2};
+use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 use raystep_lab::text::counted;
 
 use super::super::legend::entry;
@@ -17,7 +19,7 @@ pub(super) struct Overlay {
 
 /// The mask, if it is of this run.
 fn current(cx: &Context<'_>) -> Option<Arc<Mask>> {
-    cx.shared.mask.clone().filter(|mask| mask.generation == cx.model.generation)
+    cx.display.mask.clone().filter(|mask| mask.generation == cx.model.generation)
 }
 
 /// A line about the mask, with a button that removes it.
@@ -32,23 +34,15 @@ pub(super) fn legend(ui: &mut egui::Ui, cx: &mut Context<'_>) {
             }
         }
         if ui.small_button("Remove mask").clicked() {
-            cx.shared.mask = None;
+            cx.display.mask = None;
         }
     });
 }
 
 impl Overlay {
     /// Draws the mask over the picture of a stream of this size.
-    pub(super) fn draw(
-        &mut self,
-        ui: &egui::Ui,
-        cx: &Context<'_>,
-        rect: Rect,
-        scale: f32,
-        origin: Pos2,
-        size: [u32; 2],
-    ) {
-        let Some(mask) = current(cx).filter(|mask| mask.size == size) else {
+    pub(super) fn draw(&mut self, ui: &egui::Ui, cx: &Context<'_>, placed: &Placed) {
+        let Some(mask) = current(cx).filter(|mask| mask.size == placed.size) else {
             self.drawn = None;
             return;
         };
@@ -62,8 +56,6 @@ impl Overlay {
             self.drawn = Some((mask, texture));
         }
         let Some((_, texture)) = &self.drawn else { return };
-        let picture = Rect::from_min_size(origin, vec2(size[0] as f32, size[1] as f32) * scale);
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().with_clip_rect(rect).image(texture.id(), picture, whole, Color32::WHITE);
+        ui.painter().with_clip_rect(placed.rect).image(texture.id(), placed.whole(), WHOLE, Color32::WHITE);
     }
 }

@@ -1,6 +1,7 @@
 //! Values drawn in texels that are large enough.
 
-use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
+use crate::ui::panels::zoom::Placed;
+use egui::{Align2, Color32, FontId, Rect, vec2};
 use raystep_kernels::tables::stream::{Meaning, STATE_TAG};
 use raystep_kernels::{Program, Stream, StreamData};
 
@@ -29,20 +30,13 @@ pub(super) enum Whose<'a> {
 }
 
 /// Draws the values of visible texels.
-pub(super) fn draw(
-    ui: &egui::Ui,
-    cx: &Context<'_>,
-    rect: Rect,
-    scale: f32,
-    origin: Pos2,
-    stream: Stream,
-    whose: Whose<'_>,
-) {
+pub(super) fn draw(ui: &egui::Ui, cx: &Context<'_>, placed: &Placed, stream: Stream, whose: Whose<'_>) {
+    let Placed { rect, origin, scale, .. } = *placed;
     if scale < FROM {
         return;
     }
     let Some(opened) = &cx.model.opened else { return };
-    let in_units = Scale::in_scene(cx.shared.units, &opened.data);
+    let in_units = Scale::in_scene(cx.display.units, &opened.data);
     let is_now = |t: &&Texels| t.stream == stream && t.place == cx.model.place;
     let layers: Vec<&[u32]>;
     let (width, height) = match whose {
@@ -74,7 +68,7 @@ pub(super) fn draw(
     let Some(size) = size(scale, layers.len(), longest) else { return };
     let painter = ui.painter().with_clip_rect(rect);
     for ([x, y], texts) in &texts {
-        let middle = origin + vec2(*x as f32 + 0.5, *y as f32 + 0.5) * scale;
+        let middle = placed.middle([*x, *y]);
         for (layer, text) in texts.iter().enumerate() {
             let down = (layer as f32 - 0.5 * (layers.len() as f32 - 1.0)) * size * LINE;
             let at = middle + vec2(0.0, down);

@@ -1,6 +1,7 @@
 //! The picture of a stream, drawn again where it differs.
 
-use egui::{Color32, Pos2, Rect, pos2, vec2};
+use crate::ui::panels::zoom::Placed;
+use egui::{Rect, vec2};
 use raystep_kernels::Stream;
 use raystep_kernels::tables::state::States;
 
@@ -8,7 +9,7 @@ use super::StreamView;
 use crate::draw::stream::{Colors, Meaning, Picture};
 use crate::ui::canvas::Moment;
 use crate::ui::pane::Context;
-use crate::ui::runs::Flipped;
+use crate::ui::state::kept_runs::Flipped;
 
 /// The inputs that the picture was drawn from: it is only redrawn if they change.
 #[derive(Clone, Copy, PartialEq)]
@@ -38,20 +39,17 @@ impl Drawn {
 }
 
 impl StreamView {
-    #[expect(clippy::too_many_arguments)]
     pub(super) fn paint(
         &mut self,
         ui: &egui::Ui,
         cx: &mut Context<'_>,
-        rect: Rect,
-        scale: f32,
-        origin: Pos2,
+        placed: &Placed,
         stream: Stream,
         layer: Option<usize>,
         meaning: Meaning,
     ) {
-        let points = ui.ctx().pixels_per_point();
-        let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let (rect, scale) = (placed.rect, placed.scale);
+        let size = crate::ui::canvas::Picture::pixels(ui, rect);
         let now = (cx.model.edition, cx.model.place);
         // While the run moves between two places, the last valid snapshot stays.
         if let Some(texture) = self.pinned.is_none().then(|| cx.model.drawn(stream)).flatten() {
@@ -70,7 +68,7 @@ impl StreamView {
             (None, _, None) => still,
         };
         if glimpse.is_none() && !self.is_kept() && source.is_none_or(|(moment, _)| moment != now) {
-            cx.shared.is_behind = true;
+            cx.display.is_behind = true;
             ui.ctx().request_repaint();
         }
         let Some((moment, texture)) = source else { return };
@@ -80,7 +78,6 @@ impl StreamView {
         };
         let Some(states) = cx.model.opened.as_ref().map(|opened| opened.plan.program.states) else { return };
         let (range, colors) = (self.range(), self.colors(stream, layer.unwrap_or(0)));
-        let offset = (origin - rect.min) * points;
         let drawn = Drawn {
             moment,
             stream,
@@ -94,29 +91,27 @@ impl StreamView {
             },
             exposure: self.look.exposure,
             colors,
-            offset: [offset.x, offset.y],
-            scale: scale * points,
+            offset: placed.offset(ui),
+            scale: scale * ui.pixels_per_point(),
         };
         let is_chosen = self.look.stream.is_some() || self.look.layer.is_some();
         let view = is_chosen.then_some((stream, layer));
         if self.pinned.is_none() {
-            cx.shared.thumbs.look(view);
+            cx.display.thumbs.look(view);
         }
         if let Some(target) = self.picture.target(cx.canvas, size, self.drawn != Some(drawn)) {
             let picture = drawn.picture(states, texture);
             cx.canvas.streams.draw(&picture, target);
             if self.pinned.is_none() && self.drawn.is_none_or(|before| before.of() != drawn.of()) {
-                cx.shared.thumbs.take(cx.canvas, moment, view, &picture);
+                cx.display.thumbs.take(cx.canvas, moment, view, &picture);
             }
             self.drawn = Some(drawn);
         }
-        if let Some(id) = self.picture.id() {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(id, rect, whole, Color32::WHITE);
-        }
+        self.picture.show(ui, rect);
         if self.pinned.is_none() {
-            let picture = Rect::from_min_size(origin, scale * vec2(texture.width() as f32, texture.height() as f32));
-            cx.shared.thumbs.cover(ui, rect, picture, moment.1, cx.shared.scrub.wanted());
+            let picture =
+                Rect::from_min_size(placed.origin, scale * vec2(texture.width() as f32, texture.height() as f32));
+            cx.display.thumbs.cover(ui, rect, picture, moment.1, cx.asks.scrub.wanted());
         }
     }
 }

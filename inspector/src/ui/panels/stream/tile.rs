@@ -1,12 +1,11 @@
 //! Texels of a copied stream around the cursor, read when they are needed.
 
-use std::any::Any;
 use std::sync::Arc;
 
 use raystep_kernels::executor::gpu::stream_format;
 use raystep_kernels::{Gpu, Stream};
 
-use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::request::{Job, Request, answered, job};
 use crate::session::{Model, Pinned};
 
 /// The engine's job, named while it runs.
@@ -68,42 +67,40 @@ impl Tiles {
 
 /// Reads a tile: its layers are copied below one another into a small texture.
 fn read(gpu: Arc<Gpu>, stream: Stream, key: Key) -> Job {
-    Box::new(move |_: JobContext<'_>| -> JobFuture<'_> {
-        Box::pin(async move {
-            let (texture, [x, y]) = &key;
-            let [x, y] = [x * SIDE, y * SIDE];
-            let width = texture.width().saturating_sub(x).min(SIDE);
-            let height = texture.height().saturating_sub(y).min(SIDE);
-            if width == 0 || height == 0 {
-                return Err("the copy has no such texel".into());
-            }
-            let layers = stream.layers() as u32;
-            let small = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("tile of a stream"),
-                size: wgpu::Extent3d { width, height: height * layers, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: stream_format(stream),
-                usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            for z in 0..layers {
-                let from = wgpu::Origin3d { x, y, z };
-                let to = wgpu::Origin3d { x: 0, y: z * height, z: 0 };
-                encoder.copy_texture_to_texture(
-                    wgpu::TexelCopyTextureInfo { origin: from, ..texture.as_image_copy() },
-                    wgpu::TexelCopyTextureInfo { origin: to, ..small.as_image_copy() },
-                    wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                );
-            }
-            gpu.submit([encoder.finish()]);
-            // Components of all streams have four bytes.
-            let bytes = gpu.read_rgba8(&small).await.map_err(|e| e.to_string())?;
-            let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-            let bits = bytes.chunks_exact(4).map(word).collect();
-            Ok(Box::new(Tile { key, width, height, bits }) as Box<dyn Any + Send>)
-        })
+    job!(_, {
+        let (texture, [x, y]) = &key;
+        let [x, y] = [x * SIDE, y * SIDE];
+        let width = texture.width().saturating_sub(x).min(SIDE);
+        let height = texture.height().saturating_sub(y).min(SIDE);
+        if width == 0 || height == 0 {
+            return Err("the copy has no such texel".into());
+        }
+        let layers = stream.layers() as u32;
+        let small = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("tile of a stream"),
+            size: wgpu::Extent3d { width, height: height * layers, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: stream_format(stream),
+            usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        for z in 0..layers {
+            let from = wgpu::Origin3d { x, y, z };
+            let to = wgpu::Origin3d { x: 0, y: z * height, z: 0 };
+            encoder.copy_texture_to_texture(
+                wgpu::TexelCopyTextureInfo { origin: from, ..texture.as_image_copy() },
+                wgpu::TexelCopyTextureInfo { origin: to, ..small.as_image_copy() },
+                wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            );
+        }
+        gpu.submit([encoder.finish()]);
+        // Components of all streams have four bytes.
+        let bytes = gpu.read_rgba8(&small).await.map_err(|e| e.to_string())?;
+        let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        let bits = bytes.chunks_exact(4).map(word).collect();
+        answered(Tile { key, width, height, bits })
     })
 }

@@ -65,9 +65,9 @@ impl StreamView {
                 let value = egui::DragValue::new(&mut self.look.exposure).speed(0.02).range(1e-6..=1e6);
                 ui.add(value).labelled_by(label);
             }
-            let zoom = self.look.scale.map_or_else(|| "fit".into(), |s| format!("{:.0}%", s * 100.0));
+            let zoom = self.look.zoom.scale.map_or_else(|| "fit".into(), |s| format!("{:.0}%", s * 100.0));
             if ui.button(zoom).on_hover_text("fit to panel (F, double click)").clicked() {
-                self.look.scale = None;
+                self.look.zoom.fit();
             }
         });
     }

@@ -4,23 +4,21 @@ mod numbers;
 mod path;
 mod placement;
 
-use egui::{
-    Color32, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
-};
+use crate::ui::canvas::WHOLE;
+use crate::walk::AXES;
+use egui::{Color32, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::{Slice, triangles_in};
 use raystep_lab::text::counted;
 
 use super::picture::{legend, picture};
-use crate::ui::command::Command;
+use crate::command::Command;
 use crate::ui::pane::Context;
 use crate::ui::panels::picked;
 use crate::ui::panels::zoom::Zoom;
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use path::Path;
 use placement::{Placement, others, place_in};
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A layer, and its marks.
 #[derive(Default)]
@@ -121,7 +119,7 @@ impl SliceView {
     /// Shows tools and image in this height, in points. `longest` is the grid's longest list.
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData, longest: u32, height: f32) {
         let top = ui.cursor().top();
-        self.path.update(cx.model.life.as_ref(), data, cx.model.place);
+        self.path.update(cx.model.history.as_ref(), data, cx.model.place);
         self.tools(ui, data, longest);
         let (axis, index) = (self.axis(), self.index(data));
         if self.drawn.as_ref().is_none_or(|(slice, _)| (slice.axis, slice.index) != (axis, index)) {
@@ -134,11 +132,11 @@ impl SliceView {
         self.find_triangle(data);
         let Some((slice, texture)) = &self.drawn else { return };
         let [across, up] = others(axis);
-        let told = format!(
+        let text = format!(
             "layer {index} of {} along {}: {} to the right, {} up; numbers are triangles per cell",
             data.grid.cells[axis], AXES[axis], AXES[across], AXES[up]
         );
-        ui.label(told);
+        ui.label(text);
         let room = vec2(ui.available_width().max(60.0), (height - (ui.cursor().top() - top)).max(80.0));
         let (room, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
         let (view, size) = (numbers::beside_axes(room), placement::size(slice, data));
@@ -147,7 +145,7 @@ impl SliceView {
         let place = Placement::new(slice, data, scale, origin);
         let painter = ui.painter_at(view);
         painter.rect_filled(view, 0.0, ui.visuals().extreme_bg_color);
-        painter.image(texture.id(), place.rect, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
+        painter.image(texture.id(), place.rect, WHOLE, Color32::WHITE);
         numbers::axes(ui, &ui.painter_at(room), slice, &place, room, view);
         numbers::lengths(&painter, slice, &place, view, longest);
         let mark = |at: [i32; 2], color: Color32, width: f32| {
@@ -190,7 +188,7 @@ impl SliceView {
         if let Some([column, row]) = clicked.and_then(|at| place.at(at)) {
             self.index = Some(index);
             if let Some(picked) = picked::cell(slice.cell(column, row)) {
-                picked::toggle(cx.shared, picked);
+                picked::toggle(cx.selection, picked);
             }
         }
     }
@@ -269,6 +267,7 @@ fn listing(data: &SceneData, slice: &Slice, triangle: u32) -> Vec<[i32; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use egui::pos2;
     use raystep_kernels::{GridSize, Limits, Options, Plan, RaySource};
     use raystep_scenes::generate;
 

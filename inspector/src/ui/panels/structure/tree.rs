@@ -13,7 +13,7 @@ use raystep_lab::structure_stats::{Nodes, RankBy};
 
 use crate::ui::pane::Context;
 use crate::ui::panels::scroll::Scroll;
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use rows::{Order, Rows};
 use visits::{Visit, Visits};
 
@@ -80,8 +80,8 @@ impl TreeView {
     /// Shows tools and table in this size.
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, tree: &Arc<Explored>, data: &SceneData) {
         let nodes = &tree.nodes;
-        if cx.shared.picked != self.seen {
-            self.seen = cx.shared.picked;
+        if cx.selection.picked != self.seen {
+            self.seen = cx.selection.picked;
             if let Some(Picked::Node(node)) = self.seen.filter(|_| !nodes.is_wide()) {
                 self.reveal(nodes, node);
             }
@@ -120,8 +120,8 @@ impl TreeView {
         self.reveal(nodes, node);
         // The nodes of a wide BVH have other indices than those of the walk.
         if !nodes.is_wide() {
-            cx.shared.picked = Some(Picked::Node(node));
-            self.seen = cx.shared.picked;
+            cx.selection.picked = Some(Picked::Node(node));
+            self.seen = cx.selection.picked;
         }
     }
 

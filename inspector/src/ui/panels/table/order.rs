@@ -78,15 +78,15 @@ impl Key {
     }
 
     fn compare(&self, other: &Self, is_descending: bool) -> Ordering {
-        let way = |order: Ordering| if is_descending { order.reverse() } else { order };
+        let directed = |order: Ordering| if is_descending { order.reverse() } else { order };
         match (self, other) {
             (Self::Missing, Self::Missing) => Ordering::Equal,
             (Self::Missing, _) => Ordering::Greater,
             (_, Self::Missing) => Ordering::Less,
-            (Self::Number(a), Self::Number(b)) => way(a.total_cmp(b)),
-            (Self::Text(a), Self::Text(b)) => way(a.cmp(b)),
-            (Self::Number(_), Self::Text(_)) => way(Ordering::Less),
-            (Self::Text(_), Self::Number(_)) => way(Ordering::Greater),
+            (Self::Number(a), Self::Number(b)) => directed(a.total_cmp(b)),
+            (Self::Text(a), Self::Text(b)) => directed(a.cmp(b)),
+            (Self::Number(_), Self::Text(_)) => directed(Ordering::Less),
+            (Self::Text(_), Self::Number(_)) => directed(Ordering::Greater),
         }
     }
 }

@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_round() {
+    fn the_steps_of_an_axis_are_round_numbers() {
         assert_eq!([0.3, 1.0, 1.2, 4.0, 6.0, 70.0].map(round_up), [0.5, 1.0, 2.0, 5.0, 10.0, 100.0]);
         assert!(round_up(f64::NAN) > 0.0 && round_up(0.0) > 0.0);
     }

@@ -27,10 +27,10 @@ impl Flags {
         x: impl Fn(usize) -> f32,
     ) {
         let known = cx.model.passes.len();
-        let at: Vec<(usize, f32)> = cx.shared.bookmarks.iter().map(|b| (b.place, x(b.place))).collect();
+        let at: Vec<(usize, f32)> = cx.bookmarks.list.iter().map(|b| (b.place, x(b.place))).collect();
         let mut deleted = None;
         for (i, &(place, left)) in at.iter().enumerate().filter(|(_, (place, _))| *place <= known) {
-            let name = cx.shared.bookmarks[i].name.clone();
+            let name = cx.bookmarks.list[i].name.clone();
             let next = at.get(i + 1).map_or(lane.right(), |next| next.1);
             let ink = ui.visuals().text_color();
             let galley = ui.painter().layout_no_wrap(name.clone(), FontId::proportional(SMALLEST), ink);
@@ -63,11 +63,11 @@ impl Flags {
                 let frame = Stroke::new(1.0, color);
                 painter.rect_stroke(rect, 2.0, frame, egui::StrokeKind::Inside);
             }
-            let ray = cx.shared.bookmarks[i].pixel.map_or_else(String::new, |[x, y]| format!(", pixel {x},{y}"));
+            let ray = cx.bookmarks.list[i].pixel.map_or_else(String::new, |[x, y]| format!(", pixel {x},{y}"));
             let text = format!("bookmark {name}: after {}{ray}", raystep_lab::text::counted(place, "pass"));
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &text));
             if response.clicked() {
-                cx.shared.visit_bookmark(i);
+                cx.bookmarks.visit(i, cx.asks);
             }
             response.context_menu(|ui| {
                 if self.menu(ui, cx, i, place) {
@@ -80,13 +80,13 @@ impl Flags {
             response.on_hover_text(format!("{text}\nright-click: rename or delete"));
         }
         if let Some(place) = deleted {
-            cx.shared.toggle_bookmark(place);
+            cx.bookmarks.toggle(place, cx.selection.pixel);
         }
     }
 
     /// Returns whether the bookmark is deleted.
     fn menu(&mut self, ui: &mut Ui, cx: &mut Context<'_>, index: usize, place: usize) -> bool {
-        let name = cx.shared.bookmarks.get(index).map(|bookmark| bookmark.name.clone()).unwrap_or_default();
+        let name = cx.bookmarks.list.get(index).map(|bookmark| bookmark.name.clone()).unwrap_or_default();
         if self.entered.as_ref().is_none_or(|entered| entered.0 != place) {
             self.entered = Some((place, name));
         }
@@ -95,7 +95,7 @@ impl Flags {
         let field = ui.text_edit_singleline(text).labelled_by(label);
         let is_done = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         if ui.button("Rename").clicked() || is_done {
-            cx.shared.rename_bookmark(index, text);
+            cx.bookmarks.rename(index, text);
             self.entered = None;
             ui.close();
         }

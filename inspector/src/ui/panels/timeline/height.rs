@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_short() {
+    fn large_numbers_are_abbreviated() {
         let texts = [0, 999, 1000, 1500, 9960, 262_144, 2_100_000, 5_000_000_000].map(short);
         assert_eq!(texts, ["0", "999", "1k", "1.5k", "10k", "262k", "2.1M", "5G"]);
     }

@@ -27,7 +27,7 @@ pub(super) fn show(ui: &Ui, cx: &Context<'_>, at: Pos2, place: usize, event: Opt
                     if let Some(event) = event {
                         ui.label(event);
                     }
-                    if let Some(bookmark) = cx.shared.bookmark_at(place).and_then(|i| cx.shared.bookmarks.get(i)) {
+                    if let Some(bookmark) = cx.bookmarks.at(place).and_then(|i| cx.bookmarks.list.get(i)) {
                         ui.label(format!("bookmark: {}", bookmark.name));
                     }
                 });
@@ -37,7 +37,7 @@ pub(super) fn show(ui: &Ui, cx: &Context<'_>, at: Pos2, place: usize, event: Opt
 }
 
 fn picture(ui: &mut Ui, cx: &Context<'_>, place: usize) {
-    let Some(thumb) = cx.shared.thumbs.nearest(place) else { return };
+    let Some(thumb) = cx.display.thumbs.nearest(place) else { return };
     ui.vertical(|ui| {
         let (rect, response) = ui.allocate_exact_size(vec2(thumb.width(PICTURE), PICTURE), Sense::hover());
         thumb.paint(ui.painter(), rect, Color32::WHITE);

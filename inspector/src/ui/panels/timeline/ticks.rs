@@ -77,26 +77,27 @@ pub(super) struct Ticks {
 
 impl Ticks {
     /// Those of this history.
-    pub(super) fn of(&mut self, life: Option<&Arc<Trace>>, run: Option<(&SceneData, States)>) -> &[Tick] {
-        let is_same = match (&self.of, life) {
-            (Some(known), Some(life)) => Arc::ptr_eq(known, life),
+    pub(super) fn of(&mut self, history: Option<&Arc<Trace>>, run: Option<(&SceneData, States)>) -> &[Tick] {
+        let is_same = match (&self.of, history) {
+            (Some(known), Some(history)) => Arc::ptr_eq(known, history),
             (None, None) => true,
             _ => false,
         };
         if !is_same {
-            self.of = life.cloned();
-            self.all = life.zip(run).map(|(life, (data, states))| ticks(life, data, states)).unwrap_or_default();
+            self.of = history.cloned();
+            self.all =
+                history.zip(run).map(|(history, (data, states))| ticks(history, data, states)).unwrap_or_default();
         }
         &self.all
     }
 }
 
 /// The events of a history whose passes are known.
-fn ticks(life: &Trace, data: &SceneData, states: States) -> Vec<Tick> {
-    let mut events = events(life, data).into_iter().peekable();
+fn ticks(history: &Trace, data: &SceneData, states: States) -> Vec<Tick> {
+    let mut events = events(history, data).into_iter().peekable();
     let (mut hit, mut is_walking) = ((None, None), true);
     let mut all = Vec::new();
-    for (row, r) in life.rows.iter().enumerate() {
+    for (row, r) in history.rows.iter().enumerate() {
         let event = events.next_if(|event| event.row == row);
         let before = std::mem::replace(&mut hit, (r.after.triangle, r.after.t.map(f32::to_bits)));
         let was_walking = std::mem::replace(&mut is_walking, !states.is_decided(r.after.tag));
@@ -166,28 +167,28 @@ mod tests {
     fn every_test_move_and_accepted_hit_of_a_ray_has_its_mark() {
         let scene = generate::cornell_box();
         let settings = Settings { size: [16, 16], ..Settings::default() };
-        let (life, ticks) = pollster::block_on(async {
+        let (history, ticks) = pollster::block_on(async {
             let mut renderer =
                 Renderer::new(&scene, &settings.options(&scene), &Device::Cpu(None)).await.expect("a run");
             let go_on = |_: &_| ControlFlow::Continue(());
-            let life = trace(&mut renderer, 9, 9, Rays::All, go_on).await.expect("a history");
-            let ticks = ticks(&life, renderer.data(), renderer.plan().program.states);
-            (life, ticks)
+            let history = trace(&mut renderer, 9, 9, Rays::All, go_on).await.expect("a history");
+            let ticks = ticks(&history, renderer.data(), renderer.plan().program.states);
+            (history, ticks)
         });
         let count = |mark: Mark| ticks.iter().filter(|tick| tick.mark == mark).count();
         // The reasons are found from other numbers of the same rows.
-        let says = |part: &str| life.rows.iter().filter(|row| row.why.contains(part)).count();
+        let says = |part: &str| history.rows.iter().filter(|row| row.why.contains(part)).count();
         let (hits, accepted) = (says(", v "), says("accepted"));
         // The pass that accepts the hit may test a triangle, too.
         let is_only_test =
             |row: &&TraceRow| row.tested.is_some() && ![", v ", "accepted"].iter().any(|p| row.why.contains(p));
-        let tests = life.rows.iter().filter(is_only_test).count();
-        let texts: Vec<_> = life.rows.iter().map(|row| &row.why).collect();
+        let tests = history.rows.iter().filter(is_only_test).count();
+        let texts: Vec<_> = history.rows.iter().map(|row| &row.why).collect();
         assert!(hits > 0 && accepted == 1 && tests > 0, "{texts:#?}");
         assert_eq!([Mark::Hit, Mark::Test, Mark::Accepted].map(count), [hits, tests, accepted], "{texts:#?}");
         assert!(count(Mark::Move) > 1);
         assert!(ticks.windows(2).all(|two| two[0].place < two[1].place));
-        assert!(ticks.iter().all(|tick| life.rows[tick.row].place() == Some(tick.place)));
+        assert!(ticks.iter().all(|tick| history.rows[tick.row].place() == Some(tick.place)));
         let x = |place: usize| Some(10.0 * place as f32);
         let some = ticks[2];
         assert_eq!(nearest(&ticks, 10.0 * some.place as f32 + 4.0, x), Some(some));

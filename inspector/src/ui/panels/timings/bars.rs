@@ -92,7 +92,7 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
     }
     if let Some(column) = response.interact_pointer_pos().filter(|_| response.clicked()).and_then(|at| column_at(at.x))
     {
-        cx.shared.go_to = Some(column.dearest + 1);
+        cx.asks.go_to = Some(column.dearest + 1);
     }
 }
 
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn heights_end_at_the_longest() {
+    fn the_longest_duration_has_the_full_height() {
         assert_eq!([part(50, 100, false), part(100, 100, true), part(0, 100, true)], [0.5, 1.0, 0.0]);
         assert!(part(10, 100, true) > 0.5);
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, FontId, Pos2, Rect, Stroke, pos2};
+use egui::{Align2, FontId, Painter, Rect, Stroke, pos2};
 use raystep_kernels::export::trace::Trace;
 
 use super::super::picked;
@@ -11,7 +11,7 @@ use super::progress::Progress;
 use super::second::Found;
 use super::{Scene, Under, Whole, strip};
 use crate::ui::pane::Context;
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::walk::{Both, Outcome, Spacing, Strip, Structure, WalkGeometry};
 
 const SIDES: [&str; 2] = ["A", "B"];
@@ -34,19 +34,19 @@ pub(super) struct Beside {
 
 impl Beside {
     /// Of the first walk and the one found.
-    pub(super) fn update(kept: &mut Option<Self>, life: &Arc<Trace>, first: &Whole, found: &Found) {
-        let is_known = |kept: &Self| Arc::ptr_eq(&kept.of[0], life) && Arc::ptr_eq(&kept.of[1], &found.life);
+    pub(super) fn update(kept: &mut Option<Self>, history: &Arc<Trace>, first: &Whole, found: &Found) {
+        let is_known = |kept: &Self| Arc::ptr_eq(&kept.of[0], history) && Arc::ptr_eq(&kept.of[1], &found.history);
         if !kept.as_ref().is_some_and(is_known) {
-            let whole = Whole::of(&found.life, &found.data);
+            let whole = Whole::of(&found.history, &found.data, usize::MAX);
             let both = Both::of([&first.walk, &whole.walk], [&first.strip, &whole.strip]);
             let strips = [first.strip.clone().over(both.t), whole.strip.clone().over(both.t)];
             let structures = [first.walk.structure, whole.walk.structure];
-            let of = [life.clone(), found.life.clone()];
+            let of = [history.clone(), found.history.clone()];
             *kept = Some(Self { of, whole, name: found.name.clone(), now: None, both, strips, structures });
         }
         let Some(kept) = kept else { return };
         if kept.now.as_ref().is_none_or(|(row, ..)| *row != found.row) {
-            let walk = found.row.map(|row| WalkGeometry::new(&found.life, &found.data, row));
+            let walk = found.row.map(|row| WalkGeometry::new(&found.history, &found.data, row));
             let progress = Progress::new(&kept.whole.walk, &kept.whole.picture, found.row);
             kept.now = Some((found.row, walk, progress));
         }
@@ -55,6 +55,11 @@ impl Beside {
     /// What each walk did, in words.
     pub(super) fn headings(&self, names: [&str; 2]) -> [String; 2] {
         [0, 1].map(|i| format!("{} {}: {}", SIDES[i], names[i], self.both.work[i].text(self.structures[i])))
+    }
+
+    /// The triangles that only one of them tested, each with the name of its side.
+    pub(super) fn only(&self) -> impl Iterator<Item = (&[u32], &'static str)> {
+        self.both.only.iter().map(Vec::as_slice).zip(SIDES)
     }
 
     /// The triangles that only one of them tested: a click picks one.
@@ -69,12 +74,13 @@ impl Beside {
                 });
                 for &triangle in only.iter().take(MOST_IDS) {
                     let what = Picked::Triangle(triangle);
-                    let button = egui::Button::selectable(cx.shared.picked == Some(what), triangle.to_string()).small();
+                    let button =
+                        egui::Button::selectable(cx.selection.picked == Some(what), triangle.to_string()).small();
                     let about = format!("triangle {triangle}, tested only in {side}");
                     let response = ui.add(button).on_hover_text(&about);
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &about));
                     if response.clicked() {
-                        picked::toggle(cx.shared, what);
+                        picked::toggle(cx.selection, what);
                     }
                 }
                 if only.len() > MOST_IDS {
@@ -89,12 +95,12 @@ impl Beside {
     /// Draws both; describes the item under the cursor, and tells in which of them it is.
     pub(super) fn draw(
         &self,
-        painter: &egui::Painter,
+        painter: &Painter,
         rect: Rect,
         names: [&str; 2],
-        first: &Scene<'_>,
-        cursor: Option<Pos2>,
+        scene: &Scene<'_>,
     ) -> Option<(usize, Under)> {
+        let first = &Scene { spacing: Spacing::ByT, ..*scene };
         let (body, scale) = strip::split_scale(rect);
         // A row of nodes needs less height than a row of cells with their bars.
         let wants = [0, 1].map(|i| {
@@ -136,10 +142,10 @@ impl Beside {
                 FontId::proportional(11.0),
                 first.visuals.strong_text_color(),
             );
-            let found = strip::lanes(&painter, lanes, &self.strips[i], Spacing::ByT, scene, cursor);
+            let found = strip::lanes(&painter, lanes, &self.strips[i], scene);
             under = found.map(|found| (i, found)).or(under);
         }
-        strip::axis(painter, body, scale, &self.strips[0], Spacing::ByT, first);
+        strip::axis(painter, body, scale, &self.strips[0], first);
         under
     }
 }

@@ -1,5 +1,6 @@
 //! The walk seen along one axis, as in the paper's Figure 3.
 
+use crate::walk::AXES;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use glam::{DVec2, Vec2Swizzles as _};
 use raystep_lab::text::counted;
@@ -8,7 +9,7 @@ use super::super::picked;
 use super::progress::{chosen, row_of};
 use super::{Scene, Under};
 use crate::draw::stream::Colors;
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::walk::{Outcome, Projected, Square, Structure};
 
 /// Most squares and triangles painted, the first ones: a ray that tests all triangles of a large scene would become a
@@ -16,7 +17,6 @@ use crate::walk::{Outcome, Projected, Square, Structure};
 const MOST: usize = 2000;
 /// Squares smaller than this have no letters.
 const ROOM_FOR_LETTER: f32 = 13.0;
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Transform from traced units to points in the panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,13 +70,7 @@ fn square_at(squares: &[Square], p: DVec2) -> Option<&Square> {
 }
 
 /// Draws it; describes the item under the cursor.
-pub(super) fn draw(
-    painter: &egui::Painter,
-    rect: Rect,
-    picture: &Projected,
-    scene: &Scene<'_>,
-    cursor: Option<Pos2>,
-) -> Option<Under> {
+pub(super) fn draw(painter: &egui::Painter, rect: Rect, picture: &Projected, scene: &Scene<'_>) -> Option<Under> {
     let visuals = scene.visuals;
     let (note_rect, rest) = rect.split_top_bottom_at_y(rect.top() + 15.0);
     let map = Map::fit(picture, rest.shrink(3.0))?;
@@ -93,7 +87,7 @@ pub(super) fn draw(
     ray(&painter, &map, picture, scene);
     painter.rect_stroke(frame, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Inside);
 
-    let at = cursor.filter(|at| frame.contains(*at) && !scene.hides_next)?;
+    let at = scene.cursor.filter(|at| frame.contains(*at) && !scene.hides_next)?;
     let square = square_at(&picture.squares, map.back(at))?;
     let visit = chosen(&square.visits, scene.progress.visit)?;
     let outline = map.rect(square.min, square.max);
@@ -294,14 +288,14 @@ mod tests {
     use egui::pos2;
     use raystep_kernels::Accelerator;
 
-    use super::super::super::walked::tests::life;
+    use super::super::super::walked::tests::history;
     use super::*;
     use crate::walk::WalkGeometry;
 
     #[test]
     fn a_click_finds_the_square_under_it() {
-        let (life, data) = life(Accelerator::Grid);
-        let picture = Projected::new(&WalkGeometry::new(&life, &data, usize::MAX));
+        let (history, data) = history(Accelerator::Grid);
+        let picture = Projected::new(&WalkGeometry::new(&history, &data, usize::MAX));
         let wide = Rect::from_min_size(pos2(10.0, 20.0), vec2(300.0, 120.0));
         let high = Rect::from_min_size(pos2(10.0, 20.0), vec2(120.0, 300.0));
         for rect in [wide, high] {
@@ -322,8 +316,8 @@ mod tests {
 
     #[test]
     fn of_boxes_in_each_other_the_smallest_is_found() {
-        let (life, data) = life(Accelerator::Bvh);
-        let picture = Projected::new(&WalkGeometry::new(&life, &data, usize::MAX));
+        let (history, data) = history(Accelerator::Bvh);
+        let picture = Projected::new(&WalkGeometry::new(&history, &data, usize::MAX));
         let area = |s: &Square| (s.max - s.min).element_product();
         let leaf = picture.squares.iter().min_by(|a, b| area(a).total_cmp(&area(b))).expect("a node");
         let found = square_at(&picture.squares, (leaf.min + leaf.max) * 0.5).expect("a node");

@@ -61,14 +61,14 @@ pub(super) fn chosen(visits: &[usize], current: Option<usize>) -> Option<usize> 
 mod tests {
     use raystep_kernels::Accelerator;
 
-    use super::super::super::walked::tests::life;
+    use super::super::super::walked::tests::history;
     use super::*;
 
     #[test]
-    fn what_is_to_come_has_not_happened() {
+    fn tests_and_visits_after_the_current_row_are_not_shown_as_done() {
         for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
-            let (life, data) = life(accelerator);
-            let walk = WalkGeometry::new(&life, &data, usize::MAX);
+            let (history, data) = history(accelerator);
+            let walk = WalkGeometry::new(&history, &data, usize::MAX);
             let picture = Projected::new(&walk);
             assert!(picture.triangles.len() > 1);
             let none = Progress::new(&walk, &picture, None);
@@ -78,7 +78,7 @@ mod tests {
             assert_eq!(early.visit, first.visit, "{accelerator:?}");
             assert_eq!(early.outcomes.iter().flatten().collect::<Vec<_>>(), [&first.outcome]);
             assert!(early.has(first.row) && !early.has(first.row + 1));
-            let end = Progress::new(&walk, &picture, Some(life.rows.len()));
+            let end = Progress::new(&walk, &picture, Some(history.rows.len()));
             let all: Vec<_> = picture.triangles.iter().map(|t| Some(t.outcome)).collect();
             assert_eq!(end.outcomes, all);
         }

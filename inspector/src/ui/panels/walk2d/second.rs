@@ -8,10 +8,10 @@ use raystep_kernels::history::RunSoFar;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Accelerator, Limits, Plan};
 
-use super::super::ray::current_row;
-use crate::session::request::{JobContext, JobFuture, Opened, Request};
+use crate::session::request::{Job, Opened, Request, answered, job};
 use crate::settings::{DeviceKind, Settings};
 use crate::ui::pane::Context;
+use crate::walk::row_after_passes;
 
 /// The engine's job, named while it runs.
 const BUILDING: &str = "building the other structure";
@@ -38,7 +38,7 @@ pub(super) struct Second {
 /// A second walk.
 #[derive(Clone)]
 pub(super) struct Found {
-    pub(super) life: Arc<Trace>,
+    pub(super) history: Arc<Trace>,
     pub(super) data: Arc<SceneData>,
     pub(super) name: String,
     /// The row that a second run is at; the last one without such a run.
@@ -69,7 +69,7 @@ impl Second {
             self.built = None;
             if self.asked != Some(generation) {
                 self.asked = Some(generation);
-                cx.model.ask(Request::Job(BUILDING, Box::new(move |job| build(job, generation))));
+                cx.model.ask(Request::Job(BUILDING, build(generation)));
             }
             return Err(match cx.model.is_busy() {
                 true => "The other structure is being built …",
@@ -78,18 +78,20 @@ impl Second {
         };
         if self.followed.as_ref().is_none_or(|(of, at, _)| (*of, *at) != (generation, pixel)) {
             let run = RunSoFar { plan: &built.plan, data: &built.data, passes: &[], is_complete: false };
-            let life = match opened.settings.device {
+            let history = match opened.settings.device {
                 DeviceKind::CpuF64 => run.follow::<f64>(pixel),
                 DeviceKind::Auto | DeviceKind::Gpu | DeviceKind::Cpu => run.follow::<f32>(pixel),
             };
-            self.followed = Some((generation, pixel, life.map(Arc::new)));
+            self.followed = Some((generation, pixel, history.map(Arc::new)));
         }
-        let life = self.followed.as_ref().and_then(|(.., life)| life.clone());
-        let life = life.filter(|life| !life.rows.is_empty());
-        let Some(life) = life else { return Err("This ray cannot be followed alone: open a second run (Ctrl+B).") };
-        let row = life.rows.len().checked_sub(1);
+        let history = self.followed.as_ref().and_then(|(.., history)| history.clone());
+        let history = history.filter(|history| !history.rows.is_empty());
+        let Some(history) = history else {
+            return Err("This ray cannot be followed alone: open a second run (Ctrl+B).");
+        };
+        let row = history.rows.len().checked_sub(1);
         let name = built.plan.accelerator.to_string();
-        Ok(Found { life, data: built.data.clone(), name, row, is_run: false })
+        Ok(Found { history, data: built.data.clone(), name, row, is_run: false })
     }
 }
 
@@ -99,20 +101,21 @@ fn of_run(pixel: [u32; 2], cx: &Context<'_>) -> Option<Found> {
     let second = other.opened.as_ref()?;
     let seen = |settings: &Settings| (settings.size, settings.view, settings.ray);
     let is_same = Arc::ptr_eq(&second.scene, &opened.scene) && seen(&second.settings) == seen(&opened.settings);
-    let life = other.life.clone().filter(|life| is_same && life.pixel == pixel && !life.rows.is_empty())?;
-    let row = current_row(&life, other.place);
+    let history =
+        other.history.clone().filter(|history| is_same && history.pixel == pixel && !history.rows.is_empty())?;
+    let row = row_after_passes(&history, other.place);
     let (data, name) = (second.data.clone(), second.plan.accelerator.to_string());
-    Some(Found { life, data, name, row, is_run: true })
+    Some(Found { history, data, name, row, is_run: true })
 }
 
 /// Builds the other structure for the same view.
-fn build(job: JobContext<'_>, generation: u64) -> JobFuture<'_> {
-    let (scene, settings) = (job.scene.clone(), job.settings.clone());
-    Box::pin(async move {
+fn build(generation: u64) -> Job {
+    job!(job, {
+        let (scene, settings) = (job.scene.clone(), job.settings.clone());
         let grid = settings.options(&scene).accelerator == Accelerator::Grid;
         let accelerator = if grid { Accelerator::Bvh } else { Accelerator::Grid };
         let options = Settings { accelerator, ..settings }.options(&scene);
         let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).map_err(|e| e.to_string())?;
-        Ok(Box::new(Built { generation, plan, data: Arc::new(data) }) as _)
+        answered(Built { generation, plan, data: Arc::new(data) })
     })
 }

@@ -6,13 +6,15 @@ mod dots;
 mod nodes;
 mod words;
 
+pub(super) use words::note_words;
+
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::super::picked;
 use super::picture::{outcome_color, ray_color};
 use super::progress::row_of;
 use super::{Scene, Under};
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::walk::{Outcome, Spacing, Strip, Ticks};
 use dots::Note;
 
@@ -26,17 +28,10 @@ const MOST: usize = 4000;
 const SIZE: f32 = 11.0;
 
 /// Draws it; describes the item under the cursor.
-pub(super) fn draw(
-    painter: &Painter,
-    rect: Rect,
-    strip: &Strip,
-    spacing: Spacing,
-    scene: &Scene<'_>,
-    cursor: Option<Pos2>,
-) -> Option<Under> {
+pub(super) fn draw(painter: &Painter, rect: Rect, strip: &Strip, scene: &Scene<'_>) -> Option<Under> {
     let (body, scale) = split_scale(rect);
-    let under = lanes(painter, body, strip, spacing, scene, cursor);
-    axis(painter, body, scale, strip, spacing, scene);
+    let under = lanes(painter, body, strip, scene);
+    axis(painter, body, scale, strip, scene);
     under
 }
 
@@ -47,24 +42,15 @@ pub(super) fn split_scale(rect: Rect) -> (Rect, Rect) {
 }
 
 /// Draws everything but the scale.
-pub(super) fn lanes(
-    painter: &Painter,
-    body: Rect,
-    strip: &Strip,
-    spacing: Spacing,
-    scene: &Scene<'_>,
-    cursor: Option<Pos2>,
-) -> Option<Under> {
-    Pen::new(painter, body, strip, spacing, scene, cursor).draw()
+pub(super) fn lanes(painter: &Painter, body: Rect, strip: &Strip, scene: &Scene<'_>) -> Option<Under> {
+    Pen::new(painter, body, strip, scene).draw()
 }
 
 struct Pen<'a> {
     painter: &'a Painter,
     body: Rect,
     strip: &'a Strip,
-    spacing: Spacing,
     scene: &'a Scene<'a>,
-    cursor: Option<Pos2>,
     /// Labels that are still to be placed.
     notes: Vec<Note>,
     /// Where labels were painted.
@@ -73,21 +59,12 @@ struct Pen<'a> {
 }
 
 impl<'a> Pen<'a> {
-    fn new(
-        painter: &'a Painter,
-        body: Rect,
-        strip: &'a Strip,
-        spacing: Spacing,
-        scene: &'a Scene<'a>,
-        cursor: Option<Pos2>,
-    ) -> Self {
+    fn new(painter: &'a Painter, body: Rect, strip: &'a Strip, scene: &'a Scene<'a>) -> Self {
         Self {
             painter,
             body,
             strip,
-            spacing,
             scene,
-            cursor,
             notes: Vec::new(),
             #[cfg(test)]
             placed: Vec::new(),
@@ -109,11 +86,11 @@ impl Pen<'_> {
     }
 
     fn place(&self, t: f64) -> f32 {
-        self.x(self.strip.place(t, self.spacing))
+        self.x(self.strip.place(t, self.scene.spacing))
     }
 
     fn is_over(&self, rect: Rect) -> bool {
-        self.cursor.is_some_and(|at| rect.contains(at))
+        self.scene.cursor.is_some_and(|at| rect.contains(at))
     }
 
     fn is_picked(&self, what: Option<Picked>) -> bool {
@@ -148,12 +125,12 @@ impl Pen<'_> {
 }
 
 /// A scale of t: at the ends of cells if these are equally wide, otherwise at round numbers.
-pub(super) fn axis(painter: &Painter, body: Rect, rect: Rect, strip: &Strip, spacing: Spacing, scene: &Scene<'_>) {
+pub(super) fn axis(painter: &Painter, body: Rect, rect: Rect, strip: &Strip, scene: &Scene<'_>) {
     let y = rect.top() + 5.0;
     let visuals = scene.visuals;
     let stroke = Stroke::new(1.0, visuals.weak_text_color());
     painter.hline(rect.x_range(), y, stroke);
-    let x_of = |t: f64| body.left() + strip.place(t, spacing) as f32 * body.width();
+    let x_of = |t: f64| body.left() + strip.place(t, scene.spacing) as f32 * body.width();
     let name = painter.text(
         pos2(rect.left(), y + 4.0),
         Align2::LEFT_TOP,
@@ -162,7 +139,7 @@ pub(super) fn axis(painter: &Painter, body: Rect, rect: Rect, strip: &Strip, spa
         visuals.weak_text_color(),
     );
     let (mut written, mut is_first) = (name.right(), true);
-    for (t, text) in marks(strip, spacing, scene.unit, rect.width()) {
+    for (t, text) in marks(strip, scene.spacing, scene.unit, rect.width()) {
         let x = x_of(t);
         painter.vline(x, y..=y + 4.0, stroke);
         let galley = painter.layout_no_wrap(text, FontId::proportional(SIZE), visuals.weak_text_color());

@@ -29,17 +29,18 @@ pub(super) struct Framed {
 
 impl Framed {
     /// Takes over the selected ray of a run.
-    pub(super) fn update(&mut self, life: Option<&Arc<Trace>>, generation: u64, opened: &Opened) {
-        let is_same = match (&self.of, life) {
+    pub(super) fn update(&mut self, history: Option<&Arc<Trace>>, generation: u64, opened: &Opened) {
+        let is_same = match (&self.of, history) {
             (Some((then, of)), Some(now)) => Arc::ptr_eq(then, now) && *of == generation,
             (then, now) => then.is_none() && now.is_none(),
         };
         if is_same {
             return;
         }
-        self.of = life.map(|life| (life.clone(), generation));
-        let whole =
-            life.filter(|life| !life.rows.is_empty()).map(|life| WalkGeometry::new(life, &opened.data, usize::MAX));
+        self.of = history.map(|history| (history.clone(), generation));
+        let whole = history
+            .filter(|history| !history.rows.is_empty())
+            .map(|history| WalkGeometry::new(history, &opened.data, usize::MAX));
         self.extent = whole.as_ref().map_or_else(Vec::new, WalkGeometry::extent);
         self.direction = whole.map_or(DVec3::ZERO, |walk| walk.direction);
         self.version += 1;

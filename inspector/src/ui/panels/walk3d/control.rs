@@ -4,8 +4,8 @@ use egui::{Event, Key, PointerButton};
 use glam::{DVec2, DVec3};
 
 use super::Wish;
+use crate::command::{COMMANDS, Command};
 use crate::orbit::Orbit;
-use crate::ui::command::{COMMANDS, Command};
 
 /// Flying speed per second, in sizes of the scene.
 const SPEED: f64 = 0.8;
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn along_a_ray_is_along_a_ray() {
+    fn the_camera_looks_along_a_ray_of_any_direction() {
         let bounds = Aabb { min: DVec3::splat(-1.0), max: DVec3::ONE };
         for direction in [DVec3::X, DVec3::NEG_Y, DVec3::new(1.0, -2.0, 0.5), DVec3::new(-3.0, 0.1, 7.0)] {
             let mut camera = Orbit::framing(&bounds, 1.0);

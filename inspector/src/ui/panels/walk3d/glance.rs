@@ -45,12 +45,12 @@ pub(super) fn draw(painter: &Painter, visuals: &Visuals, rect: Rect, trace: &Tra
 mod tests {
     use raystep_kernels::Accelerator;
 
-    use super::super::super::walked::tests::life;
+    use super::super::super::walked::tests::history;
     use super::*;
 
     #[test]
     fn the_line_ends_at_the_hit_or_where_the_ray_leaves_the_scene() {
-        let (mut trace, data) = life(Accelerator::Grid);
+        let (mut trace, data) = history(Accelerator::Grid);
         let bounds = Aabb::of_vertices(&data.vertices);
         let ([origin, end], is_hit) = ends(&trace, &bounds).expect("a line");
         let ray = trace.rows[0].after;

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use egui::{Color32, FontId, Galley, Pos2, Rect, Vec2, vec2};
 use glam::{DVec2, DVec3};
 
-use super::super::labels::{Avoid, Place, Wanted, places};
+use super::super::labels::{Avoid, LabelRect, Wanted, places};
 use super::super::picked;
 use super::super::walked::number;
 use crate::draw::scene3d::Marked;
 use crate::orbit::Orbit;
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::ui::units::Scale;
 use crate::walk::{Crossing, Outcome, Structure, TestedTriangle, WalkGeometry};
 
@@ -20,7 +20,7 @@ enum About {
     /// What was picked.
     Picked,
     /// The ray's current cell or node.
-    Place,
+    LabelRect,
     /// A plane that the ray may cross next, of this axis.
     Axis(usize),
     /// A triangle, and the result of its test.
@@ -35,9 +35,9 @@ struct Label {
     about: About,
 }
 
-/// How a walk's labels are told.
+/// What the labels of a walk depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Told {
+pub(super) struct LabelStyle {
     pub(super) scale: Scale,
     /// None says which plane is crossed next: a lesson asks.
     pub(super) hides_next: bool,
@@ -48,9 +48,9 @@ const MOST_TESTS: usize = 8;
 
 /// The labels of a walk, the most important first: what is tested now or hit, the cell, the tmax of the next step, what
 /// was picked, the other tmax, and earlier tests in this cell.
-fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>, told: Told) -> Vec<Label> {
+fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>, style: LabelStyle) -> Vec<Label> {
     let mut labels = Vec::new();
-    let Told { scale, hides_next } = told;
+    let LabelStyle { scale, hides_next } = style;
     let number = |t| number(scale.t64(t));
     let mut add = |at, text, about| labels.push(Label { at, text, about });
     let tested = walk.tested.last().filter(|tested| Some(tested.row) == walk.row);
@@ -63,12 +63,12 @@ fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>, told: Told) -> 
     match walk.structure {
         Structure::Grid => {
             if let Some(cell) = walk.current_cell() {
-                add(cell.bounds.center(), cell.name(), About::Place);
+                add(cell.bounds.center(), cell.name(), About::LabelRect);
             }
         }
         Structure::Tree => {
             if let (Some(node), Some(bounds)) = (walk.current_node, walk.current_box) {
-                add(bounds.center(), format!("node {node}"), About::Place);
+                add(bounds.center(), format!("node {node}"), About::LabelRect);
             }
         }
         Structure::Nothing => {}
@@ -131,7 +131,7 @@ fn words(test: &TestedTriangle, is_long: bool, scale: &Scale) -> String {
 #[derive(Clone)]
 pub(super) struct Ready {
     at: Pos2,
-    place: Place,
+    place: LabelRect,
     galley: Arc<Galley>,
     color: Color32,
 }
@@ -146,7 +146,7 @@ pub(super) fn arrange(
     walk: &WalkGeometry,
     picked: Option<(Picked, Marked)>,
     camera: &Orbit,
-    told: Told,
+    style: LabelStyle,
 ) -> Vec<Ready> {
     let size = DVec2::new(rect.width().into(), rect.height().into());
     let seen_at = |point: DVec3| {
@@ -154,7 +154,7 @@ pub(super) fn arrange(
         Some(rect.min + vec2(pixel.x as f32, pixel.y as f32))
     };
     let font = FontId::proportional(11.5);
-    let seen: Vec<(Pos2, Arc<Galley>, Color32)> = labels(walk, picked, told)
+    let seen: Vec<(Pos2, Arc<Galley>, Color32)> = labels(walk, picked, style)
         .into_iter()
         .filter_map(|label| {
             // A tmax along an axis on which the ray hardly moves lies far outside.
@@ -176,7 +176,7 @@ pub(super) fn arrange(
     });
     let avoid = Avoid { areas: area.into_iter().collect(), lines };
     let places = places(rect.shrink(1.0), &wanted, &avoid);
-    let ready = |((at, galley, color), place): (_, Option<Place>)| Some(Ready { at, place: place?, galley, color });
+    let ready = |((at, galley, color), place): (_, Option<LabelRect>)| Some(Ready { at, place: place?, galley, color });
     seen.into_iter().zip(places).filter_map(ready).collect()
 }
 
@@ -205,7 +205,7 @@ fn color(visuals: &egui::Visuals, about: About) -> Color32 {
     };
     match about {
         About::Picked => picked::color(visuals),
-        About::Place => pick([255, 214, 90], [140, 95, 0]),
+        About::LabelRect => pick([255, 214, 90], [140, 95, 0]),
         About::Axis(0) => pick([255, 130, 130], [190, 40, 40]),
         About::Axis(1) => pick([130, 220, 110], [40, 125, 30]),
         About::Axis(_) => pick([130, 175, 255], [40, 90, 205]),

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use crate::orbit::Orbit;
 use crate::ui::panels::picked::cell;
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::walk::WalkGeometry;
 
 /// Most boxes or triangles of a walk that are considered, the latest.
@@ -75,7 +75,7 @@ fn meets([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> 
 mod tests {
     use raystep_kernels::Accelerator;
 
-    use super::super::super::walked::tests::life;
+    use super::super::super::walked::tests::history;
     use super::*;
 
     const SIZE: DVec2 = DVec2::new(900.0, 600.0);
@@ -89,8 +89,8 @@ mod tests {
     #[test]
     fn every_cell_and_node_is_under_the_pixel_of_its_middle() {
         for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
-            let (life, data) = life(accelerator);
-            let walk = WalkGeometry::new(&life, &data, usize::MAX);
+            let (history, data) = history(accelerator);
+            let walk = WalkGeometry::new(&history, &data, usize::MAX);
             let camera = seen(&walk);
             let cells =
                 walk.cells.iter().filter_map(|visit| Some((cell(visit.cell)?, visit.bounds.center(), visit.row)));
@@ -112,8 +112,8 @@ mod tests {
 
     #[test]
     fn a_tested_triangle_is_under_its_middle_unless_it_is_cut_away() {
-        let (life, data) = life(Accelerator::Grid);
-        let walk = WalkGeometry::new(&life, &data, usize::MAX);
+        let (history, data) = history(Accelerator::Grid);
+        let walk = WalkGeometry::new(&history, &data, usize::MAX);
         let camera = seen(&walk);
         let test =
             walk.tested.iter().find(|test| Some(test.triangle) == walk.hit.map(|hit| hit.triangle)).expect("a test");

@@ -7,7 +7,7 @@ use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Options, RenderError, Renderer};
 use raystep_lab::work::{Measure, PassLanes, Survey, Warp, costs};
 
-use crate::session::request::{JobContext, JobFuture};
+use crate::session::request::{Job, JobContext, answered, job};
 use crate::ui::panels::cost::source::{Counts, Sorted};
 
 /// Its name, shown while it runs.
@@ -31,8 +31,8 @@ pub(in crate::ui::panels::cost) struct Surveyed {
 }
 
 /// Runs all passes again.
-pub(super) fn survey(job: JobContext<'_>, edition: u64, lanes: usize) -> JobFuture<'_> {
-    Box::pin(async move {
+pub(super) fn survey(edition: u64, lanes: usize) -> Job {
+    job!(job, {
         let JobContext { session, device, progress, .. } = job;
         let mut surveyed = async || {
             let options = Options { timings: false, keep_passes: false, ..session.options().clone() };
@@ -68,7 +68,7 @@ pub(super) fn survey(job: JobContext<'_>, edition: u64, lanes: usize) -> JobFutu
             }))
         };
         let surveyed = surveyed().await.map_err(|error: RenderError| error.to_string())?;
-        Ok(Box::new(surveyed.ok_or("this program has no rays")?) as _)
+        answered(surveyed.ok_or("this program has no rays")?)
     })
 }
 

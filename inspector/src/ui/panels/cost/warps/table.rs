@@ -105,8 +105,8 @@ mod tests {
         };
         assert_eq!(cells(0, &warp, 8), ["1", "1,1", "7", "25.0%", "4", "3,1", "2"]);
         let counts = Counts { cells: (0..12).collect(), triangles: vec![5; 12] };
-        let told = reason(&warp, Some(&counts), 8);
-        assert!(told.starts_with("Held by pixel 3,1: 6 of 7 passes worked on it (11 cells or nodes, 5 triangles); the median of the 3 rays had 2."), "{told}");
+        let reason_text = reason(&warp, Some(&counts), 8);
+        assert!(reason_text.starts_with("Held by pixel 3,1: 6 of 7 passes worked on it (11 cells or nodes, 5 triangles); the median of the 3 rays had 2."), "{reason_text}");
         assert!(reason(&warp, None, 8).starts_with("Held by pixel 3,1: 6 of 7 passes worked on it; the median"));
     }
 }

@@ -3,10 +3,10 @@
 use egui::{Align2, Color32, FontId, Painter, Rect, Stroke, Ui, pos2, vec2};
 use raystep_lab::structure_stats::Slice;
 
-use super::AXES;
 use super::placement::{Placement, others};
 use crate::ui::panels::structure::picture::color;
 use crate::ui::style::SMALLEST;
+use crate::walk::AXES;
 
 /// Points around the digits of a cell.
 const ROOM: f32 = 4.0;

@@ -9,8 +9,7 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::Slice;
 
 use super::placement::Placement;
-use crate::ui::panels::ray::current_row;
-use crate::walk::WalkGeometry;
+use crate::walk::{WalkGeometry, row_after_passes};
 
 /// A cell that the selected ray is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,9 +20,9 @@ pub(super) struct Visit {
 }
 
 /// The cells of a ray's history in order; consecutive rows in the same cell count once.
-pub(super) fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit> {
+pub(super) fn visited(history: &Trace, data: &SceneData, place: usize) -> Vec<Visit> {
     let mut visits: Vec<Visit> = Vec::new();
-    for row in &life.rows {
+    for row in &history.rows {
         if let Some(cell) = row.cell_before.filter(|&cell| data.grid.is_in_grid(cell))
             && visits.last().is_none_or(|last| last.cell != cell)
         {
@@ -31,7 +30,9 @@ pub(super) fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit
         }
     }
     // A pass that brings the ray to a cell has not worked in it yet.
-    let now = current_row(life, place).and_then(|i| life.rows.get(i)).filter(|row| row.after.tag > states::TRAV_SETUP);
+    let now = row_after_passes(history, place)
+        .and_then(|i| history.rows.get(i))
+        .filter(|row| row.after.tag > states::TRAV_SETUP);
     if let Some(cell) = now.map(|row| data.grid.cell_of_index(row.after.cell_index))
         && let Some(next) = visits.iter().position(|v| !v.has_run)
         && visits[next].cell == cell
@@ -43,14 +44,14 @@ pub(super) fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit
 
 /// A ray's way through the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Way {
+struct Segment {
     origin: [f64; 3],
     direction: [f64; 3],
     /// From where it enters the grid to its hit, or to where it leaves.
     span: [f64; 2],
 }
 
-impl Way {
+impl Segment {
     /// The t in which it is between two planes of an axis; `None` if it never is.
     fn between(&self, axis: usize, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
         let (o, d, [from, to]) = (self.origin[axis], self.direction[axis], self.span);
@@ -72,29 +73,29 @@ impl Way {
 pub(super) struct Path {
     of: Option<(Arc<Trace>, usize)>,
     visits: Vec<Visit>,
-    way: Option<Way>,
+    segment: Option<Segment>,
 }
 
 impl Path {
     /// Finds them for a ray's history at a place.
-    pub(super) fn update(&mut self, life: Option<&Arc<Trace>>, data: &SceneData, place: usize) {
-        let now = life.map(|life| (life, place));
+    pub(super) fn update(&mut self, history: Option<&Arc<Trace>>, data: &SceneData, place: usize) {
+        let now = history.map(|history| (history, place));
         let is_same = match (&self.of, now) {
-            (Some((known, at)), Some((life, place))) => Arc::ptr_eq(known, life) && *at == place,
+            (Some((known, at)), Some((history, place))) => Arc::ptr_eq(known, history) && *at == place,
             (None, None) => true,
             _ => false,
         };
         if is_same {
             return;
         }
-        self.of = now.map(|(life, place)| (life.clone(), place));
-        (self.visits, self.way) = (Vec::new(), None);
-        if let Some((life, place)) = now {
-            self.visits = visited(life, data, place);
-            let walk = WalkGeometry::new(life, data, usize::MAX);
+        self.of = now.map(|(history, place)| (history.clone(), place));
+        (self.visits, self.segment) = (Vec::new(), None);
+        if let Some((history, place)) = now {
+            self.visits = visited(history, data, place);
+            let walk = WalkGeometry::new(history, data, usize::MAX);
             let span = walk.inside.map(|[enter, _]| [enter, walk.last_t().max(enter)]);
             let (origin, direction) = (walk.origin.to_array(), walk.direction.to_array());
-            self.way = span.map(|span| Way { origin, direction, span });
+            self.segment = span.map(|span| Segment { origin, direction, span });
         }
     }
 
@@ -109,18 +110,18 @@ impl Path {
 
     /// Draws the way of the ray: thin where it is in front of or behind the layer, thick inside.
     pub(super) fn draw(&self, painter: &Painter, slice: &Slice, place: &Placement, data: &SceneData) {
-        let Some(way) = self.way else { return };
+        let Some(segment) = self.segment else { return };
         let line = |[from, to]: [f64; 2], width: f32, color: Color32| {
-            let ends = [from, to].map(|t| place.project(slice, data, way.point(t)));
+            let ends = [from, to].map(|t| place.project(slice, data, segment.point(t)));
             if ends.iter().all(|end| end.is_finite()) {
                 painter.line_segment(ends, Stroke::new(width + 2.0, Color32::from_black_alpha(150)));
                 painter.line_segment(ends, Stroke::new(width, color));
             }
         };
-        line(way.span, 1.0, Color32::from_rgb(190, 190, 190));
+        line(segment.span, 1.0, Color32::from_rgb(190, 190, 190));
         if let Some(inside) = self.inside(slice, data) {
             line(inside, 3.0, Color32::from_rgb(255, 220, 60));
-            let [from, to] = inside.map(|t| place.project(slice, data, way.point(t)));
+            let [from, to] = inside.map(|t| place.project(slice, data, segment.point(t)));
             // A ray along the axis is a point.
             if (to - from).length() < 3.0 {
                 painter.circle_filled(from, 4.0, Color32::from_rgb(255, 220, 60));
@@ -132,7 +133,7 @@ impl Path {
     pub(super) fn inside(&self, slice: &Slice, data: &SceneData) -> Option<[f64; 2]> {
         let (corner, width) = (f64::from(data.grid.corner[slice.axis]), f64::from(data.grid.width[slice.axis]));
         let planes = [slice.index, slice.index + 1].map(|index| corner + width * f64::from(index));
-        self.way?.between(slice.axis, planes)
+        self.segment?.between(slice.axis, planes)
     }
 }
 
@@ -156,17 +157,18 @@ mod tests {
         };
         pollster::block_on(async {
             let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await.expect("a renderer");
-            let life = trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(())).await.expect("a life");
-            (life, renderer.shared_data())
+            let history =
+                trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(())).await.expect("a history");
+            (history, renderer.shared_data())
         })
     }
 
     #[test]
     fn a_ray_visits_cell_after_cell_and_those_ahead_are_told_from_those_behind() {
-        let (life, data) = followed();
-        let passes = life.passes.expect("the whole run");
-        let count = |place: usize| visited(&life, &data, place).iter().filter(|v| v.has_run).count();
-        let visits = visited(&life, &data, passes);
+        let (history, data) = followed();
+        let passes = history.passes.expect("the whole run");
+        let count = |place: usize| visited(&history, &data, place).iter().filter(|v| v.has_run).count();
+        let visits = visited(&history, &data, passes);
         assert!(visits.len() > 2, "the ray goes through the room");
         for pair in visits.windows(2) {
             let steps: i32 = (0..3).map(|axis| (pair[0].cell[axis] - pair[1].cell[axis]).abs()).sum();
@@ -174,18 +176,18 @@ mod tests {
         }
         assert_eq!((count(0), count(passes)), (0, visits.len()));
         // Set-up moves the ray to its first cell, and the first step to the second.
-        let step = life.rows.iter().find(|row| row.kernel == "traverse_grid").expect("a step");
+        let step = history.rows.iter().find(|row| row.kernel == "traverse_grid").expect("a step");
         let at = |row: &TraceRow| count(row.place().expect("a pass"));
-        assert_eq!((at(&life.rows[1]), at(step)), (1, 2));
+        assert_eq!((at(&history.rows[1]), at(step)), (1, 2));
         assert!((0..passes).all(|place| count(place) <= count(place + 1)));
     }
 
     /// The ray is in exactly the layers of the cells that it visited.
     #[test]
     fn the_path_is_in_the_layers_of_its_cells() {
-        let (life, data) = followed();
-        let (life, mut path) = (Arc::new(life), Path::default());
-        path.update(Some(&life), &data, usize::MAX);
+        let (history, data) = followed();
+        let (history, mut path) = (Arc::new(history), Path::default());
+        path.update(Some(&history), &data, usize::MAX);
         for axis in 0..3 {
             for index in 0..data.grid.cells[axis] {
                 let slice = Slice::of(&data, axis, index).expect("a slice");
@@ -197,7 +199,7 @@ mod tests {
                     let at = f64::from(index + next);
                     f64::from(data.grid.corner[axis]) + at * f64::from(data.grid.width[axis]) + by
                 });
-                let comes_near = path.way.expect("a way").between(axis, grown).is_some();
+                let comes_near = path.segment.expect("a segment").between(axis, grown).is_some();
                 assert!(comes_near || !is_visited, "axis {axis}, layer {index}");
             }
         }

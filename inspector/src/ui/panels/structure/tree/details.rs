@@ -6,7 +6,7 @@ use raystep_lab::structure_stats::Nodes;
 use raystep_lab::text::counted;
 
 use crate::ui::pane::Context;
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::ui::units::{Scale, Units};
 
 /// Most triangles shown of a leaf.
@@ -72,10 +72,10 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, nodes: &Nodes, data: &Scen
     if node.is_leaf() && !nodes.is_wide() {
         ui.horizontal_wrapped(|ui| {
             for triangle in crate::walk::listed(data, index).take(MOST_CHIPS) {
-                let is_picked = cx.shared.picked == Some(Picked::Triangle(triangle));
+                let is_picked = cx.selection.picked == Some(Picked::Triangle(triangle));
                 let chip = egui::Button::selectable(is_picked, RichText::new(triangle.to_string()).monospace());
                 if ui.add(chip).on_hover_text(format!("triangle {triangle}; click to show it")).clicked() {
-                    cx.shared.picked = Some(Picked::Triangle(triangle));
+                    cx.selection.picked = Some(Picked::Triangle(triangle));
                 }
             }
         });

@@ -41,15 +41,15 @@ pub(super) struct Visits {
 impl Visits {
     /// Finds them for the selected ray at the current place.
     pub(super) fn update(&mut self, cx: &Context<'_>, data: &SceneData) {
-        let now = cx.model.life.as_ref().map(|life| (life, cx.model.place));
+        let now = cx.model.history.as_ref().map(|history| (history, cx.model.place));
         let is_same = match (&self.of, now) {
-            (Some((known, at)), Some((life, place))) => Arc::ptr_eq(known, life) && *at == place,
+            (Some((known, at)), Some((history, place))) => Arc::ptr_eq(known, history) && *at == place,
             (None, None) => true,
             _ => false,
         };
         if !is_same {
-            self.visits = now.map_or_else(HashMap::new, |(life, place)| visits(life, data, place));
-            self.of = now.map(|(life, place)| (life.clone(), place));
+            self.visits = now.map_or_else(HashMap::new, |(history, place)| visits(history, data, place));
+            self.of = now.map(|(history, place)| (history.clone(), place));
         }
     }
 
@@ -63,10 +63,10 @@ impl Visits {
     }
 }
 
-fn visits(life: &Trace, data: &SceneData, place: usize) -> HashMap<u32, Visit> {
-    let walk = WalkGeometry::new(life, data, usize::MAX);
+fn visits(history: &Trace, data: &SceneData, place: usize) -> HashMap<u32, Visit> {
+    let walk = WalkGeometry::new(history, data, usize::MAX);
     let visit = |node: &crate::walk::NodeVisit| {
-        let has_run = life.rows.get(node.row).is_some_and(|row| row.is_within(place));
+        let has_run = history.rows.get(node.row).is_some_and(|row| row.is_within(place));
         (node.node, Visit { is_met: node.is_met, has_run })
     };
     walk.nodes.iter().map(visit).collect()
@@ -91,17 +91,18 @@ mod tests {
             schedule: ScheduleKind::Second,
             ..Options::new(RaySource::Camera { camera, width: 8, height: 8 })
         };
-        let (life, data) = pollster::block_on(async {
+        let (history, data) = pollster::block_on(async {
             let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await.expect("a renderer");
-            let life = trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(())).await.expect("a life");
-            (life, renderer.shared_data())
+            let history =
+                trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(())).await.expect("a history");
+            (history, renderer.shared_data())
         });
-        let all = visits(&life, &data, life.passes.expect("the whole run"));
+        let all = visits(&history, &data, history.passes.expect("the whole run"));
         assert_eq!(all.get(&0).map(|visit| visit.text()), Some("met"), "the root");
         assert!(all.values().all(|visit| visit.has_run) && all.values().any(|visit| !visit.is_met));
-        let none = visits(&life, &data, 0);
+        let none = visits(&history, &data, 0);
         assert!(none.len() == all.len() && none.values().all(|visit| visit.text() == "ahead" && !visit.is_met()));
-        let some = visits(&life, &data, 8).values().filter(|visit| visit.has_run).count();
+        let some = visits(&history, &data, 8).values().filter(|visit| visit.has_run).count();
         assert!(some > 0 && some < all.len(), "{some} of {}", all.len());
     }
 }

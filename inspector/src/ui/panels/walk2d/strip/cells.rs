@@ -27,7 +27,7 @@ impl Pen<'_> {
         let top = (bottom - height).max(self.body.top());
         // Labels of tests have a space of their own if there is enough.
         let notes = if self.body.height() >= 130.0 { NOTES } else { 0.0 };
-        let columns = self.strip.columns(self.spacing);
+        let columns = self.strip.columns(self.scene.spacing);
         let mut under = None;
         let count = self.strip.cells.len();
         for (i, (cell, [left, right])) in self.strip.cells.iter().zip(&columns).enumerate() {

@@ -7,7 +7,7 @@ use super::super::picture::{current_color, outcome_color};
 use super::words::{note_words, test_words};
 use super::{MOST, Pen, SIZE};
 use crate::ui::panels::labels::{Avoid, Wanted, places};
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 use crate::walk::{Outcome, StripTest};
 
 /// Most labels that are placed.
@@ -82,7 +82,7 @@ impl Pen<'_> {
             let text = note_words(tested, rank < 4, self.scene);
             self.notes.push(Note { rank, at, text, color: outcome_color(visuals, test.outcome) });
         }
-        let is_over = self.cursor.is_some_and(|cursor| cursor.distance(at) <= radius.max(4.0));
+        let is_over = self.scene.cursor.is_some_and(|cursor| cursor.distance(at) <= radius.max(4.0));
         is_over.then(|| Under { text: test_words(tested, self.scene), row, what })
     }
 

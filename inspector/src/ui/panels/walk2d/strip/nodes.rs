@@ -7,7 +7,7 @@ use super::super::picture::{current_color, in_order};
 use super::super::progress::row_of;
 use super::words::node_words;
 use super::{MOST, Pen, SIZE};
-use crate::ui::shared::Picked;
+use crate::ui::state::Picked;
 
 /// Height of the space for labels of tests.
 const NOTES: f32 = 32.0;

@@ -4,7 +4,7 @@ use egui::RawInput;
 use raystep_kernels::{Accelerator, Options, Skip};
 
 use super::super::super::labels::assert_apart;
-use super::super::super::walked::{number, tests::life};
+use super::super::super::walked::{number, tests::history};
 use super::super::Whole;
 use super::super::progress::Progress;
 use super::words::{cell_words, leap_words, note_words, test_words};
@@ -26,6 +26,8 @@ fn in_a_frame<T>(whole: &Whole, row: Option<usize>, show: impl Fn(&Painter, &Sce
             unit: 1.0,
             picked: None,
             hides_next: false,
+            spacing: Spacing::Equal,
+            cursor: None,
         };
         result = Some(show(ui.painter(), &scene));
     });
@@ -36,8 +38,8 @@ fn in_a_frame<T>(whole: &Whole, row: Option<usize>, show: impl Fn(&Painter, &Sce
 
 #[test]
 fn a_cell_is_told_in_numbers() {
-    let (life, data) = life(Accelerator::Grid);
-    let whole = Whole::of(&life, &data);
+    let (history, data) = history(Accelerator::Grid);
+    let whole = Whole::of(&history, &data, usize::MAX);
     let cell = whole.strip.cells.iter().find(|cell| !cell.tests.is_empty()).expect("a test");
     let text = in_a_frame(&whole, None, |_, scene| cell_words(cell, scene));
     let [x, y, z] = cell.cell;
@@ -56,8 +58,8 @@ fn a_test_is_told_with_its_reason() {
     let mut reasons = std::collections::BTreeSet::new();
     for accelerator in [Accelerator::Grid, Accelerator::None] {
         for pixel in [[32, 32], [44, 50], [20, 40]] {
-            let (life, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, pixel);
-            let whole = Whole::of(&life, &data);
+            let (history, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, pixel);
+            let whole = Whole::of(&history, &data, usize::MAX);
             for test in &whole.walk.tested {
                 let [long, short, hover] = in_a_frame(&whole, None, |_, scene| {
                     [note_words(test, true, scene), note_words(test, false, scene), test_words(test, scene)]
@@ -67,11 +69,14 @@ fn a_test_is_told_with_its_reason() {
                 assert_eq!(test.outcome == Outcome::Nearest, test.why == crate::walk::Why::Accepted);
                 assert!(test.outcome == Outcome::Nearest || long.contains(&why) && hover.contains(&why), "{long}");
                 // The kernels' own explanation gives the same reason.
-                let told = &life.rows[test.row].why;
+                let row_why = &history.rows[test.row].why;
                 if let Some(weight) = why.strip_suffix(" < 0") {
-                    assert!(told.contains(&format!("{weight} = -")) && told.contains(", outside"), "{why}: {told}");
+                    assert!(
+                        row_why.contains(&format!("{weight} = -")) && row_why.contains(", outside"),
+                        "{why}: {row_why}"
+                    );
                 }
-                assert_eq!(why == "not nearer", told.contains("not nearer than"), "{why}: {told}");
+                assert_eq!(why == "not nearer", row_why.contains("not nearer than"), "{why}: {row_why}");
                 reasons.insert(why);
             }
         }
@@ -82,8 +87,8 @@ fn a_test_is_told_with_its_reason() {
 #[test]
 fn a_cell_that_is_left_by_a_leap_says_so_and_has_a_gap() {
     let scene = scene(TEAPOT);
-    let (life, data) = traced(&scene, &Options { skip: Skip::On, ..options(&scene) }, [32, 32]);
-    let whole = Whole::of(&life, &data);
+    let (history, data) = traced(&scene, &Options { skip: Skip::On, ..options(&scene) }, [32, 32]);
+    let whole = Whole::of(&history, &data, usize::MAX);
     let strip = &whole.strip;
     let columns = strip.columns(Spacing::Equal);
     let mut leaps = 0;
@@ -112,8 +117,8 @@ fn a_cell_that_is_left_by_a_leap_says_so_and_has_a_gap() {
 #[test]
 fn the_scale_goes_over_the_whole_strip_in_round_numbers_or_by_cells() {
     for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
-        let (life, data) = life(accelerator);
-        let strip = Strip::new(&WalkGeometry::new(&life, &data, usize::MAX));
+        let (history, data) = history(accelerator);
+        let strip = Strip::new(&WalkGeometry::new(&history, &data, usize::MAX));
         for spacing in [Spacing::ByT, Spacing::Equal] {
             for unit in [1.0, 4.0, 0.125] {
                 let marks = marks(&strip, spacing, unit, 460.0);
@@ -138,21 +143,22 @@ fn painted_texts_lie_apart_and_within_at_every_size() {
     let teapot = scene(TEAPOT);
     let mut all = Vec::new();
     for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
-        all.push(life(accelerator));
+        all.push(history(accelerator));
         if accelerator != Accelerator::None {
             all.push(traced(&teapot, &Options { accelerator, ..options(&teapot) }, [32, 32]));
         }
     }
     let mut labels = 0;
-    for (i, (life, data)) in all.iter().enumerate() {
-        let whole = Whole::of(life, data);
+    for (i, (history, data)) in all.iter().enumerate() {
+        let whole = Whole::of(history, data, usize::MAX);
         for size in [vec2(468.0, 65.0), vec2(468.0, 190.0), vec2(1200.0, 300.0), vec2(120.0, 40.0)] {
             let rect = Rect::from_min_size(pos2(5.0, 7.0), size);
             for spacing in [Spacing::ByT, Spacing::Equal] {
-                for row in [life.rows.len() / 3, life.rows.len() / 2, life.rows.len() - 1] {
+                for row in [history.rows.len() / 3, history.rows.len() / 2, history.rows.len() - 1] {
                     labels += in_a_frame(&whole, Some(row), |painter, scene| {
                         let (body, _) = split_scale(rect);
-                        let mut pen = Pen::new(painter, body, &whole.strip, spacing, scene, None);
+                        let scene = Scene { spacing, ..*scene };
+                        let mut pen = Pen::new(painter, body, &whole.strip, &scene);
                         let _ = pen.draw();
                         // Whatever was noted has been placed, or left out.
                         let notes = std::mem::take(&mut pen.placed);

@@ -61,7 +61,7 @@ pub(super) fn test_words(test: &TestedTriangle, scene: &Scene<'_>) -> String {
 }
 
 /// A test as a label.
-pub(super) fn note_words(test: &TestedTriangle, is_long: bool, scene: &Scene<'_>) -> String {
+pub(in super::super) fn note_words(test: &TestedTriangle, is_long: bool, scene: &Scene<'_>) -> String {
     let t = test.t.filter(|_| test.outcome.is_hit()).map_or_else(String::new, |t| format!(" t {}", scene.t(t)));
     match (test.outcome, is_long) {
         (Outcome::Nearest, _) => format!("{}: hit{t}", test.triangle),

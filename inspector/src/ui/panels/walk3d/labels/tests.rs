@@ -5,11 +5,11 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Accelerator, Options};
 
 use super::super::super::labels::assert_apart;
-use super::super::super::walked::tests::life;
+use super::super::super::walked::tests::history;
 use super::*;
 use crate::walk::tests::{TEAPOT, options, scene, traced};
 
-const TOLD: Told = Told { scale: Scale::TRACED, hides_next: false };
+const TOLD: LabelStyle = LabelStyle { scale: Scale::TRACED, hides_next: false };
 
 /// Lays out labels as in a frame.
 fn in_a_frame<T>(show: impl Fn(&egui::Painter, &egui::Visuals) -> T) -> T {
@@ -27,12 +27,13 @@ fn no_label_lies_over_another_or_is_cut_off_whatever_the_walk_the_size_and_the_c
     let teapot = scene(TEAPOT);
     let mut walks = Vec::new();
     for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
-        let mut add = |(life, data): (_, SceneData)| {
-            let life: raystep_kernels::export::trace::Trace = life;
-            let rows = life.rows.len();
-            walks.extend([1, rows / 3, rows / 2, rows * 3 / 4, rows].map(|row| WalkGeometry::new(&life, &data, row)));
+        let mut add = |(history, data): (_, SceneData)| {
+            let history: raystep_kernels::export::trace::Trace = history;
+            let rows = history.rows.len();
+            walks
+                .extend([1, rows / 3, rows / 2, rows * 3 / 4, rows].map(|row| WalkGeometry::new(&history, &data, row)));
         };
-        add(life(accelerator));
+        add(history(accelerator));
         if accelerator != Accelerator::None {
             add(traced(&teapot, &Options { accelerator, ..options(&teapot) }, [32, 32]));
         }
@@ -67,10 +68,10 @@ fn no_label_lies_over_another_or_is_cut_off_whatever_the_walk_the_size_and_the_c
 
 #[test]
 fn the_small_pane_of_the_full_layout_has_room_for_what_matters_most() {
-    let (life, data) = life(Accelerator::Grid);
-    let whole = WalkGeometry::new(&life, &data, usize::MAX);
+    let (history, data) = history(Accelerator::Grid);
+    let whole = WalkGeometry::new(&history, &data, usize::MAX);
     let test = whole.tested.iter().find(|test| !test.outcome.is_hit()).expect("a miss");
-    let walk = WalkGeometry::new(&life, &data, test.row);
+    let walk = WalkGeometry::new(&history, &data, test.row);
     let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(468.0, 120.0));
     let mut camera = Orbit::framing(&walk.bounds, 3.9);
     camera.frame_from_side(&whole.extent(), walk.direction, 3.9, 0.12);
@@ -84,11 +85,11 @@ fn the_small_pane_of_the_full_layout_has_room_for_what_matters_most() {
 
 #[test]
 fn labels_tell_cell_and_test_and_why() {
-    let (life, data) = life(Accelerator::Grid);
-    let whole = WalkGeometry::new(&life, &data, usize::MAX);
+    let (history, data) = history(Accelerator::Grid);
+    let whole = WalkGeometry::new(&history, &data, usize::MAX);
     let test = whole.tested.iter().find(|test| !test.outcome.is_hit()).expect("a miss");
     let texts: Vec<String> =
-        labels(&WalkGeometry::new(&life, &data, test.row), None, TOLD).into_iter().map(|label| label.text).collect();
+        labels(&WalkGeometry::new(&history, &data, test.row), None, TOLD).into_iter().map(|label| label.text).collect();
     let [x, y, z] = whole.cells[test.visit.expect("a cell")].cell;
     assert_eq!(texts[0], format!("triangle {}: missed, {}", test.triangle, test.why), "{texts:?}");
     assert_eq!(texts[1], format!("cell {x},{y},{z}"), "{texts:?}");

@@ -1,0 +1,316 @@
+//! All commands, in one table that defines menus, keys, the palette and the tests.
+
+mod pane_kind;
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+pub use pane_kind::PaneKind;
+
+/// A menu.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Menu {
+    /// Scenes, links, exports.
+    File,
+    /// Passes.
+    Step,
+    /// The ray.
+    Ray,
+    /// Views and panels.
+    View,
+    /// Two runs.
+    Compare,
+    /// Help and lessons.
+    Help,
+}
+
+impl Menu {
+    /// Every menu, left to right.
+    pub const ALL: [Self; 6] = [Self::File, Self::Step, Self::Ray, Self::View, Self::Compare, Self::Help];
+
+    /// Its title.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::Step => "Step",
+            Self::Ray => "Ray",
+            Self::View => "View",
+            Self::Compare => "Compare",
+            Self::Help => "Help",
+        }
+    }
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct CommandInfo {
+    /// Which command.
+    pub command: Command,
+    /// Where it is in the menus.
+    pub menu: Menu,
+    /// Its name in menus and in the palette.
+    pub name: &'static str,
+    /// Keys; menus show the first.
+    pub keys: &'static [(Modifiers, Key)],
+}
+
+const NONE: Modifiers = Modifiers::NONE;
+const SHIFT: Modifiers = Modifiers::SHIFT;
+const CTRL: Modifiers = Modifiers::COMMAND;
+const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
+
+/// Makes [`Command`] and [`COMMANDS`] from rows: a command's name, or one with a value in brackets, its name in menus,
+/// and its keys.
+macro_rules! commands {
+    ($($menu:ident { $($($(#[$about:meta])* $name:ident)? $([$of:expr])? $text:literal $(, $modifiers:ident $key:ident)*;)* })*) => {
+        /// A command. What has no further description is what its name in menus says.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Command {
+            /// Toggles a panel.
+            Show(PaneKind),
+            /// Begins a built-in lesson, by its index.
+            Lesson(usize),
+            /// Chooses an answer to the lesson's question, by its index.
+            Choose(usize),
+            $($($(#[doc = concat!($text, ".")] $(#[$about])* $name,)?)*)*
+        }
+
+        /// Every command.
+        pub const COMMANDS: &[CommandInfo] = &[$($(CommandInfo {
+            command: $(Command::$name)? $($of)?,
+            menu: Menu::$menu,
+            name: $text,
+            keys: &[$(($modifiers, Key::$key)),*],
+        }),*),*];
+    };
+}
+
+#[rustfmt::skip]
+commands! {
+    File {
+        OpenScene "Open scene…", CTRL O;
+        CopyLink "Copy link to this view", CTRL_SHIFT C;
+        PasteLink "Open link…", CTRL_SHIFT V;
+        Export "Export…", CTRL E;
+        ExportPasses "Export passes as CSV";
+        /// Exports passes as a trace for Perfetto.
+        ExportTrace "Export passes as trace JSON";
+        ExportExr "Export stream as EXR";
+        ExportNpy "Export stream as npy";
+        ExportRay "Export ray as CSV";
+        ExportView "Export stream view as PNG";
+        ExportWalk "Export walk as SVG";
+        ExportDataflow "Export data flow as SVG";
+        OpenSession "Open session…", CTRL_SHIFT O;
+        SaveSession "Save session…", CTRL S;
+        Quit "Quit", CTRL Q;
+    }
+    Step {
+        NextPass "Next pass", NONE F10, CTRL ArrowRight;
+        PreviousPass "Previous pass", SHIFT F10, CTRL ArrowLeft;
+        /// To the next pass of the kernel that ran last.
+        NextOfKernel "Next pass of this kernel", CTRL F10;
+        /// To the previous pass of the kernel that ran last.
+        PreviousOfKernel "Previous pass of this kernel", CTRL_SHIFT F10;
+        /// To the ray's next cell or triangle.
+        NextEvent "Next event of the ray", NONE F11;
+        /// To the ray's previous cell or triangle.
+        PreviousEvent "Previous event of the ray", SHIFT F11;
+        /// To the next condition that the ray reached in this pass.
+        NextBranch "Next branch of the ray", NONE F7;
+        /// To the previous condition that the ray reached in this pass.
+        PreviousBranch "Previous branch of the ray", SHIFT F7;
+        MaskBranch "Show the rays that took this branch", CTRL F7;
+        /// To the end of the schedule's current iteration.
+        IterationEnd "End of this iteration", CTRL F11;
+        IterationStart "Start of this iteration", CTRL_SHIFT F11;
+        Start "Go to start", NONE Home;
+        End "Go to end", NONE End;
+        RunToWatch "Run to watch", NONE F5;
+        RunBackToWatch "Run back to watch", SHIFT F5;
+        ToggleWatch "Watch the selected ray's state and hit", NONE F9;
+        ToggleBookmark "Bookmark this pass", CTRL M;
+        NextBookmark "Next bookmark", CTRL_SHIFT ArrowDown;
+        PreviousBookmark "Previous bookmark", CTRL_SHIFT ArrowUp;
+        Play "Play", NONE Space;
+        /// Cancels work in progress.
+        Cancel "Cancel", NONE Escape;
+    }
+    Ray {
+        GoToPixel "Go to pixel…", CTRL G;
+        TypeRay "Enter a ray…";
+        NudgeLeft "Pixel to the left", NONE ArrowLeft;
+        NudgeRight "Pixel to the right", NONE ArrowRight;
+        NudgeUp "Pixel above", NONE ArrowUp;
+        NudgeDown "Pixel below", NONE ArrowDown;
+        /// Edits a component of the selected ray's texel.
+        EditTexel "Edit texel…";
+        /// Selects the next more expensive ray.
+        PreviousRayByCost "Costlier ray", NONE OpenBracket;
+        /// Selects the next cheaper ray.
+        NextRayByCost "Cheaper ray", NONE CloseBracket;
+    }
+    View {
+        /// Doubles the exposure.
+        ExposureUp "Exposure up", NONE E;
+        /// Halves the exposure.
+        ExposureDown "Exposure down", SHIFT E;
+        /// Moves the range up by a tenth.
+        OffsetUp "Offset up", NONE O;
+        /// Moves the range down by a tenth.
+        OffsetDown "Offset down", SHIFT O;
+        /// Takes the range from the values.
+        Normalise "Normalise range", NONE N;
+        ResetRange "Reset range", NONE R;
+        Fit "Fit to panel", NONE F;
+        FrameWalk "Frame walk in 3D";
+        /// Shows the ray's walk through the other structure as well, in the unfolded walk.
+        SecondWalk "Unfold grid and BVH walks together";
+        Pin "Pin this stream", NONE P;
+        Magnifier "Magnifier", NONE M;
+        NextSlice "Next layer of the grid", NONE PageUp;
+        PreviousSlice "Previous layer of the grid", NONE PageDown;
+        /// Shows layers of the grid perpendicular to the next axis.
+        SliceAxis "Next axis of the grid's layers", NONE X;
+        Theme "Toggle light/dark theme";
+        /// The default layout of three panels.
+        SimpleLayout "Simple layout";
+        FullLayout "Full layout", CTRL L;
+        LargerText "Larger text", CTRL Plus, CTRL Equals;
+        SmallerText "Smaller text", CTRL Minus;
+        NormalText "Normal text size", CTRL Num0;
+        ToolbarWords "Toolbar words";
+        /// Gives a panel the whole window, or restores the layout.
+        Maximise "Maximise panel", NONE F12;
+        /// Moves keyboard focus to the next panel.
+        NextPanel "Next panel", NONE F6;
+        PreviousPanel "Previous panel", SHIFT F6;
+        /// Shows the next tab beside the panel with keyboard focus.
+        NextTab "Next tab", CTRL PageDown;
+        PreviousTab "Previous tab", CTRL PageUp;
+        [Command::Show(PaneKind::Passes)] "Passes", CTRL Num1;
+        [Command::Show(PaneKind::Stream)] "Stream", CTRL Num2;
+        [Command::Show(PaneKind::Ray)] "Ray", CTRL Num3;
+        [Command::Show(PaneKind::Walk3d)] "Walk in 3D", CTRL Num4;
+        [Command::Show(PaneKind::Walk2d)] "Unfolded walk", CTRL Num5;
+        [Command::Show(PaneKind::Timeline)] "Timeline", CTRL Num6;
+        [Command::Show(PaneKind::Kernel)] "Kernel", CTRL Num7;
+        [Command::Show(PaneKind::Dataflow)] "Data flow", CTRL Num8;
+        [Command::Show(PaneKind::Timings)] "Timings", CTRL Num9;
+        [Command::Show(PaneKind::Plan)] "Plan";
+        [Command::Show(PaneKind::Cost)] "Cost";
+        [Command::Show(PaneKind::Structure)] "Grid and BVH";
+        [Command::Show(PaneKind::Compare)] "Compare";
+        [Command::Show(PaneKind::Divergence)] "Divergence";
+        [Command::Show(PaneKind::Error)] "Error over time";
+        [Command::Show(PaneKind::Choices)] "Choices";
+        [Command::Show(PaneKind::Runs)] "Runs";
+        [Command::Show(PaneKind::Watches)] "Watches";
+        [Command::Show(PaneKind::Options)] "Options", CTRL Comma;
+        [Command::Show(PaneKind::Log)] "Log";
+    }
+    Compare {
+        /// Opens a second run: with the BVH if this one has the grid.
+        Compare "Compare with BVH", CTRL B;
+        EndCompare "End comparison";
+        /// Maps differences between GPU and CPU reference.
+        Divergence "Map GPU/CPU differences", CTRL D;
+        /// Compares hits with f64 brute force.
+        Judge "Judge hits";
+        /// Times every choice of structure, schedule and rules, and judges its hits.
+        Measure "Measure choices";
+        KeepRun "Keep this run", NONE K;
+        /// Runs kept runs that have no results.
+        RunKept "Run kept runs again";
+        NextRun "Flip to the next kept run", NONE Period;
+        PreviousRun "Flip to the previous kept run", NONE Comma;
+        /// Selects the next ray in which the compared kept runs differ.
+        NextDifferingRay "Next differing ray", NONE D;
+    }
+    Help {
+        Palette "Commands…", CTRL P;
+        Help "Keyboard shortcuts", SHIFT Questionmark, NONE Questionmark;
+        [Command::Lesson(0)] "Lesson: how one ray finds its triangle";
+        [Command::Lesson(1)] "Lesson: why the grid lost in 2004";
+        [Command::Lesson(2)] "Lesson: the machine of 2004, and its two conjectures";
+        [Command::Lesson(3)] "Lesson: a crack at a voxel face";
+        [Command::Lesson(4)] "Lesson: what empty-space skipping leaps over";
+        [Command::Lesson(5)] "Lesson: a tie that f32 cannot decide";
+        NextStep "Next step of the lesson", NONE F8;
+        PreviousStep "Previous step of the lesson", SHIFT F8;
+        RepeatStep "Set up this step again";
+        [Command::Choose(0)] "Choose answer 1", NONE Num1;
+        [Command::Choose(1)] "Choose answer 2", NONE Num2;
+        [Command::Choose(2)] "Choose answer 3", NONE Num3;
+        [Command::Choose(3)] "Choose answer 4", NONE Num4;
+        SkipPlay "Skip what the lesson plays";
+        CloseLesson "Close lesson";
+    }
+}
+
+impl Command {
+    /// Whether it begins, moves through or ends a lesson.
+    #[must_use]
+    pub fn is_of_lessons(self) -> bool {
+        matches!(
+            self,
+            Self::Lesson(_)
+                | Self::NextStep
+                | Self::PreviousStep
+                | Self::RepeatStep
+                | Self::CloseLesson
+                | Self::Choose(_)
+                | Self::SkipPlay
+        )
+    }
+
+    /// The command with this name, in any case and with or without the dots that ask for more: as `--do` and lessons
+    /// name it.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        let plain = |name: &str| name.trim_end_matches('…').to_lowercase();
+        COMMANDS.iter().find(|info| plain(info.name) == plain(name)).map(|info| info.command)
+    }
+
+    /// Its row of the table.
+    #[must_use]
+    pub fn info(self) -> Option<&'static CommandInfo> {
+        COMMANDS.iter().find(|info| info.command == self)
+    }
+
+    /// Its name in menus and in the palette.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.info().map_or("?", |info| info.name)
+    }
+
+    /// The first key in the system's notation; empty if there is none.
+    #[must_use]
+    pub fn key_text(self, ctx: &egui::Context) -> String {
+        let first = self.info().and_then(|info| info.keys.first());
+        first.map_or_else(String::new, |&(modifiers, key)| ctx.format_shortcut(&KeyboardShortcut::new(modifiers, key)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn no_key_and_no_name_is_used_twice() {
+        let mut keys = HashSet::new();
+        let mut names = HashSet::new();
+        let mut commands = HashSet::new();
+        for info in COMMANDS {
+            assert!(names.insert(info.name) && commands.insert(info.command), "{}", info.name);
+            for key in info.keys {
+                assert!(keys.insert(format!("{key:?}")), "{}: {key:?}", info.name);
+            }
+        }
+        for &kind in PaneKind::ALL {
+            assert!(commands.contains(&Command::Show(kind)), "{kind:?}");
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Dialogs.
+
+use std::collections::VecDeque;
+
+use egui::{ComboBox, Id, Key, Modal};
+use raystep_kernels::Stream;
+use raystep_lab::text::counted;
+
+use super::Inspector;
+use super::asked_path::AskedPath;
+use super::palette::Palette;
+use crate::command::{COMMANDS, Menu};
+
+/// A dialog.
+pub(super) enum Dialog {
+    /// The command palette.
+    Palette(Palette),
+    /// Keyboard shortcuts.
+    Help,
+    /// The text of a pixel.
+    Pixel(String),
+    /// The text of a ray.
+    Ray(String),
+    /// The text of a link.
+    Link(String),
+    /// An edit of the selected ray: stream, layer, and the text of the value.
+    Edit(Stream, usize, String),
+    /// Exports, and whether to include passes and rows only up to the current place.
+    Export(bool),
+    /// A path, if there is no file dialog.
+    Path(AskedPath),
+}
+
+/// The dialog that is open, and paths that the user still has to enter.
+#[derive(Default)]
+pub(super) struct Dialogs {
+    pub(super) open: Option<Dialog>,
+    pub(super) asked: VecDeque<AskedPath>,
+}
+
+impl Inspector {
+    pub(super) fn show_dialog(&mut self, ctx: &egui::Context) {
+        let asked = || self.dialogs.asked.pop_front().map(Dialog::Path);
+        let Some(mut dialog) = self.dialogs.open.take().or_else(asked) else { return };
+        let mut stays = true;
+        let response = Modal::new(Id::unique("dialog")).show(ctx, |ui| match &mut dialog {
+            Dialog::Palette(palette) => {
+                if let Some(command) = palette.show(ui, &|command| self.can(command)) {
+                    self.perform(command);
+                    stays = false;
+                }
+            }
+            Dialog::Help => help(ui),
+            Dialog::Pixel(text) => {
+                if let Some(text) = ask(ui, "Pixel, as column,row", text) {
+                    stays = self.go_to_pixel(&text);
+                }
+            }
+            Dialog::Ray(text) => {
+                ui.set_width(460.0);
+                ui.label("Origin and direction in scene units, decimal or bits such as 0x3f800000.");
+                if let Some(text) = ask(ui, "Ray, as ox,oy,oz,dx,dy,dz", text) {
+                    stays = self.trace_ray(&text);
+                }
+            }
+            Dialog::Link(text) => {
+                ui.set_width(560.0);
+                if let Some(text) = ask(ui, "Link, as created by 'Copy link to this view'", text) {
+                    stays = self.go_to_link(&text);
+                }
+            }
+            Dialog::Edit(stream, layer, text) => {
+                ui.set_width(420.0);
+                self.choose_component(ui, stream, layer);
+                if let Some(text) = ask(ui, "Value, decimal or bits such as 0x3f800000", text) {
+                    stays = self.edit_texel(*stream, *layer, &text);
+                }
+            }
+            Dialog::Export(is_up_to_here) => {
+                if let Some(command) = self.choose_export(ui, is_up_to_here) {
+                    self.state.asks.is_up_to_here = *is_up_to_here;
+                    self.perform(command);
+                    stays = false;
+                }
+            }
+            Dialog::Path(asked) => {
+                if asked.show(ui) {
+                    match asked.file.take() {
+                        Some(file) => self.host.save_as(file, asked.path.trim(), asked.replaces),
+                        None => self.open_file(asked.path.trim()),
+                    }
+                    stays = false;
+                }
+            }
+        });
+        match dialog {
+            Dialog::Path(asked) if stays && response.should_close() => self.note(asked.given_up()),
+            dialog if stays && !response.should_close() => self.dialogs.open = Some(dialog),
+            _ => {}
+        }
+    }
+}
+
+impl Inspector {
+    fn choose_component(&self, ui: &mut egui::Ui, stream: &mut Stream, layer: &mut usize) {
+        let Some(opened) = &self.model.opened else { return };
+        ui.horizontal_wrapped(|ui| {
+            let label = ui.label("stream").id;
+            let shown = ComboBox::from_id_salt("edited stream").selected_text(stream.name());
+            let response = shown.show_ui(ui, |ui| {
+                for choice in &opened.plan.streams {
+                    ui.selectable_value(stream, choice.what, choice.what.name());
+                }
+            });
+            response.response.labelled_by(label);
+            *layer = (*layer).min(stream.layers() - 1);
+            for (i, name) in stream.info().layers.iter().enumerate() {
+                ui.selectable_value(layer, i, *name);
+            }
+        });
+        if let Some([x, y]) = self.state.selection.pixel {
+            ui.weak(format!("of the ray of pixel {x},{y}, after {}", counted(self.model.place, "pass")));
+        }
+    }
+}
+
+/// A line of text; returns it once it is entered.
+fn ask(ui: &mut egui::Ui, label: &'static str, text: &mut String) -> Option<String> {
+    let name = ui.label(label).id;
+    let field = ui.add(egui::TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(name);
+    let enter = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if ui.memory(|memory| memory.focused().is_none()) {
+        field.request_focus();
+    }
+    (ui.button("Go").clicked() || enter).then(|| text.clone())
+}
+
+fn help(ui: &mut egui::Ui) {
+    ui.heading("Keyboard shortcuts");
+    egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+        for menu in Menu::ALL {
+            ui.strong(menu.name());
+            egui::Grid::new(menu.name()).num_columns(2).striped(true).show(ui, |ui| {
+                for info in COMMANDS.iter().filter(|info| info.menu == menu && !info.keys.is_empty()) {
+                    let keys = info.keys.iter().map(|&(modifiers, key)| {
+                        ui.ctx().format_shortcut(&egui::KeyboardShortcut::new(modifiers, key))
+                    });
+                    let keys: Vec<String> = keys.collect();
+                    ui.monospace(keys.join(", "));
+                    ui.label(info.name);
+                    ui.end_row();
+                }
+            });
+            ui.add_space(6.0);
+        }
+        ui.strong("In pictures");
+        ui.label("Click: select a ray. Drag: pan. Wheel: zoom. Double click: fit.");
+    });
+}

@@ -1,0 +1,124 @@
+//! Menus, progress and the status bar.
+
+use egui::Button;
+use egui::containers::menu::MenuBar;
+use raystep_kernels::export::trace::Trace;
+use raystep_kernels::plan::Bytes;
+use raystep_lab::text::counted;
+
+use super::Inspector;
+use crate::command::{COMMANDS, Command, Menu};
+use crate::ui::units::{Scale, Units};
+
+/// The window's background is behind it.
+fn frame(ui: &egui::Ui) -> egui::Frame {
+    egui::Frame::side_top_panel(ui.style()).fill(egui::Color32::TRANSPARENT)
+}
+
+impl Inspector {
+    pub(super) fn menu_bar(&mut self, ui: &mut egui::Ui) {
+        egui::Panel::top("menu").frame(frame(ui)).show(ui, |ui| {
+            MenuBar::new().ui(ui, |ui| {
+                for menu in Menu::ALL {
+                    ui.menu_button(menu.name(), |ui| self.menu(ui, menu));
+                }
+            });
+            ui.horizontal_wrapped(|ui| {
+                self.toolbar(ui);
+                if let Some(work) = self.model.work.or(self.other.as_ref().and_then(|other| other.work)) {
+                    ui.separator();
+                    let part = if work.of == 0 { 0.0 } else { work.done as f32 / work.of as f32 };
+                    let bar = egui::ProgressBar::new(part).desired_width(200.0).animate(work.of == 0);
+                    ui.add(bar.text(work.what));
+                    if ui.small_button("Cancel").clicked() {
+                        self.perform(Command::Cancel);
+                    }
+                }
+            });
+        });
+    }
+
+    fn menu(&mut self, ui: &mut egui::Ui, menu: Menu) {
+        ui.set_min_width(240.0);
+        let height = ui.ctx().content_rect().bottom() - ui.cursor().top() - 16.0;
+        egui::ScrollArea::vertical().max_height(height.max(60.0)).show(ui, |ui| self.items(ui, menu));
+    }
+
+    fn items(&mut self, ui: &mut egui::Ui, menu: Menu) {
+        for info in COMMANDS.iter().filter(|info| info.menu == menu) {
+            let button = Button::new(info.name).shortcut_text(info.command.key_text(ui.ctx()));
+            if ui.add_enabled(self.can(info.command), button).clicked() {
+                self.perform(info.command);
+                ui.close();
+            }
+            if info.command == Command::OpenScene && !self.state.display.recent.is_empty() {
+                ui.menu_button("Open recent", |ui| {
+                    for path in &self.state.display.recent {
+                        if ui.button(path).clicked() {
+                            self.state.asks.open = Some(path.clone());
+                            ui.close();
+                        }
+                    }
+                });
+            }
+        }
+    }
+
+    pub(super) fn status_bar(&mut self, ui: &mut egui::Ui) {
+        egui::Panel::bottom("status").frame(frame(ui)).show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                let Some(opened) = &self.model.opened else {
+                    ui.weak("no scene: drop a scene file here, or open one");
+                    return;
+                };
+                let end = if self.model.is_complete { self.model.passes.len().to_string() } else { "…".into() };
+                let kernel = self.model.last_pass().map_or("before the first pass", |pass| pass.kernel.name());
+                ui.label(format!("after {} of {end} passes: {kernel}", self.model.place));
+                ui.separator();
+                if self.model.has_rays() {
+                    ui.label(format!("{} × {}", opened.plan.width, opened.plan.height));
+                    ui.separator();
+                }
+                if self.devices.gpu.computes {
+                    ui.label(&opened.device);
+                } else {
+                    ui.label(format!("{}; drawn by WebGL 2", opened.device)).on_hover_text(NO_WEBGPU);
+                }
+                ui.separator();
+                if let Some([x, y]) = self.state.selection.hovered.or(self.state.selection.pixel) {
+                    let what = if self.model.has_rays() { "pixel" } else { "element" };
+                    let glanced = self
+                        .model
+                        .glanced()
+                        .filter(|_| self.state.selection.hovered.is_some())
+                        .map(|t| outcome(t, self.state.display.units));
+                    ui.label(format!("{what} {x},{y}{}", glanced.unwrap_or_default()));
+                    ui.separator();
+                }
+                let (kept, budget) = (Bytes(self.model.kept_bytes), Bytes(self.model.budget));
+                if kept.0 > 0 {
+                    let text = "Memory for checkpoints. To go back, the run restarts from a checkpoint and repeats the \
+                         passes after it.";
+                    ui.weak(format!("checkpoints: {kept} of {budget}")).on_hover_text(text);
+                }
+            });
+        });
+        self.state.selection.hovered = None;
+    }
+}
+
+const NO_WEBGPU: &str = "This browser has no WebGPU, so the CPU reference kernels run, on one core.";
+
+/// What becomes of a ray, after the name of its pixel.
+fn outcome(trace: &Trace, units: Units) -> String {
+    let scale = Scale::of(units, trace);
+    let passes = counted(trace.rows.len(), "pass");
+    let last = trace.rows.last().map(|row| (row.after.triangle, row.after.t));
+    match last {
+        Some((Some(triangle), Some(t))) => {
+            format!(": hits triangle {triangle} at t {:.5} {}, {passes}", scale.t(t), units.name())
+        }
+        Some(_) => format!(": hits nothing, {passes}"),
+        None => String::new(),
+    }
+}
