@@ -145,6 +145,12 @@ impl Grid {
         }
     }
 
+    /// The next cell of a ray, or past a cube of empty ones if its size is known: `distance` is that of
+    /// [`leap`](Self::leap), 0 in a cell with a list.
+    pub fn next_cell<R: Real>(&self, rules: WalkRules, walk: Walk<R>, distance: i32, ray: &GridRay<R>) -> Walk<R> {
+        if distance > 1 { self.leap(walk, distance, ray) } else { self.advance(rules, walk, ray) }
+    }
+
     /// t at which a ray enters the grid's box, 0 if it starts inside, and whether it meets the box at all.
     pub fn clipped<R: Real>(&self, ray: &GridRay<R>) -> (R, bool) {
         let (origin, inverse) = (ray.origin, ray.per_axis);

@@ -5,8 +5,8 @@
 // to the grid; leaving is detected per axis. All positions are relative to the grid's corner, so that errors follow the
 // ray's distance from the grid, not the grid's from the world's origin. paper: as in Listing 1 of Mølhave's paper.
 
-@if(!dda) import package::constants::{INF, PARALLEL, PAPER_PARALLEL};
-@if(dda) import package::dda::{slopes, first_control, crossed_axis, next_control};
+import package::constants::{INF, PARALLEL, PAPER_PARALLEL};
+import package::dda::{slopes, first_control, crossed_axis, next_control};
 
 struct Grid {
     // Lower corner of cell (0, 0, 0), traced units.
@@ -70,13 +70,11 @@ fn cell_plane(cell: vec3i) -> vec3f {
     return grid.width * vec3f(cell);
 }
 
-@if(in_cell)
 fn is_in_cell(position: vec3f, cell: vec3i) -> bool {
     let low = grid.corner + cell_plane(cell);
     return all(position >= low) && all(position <= low + grid.width);
 }
 
-@if(robust)
 fn inverse_direction(direction: vec3f) -> vec3f {
     // A parallel axis gets 0 here and INF below; 1 keeps the division harmless.
     let parallel = abs(direction) < vec3f(PARALLEL);
@@ -84,7 +82,6 @@ fn inverse_direction(direction: vec3f) -> vec3f {
 }
 
 // t at which the ray leaves the cell, per axis.
-@if(robust)
 fn cell_exit(cell: vec3i, ray: GridRay) -> vec3f {
     let ahead = select(vec3i(0), vec3i(1), ray.inverse > vec3f(0.0));
     let t = (cell_plane(cell + ahead) - ray.origin) * ray.inverse;
@@ -92,13 +89,11 @@ fn cell_exit(cell: vec3i, ray: GridRay) -> vec3f {
 }
 
 // t at which a ray enters the grid's box, 0 if it starts inside, and whether it meets the box at all.
-@if(robust && clip)
 struct Clipped {
     t: f32,
     meets: bool,
 }
 
-@if(robust && clip)
 fn clipped(ray: GridRay) -> Clipped {
     let near_plane = cell_plane(vec3i(0));
     let far_plane = cell_plane(grid.cells);
@@ -140,7 +135,6 @@ fn advance(walk: Walk, ray: GridRay) -> Walk {
 
 // Leaves a cube of empty cells at once (proximity clouds, Cohen and Sheffer, 1994): every cell that is
 // fewer than `distance` cells away along each axis is empty. A leap of distance 1 is a step.
-@if(robust && skip)
 fn leap(walk: Walk, distance: i32, ray: GridRay) -> Walk {
     let forward = select(vec3i(-1), vec3i(1), ray.inverse > vec3f(0.0));
     let last = walk.cell + forward * (distance - 1);
@@ -154,8 +148,22 @@ fn leap(walk: Walk, distance: i32, ray: GridRay) -> Walk {
     return Walk(cell, cell_exit(cell, ray), t < INF && is_in_grid(cell));
 }
 
+// The next cell, or past a cube of empty ones if its size is known: `distance` is that of `leap`, 0 in a cell with a
+// list.
+fn next_cell(walk: Walk, distance: i32, ray: GridRay) -> Walk {
+    @if(skip) if (distance > 1) {
+        return leap(walk, distance, ray);
+    }
+    return advance(walk, ray);
+}
+
+// What decides by which face the ray leaves its cell, per axis.
+fn per_axis(walk: Walk) -> vec3f {
+    @if(!dda) return walk.tmax;
+    @else return walk.control;
+}
+
 // The axis that is crossed next, with ties in the order of Listing 1.
-@if(!dda)
 fn smallest_axis(tmax: vec3f) -> vec3<bool> {
     let x = tmax.x < tmax.y && tmax.x < tmax.z;
     let y = !(tmax.x < tmax.y) && tmax.y < tmax.z;
@@ -196,7 +204,6 @@ fn advance(walk: Walk, ray: GridRay) -> Walk {
 }
 
 // The paper's test for a ray that has left: beyond the upper faces the index continues in the next row.
-@if(!robust)
 fn is_index_in_range(cell: vec3i) -> bool {
     // In f32 as in the paper, and so without overflow for a cell far away.
     let index = f32(cell.x) + f32(grid.cells.x) * (f32(cell.y) + f32(grid.cells.y) * f32(cell.z));

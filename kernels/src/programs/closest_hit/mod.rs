@@ -33,7 +33,7 @@ use std::borrow::Cow;
 use ray_state::RayState;
 use rounding::Rounding;
 
-use crate::options::features::Features;
+use crate::options::features::{Features, StructureKind};
 use crate::program::{Course, Kernel, Program, Results};
 use crate::scene_data::SceneData;
 use crate::shared::{self, constants};
@@ -110,14 +110,41 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let own = [
         ("live", live),
         ("ray", include_str!("ray.wgsl")),
+        ("per_axis", include_str!("per_axis.wgsl")),
         ("arrival", include_str!("arrival.wgsl")),
         ("grid_lists", include_str!("grid_lists.wgsl")),
         ("tracing", include_str!("tracing.wgsl")),
+        ("fused_waiting", include_str!("fused/waiting.wgsl")),
+        ("fused_waiting_in_grid", include_str!("fused/waiting_in_grid.wgsl")),
+        ("walk_place", include_str!("walk/place.wgsl")),
+        ("intersect_entry", include_str!("intersect/entry.wgsl")),
+        ("intersect_cell_end", include_str!("intersect/cell_end.wgsl")),
+        ("intersect_repetition", include_str!("intersect/repetition.wgsl")),
     ];
     let made = [
         ("constants", Cow::Owned(constants::wgsl_module(features.stack, features.turns))),
         ("state", Cow::Owned(states::STATES.wgsl_module())),
     ];
-    let shared = shared::MODULES.iter().chain(&own).map(|&(name, source)| (name, Cow::Borrowed(source)));
-    made.into_iter().chain(shared).collect()
+    let chosen = of_structure(features.structure());
+    let files = shared::MODULES.iter().chain(&own).chain(&chosen);
+    made.into_iter().chain(files.map(|&(name, source)| (name, Cow::Borrowed(source)))).collect()
+}
+
+/// The part of each kernel that depends on the structure through which the scene is traced.
+const fn of_structure(structure: StructureKind) -> [(&'static str, &'static str); 3] {
+    macro_rules! parts {
+        ($file:literal) => {
+            [
+                ("fused_structure", include_str!(concat!("fused/", $file))),
+                ("intersect_structure", include_str!(concat!("intersect/", $file))),
+                ("walk_structure", include_str!(concat!("walk/", $file))),
+            ]
+        };
+    }
+    match structure {
+        StructureKind::None => parts!("all.wgsl"),
+        StructureKind::Grid => parts!("grid.wgsl"),
+        StructureKind::Irregular => parts!("irregular.wgsl"),
+        StructureKind::Bvh => parts!("bvh.wgsl"),
+    }
 }

@@ -4,13 +4,12 @@
 // resumes_light: there are more lights than a dispatch has loop iterations. The sum so far waits in color, and the
 // number of lights in it, marked by LIGHTS_SUMMED, in the state's item.
 
-import package::constants::{WORKGROUP};
-@if(resumes_light) import package::constants::{TURNS, LIGHTS_SUMMED};
+import package::constants::{WORKGROUP, TURNS, LIGHTS_SUMMED};
 import package::state::{SHADE, BACKGROUND, DONE};
-@if(!normals) import package::corners::{vertex};
+import package::corners::{vertex};
 import package::ray::{load_origin, load_direction};
 import package::vector::{dot3, cross3, unit3};
-@if(textures) import package::texture::{sample_texture};
+import package::texture::{sample_texture};
 
 struct Material {
     base_color: vec3f,
