@@ -12,7 +12,8 @@
 
 import package::constants::{INF, OUTSIDE};
 import package::vector::{smallest3};
-import package::grid_walk::{GridRay, grid, enter_grid, smallest_axis, clipped};
+import package::grid::{grid, smallest_axis};
+import package::grid_walk::{GridRay, enter_grid, clipped};
 
 @group(1) @binding(22) var<storage, read> irregular_map: array<u32>;
 // Two words with the first virtual cell, and the one after the last, 16 bits per coordinate, and where the list starts.

@@ -11,7 +11,7 @@ import package::state::{ISECT_NO_HIT, ISECT_HIT, SHADE};
 import package::triangle::{hit_triangle, between, is_nearer, shear_of};
 import package::corners::{vertex};
 import package::ray::{load_ray, load_interval};
-import package::grid_walk::{is_in_cell, cell_of_index};
+import package::grid::{is_in_cell, cell_of_index};
 import package::live::{listed_texel, send};
 import package::intersect_structure::{list_of, has_item, entry_of, after_list};
 import package::intersect_repetition::{NOT_KNOWN_YET, repetition};

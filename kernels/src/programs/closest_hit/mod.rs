@@ -1,6 +1,7 @@
 //! The paper's tracer: every ray to its closest hit, and its colour from there.
 //!
-//! A kernel is `x.wgsl` and its twin `x.rs`, and a row of [`kernels`]; [`schedule`] says in what order they run.
+//! A kernel is `x.wgsl` and its twin `x.rs`, and a row of [`kernels`]; [`schedule`] says in what order they run. What
+//! differs between the structures that a scene can be traced through is in the folder `x`, a file for each of them.
 
 pub mod accumulate;
 pub mod arrival;
@@ -125,7 +126,8 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("constants", Cow::Owned(constants::wgsl_module(features.stack, features.turns))),
         ("state", Cow::Owned(states::STATES.wgsl_module())),
     ];
-    let chosen = of_structure(features.structure());
+    let [fused, intersect, walk] = of_structure(features.structure());
+    let chosen = [shared::grid_walk_module(features.walk_rules()), fused, intersect, walk];
     let files = shared::MODULES.iter().chain(&own).chain(&chosen);
     made.into_iter().chain(files.map(|&(name, source)| (name, Cow::Borrowed(source)))).collect()
 }

@@ -6,7 +6,8 @@ import package::state::{TRAV_SETUP, TRAV, ISECT_NO_HIT, BACKGROUND};
 import package::ray::{load_origin, load_direction, store_voxel};
 import package::live::{send, tiled_texel};
 import package::scene::{scene};
-import package::grid_walk::{grid_ray, enter_grid, cell_index};
+import package::grid::{cell_index};
+import package::grid_walk::{grid_ray, enter_grid};
 import package::irregular_walk::{enter_irregular, unpacked_voxel, voxel_exit};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;

@@ -6,7 +6,7 @@ import package::camera::{Ray};
 import package::triangle::{Shear, shear_of, hit_triangle, between, is_nearer};
 import package::packed_triangles::{packed_triangle};
 import package::ray::{load_interval};
-import package::grid_walk::{is_in_cell};
+import package::grid::{is_in_cell};
 
 // The ray, its nearest hit so far, and counters.
 struct Trace {

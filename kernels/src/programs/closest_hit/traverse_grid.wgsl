@@ -4,7 +4,8 @@
 import package::constants::{NOBODY, LIST_SIDE};
 import package::state::{TRAV};
 import package::ray::{load_origin, load_direction};
-import package::grid_walk::{Walk, grid_ray, advance, leap, cell_index, cell_of_index, per_axis};
+import package::grid::{cell_index, cell_of_index};
+import package::grid_walk::{Walk, grid_ray, advance, leap, per_axis};
 import package::grid_lists::{empty_distance};
 import package::per_axis::{load_per_axis};
 import package::arrival::{state, leave, arrive};

@@ -2,7 +2,8 @@
 
 import package::constants::{NO_TRIANGLE};
 import package::vector::{smallest3};
-import package::grid_walk::{grid_ray, cell_index, next_cell};
+import package::grid::{cell_index};
+import package::grid_walk::{grid_ray, next_cell};
 import package::grid_lists::{grid_cells, grid_items, empty_distance};
 import package::tracing::{Trace, tested, farthest, is_spent};
 import package::fused_waiting::{wait, waiting_item};

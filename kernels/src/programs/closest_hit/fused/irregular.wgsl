@@ -3,7 +3,8 @@
 
 import package::constants::{NO_LIST, LAST_ITEM};
 import package::vector::{smallest3};
-import package::grid_walk::{GridRay, grid, grid_ray};
+import package::grid::{grid};
+import package::grid_walk::{GridRay, grid_ray};
 import package::irregular_walk::{
     VoxelWalk, irregular_items, enter_irregular, at_voxel, voxel_exit, step_voxel, unpacked_voxel,
 };

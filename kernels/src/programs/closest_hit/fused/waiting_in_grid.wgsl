@@ -1,6 +1,7 @@
 // A ray in the grid between two dispatches of the fused kernel.
 
-import package::grid_walk::{GridRay, Walk, grid, enter_grid, cell_exit, cell_of_index, per_axis};
+import package::grid::{grid, cell_of_index};
+import package::grid_walk::{GridRay, Walk, enter_grid, cell_exit, per_axis};
 import package::fused_waiting::{wait, wait_at};
 
 @group(0) @binding(6) var place: texture_storage_2d_array<r32uint, read_write>;

@@ -5,7 +5,8 @@
 
 import package::constants::{TURNS, NO_CELL};
 import package::camera::{Ray};
-import package::grid_walk::{Walk, grid, grid_ray, enter_grid, advance, cell_index, cell_of_index, per_axis};
+import package::grid::{grid, cell_index, cell_of_index};
+import package::grid_walk::{Walk, grid_ray, enter_grid, advance, per_axis};
 import package::grid_lists::{grid_cells, grid_items};
 
 @group(0) @binding(6) var scan: texture_storage_2d_array<r32uint, read_write>;

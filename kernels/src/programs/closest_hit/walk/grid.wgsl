@@ -3,7 +3,8 @@
 import package::constants::{INF};
 import package::state::{TRAV, ISECT_NO_HIT, SHADE, BACKGROUND};
 import package::vector::{smallest3};
-import package::grid_walk::{Walk, GridRay, grid_ray, next_cell, cell_index, cell_of_index, cell_exit, per_axis};
+import package::grid::{cell_index, cell_of_index};
+import package::grid_walk::{Walk, GridRay, grid_ray, next_cell, cell_exit, per_axis};
 import package::grid_lists::{grid_cells, grid_items, empty_distance};
 import package::per_axis::{load_per_axis, store_per_axis};
 import package::scene::{scene};

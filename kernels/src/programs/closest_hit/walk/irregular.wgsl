@@ -3,7 +3,8 @@
 import package::constants::{NO_LIST, LAST_ITEM};
 import package::state::{TRAV, ISECT_NO_HIT, SHADE, BACKGROUND};
 import package::vector::{smallest3};
-import package::grid_walk::{grid, grid_ray};
+import package::grid::{grid};
+import package::grid_walk::{grid_ray};
 import package::irregular_walk::{irregular_items, at_voxel, voxel_exit, step_voxel, unpacked_voxel};
 import package::ray::{load_voxel, store_voxel};
 import package::scene::{scene};
