@@ -117,6 +117,8 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("tracing", include_str!("tracing.wgsl")),
         ("fused_waiting", include_str!("fused/waiting.wgsl")),
         ("fused_waiting_in_grid", include_str!("fused/waiting_in_grid.wgsl")),
+        ("shade_surface", include_str!("shade/surface.wgsl")),
+        ("shade_light", include_str!("shade/light.wgsl")),
         ("walk_place", include_str!("walk/place.wgsl")),
         ("intersect_entry", include_str!("intersect/entry.wgsl")),
         ("intersect_cell_end", include_str!("intersect/cell_end.wgsl")),
