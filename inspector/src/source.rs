@@ -1,4 +1,4 @@
-//! A kernel's WGSL, line by line, with highlighting: its own file with what the options leave out, or the composed
+//! A kernel's WGSL, line by line, with highlighting: its own files with what the options leave out, or the composed
 //! source. Which lines ran for a ray, [`crate::branches`] says.
 
 mod functions;
@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use raystep_kernels::Kernel;
 use raystep_kernels::options::features::Features;
-use raystep_kernels::shader::Variant;
+use raystep_kernels::shader::{Variant, own_source};
 
 pub use words::Class;
 
@@ -38,12 +38,12 @@ pub struct Line {
     pub mark: Mark,
 }
 
-/// A kernel's own file, including its options.
+/// A kernel's own files, including their options.
 #[must_use]
 pub fn kernel_file(kernel: Kernel, features: &Features) -> Vec<Line> {
-    let info = kernel.info();
-    let mut lines = lines(info.wgsl);
-    for (line, mark) in lines.iter_mut().zip(marks::marks(info.name, info.wgsl, features)) {
+    let text = own_source(kernel, features);
+    let mut lines = lines(&text);
+    for (line, mark) in lines.iter_mut().zip(marks::marks(kernel.info().name, &text, features)) {
         line.mark = mark;
     }
     lines
@@ -55,12 +55,12 @@ pub fn composed(variant: &Variant) -> Vec<Line> {
     lines(&variant.source)
 }
 
-/// For every line of a kernel's own file, the line of the composed source that it became; `None` for lines outside of
+/// For every line of a kernel's own files, the line of the composed source that it became; `None` for lines outside of
 /// functions, and for those that were left out.
 #[must_use]
 pub fn in_composed(variant: &Variant, features: &Features) -> Vec<Option<usize>> {
-    let info = variant.kernel.info();
-    functions::in_composed(info.wgsl, &marks::marks(info.name, info.wgsl, features), &variant.source)
+    let text = own_source(variant.kernel, features);
+    functions::in_composed(&text, &marks::marks(variant.kernel.info().name, &text, features), &variant.source)
 }
 
 /// The lines of a function, from its head to its closing brace.

@@ -2,7 +2,8 @@
 //!
 //! A module is WGSL with two additions, both written as in WESL (<https://wesl-lang.dev>):
 //!
-//! - `import package::MODULE::{NAME, …};` imports declarations from another module.
+//! - `import package::MODULE::{NAME, …};` imports declarations from another module. A name that the options leave
+//!   unmentioned is not looked up, so an import needs no condition.
 //! - `@if(EXPRESSION)` before a declaration, an import, a struct member or a statement keeps it only if the expression
 //!   of options is true; an `@else` right after it is kept if it is false. `@else @if(EXPRESSION)` begins another
 //!   branch of the same choice: the first branch whose condition is true is kept, and no other.

@@ -264,6 +264,21 @@ pub fn modules(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Vec<p
     own.into_iter().chain(live::modules(kernel, features, lists)).collect()
 }
 
+/// The WGSL that belongs to a kernel alone, before its options are decided: its file, and below it the modules named
+/// after the kernel (`KERNEL_…`) that it imports from, with those chosen for these options.
+#[must_use]
+pub fn own_source(kernel: Kernel, features: &Features) -> String {
+    let root = kernel.info().name;
+    let mut text = kernel.info().wgsl.to_owned();
+    let mut modules = (kernel.program().modules)(features);
+    modules.retain(|(name, _)| name.strip_prefix(root).is_some_and(|rest| rest.starts_with('_')));
+    while let Some(next) = modules.iter().position(|(name, _)| text.contains(&format!("import package::{name}::"))) {
+        text.push('\n');
+        text.push_str(&modules.remove(next).1);
+    }
+    text
+}
+
 /// Composes a kernel's file and the modules that it imports from, with its options decided.
 fn composed(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Result<String, ComposeError> {
     let modules = modules(kernel, features, lists);

@@ -2,8 +2,9 @@
 //! ask for; the host's uniforms have the WGSL's layout.
 
 use std::collections::HashSet;
+use std::fs;
 use std::mem::{offset_of, size_of};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use raystep_kernels::Kernel;
 use raystep_kernels::fragment::{self, DrawnKernel};
@@ -128,7 +129,7 @@ fn has_kernel(features: &Features, kernel: Kernel) -> bool {
 /// Writes a shader into the folder RAYSTEP_SHADERS, if there is one, for another compiler: see tests/web/shaders.test.mjs.
 fn keep(name: &str, source: &str) {
     if let Some(folder) = std::env::var_os("RAYSTEP_SHADERS") {
-        std::fs::write(Path::new(&folder).join(format!("{name}.wgsl")), source).expect("a folder");
+        fs::write(Path::new(&folder).join(format!("{name}.wgsl")), source).expect("a folder");
     }
 }
 
@@ -199,13 +200,43 @@ fn every_variant_is_valid_and_within_core_limits() {
 #[test]
 fn a_missing_option_is_an_error_and_not_silently_off() {
     let names: Vec<_> = Features::default().list().into_iter().map(|(name, _)| name).collect();
-    for info in PROGRAM.kernels().map(Kernel::info) {
-        for option in info.wgsl.match_indices("@if(").map(|(at, _)| &info.wgsl[at + 4..]) {
+    let mut files = Vec::new();
+    wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    for file in files {
+        let text = fs::read_to_string(&file).expect("text");
+        for option in text.match_indices("@if(").map(|(at, _)| &text[at + 4..]) {
             let condition = &option[..option.find(')').expect("closed")];
             for word in condition.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|w| !w.is_empty()) {
-                assert!(names.contains(&word), "{}: @if({condition})", info.name);
+                assert!(names.contains(&word), "{}: @if({condition})", file.display());
             }
         }
+    }
+}
+
+/// The WGSL files in a folder and below it.
+fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        if entry.is_dir() {
+            wgsl_files(&entry, found);
+        } else if entry.extension().is_some_and(|e| e == "wgsl") {
+            found.push(entry);
+        }
+    }
+}
+
+/// A file with many conditions is several files in one. What differs between structures, or between rules, is in a file
+/// for each of them.
+#[test]
+fn no_file_has_more_conditions_than_a_reader_can_follow() {
+    const MOST: usize = 15;
+    let mut files = Vec::new();
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    wgsl_files(&sources, &mut files);
+    assert!(files.len() > 60, "{} files", files.len());
+    for file in files {
+        let text = fs::read_to_string(&file).expect("text");
+        let conditions: usize = ["@if", "@else", "@elif"].iter().map(|word| text.matches(word).count()).sum();
+        assert!(conditions <= MOST, "{} has {conditions} conditions, more than {MOST}", file.display());
     }
 }
 

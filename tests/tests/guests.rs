@@ -119,7 +119,7 @@ fn for_set(set: usize, steps: &[Step]) -> Vec<Step> {
 
 /// The tracer's schedule for one set after the other.
 fn schedule_of(options: &Options, plan: &Plan) -> Schedule {
-    let steps = schedule::of(options, plan.accelerator, &plan.features).steps;
+    let steps = schedule::of(options, &plan.features).steps;
     Schedule { steps: [for_set(0, &steps), for_set(1, &steps)].concat() }
 }
 

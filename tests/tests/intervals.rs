@@ -146,12 +146,8 @@ fn kernels_and_twins_agree_on_intervals_and_a_broken_one_is_named() {
             Configuration::new(Bvh, Second, 1),
             ["min(nearest_t, load_interval(texel).y)", "nearest_t"],
         ),
-        (kernels::WALK, Configuration::new(Grid, Compact, 8), ["place.trace.interval.y <= exit", "false"]),
-        (
-            kernels::WALK,
-            Configuration::new(Bvh, Compact, 8),
-            ["min(place.trace.t, place.trace.interval.y)", "0.5 * place.trace.t"],
-        ),
+        (kernels::WALK, Configuration::new(Grid, Compact, 8), ["trace.interval.y <= exit", "false"]),
+        (kernels::WALK, Configuration::new(Bvh, Compact, 8), ["min(trace.t, trace.interval.y)", "0.5 * trace.t"]),
         (
             kernels::FUSED,
             Configuration::new(Grid, Fused, 1),

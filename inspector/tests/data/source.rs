@@ -2,6 +2,7 @@
 
 use raystep_inspector::source::{Class, Mark, composed, in_composed, kernel_file, lines};
 use raystep_kernels::programs::closest_hit::PROGRAM;
+use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Accelerator, Device, Kernel, Limits, Plan, Renderer, ScheduleKind};
 use raystep_scenes::generate;
 
@@ -40,6 +41,10 @@ fn what_the_device_is_not_given_is_left_out_and_all_else_of_a_function_is_found_
                 let given = squeeze(&variant.source);
                 let composed: Vec<&str> = variant.source.split('\n').collect();
                 let lines = kernel_file(variant.kernel, &plan.features);
+                // The part that belongs to the scene's structure is there too.
+                if variant.kernel.role() == Role::Whole {
+                    assert!(lines.iter().any(|line| line.text.starts_with("fn traced(")), "{accelerator}");
+                }
                 let placed = in_composed(variant, &plan.features);
                 for (line, there) in lines.iter().zip(&placed) {
                     assert!(matches!(line.mark, Mark::Plain | Mark::LeftOut), "{}", line.text);

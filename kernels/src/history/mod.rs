@@ -8,6 +8,7 @@ use std::ops::ControlFlow;
 
 pub use alone::RunSoFar;
 
+use crate::options::features::StructureKind;
 use crate::plan::Plan;
 use crate::program::Kernel;
 pub use crate::program::RayState;
@@ -184,8 +185,9 @@ impl TraceRow {
     /// Describes what a pass did to a ray that it worked on.
     #[must_use]
     pub fn new(pass: &Pass, data: &SceneData, before: &RayState, after: &RayState) -> Self {
-        let is_grid = data.features.grid;
-        let has_places = is_grid || data.features.irregular || data.features.bvh;
+        let structure = data.features.structure();
+        let is_grid = structure == StructureKind::Grid;
+        let has_places = structure != StructureKind::None;
         let index_after = (has_places && after.is_walking).then_some(after.cell_index);
         let (tested, why) = (pass.kernel.info().explain)(data, before, after);
         Self {

@@ -65,7 +65,40 @@ features! {
     blocks: "A pixel has several blocks of samples, each with its own mean.",
 }
 
+/// What a scene is traced through.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum StructureKind {
+    /// Nothing: every ray tests every triangle.
+    #[default]
+    None,
+    /// A uniform grid.
+    Grid,
+    /// An irregular grid, or a grid of two levels.
+    Irregular,
+    /// A BVH: a binary one, or an eight-wide one for the fused kernel.
+    Bvh,
+}
+
+impl StructureKind {
+    /// Whether it is a grid of either kind, whose cells have lists.
+    #[must_use]
+    pub const fn has_cells(self) -> bool {
+        matches!(self, Self::Grid | Self::Irregular)
+    }
+}
+
 impl Features {
+    /// What the scene is traced through.
+    #[must_use]
+    pub const fn structure(&self) -> StructureKind {
+        match (self.grid, self.irregular, self.bvh) {
+            (true, ..) => StructureKind::Grid,
+            (_, true, _) => StructureKind::Irregular,
+            (.., true) => StructureKind::Bvh,
+            _ => StructureKind::None,
+        }
+    }
+
     /// The options that the walk through the grid depends on.
     #[must_use]
     pub fn walk_rules(&self) -> WalkRules {

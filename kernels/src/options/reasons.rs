@@ -1,6 +1,6 @@
 //! Reasons why a run does without a kernel, a stream or a buffer.
 
-use super::features::Features;
+use super::features::{Features, StructureKind};
 use super::{Accelerator, Options, ScheduleKind};
 use crate::numbers::named::named;
 
@@ -105,13 +105,13 @@ impl Run<'_> {
     /// What would need something that belongs to these acceleration structures and passes.
     #[must_use]
     pub fn needed_only(&self, on: On, passes: Passes) -> Reason {
-        let Features { irregular, many_steps, .. } = *self.features;
+        let (structure, many_steps) = (self.features.structure(), self.features.many_steps);
         let has_accelerator = match on {
             On::Any => true,
-            On::Grid => self.accelerator == Accelerator::Grid && !irregular,
-            On::Irregular => irregular,
-            On::Cells => matches!(self.accelerator, Accelerator::Grid | Accelerator::Irregular),
-            On::Bvh => self.accelerator == Accelerator::Bvh,
+            On::Grid => structure == StructureKind::Grid,
+            On::Irregular => structure == StructureKind::Irregular,
+            On::Cells => structure.has_cells(),
+            On::Bvh => structure == StructureKind::Bvh,
         };
         let has_passes = match passes {
             Passes::Any => true,

@@ -119,7 +119,7 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     let code = [
         (
             Item::Clipping,
-            (f.grid || f.irregular) && f.robust,
+            f.structure().has_cells() && f.robust,
             "code that clips rays to the grid",
             "the camera is inside the grid",
         ),

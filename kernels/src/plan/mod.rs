@@ -310,7 +310,7 @@ impl Plan {
         let pass_bound = if is_queried { pass_bound.saturating_mul(2).saturating_add(4) } else { pass_bound };
 
         let program = &closest_hit::PROGRAM;
-        let schedule = closest_hit::schedule::of(options, accelerator, &features);
+        let schedule = closest_hit::schedule::of(options, &features);
         let variants = variants(program, &schedule, &features)?;
         let drawn =
             options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, &features, limits)).transpose()?;

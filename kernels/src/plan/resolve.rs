@@ -6,7 +6,7 @@ use super::check::{PlanError, check_buffer};
 use super::decide::features;
 use super::limits::Limits;
 use crate::numbers::units::Units;
-use crate::options::features::Features;
+use crate::options::features::{Features, StructureKind};
 use crate::options::{Accelerator, GridSize, MOST_LISTED, MOST_LISTED_IN_ONE_LEVEL, Options, Rule, ScheduleKind, Skip};
 use crate::program::live::{LIVE_RAYS, live_bytes};
 use crate::programs::closest_hit;
@@ -171,18 +171,17 @@ impl Site<'_> {
     /// Builds the structure that `features` name, and the features that follow from it. `None` for a grid if another
     /// accelerator suits the scene better; the last candidate is always built.
     fn build(&self, mut features: Features, is_last: bool) -> Result<Option<(Features, Structure)>, PlanError> {
-        let structure = if features.grid {
-            match self.grid(&mut features, is_last)? {
+        let structure = match features.structure() {
+            StructureKind::None => Structure::None,
+            StructureKind::Grid => match self.grid(&mut features, is_last)? {
                 Some(structure) => structure,
                 None => return Ok(None),
+            },
+            StructureKind::Irregular => {
+                let data = irregular::build(self.vertices, self.origins, self.is_grown(), self.most_words)?;
+                return Ok(Some(adopt(features, Built::Irregular(Box::new(data)))));
             }
-        } else if features.irregular {
-            let data = irregular::build(self.vertices, self.origins, self.is_grown(), self.most_words)?;
-            return Ok(Some(adopt(features, Built::Irregular(Box::new(data)))));
-        } else if features.bvh {
-            self.tree(&mut features)?
-        } else {
-            Structure::None
+            StructureKind::Bvh => self.tree(&mut features)?,
         };
         if let Structure::Wide(tree) = &structure {
             // The root is not pushed, and a node's siblings wait on the stack while its children are visited.

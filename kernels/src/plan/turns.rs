@@ -6,7 +6,7 @@
 //! show that none can need as many, nothing of this is compiled.
 
 use super::limits::{Limits, TURNS_WITHOUT_LIMIT};
-use crate::options::features::Features;
+use crate::options::features::{Features, StructureKind};
 use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST};
 use crate::structures::Structure;
 
@@ -32,7 +32,7 @@ impl Resumes {
     /// `lights`: how many are summed.
     pub(super) fn of(walk: &Walk<'_>, is_fused: bool, steps: u32, lights: u64, limits: &Limits) -> Self {
         let (most, features) = (u64::from(limits.turns), walk.features);
-        let is_bounded_loosely = features.bvh || features.irregular;
+        let is_bounded_loosely = matches!(features.structure(), StructureKind::Bvh | StructureKind::Irregular);
         let turns = if is_fused && is_bounded_loosely && limits.turns >= TURNS_WITHOUT_LIMIT {
             walk.turns() / BUDGETS_OF_A_WALK
         } else if is_fused {

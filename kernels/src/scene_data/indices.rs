@@ -6,7 +6,7 @@
 //! allocation is one byte per node, and if it fails, so does the proof.
 
 use super::SceneData;
-use crate::options::features::Features;
+use crate::options::features::{Features, StructureKind};
 use crate::shared::constants::{LAST_ITEM, NO_LIST, wide_stack};
 use crate::shared::wide_node::WideNode;
 
@@ -34,14 +34,13 @@ impl SceneData {
         let triangles_hold = is_counted_in_u32(entries, 3)
             && (self.info.triangles == 0 || self.packed_triangles.iter().all(|entry| entry[3] < self.info.triangles));
         triangles_hold
-            && if features.grid {
-                self.grid_holds(features.skip)
-            } else if features.irregular {
-                self.irregular_holds()
-            } else if features.bvh {
-                wide_depth(&self.wide_nodes, entries).is_some_and(|depth| depth <= wide_stack(features.stack) + 1)
-            } else {
-                self.info.triangles as usize <= entries
+            && match features.structure() {
+                StructureKind::None => self.info.triangles as usize <= entries,
+                StructureKind::Grid => self.grid_holds(features.skip),
+                StructureKind::Irregular => self.irregular_holds(),
+                StructureKind::Bvh => {
+                    wide_depth(&self.wide_nodes, entries).is_some_and(|depth| depth <= wide_stack(features.stack) + 1)
+                }
             }
     }
 

@@ -11,7 +11,7 @@ use raystep_scenes::Scene;
 use crate::numbers::real::{Real, Vec3};
 pub use crate::numbers::srgb::{linear_to_srgb, srgb_to_linear};
 use crate::numbers::units::Units;
-use crate::options::features::Features;
+use crate::options::features::{Features, StructureKind};
 use crate::options::samples::Samples;
 use crate::options::{Options, RaySource};
 use crate::shared::build::Build;
@@ -139,33 +139,31 @@ impl SceneData {
     /// BVH.
     #[must_use]
     pub fn list(&self, cell: u32) -> (u32, u32) {
-        if self.features.grid {
-            let first = self.grid_cells[cell as usize];
-            (first, self.grid_cells[cell as usize + 1] - first)
-        } else if self.features.irregular {
-            match self.irregular_lengths[cell as usize] {
+        match self.features.structure() {
+            StructureKind::None => (0, self.info.triangles),
+            StructureKind::Grid => {
+                let first = self.grid_cells[cell as usize];
+                (first, self.grid_cells[cell as usize + 1] - first)
+            }
+            StructureKind::Irregular => match self.irregular_lengths[cell as usize] {
                 0 => (0, 0),
                 length => (self.irregular_cells[cell as usize].first, length),
+            },
+            StructureKind::Bvh => {
+                let node = &self.bvh_nodes[cell as usize];
+                (node.first, node.count())
             }
-        } else if self.features.bvh {
-            let node = &self.bvh_nodes[cell as usize];
-            (node.first, node.count())
-        } else {
-            (0, self.info.triangles)
         }
     }
 
     /// The triangle at an index in the lists.
     #[must_use]
     pub fn listed(&self, place: u32) -> u32 {
-        if self.features.grid {
-            self.grid_items[place as usize]
-        } else if self.features.irregular {
-            self.irregular_items[place as usize] & !LAST_ITEM
-        } else if self.features.bvh {
-            self.bvh_items[place as usize]
-        } else {
-            place
+        match self.features.structure() {
+            StructureKind::None => place,
+            StructureKind::Grid => self.grid_items[place as usize],
+            StructureKind::Irregular => self.irregular_items[place as usize] & !LAST_ITEM,
+            StructureKind::Bvh => self.bvh_items[place as usize],
         }
     }
 
@@ -186,9 +184,13 @@ impl SceneData {
         self.features.irregular && self.features.aside && cell == OUTSIDE
     }
 
-    /// Chessboard distance of an empty cell to the nearest one with a list; 0 for a cell with a list.
+    /// Chessboard distance of an empty cell to the nearest one with a list; 0 for a cell with a list, or if no distances
+    /// are known.
     #[must_use]
     pub fn empty_distance(&self, cell: u32) -> i32 {
+        if !self.features.skip {
+            return 0;
+        }
         (self.grid_distances[cell as usize / 4] >> (8 * (cell % 4)) & 0xff) as i32
     }
 

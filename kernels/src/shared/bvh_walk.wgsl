@@ -4,8 +4,7 @@
 // Boxes are grown by more than the rounding errors of both tests: on the host, so that the test here needs no epsilon;
 // or, in a scene whose reach is large compared with its triangles, here, in proportion to the box's distance.
 
-import package::constants::{NO_NODE, TINY_DIRECTION};
-@if(ray_padding) import package::constants::{BOX_PADDING};
+import package::constants::{NO_NODE, TINY_DIRECTION, BOX_PADDING};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 
 struct BvhNode {

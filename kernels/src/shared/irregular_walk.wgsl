@@ -10,11 +10,10 @@
 // aside: a ray begins in the space around the grid, cell OUTSIDE, which lists the triangles that were set aside, and
 // leaves it at the grid's box.
 
-import package::constants::{INF};
+import package::constants::{INF, OUTSIDE};
 import package::vector::{smallest3};
-import package::grid_walk::{GridRay, grid, enter_grid, smallest_axis};
-@if(aside) import package::constants::{OUTSIDE};
-@if(aside) import package::grid_walk::{clipped};
+import package::grid::{grid, smallest_axis};
+import package::grid_walk::{GridRay, enter_grid, clipped};
 
 @group(1) @binding(22) var<storage, read> irregular_map: array<u32>;
 // Two words with the first virtual cell, and the one after the last, 16 bits per coordinate, and where the list starts.

@@ -17,7 +17,10 @@ pub mod vector;
 pub mod wide_node;
 pub mod wide_walk;
 
-/// The WGSL of each module in this folder, by name.
+use grid_walk::WalkRules;
+
+/// The WGSL of each module in this folder, by name, but for `grid_walk`, which depends on the rules: see
+/// [`grid_walk_module`].
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("build", include_str!("build.wgsl")),
     ("launch", include_str!("launch.wgsl")),
@@ -30,8 +33,18 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("packed_triangles", include_str!("packed_triangles.wgsl")),
     ("corners", include_str!("corners.wgsl")),
     ("dda", include_str!("dda.wgsl")),
-    ("grid_walk", include_str!("grid_walk.wgsl")),
+    ("grid", include_str!("grid.wgsl")),
     ("irregular_walk", include_str!("irregular_walk.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),
     ("texture", include_str!("texture.wgsl")),
 ];
+
+/// The WGSL of the walk through a grid, with these rules.
+pub(crate) const fn grid_walk_module(rules: WalkRules) -> (&'static str, &'static str) {
+    let source = match rules {
+        WalkRules { robust: true, .. } => include_str!("grid_walk/robust.wgsl"),
+        WalkRules { dda: true, .. } => include_str!("grid_walk/dda.wgsl"),
+        _ => include_str!("grid_walk/paper.wgsl"),
+    };
+    ("grid_walk", source)
+}

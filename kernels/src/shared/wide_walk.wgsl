@@ -3,24 +3,22 @@
 //
 // Boxes are grown by more than the rounding errors of the test: on the host, or here (see bvh_walk.wgsl).
 
-@if(ray_padding) import package::constants::{BOX_PADDING};
+import package::constants::{BOX_PADDING};
 
 // Five words per node, see WideNode in wide_node.rs.
 @group(1) @binding(20) var<storage, read> wide_nodes: array<vec4u>;
 
 // Words of a restart trail, eight levels each; its last level; and what stands for none of a group's children.
-@if(resumes) const TRAIL_WORDS: u32 = 4u;
-@if(resumes) const MOST_LEVELS: u32 = 31u;
-@if(resumes) const NO_CHILD: u32 = 8u;
+const TRAIL_WORDS: u32 = 4u;
+const MOST_LEVELS: u32 = 31u;
+const NO_CHILD: u32 = 8u;
 
 // The child entered at a level, from the word of the trail that contains the level.
-@if(resumes)
 fn trail_child(word: u32, level: u32) -> u32 {
     return (word >> (4u * (level % 8u))) & 15u;
 }
 
 // The word with a different child at the level.
-@if(resumes)
 fn with_trail_child(word: u32, level: u32, child: u32) -> u32 {
     let shift = 4u * (level % 8u);
     return (word & ~(15u << shift)) | (child << shift);

@@ -2,12 +2,10 @@
 
 import package::constants::{INF};
 import package::state::{ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
+import package::per_axis::{store_per_axis};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
-@if(grid && !dda) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, read_write>;
-@if(dda) @group(0) @binding(3) var control: texture_storage_2d_array<r32float, read_write>;
-@if(irregular) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
-@if(counters) @group(0) @binding(4) var counters: texture_storage_2d_array<r32uint, read_write>;
+@if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 
 // Whether the ray has a hit. One beyond the exit of its cell is kept; a later cell may hold a nearer one.
 fn keeps_hit(texel: vec2u) -> bool {
@@ -22,21 +20,12 @@ fn leave(texel: vec2u) -> u32 {
     return ended;
 }
 
-// The ray is in a cell; `per_axis` decides by which face it leaves it.
-fn arrive(texel: vec2u, cell: u32, per_axis: vec3f) -> u32 {
+// The ray is in a cell; `along` decides by which face it leaves it.
+fn arrive(texel: vec2u, cell: u32, along: vec3f) -> u32 {
     @if(counters) textureStore(counters, texel, 0, vec4u(textureLoad(counters, texel, 0).x + 1u));
     let tag = select(ISECT_NO_HIT, ISECT_HIT, keeps_hit(texel));
     textureStore(state, texel, 0, vec4u(tag));
-    @if(!dda) {
-        textureStore(tmax, texel, 0, vec4f(per_axis.x));
-        textureStore(tmax, texel, 1, vec4f(per_axis.y));
-        textureStore(tmax, texel, 2, vec4f(per_axis.z));
-    }
-    @if(dda) {
-        textureStore(control, texel, 0, vec4f(per_axis.x));
-        textureStore(control, texel, 1, vec4f(per_axis.y));
-        textureStore(control, texel, 2, vec4f(per_axis.z));
-    }
+    store_per_axis(texel, along);
     textureStore(state, texel, 2, vec4u(cell));
     textureStore(state, texel, 3, vec4u(0u));
     return tag;

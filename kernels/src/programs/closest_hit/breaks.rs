@@ -152,8 +152,9 @@ pub(super) const OF_TRAVERSE_BVH: &[Break] =
 pub(super) const OF_INTERSECT: &[Break] = &[
     Break::new(as_it_is, "nearest_t <= exit", "nearest_t < 0.5 * exit"),
     Break::new(as_it_is, "let u = weight_b * inverse", "let u = weight_a * inverse"),
-    Break::new(bvh, "bvh_items[first + item]", "bvh_items[first]"),
-    Break::new(as_it_is, "keep_scan(texel, index, walk.tmax)", "keep_scan(texel, cell, walk.tmax)").in_parts(),
+    Break::new(bvh, "bvh_items[list.first + item]", "bvh_items[list.first]"),
+    Break::new(as_it_is, "keep_scan(texel, index, per_axis(walk))", "keep_scan(texel, cell, per_axis(walk))")
+        .in_parts(),
 ];
 
 pub(super) const OF_WALK: &[Break] = &[
@@ -161,26 +162,25 @@ pub(super) const OF_WALK: &[Break] = &[
     Break::new(several, "trace.u = candidate.u", "trace.u = candidate.v"),
     Break::new(several_leaping, "8u * (index % 4u)", "8u * (index % 3u)"),
     Break::new(several_leaping, "min(walk.cell, last)", "walk.cell"),
-    Break::new(several_dda, "textureStore(control, texel, 1, vec4f(walk.control.y))", ""),
-    Break::new(several_bvh, "let first = node.first", "let first = node.first + 1u"),
+    Break::new(several_dda, "textureStore(control, texel, 1, vec4f(along.y))", ""),
+    Break::new(several_bvh, "var item = node.first", "var item = node.first + 1u"),
     Break::new(several_bvh, "select(0u, 1u, goes_down", "select(1u, 0u, goes_down"),
     Break::new(several_none, "3u * entry + 2u", "3u * entry + 1u"),
     Break::new(several_irregular, "goes_on = (entry & LAST_ITEM) == 0u", "goes_on = false"),
-    Break::new(several, "item + 1u - grid_cells", "item + 2u - grid_cells").in_parts(),
-    Break::new(several_bvh, "at.in_leaf = place.item > 0u", "at.in_leaf = false").in_parts(),
+    Break::new(several, "item + 1u - first", "item + 2u - first").in_parts(),
+    Break::new(several_bvh, "at.in_leaf = waiting_item(place) > 0u", "at.in_leaf = false").in_parts(),
     Break::new(several_none, "is_spent(place.trace)", "false").in_parts(),
 ];
 
 pub(super) const OF_FUSED: &[Break] = &[
-    Break::new(fused, "trace.t <= smallest3(walk.tmax)", "trace.triangle != NO_TRIANGLE"),
+    Break::new(fused, "farthest(trace) <= smallest3(walk.tmax)", "trace.triangle != NO_TRIANGLE"),
     Break::new(fused_leaping, "distance > 1", "distance > 2"),
-    Break::new(fused_irregular, "trace.t <= t", "trace.triangle != NO_TRIANGLE"),
+    Break::new(fused_irregular, "farthest(trace) <= smallest3(exit.tmax)", "trace.triangle != NO_TRIANGLE"),
     Break::new(fused_bvh, "bitcast<i32>(nearest_t)", "bitcast<i32>(0.5 * nearest_t)"),
     Break::new(fused_bvh, "leaves.base + countOneBits", "leaves.base + 0u * countOneBits"),
     Break::new(fused_eye_rays, "0.5", "0.4995"),
-    Break::new(fused, "item + 1u - grid_cells", "item - grid_cells").in_parts(),
-    Break::new(fused_dda, "place, wait.texel, 5, vec4u(per_axis.y)", "place, wait.texel, 5, vec4u(per_axis.x)")
-        .in_parts(),
+    Break::new(fused, "item + 1u - first", "item - first").in_parts(),
+    Break::new(fused_dda, "place, wait.texel, 5, vec4u(along.y)", "place, wait.texel, 5, vec4u(along.x)").in_parts(),
     Break::new(fused_paper, "u32(left)", "u32(left + 1)").in_parts(),
     Break::new(fused_bvh, "level + 1u, NO_CHILD", "level + 1u, 0u").in_parts(),
     Break::new(fused_bvh, "(1u << (24u + child)) - 1u", "(2u << (24u + child)) - 1u").in_parts(),

@@ -8,6 +8,7 @@ mod test;
 mod tree;
 
 use super::states;
+use crate::options::features::StructureKind;
 use crate::program::RayState;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LIGHTS_SUMMED, NO_TRIANGLE, NODES_A_STEP};
@@ -76,33 +77,34 @@ pub(super) fn of_count(_: &SceneData, _: &RayState, _: &RayState) -> Why {
 }
 
 fn explain_setup(data: &SceneData, after: &RayState) -> String {
-    match (data.features.grid, data.features.bvh) {
-        (true, _) => explain_start(data, after),
-        _ if data.features.irregular => irregular::explain_start(data, after),
+    match data.features.structure() {
+        StructureKind::Grid => explain_start(data, after),
+        StructureKind::Irregular => irregular::explain_start(data, after),
         _ if data.info.triangles == 0 => "no triangles: there is nothing to hit".into(),
-        (_, true) => format!("starts at the root of {} nodes", data.bvh_nodes.len()),
-        _ => format!("no grid: all {} triangles are tested", data.info.triangles),
+        StructureKind::Bvh => format!("starts at the root of {} nodes", data.bvh_nodes.len()),
+        StructureKind::None => format!("no grid: all {} triangles are tested", data.info.triangles),
     }
 }
 
 fn explain_walk(data: &SceneData, before: &RayState, after: &RayState) -> String {
-    let features = &data.features;
+    let (features, structure) = (&data.features, data.features.structure());
     let steps = data.info.steps;
-    let most = match (features.grid, features.bvh) {
-        (true, _) if features.skip => format!("up to {steps} steps or leaps"),
-        (true, _) => format!("up to {steps} steps"),
-        _ if features.irregular => format!("up to {steps} steps"),
-        (_, true) => format!("up to {} nodes", u64::from(NODES_A_STEP) * u64::from(steps)),
-        _ => format!("up to {steps} triangles"),
+    let most = match structure {
+        StructureKind::Grid if features.skip => format!("up to {steps} steps or leaps"),
+        StructureKind::Grid | StructureKind::Irregular => format!("up to {steps} steps"),
+        StructureKind::Bvh => format!("up to {} nodes", u64::from(NODES_A_STEP) * u64::from(steps)),
+        StructureKind::None => format!("up to {steps} triangles"),
     };
     let next = match after.tag {
         states::BACKGROUND => "over, nothing hit".into(),
         states::SHADE if features.any_hit => "over, any hit ends the ray".into(),
         states::SHADE => "over, the nearest hit is found".into(),
-        _ if features.grid => format!("now in {}", cell_at(data, after.cell_index)),
-        _ if features.irregular => format!("now in {}", irregular::cell_at(data, after.cell_index)),
-        _ if features.bvh => format!("now at node {}", after.cell_index),
-        _ => format!("{} of {} triangles tested", after.item, data.info.triangles),
+        _ => match structure {
+            StructureKind::Grid => format!("now in {}", cell_at(data, after.cell_index)),
+            StructureKind::Irregular => format!("now in {}", irregular::cell_at(data, after.cell_index)),
+            StructureKind::Bvh => format!("now at node {}", after.cell_index),
+            StructureKind::None => format!("{} of {} triangles tested", after.item, data.info.triangles),
+        },
     };
     let found = match (after.triangle, after.t) {
         (Some(triangle), Some(t)) if has_new_hit(before, after) => {

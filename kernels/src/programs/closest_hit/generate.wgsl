@@ -2,9 +2,8 @@
 
 import package::constants::{INF, NO_TRIANGLE, WORKGROUP};
 import package::state::{UNWRITTEN, TRAV_SETUP};
-@if(!samples) import package::camera::{eye_ray};
-@if(samples) import package::camera::{eye_ray_at};
-@if(samples) import package::samples::{jitter, sampling};
+import package::camera::{eye_ray, eye_ray_at};
+import package::samples::{jitter, sampling};
 
 @group(0) @binding(0) var ray_origin: texture_storage_2d_array<r32float, write>;
 @group(0) @binding(1) var ray_direction: texture_storage_2d_array<r32float, write>;

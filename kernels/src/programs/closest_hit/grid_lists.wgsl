@@ -7,10 +7,11 @@ import package::state::{TRAV, ISECT_HIT, SHADE, BACKGROUND};
 @group(1) @binding(5) var<storage, read> grid_items: array<u32>;
 @if(skip) @group(1) @binding(16) var<storage, read> grid_distances: array<u32>;
 
-// Chessboard distance of an empty cell to the nearest one with a list; 0 for a cell with a list.
-@if(skip)
+// Chessboard distance of an empty cell to the nearest one with a list; 0 for a cell with a list, or if no distances are
+// known.
 fn empty_distance(index: u32) -> i32 {
-    return i32((grid_distances[index / 4u] >> (8u * (index % 4u))) & 0xffu);
+    @if(!skip) return 0;
+    @else return i32((grid_distances[index / 4u] >> (8u * (index % 4u))) & 0xffu);
 }
 
 // The state after a cell's list has ended; exit is the t at which the ray leaves the cell.

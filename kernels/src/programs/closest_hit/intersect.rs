@@ -1,77 +1,30 @@
-//! Twin of `intersect.wgsl`: tests the ray against one triangle of its list.
+//! Twin of `intersect.wgsl`: tests the ray against one triangle of its list. [`SceneData::list`] stands for the modules of
+//! the structures.
 
-use crate::numbers::real::{Real, Vec3};
-use crate::programs::closest_hit::grid_lists::list_ended;
+mod cell_end;
+mod repetition;
+
+use crate::numbers::real::Real;
+use crate::options::features::StructureKind;
 use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-use crate::programs::closest_hit::streams::{COUNTERS, HIT, SCAN, STATE, TMAX};
+use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
 use crate::scene_data::SceneData;
-use crate::shared::constants::{INF, NO_CELL};
-use crate::shared::grid_walk::Walk;
 use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
-use crate::shared::vector::smallest3;
+use crate::tables::state::Tag;
 use crate::tables::texels::Texels;
+use cell_end::after_cell;
+use repetition::repetition;
 
-/// Whether a cell lists a triangle; lists are in ascending order.
-fn is_listed(scene: &SceneData, triangle: u32, cell: u32) -> bool {
-    let (first, end) = (scene.grid_cells[cell as usize], scene.grid_cells[cell as usize + 1]);
-    scene.grid_items[first as usize..end as usize].binary_search(&triangle).is_ok()
-}
-
-/// Stores the position of the search for the next dispatch.
-fn keep_scan<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, cell: u32, per_axis: Vec3<R>) {
-    if scene.features.resumes_scan {
-        ray.store_u32(SCAN, 0, cell);
-        for (layer, value) in (1..).zip(per_axis.to_array()) {
-            ray.store(SCAN, layer, value);
-        }
+/// The state after a list has ended.
+fn after_list<R: Real>(ray: &Texels<'_, R>, scene: &SceneData, tag: Tag, nearest_t: R) -> Tag {
+    match scene.features.structure() {
+        StructureKind::Grid | StructureKind::Irregular => after_cell(ray, &scene.features, tag, nearest_t),
+        // A later leaf may have a nearer hit.
+        StructureKind::Bvh => TRAV,
+        StructureKind::None if tag == ISECT_HIT => SHADE,
+        StructureKind::None => BACKGROUND,
     }
-}
-
-/// Whether an earlier cell listed the triangle too: walks again from the start. `None` if the search continues in the
-/// next dispatch.
-fn repetition<R: Real>(
-    texels: &mut Texels<'_, R>,
-    scene: &SceneData,
-    triangle: u32,
-    cell: u32,
-    origin: Vec3<R>,
-    direction: Vec3<R>,
-) -> Option<bool> {
-    let (grid, features) = (&scene.grid, &scene.features);
-    let rules = features.walk_rules();
-    let ray = grid.ray(rules, origin, direction);
-    let mut walk = grid.enter(rules, &ray);
-    let bound = grid.cells[0] + grid.cells[1] + grid.cells[2] + 2;
-    let mut turns = 0;
-    if features.resumes_scan {
-        let begun = texels.load_u32(SCAN, 0);
-        if begun != NO_CELL {
-            let [x, y, z] = [1, 2, 3].map(|layer| texels.load(SCAN, layer));
-            walk = Walk { cell: grid.cell_of_index(begun), per_axis: Vec3::new(x, y, z), inside: true };
-        }
-    }
-    let mut step = 0;
-    while step < bound && walk.inside {
-        let index = grid.cell_index(walk.cell);
-        if index == cell {
-            break;
-        }
-        if features.resumes_scan && turns >= features.turns {
-            keep_scan(texels, scene, index, walk.per_axis);
-            return None;
-        }
-        // One iteration for the cell, and at most the bit length of its list for the binary search.
-        turns += 1 + 32 - scene.list(index).1.leading_zeros();
-        if is_listed(scene, triangle, index) {
-            keep_scan(texels, scene, NO_CELL, Vec3::splat(R::zero()));
-            return Some(true);
-        }
-        walk = grid.advance(rules, walk, &ray);
-        step += 1;
-    }
-    keep_scan(texels, scene, NO_CELL, Vec3::splat(R::zero()));
-    Some(false)
 }
 
 /// Processes one ray.
@@ -87,22 +40,22 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let cell = ray.load_u32(STATE, 2);
     let mut item = ray.load_u32(STATE, 3);
     let (first, count) = scene.list(cell);
-
-    let origin = load_origin(ray);
-    let direction = load_direction(ray);
+    let (origin, direction) = (load_origin(ray), load_direction(ray));
     let in_list = item < count;
     if in_list {
         let triangle = scene.listed(first + item);
         let mut repeated = false;
         if features.grid && features.counters {
-            match repetition(ray, scene, triangle, cell, origin, direction) {
+            match repetition(ray, scene, triangle, cell, (origin, direction)) {
                 Some(known) => repeated = known,
                 None => return,
             }
         }
         let shear = Shear::of(direction);
-        let candidate = hit_triangle(features.triangle_rules(), origin, direction, &shear, scene.corners(triangle));
-        let candidate = if features.intervals { candidate.between(load_interval(ray, features)) } else { candidate };
+        let mut candidate = hit_triangle(features.triangle_rules(), origin, direction, &shear, scene.corners(triangle));
+        if features.intervals {
+            candidate = candidate.between(load_interval(ray, features));
+        }
         let accepted = if features.in_cell {
             candidate.t < nearest_t
                 && scene.grid.is_in_cell(origin + direction * candidate.t, scene.grid.cell_of_index(cell))
@@ -129,21 +82,7 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 
     let ended = if features.robust { item >= count } else { !in_list };
     if ended {
-        tag = if features.grid || features.irregular {
-            let exit = if !features.in_cell { smallest3(ray.load_vec3(TMAX)) } else { R::from_f32(INF) };
-            match list_ended(features, tag, nearest_t, exit) {
-                TRAV if features.intervals && !features.in_cell && load_interval(ray, features)[1] <= exit => {
-                    BACKGROUND
-                }
-                next => next,
-            }
-        } else if features.bvh {
-            TRAV
-        } else if tag == ISECT_HIT {
-            SHADE
-        } else {
-            BACKGROUND
-        };
+        tag = after_list(ray, scene, tag, nearest_t);
     }
     if nearest_t < nearest_before {
         if features.any_hit {

@@ -1,6 +1,7 @@
 //! The paper's tracer: every ray to its closest hit, and its colour from there.
 //!
-//! A kernel is `x.wgsl` and its twin `x.rs`, and a row of [`kernels`]; [`schedule`] says in what order they run.
+//! A kernel is `x.wgsl` and its twin `x.rs`, and a row of [`kernels`]; [`schedule`] says in what order they run. What
+//! differs between the structures that a scene can be traced through is in the folder `x`, a file for each of them.
 
 pub mod accumulate;
 pub mod arrival;
@@ -30,7 +31,7 @@ pub mod walk;
 
 use std::borrow::Cow;
 
-use crate::options::features::Features;
+use crate::options::features::{Features, StructureKind};
 use crate::program::{Course, Home, Program, Results};
 use crate::shared;
 use crate::tables::stream::Component;
@@ -73,12 +74,43 @@ pub static PROGRAM: Program = Program {
 };
 
 /// WGSL modules that kernels import from, by name: `package::NAME`.
-fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
+fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let own = [
         ("ray", include_str!("ray.wgsl")),
+        ("per_axis", include_str!("per_axis.wgsl")),
         ("arrival", include_str!("arrival.wgsl")),
         ("grid_lists", include_str!("grid_lists.wgsl")),
         ("tracing", include_str!("tracing.wgsl")),
+        ("fused_waiting", include_str!("fused/waiting.wgsl")),
+        ("fused_waiting_in_grid", include_str!("fused/waiting_in_grid.wgsl")),
+        ("shade_surface", include_str!("shade/surface.wgsl")),
+        ("shade_light", include_str!("shade/light.wgsl")),
+        ("walk_place", include_str!("walk/place.wgsl")),
+        ("intersect_entry", include_str!("intersect/entry.wgsl")),
+        ("intersect_cell_end", include_str!("intersect/cell_end.wgsl")),
+        ("intersect_repetition", include_str!("intersect/repetition.wgsl")),
     ];
-    shared::MODULES.iter().chain(&own).map(|&(name, source)| (name, Cow::Borrowed(source))).collect()
+    let [fused, intersect, walk] = of_structure(features.structure());
+    let chosen = [shared::grid_walk_module(features.walk_rules()), fused, intersect, walk];
+    let files = shared::MODULES.iter().chain(&own).chain(&chosen);
+    files.map(|&(name, source)| (name, Cow::Borrowed(source))).collect()
+}
+
+/// The part of each kernel that depends on the structure through which the scene is traced.
+const fn of_structure(structure: StructureKind) -> [(&'static str, &'static str); 3] {
+    macro_rules! parts {
+        ($file:literal) => {
+            [
+                ("fused_structure", include_str!(concat!("fused/", $file))),
+                ("intersect_structure", include_str!(concat!("intersect/", $file))),
+                ("walk_structure", include_str!(concat!("walk/", $file))),
+            ]
+        };
+    }
+    match structure {
+        StructureKind::None => parts!("all.wgsl"),
+        StructureKind::Grid => parts!("grid.wgsl"),
+        StructureKind::Irregular => parts!("irregular.wgsl"),
+        StructureKind::Bvh => parts!("bvh.wgsl"),
+    }
 }

@@ -1,5 +1,7 @@
 // The ray streams, as every kernel but generate reads them.
 
+import package::camera::{Ray};
+
 @group(0) @binding(0) var ray_origin: texture_2d_array<f32>;
 @group(0) @binding(1) var ray_direction: texture_2d_array<f32>;
 
@@ -20,6 +22,10 @@ fn load_direction(texel: vec2u) -> vec3f {
         textureLoad(ray_direction, texel, 1, 0).x,
         textureLoad(ray_direction, texel, 2, 0).x,
     );
+}
+
+fn load_ray(texel: vec2u) -> Ray {
+    return Ray(load_origin(texel), load_direction(texel));
 }
 
 // The t between which hits count; neither end does.

@@ -3,8 +3,9 @@
 use super::kernels::{
     ACCUMULATE, FUSED, GENERATE, INTERSECT, SETUP, SHADE, TRAVERSE_BVH, TRAVERSE_GRID, TRAVERSE_IRREGULAR, WALK,
 };
-use crate::options::features::Features;
-use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
+use crate::options::features::{Features, StructureKind};
+use crate::options::{Options, RaySource, ScheduleKind};
+use crate::program::Kernel;
 use crate::program::schedule::{Schedule, Step};
 
 /// The paper's schedules (§4.3), and ours. `rays_given`: rays are not generated; `shade`: the image is wanted;
@@ -12,7 +13,7 @@ use crate::program::schedule::{Schedule, Step};
 #[must_use]
 pub fn new(
     kind: ScheduleKind,
-    accelerator: Accelerator,
+    structure: StructureKind,
     rays_given: bool,
     shade: bool,
     eye_rays: bool,
@@ -26,35 +27,12 @@ pub fn new(
         steps.push(Step::Run(FUSED));
     } else {
         let is_first = kind == ScheduleKind::First;
-        let walk = match accelerator {
+        let walk = match structure {
             _ if many_steps => Step::RunUntilIdle(WALK),
-            // The printed condition of the first strategy is inverted; `while (!done || traverser())` is meant.
-            Accelerator::Grid | Accelerator::Auto if is_first => Step::LoopWhileActive(
-                vec![INTERSECT, TRAVERSE_GRID],
-                vec![Step::RunUntilIdle(INTERSECT), Step::Run(TRAVERSE_GRID)],
-            ),
-            Accelerator::Grid | Accelerator::Auto => Step::LoopWhileActive(
-                vec![INTERSECT, TRAVERSE_GRID],
-                vec![Step::Run(INTERSECT), Step::Run(TRAVERSE_GRID)],
-            ),
-            Accelerator::Irregular if is_first => Step::LoopWhileActive(
-                vec![INTERSECT, TRAVERSE_IRREGULAR],
-                vec![Step::RunUntilIdle(INTERSECT), Step::Run(TRAVERSE_IRREGULAR)],
-            ),
-            Accelerator::Irregular => Step::LoopWhileActive(
-                vec![INTERSECT, TRAVERSE_IRREGULAR],
-                vec![Step::Run(INTERSECT), Step::Run(TRAVERSE_IRREGULAR)],
-            ),
-            // A BVH's root has no triangles, so its walk begins with a step.
-            Accelerator::Bvh if is_first => Step::LoopWhileActive(
-                vec![INTERSECT, TRAVERSE_BVH],
-                vec![Step::Run(TRAVERSE_BVH), Step::RunUntilIdle(INTERSECT)],
-            ),
-            Accelerator::Bvh => Step::LoopWhileActive(
-                vec![INTERSECT, TRAVERSE_BVH],
-                vec![Step::Run(TRAVERSE_BVH), Step::Run(INTERSECT)],
-            ),
-            Accelerator::None => Step::RunUntilIdle(INTERSECT),
+            StructureKind::None => Step::RunUntilIdle(INTERSECT),
+            StructureKind::Grid => steps_and_tests(TRAVERSE_GRID, is_first),
+            StructureKind::Irregular => steps_and_tests(TRAVERSE_IRREGULAR, is_first),
+            StructureKind::Bvh => steps_and_tests(TRAVERSE_BVH, is_first),
         };
         steps.extend([Step::Run(SETUP), walk]);
     }
@@ -64,14 +42,24 @@ pub fn new(
     Schedule { steps }
 }
 
-/// The schedule for a run with these options; `accelerator` is never [`Accelerator::Auto`].
+/// The walk in turns of steps and tests. `is_first`: all lists are tested to their ends before the next step.
+fn steps_and_tests(traverse: Kernel, is_first: bool) -> Step {
+    // The printed condition of the first strategy is inverted; `while (!done || traverser())` is meant.
+    let test = if is_first { Step::RunUntilIdle(INTERSECT) } else { Step::Run(INTERSECT) };
+    let mut body = vec![test, Step::Run(traverse)];
+    // A BVH's root has no triangles, so its walk begins with a step.
+    if traverse == TRAVERSE_BVH {
+        body.reverse();
+    }
+    Step::LoopWhileActive(vec![INTERSECT, traverse], body)
+}
+
+/// The schedule for a run with these options.
 #[must_use]
-pub fn of(options: &Options, accelerator: Accelerator, features: &Features) -> Schedule {
+pub fn of(options: &Options, features: &Features) -> Schedule {
     let given = matches!(options.rays, RaySource::Given(_));
     let Features { eye_rays, many_steps, samples, .. } = *features;
-    // A grid of two levels is walked as an irregular one.
-    let accelerator = if features.irregular { Accelerator::Irregular } else { accelerator };
-    let mut schedule = new(options.schedule, accelerator, given, options.shade, eye_rays, many_steps);
+    let mut schedule = new(options.schedule, features.structure(), given, options.shade, eye_rays, many_steps);
     for step in &mut schedule.steps {
         if let Step::Run(kernel) = *step
             && (kernel.info().resumes)(features)

@@ -1,21 +1,18 @@
-// Finds where the ray's walk begins: its first cell and the t at which it leaves it (dda: its control terms), or that it misses the grid; the
-// root of the BVH; the first triangle if there is neither.
+// Finds where the ray's walk begins: its first cell and the t at which it leaves it (dda: its control terms), or that it
+// misses the grid; the root of the BVH; the first triangle if there is neither.
 
 import package::constants::{NOBODY, NO_NODE, LIST_SIDE};
 import package::state::{TRAV_SETUP, TRAV, ISECT_NO_HIT, BACKGROUND};
-import package::ray::{load_origin, load_direction};
+import package::ray::{load_origin, load_direction, store_voxel};
 import package::live::{send, tiled_texel};
-@if(bvh) import package::scene::{scene};
-@if(irregular) import package::ray::{store_voxel};
-@if(irregular) import package::grid_walk::{grid_ray};
-@if(irregular) import package::irregular_walk::{enter_irregular, unpacked_voxel};
-@if(irregular && !many_steps) import package::irregular_walk::{voxel_exit};
-@if(grid) import package::grid_walk::{grid_ray, enter_grid, cell_index};
+import package::scene::{scene};
+import package::grid::{cell_index};
+import package::grid_walk::{grid_ray, enter_grid};
+import package::irregular_walk::{enter_irregular, unpacked_voxel, voxel_exit};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @if(dda) @group(0) @binding(3) var control: texture_storage_2d_array<r32float, write>;
-@if(grid && !dda && !(many_steps && robust && !drifting)) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
-@if(irregular && !many_steps) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
+@if(!dda) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
 @if(bvh) @group(0) @binding(3) var previous: texture_storage_2d_array<r32uint, write>;
 @if(counters) @group(0) @binding(4) var counters: texture_storage_2d_array<r32uint, write>;
 

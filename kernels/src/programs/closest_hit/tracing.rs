@@ -1,7 +1,8 @@
 //! Twin of `tracing.wgsl`: the variables of a ray in a kernel that takes several steps, and its test of one triangle.
 
 use crate::numbers::real::{Real, Vec3};
-use crate::programs::closest_hit::states::{BACKGROUND, SHADE};
+use crate::options::features::Features;
+use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{NO_TRIANGLE, TURNS_A_TEST};
 use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
@@ -50,6 +51,11 @@ impl<R: Real> Trace<R> {
         if self.triangle == NO_TRIANGLE { BACKGROUND } else { SHADE }
     }
 
+    /// The state of a ray in a list.
+    pub(crate) fn listed_as(&self, features: &Features) -> Tag {
+        if features.any_hit || self.triangle == NO_TRIANGLE { ISECT_NO_HIT } else { ISECT_HIT }
+    }
+
     /// No box or cell behind this t has a hit that is wanted.
     pub(crate) fn farthest(&self) -> R {
         self.t.min(self.interval[1])
@@ -70,8 +76,10 @@ impl<R: Real> Trace<R> {
             Vec3::from_f32([f32::from_bits(packed[c]), f32::from_bits(packed[c + 1]), f32::from_bits(packed[c + 2])])
         };
         let corners = [corner(0), corner(4), corner(8)];
-        let candidate = hit_triangle(features.triangle_rules(), self.origin, self.direction, &self.shear, corners);
-        let candidate = if features.intervals { candidate.between(self.interval) } else { candidate };
+        let mut candidate = hit_triangle(features.triangle_rules(), self.origin, self.direction, &self.shear, corners);
+        if features.intervals {
+            candidate = candidate.between(self.interval);
+        }
         self.tests += 1;
         self.turns += TURNS_A_TEST;
         if !candidate.is_hit {

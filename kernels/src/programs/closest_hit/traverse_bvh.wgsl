@@ -2,11 +2,9 @@
 
 import package::constants::{INF, NOBODY, NO_NODE, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
-import package::ray::{load_origin, load_direction};
-@if(intervals) import package::ray::{load_interval};
+import package::ray::{load_origin, load_direction, load_interval};
 import package::bvh_walk::{Visit, next_node, finite_inverse};
-import package::live::{send};
-@if(live_lists) import package::live::{listed_texel};
+import package::live::{send, listed_texel};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var previous: texture_storage_2d_array<r32uint, read_write>;

@@ -6,8 +6,7 @@ import package::ray::{load_origin, load_direction, load_voxel, store_voxel};
 import package::grid_walk::{grid_ray};
 import package::irregular_walk::{at_voxel, voxel_exit, step_voxel, unpacked_voxel};
 import package::arrival::{state, leave, arrive};
-import package::live::{send};
-@if(live_lists) import package::live::{listed_texel};
+import package::live::{send, listed_texel};
 
 fn step_cell(texel: vec2u) -> u32 {
     if (any(texel >= textureDimensions(state))) {

@@ -40,7 +40,7 @@ pub(super) fn explain_step(data: &SceneData, before: &RayState, after: &RayState
 
 /// Most cells that a skip from this cell advances along an axis; 1 for a step.
 pub(super) fn leap_from(data: &SceneData, cell: u32) -> i32 {
-    if data.features.skip { data.empty_distance(cell).max(1) } else { 1 }
+    data.empty_distance(cell).max(1)
 }
 
 /// A cell with its list, in words.

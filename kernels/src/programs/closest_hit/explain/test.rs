@@ -30,7 +30,7 @@ pub(in super::super) fn explain_intersect(
 /// What follows when the list or the ray ends.
 fn explain_end(data: &SceneData, before: &RayState, after: &RayState, tested: Option<u32>, count: u32) -> String {
     let features = &data.features;
-    let has_cells = features.grid || features.irregular;
+    let has_cells = features.structure().has_cells();
     let exit = before.tmax.iter().flatten().fold(INF, |m, &t| m.min(t));
     let t = after.t.unwrap_or(INF);
     let ended = match tested {

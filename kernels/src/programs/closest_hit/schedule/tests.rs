@@ -2,7 +2,6 @@
 
 use super::super::{kernels, states};
 use super::*;
-use crate::program::Kernel;
 use crate::program::schedule::Cursor;
 use crate::programs::closest_hit::states::{DONE, ISECT_NO_HIT, SHADE as SHADED, TRAV};
 use crate::tables::state::{Population, StateCounts, Tag};
@@ -17,8 +16,8 @@ fn in_states(rays: &[(Tag, u32)]) -> Population {
     counts.into()
 }
 
-fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[Population]) -> Vec<&'static str> {
-    let schedule = new(kind, accelerator, false, true, false, false);
+fn run(kind: ScheduleKind, structure: StructureKind, script: &[Population]) -> Vec<&'static str> {
+    let schedule = new(kind, structure, false, true, false, false);
     let mut cursor = Cursor::start();
     let mut now = counts(0, 0, 0);
     let mut names = Vec::new();
@@ -34,7 +33,7 @@ fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[Population]) -> V
 fn second_takes_turns_until_both_are_idle() {
     let (c, done) = (counts, in_states(&[(DONE, 9)]));
     let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(9, 0, 0), c(0, 4, 5), c(0, 0, 9), done];
-    let names = run(ScheduleKind::Second, Accelerator::Grid, &script);
+    let names = run(ScheduleKind::Second, StructureKind::Grid, &script);
     let expected = ["generate", "setup", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
     assert_eq!(names, expected);
 }
@@ -43,7 +42,7 @@ fn second_takes_turns_until_both_are_idle() {
 fn first_empties_intersect_before_it_traverses() {
     let c = counts;
     let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(0, 9, 0), c(2, 0, 7), c(0, 0, 9), c(0, 0, 9), c(0, 0, 0)];
-    let names = run(ScheduleKind::First, Accelerator::Grid, &script);
+    let names = run(ScheduleKind::First, StructureKind::Grid, &script);
     let expected =
         ["generate", "setup", "intersect", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
     assert_eq!(names, expected);
@@ -53,17 +52,17 @@ fn first_empties_intersect_before_it_traverses() {
 fn without_a_grid_there_is_nothing_to_traverse() {
     let c = counts;
     let script = [c(0, 0, 0), c(9, 0, 0), c(3, 0, 6), c(0, 0, 9), c(0, 0, 0)];
-    let names = run(ScheduleKind::Second, Accelerator::None, &script);
+    let names = run(ScheduleKind::Second, StructureKind::None, &script);
     assert_eq!(names, ["generate", "setup", "intersect", "intersect", "shade", "end"]);
 }
 
-fn sampled(kind: ScheduleKind, accelerator: Accelerator, many_steps: bool) -> Schedule {
-    for_samples(new(kind, accelerator, false, true, false, many_steps))
+fn sampled(kind: ScheduleKind, structure: StructureKind, many_steps: bool) -> Schedule {
+    for_samples(new(kind, structure, false, true, false, many_steps))
 }
 
 #[test]
 fn all_steps_come_again_as_long_as_a_pixel_wants_a_sample() {
-    let schedule = sampled(ScheduleKind::Second, Accelerator::Grid, false);
+    let schedule = sampled(ScheduleKind::Second, StructureKind::Grid, false);
     let c = counts;
     let (unwritten, done) = (in_states(&[(states::UNWRITTEN, 9)]), in_states(&[(DONE, 9)]));
     let mut cursor = Cursor::start();
@@ -82,15 +81,14 @@ fn all_steps_come_again_as_long_as_a_pixel_wants_a_sample() {
 
 #[test]
 fn a_walk_that_is_left_goes_on_with_its_own_sample() {
-    for (kind, accelerator, many_steps) in [
-        (ScheduleKind::Second, Accelerator::Grid, false),
-        (ScheduleKind::First, Accelerator::Grid, false),
-        (ScheduleKind::First, Accelerator::Bvh, false),
-        (ScheduleKind::Compact, Accelerator::Grid, true),
-        (ScheduleKind::Second, Accelerator::None, false),
+    for (kind, structure, many_steps) in [
+        (ScheduleKind::Second, StructureKind::Grid, false),
+        (ScheduleKind::First, StructureKind::Grid, false),
+        (ScheduleKind::First, StructureKind::Bvh, false),
+        (ScheduleKind::Compact, StructureKind::Grid, true),
+        (ScheduleKind::Second, StructureKind::None, false),
     ] {
-        for schedule in [new(kind, accelerator, false, true, false, many_steps), sampled(kind, accelerator, many_steps)]
-        {
+        for schedule in [new(kind, structure, false, true, false, many_steps), sampled(kind, structure, many_steps)] {
             let mut cursor = Cursor::start();
             let mut unwritten = counts(5, 5, 0);
             unwritten.in_state.add(states::UNWRITTEN, 1);
@@ -101,7 +99,7 @@ fn a_walk_that_is_left_goes_on_with_its_own_sample() {
             }
             cursor.next(&schedule, &unwritten);
             cursor.leave_walk(&schedule);
-            assert_eq!(cursor.next(&schedule, &unwritten), Some(kernels::SHADE), "{kind} {accelerator}");
+            assert_eq!(cursor.next(&schedule, &unwritten), Some(kernels::SHADE), "{kind} {structure:?}");
             let again = cursor.clone();
             cursor.leave_walk(&schedule);
             assert_eq!(cursor, again, "there is nothing to leave");
@@ -123,22 +121,22 @@ fn a_guess_goes_on_to_the_next_sample_and_no_farther_than_its_walk() {
         while cursor.next(schedule, &unwritten) != Some(SHADE) {}
         (first, guess(&cursor.before(), schedule, &counts(0, 0, 9), most))
     };
-    let compact = sampled(ScheduleKind::Compact, Accelerator::Grid, true);
+    let compact = sampled(ScheduleKind::Compact, StructureKind::Grid, true);
     let (first, next) = guesses(&compact, 7);
     assert_eq!(first, [GENERATE, SETUP, WALK, WALK, WALK, WALK, WALK]);
     assert_eq!(next, [SHADE, ACCUMULATE, GENERATE, SETUP, WALK, WALK, WALK]);
     assert_eq!(guesses(&compact, 3).1, [SHADE, ACCUMULATE, GENERATE]);
-    let (first, next) = guesses(&sampled(ScheduleKind::Fused, Accelerator::Grid, false), 8);
+    let (first, next) = guesses(&sampled(ScheduleKind::Fused, StructureKind::Grid, false), 8);
     assert_eq!((first, next), (vec![GENERATE], vec![SHADE, ACCUMULATE, GENERATE]));
-    let (first, _) = guesses(&sampled(ScheduleKind::First, Accelerator::Bvh, false), 8);
+    let (first, _) = guesses(&sampled(ScheduleKind::First, StructureKind::Bvh, false), 8);
     assert_eq!(first, [GENERATE, SETUP, TRAVERSE_BVH], "others may come before the next step");
-    let (first, _) = guesses(&sampled(ScheduleKind::Second, Accelerator::None, false), 4);
+    let (first, _) = guesses(&sampled(ScheduleKind::Second, StructureKind::None, false), 4);
     assert_eq!(first, [GENERATE, SETUP, INTERSECT, INTERSECT]);
 }
 
 #[test]
 fn a_guess_never_leaves_the_loop() {
-    let schedule = new(ScheduleKind::First, Accelerator::Grid, false, true, false, false);
+    let schedule = new(ScheduleKind::First, StructureKind::Grid, false, true, false, false);
     let mut cursor = Cursor::start();
     assert_eq!(guess(&cursor, &schedule, &counts(0, 0, 0), 8), [kernels::GENERATE]);
     cursor.next(&schedule, &counts(0, 0, 0));
@@ -148,7 +146,7 @@ fn a_guess_never_leaves_the_loop() {
 
 #[test]
 fn a_guess_never_takes_a_step_that_another_kernel_may_come_before() {
-    let schedule = new(ScheduleKind::First, Accelerator::Bvh, false, true, false, false);
+    let schedule = new(ScheduleKind::First, StructureKind::Bvh, false, true, false, false);
     let mut cursor = Cursor::start();
     for _ in 0..2 {
         cursor.next(&schedule, &counts(0, 0, 0));

@@ -1,0 +1,52 @@
+// A ray of the fused kernel between two dispatches: it waits at an item of its cell's list (ISECT_NO_HIT, ISECT_HIT), or
+// between two nodes of the BVH (TRAV).
+
+import package::state::{UNWRITTEN, TRAV_SETUP, TRAV, ISECT_NO_HIT, ISECT_HIT};
+import package::tracing::{Trace, listed_as};
+
+struct Wait {
+    texel: vec2u,
+    // Whether it waited before this dispatch, and waits after it.
+    before: bool,
+    after: bool,
+    // As in the stream state: the cell and the item in its list, or the node and its level, or the triangle.
+    cell: u32,
+    item: u32,
+}
+
+var<private> wait: Wait;
+
+// Whether the ray is new, or waits.
+fn has_work(texel: vec2u, tag: u32) -> bool {
+    @if(eye_rays) let is_new = tag == UNWRITTEN;
+    @else let is_new = tag == TRAV_SETUP;
+    @if(!resumes) return is_new;
+    @else {
+        wait.texel = texel;
+        wait.before = tag == TRAV || tag == ISECT_NO_HIT || tag == ISECT_HIT;
+        return is_new || wait.before;
+    }
+}
+
+fn wait_at(cell: u32, item: u32) {
+    wait.after = true;
+    wait.cell = cell;
+    wait.item = item;
+}
+
+// The state of a ray that waits.
+fn waits_as(trace: Trace) -> u32 {
+    @if(bvh) return TRAV;
+    @else return listed_as(trace);
+}
+
+// Whether the ray waited before this dispatch, and at which item; false and 0 if rays never wait.
+fn has_waited() -> bool {
+    @if(resumes) return wait.before;
+    @else return false;
+}
+
+fn waiting_item() -> u32 {
+    @if(resumes) return wait.item;
+    @else return 0u;
+}
