@@ -326,9 +326,9 @@ impl KernelView {
         let text = format!("Branch {place}, {outcome}{role}: line {line}{source}: {}", branch.condition);
         ui.horizontal_wrapped(|ui| {
             for (command, text) in [(Command::PreviousBranch, "< branch"), (Command::NextBranch, "branch >")] {
-                command_button(ui, cx, command, text);
+                command_button(ui, cx.asks, command, text);
             }
-            command_button(ui, cx, Command::MaskBranch, "rays");
+            command_button(ui, cx.asks, Command::MaskBranch, "rays");
             ui.label(text);
         });
     }

@@ -9,8 +9,8 @@ use raystep_lab::text::counted;
 
 use super::walked::number;
 use crate::draw::scene3d::Marked;
-use crate::ui::pane::Context;
-use crate::ui::state::{Picked, Selection};
+use crate::session::Model;
+use crate::ui::state::{Display, Picked, Selection};
 use crate::ui::units::{Scale, Units};
 use crate::walk::{Aabb, WalkGeometry, corners, listed};
 
@@ -161,35 +161,35 @@ type Key = (Picked, u64, usize, usize, Units);
 
 impl About {
     /// Shows what is picked, with a button that clears it. Nothing is shown if nothing is picked.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
-        let Some(picked) = cx.selection.picked else { return };
-        let text = self.text(picked, cx);
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, model: &Model, selection: &mut Selection, display: &Display) {
+        let Some(picked) = selection.picked else { return };
+        let text = self.text(picked, model, display);
         ui.horizontal(|ui| {
             let clear = ui.small_button("×").on_hover_text("clear this selection (Escape)");
             clear.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "clear selection"));
             if clear.clicked() {
-                cx.selection.picked = None;
+                selection.picked = None;
             }
             let text = egui::RichText::new(text).color(color(ui.visuals()));
             ui.add(egui::Label::new(text).truncate());
         });
     }
 
-    fn text(&mut self, picked: Picked, cx: &Context<'_>) -> String {
+    fn text(&mut self, picked: Picked, model: &Model, display: &Display) -> String {
         let at = |history: Option<&Arc<Trace>>| history.map_or(0, |history| Arc::as_ptr(history) as usize);
-        let beside = cx.display.beside.as_ref().map_or(0, |data| Arc::as_ptr(data) as usize);
-        let key = (picked, cx.model.generation, at(cx.model.history.as_ref()), beside, cx.display.units);
+        let beside = display.beside.as_ref().map_or(0, |data| Arc::as_ptr(data) as usize);
+        let key = (picked, model.generation, at(model.history.as_ref()), beside, display.units);
         if let Some((known, text)) = &self.known
             && *known == key
         {
             return text.clone();
         }
-        let text = cx.model.opened.as_ref().map_or_else(String::new, |opened| {
-            let walk = cx.model.history.as_ref().map(|history| WalkGeometry::new(history, &opened.data, usize::MAX));
+        let text = model.opened.as_ref().map_or_else(String::new, |opened| {
+            let walk = model.history.as_ref().map(|history| WalkGeometry::new(history, &opened.data, usize::MAX));
             // A node of the other structure, while this run has the grid.
             let is_here = marked(picked, &opened.data).is_some();
-            let scale = cx.model.history.as_ref().map_or(Scale::TRACED, |history| Scale::of(cx.display.units, history));
-            match cx.display.beside.as_ref().filter(|_| !is_here) {
+            let scale = model.history.as_ref().map_or(Scale::TRACED, |history| Scale::of(display.units, history));
+            match display.beside.as_ref().filter(|_| !is_here) {
                 Some(other) => describe(picked, other, None, &scale),
                 None => describe(picked, &opened.data, walk.as_ref(), &scale),
             }

@@ -61,7 +61,7 @@ impl Panel for Structure {
         let plan = opened.plan.clone();
         self.measure(&data, &plan, cx);
         self.slice.mark(&data, cx.selection.picked);
-        self.about.show(ui, cx);
+        self.about.show(ui, cx.model, cx.selection, cx.display);
         match self.measured.clone() {
             Some((_, Measured::Grid(stats))) => self.grid(ui, cx, &data, &stats),
             Some((_, Measured::Irregular(summary))) => irregular_numbers(ui, &summary),

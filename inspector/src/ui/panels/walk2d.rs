@@ -101,7 +101,7 @@ impl Panel for Walk2d {
             self.look.beside = self.look.beside.filter(|&is_shown| is_shown);
         }
         self.tools(ui, cx);
-        self.about.show(ui, cx);
+        self.about.show(ui, cx.model, cx.selection, cx.display);
         let found = self.second_walk(ui, history.pixel, cx);
         cx.display.beside = found.as_ref().map(|found| found.data.clone());
         let (Some(whole), Some((_, progress))) = (&self.whole, &self.progress) else { return };
@@ -290,7 +290,7 @@ impl Walk2d {
 
     fn tools(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
-            event_buttons(ui, cx);
+            event_buttons(ui, cx.asks);
             let other = cx.model.opened.as_ref().map_or(Accelerator::Bvh, second::other_of);
             let name = if other == Accelerator::Bvh { "Show BVH walk" } else { "Show grid walk" };
             let text = format!(

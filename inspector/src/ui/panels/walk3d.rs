@@ -103,7 +103,7 @@ impl Panel for Walk3d {
         let aspect = f64::from(ui.available_rect_before_wrap().aspect_ratio());
         let mut camera = self.camera(&opened, &traced_bounds, scale, aspect);
         let wish = self.tools(ui, cx).or(self.wish.take());
-        self.about.show(ui, cx);
+        self.about.show(ui, cx.model, cx.selection, cx.display);
         let size = ui.available_size().max(vec2(16.0, 16.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         self.frame_new(&mut camera, size, 1.0 / scale);

@@ -7,7 +7,7 @@ use raystep_lab::text::counted;
 
 use crate::command::Command;
 use crate::session::Model;
-use crate::ui::pane::Context;
+use crate::ui::state::Asks;
 use crate::walk::{CellVisit, Structure, WalkGeometry, row_after_passes};
 
 /// A walk up to the last pass that has run.
@@ -45,19 +45,19 @@ impl Walked {
 }
 
 /// Buttons for the ray's previous and next event.
-pub(super) fn event_buttons(ui: &mut egui::Ui, cx: &mut Context<'_>) {
+pub(super) fn event_buttons(ui: &mut egui::Ui, asks: &mut Asks) {
     for (command, text) in [(Command::PreviousEvent, "< event"), (Command::NextEvent, "event >")] {
-        command_button(ui, cx, command, text);
+        command_button(ui, asks, command, text);
     }
 }
 
 /// A button for a command.
-pub(super) fn command_button(ui: &mut egui::Ui, cx: &mut Context<'_>, command: Command, text: &str) {
+pub(super) fn command_button(ui: &mut egui::Ui, asks: &mut Asks, command: Command, text: &str) {
     let key = command.key_text(ui.ctx());
     let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
     button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
     if button.clicked() {
-        cx.asks.commands.push(command);
+        asks.commands.push(command);
     }
 }
 

@@ -16,7 +16,7 @@ impl Walk3d {
         // One line in a small tile: the rest goes into a menu.
         let is_wide = ui.available_width() >= 640.0;
         ui.horizontal_wrapped(|ui| {
-            event_buttons(ui, cx);
+            event_buttons(ui, cx.asks);
             self.style(ui);
             if self.look.is_moved && self.framed.has_walk() && !is_wide {
                 self.frame_button(ui, &mut wish);
