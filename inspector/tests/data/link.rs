@@ -69,6 +69,7 @@ impl Random {
             camera,
             size,
             program,
+            elements: self.of(&[4096, 1, 65_536]),
             accelerator: self.of(Accelerator::ALL),
             schedule: self.of(ScheduleKind::ALL),
             mapping: match self.below(2) {
