@@ -131,6 +131,7 @@ impl Section<'_> {
         });
         for ((row, _), times) in jobs.into_iter().zip(times) {
             let times: Vec<Option<f64>> = times.device_ns().iter().map(|ns| ns.map(|ns| ns as f64)).collect();
+            let row = row.set("clock", self.setup.meter.machine.timer().name());
             self.table.rows.push(fill::times(row, &times, 0));
         }
         Ok(())

@@ -56,8 +56,9 @@ pub(crate) fn quad<T: Copy>([a, b, c, d]: [T; 4]) -> [[T; 3]; 2] {
     [[a, b, c], [a, c, d]]
 }
 
-fn randoms(count: usize, seed: u32) -> impl Iterator<Item = (usize, Random)> {
-    (0..count).map(move |i| (i, Random::of(i as u32, SEED + seed)))
+/// Values from random numbers of their own, by index: more of them begin with the same ones.
+pub(crate) fn drawn<T>(count: usize, seed: u32, mut one: impl FnMut(usize, &mut Random) -> T) -> Vec<T> {
+    (0..count).map(|i| one(i, &mut Random::of(i as u32, seed))).collect()
 }
 
 /// A random point in a cube around the origin.
@@ -75,18 +76,17 @@ fn within(triangle: &Triangle, random: &mut Random) -> DVec3 {
 
 /// Random directions from random points in a cube.
 pub(super) fn inside(half: f64, count: usize) -> Vec<Ray> {
-    randoms(count, 2).map(|(_, mut r)| ray(in_cube(&mut r, half), r.on_sphere())).collect()
+    drawn(count, SEED + 2, |_, r| ray(in_cube(r, half), r.on_sphere()))
 }
 
 /// Rays inside a closed sphere along each axis, both ways, with the other components ±`tiny`.
 pub(super) fn near_axis(count: usize, tiny: f32) -> Made {
-    let rays = randoms(count, 3).map(|(i, mut random)| {
+    let rays = drawn(count, SEED + 3, |i, random| {
         let sign = |bit: usize| if ((i / 3) >> bit) & 1 == 0 { 1.0 } else { -1.0 };
         let mut direction = [tiny * sign(0), tiny * sign(1), tiny * sign(2)];
         direction[i % 3] = sign(i % 3);
-        Ray::new(in_cube(&mut random, 0.5).as_vec3().to_array(), direction)
+        Ray::new(in_cube(random, 0.5).as_vec3().to_array(), direction)
     });
-    let rays = rays.collect();
     Ok(Workload { grid: GridSize::Cells([64; 3]), ..given(sphere(3, |p| p)?, rays) })
 }
 
@@ -109,7 +109,7 @@ pub(super) fn aimed(scene: Scene, count: usize, at: At, center: DVec3) -> Worklo
         (0..targets.len()).flat_map(|t| (0..FROM.len()).map(move |f| (t, f))).collect();
     Random::of(0, SEED + 4).shuffle(&mut pairs);
     let most = if at == At::Corners { pairs.len() } else { usize::MAX };
-    let rays = randoms(count.min(most), 4).map(|(i, mut random)| {
+    let rays = drawn(count.min(most), SEED + 4, |i, random| {
         let (target, from) = pairs[i % pairs.len()];
         let [a, b] = targets[target];
         let along = match (at, i % 2) {
@@ -119,7 +119,6 @@ pub(super) fn aimed(scene: Scene, count: usize, at: At, center: DVec3) -> Worklo
         };
         towards(a + (b - a) * along, center + vec(FROM[from]))
     });
-    let rays = rays.collect();
     given(scene, rays)
 }
 
@@ -166,18 +165,18 @@ pub(super) fn scaled(count: usize, scale: f64) -> Made {
 
 /// Rays from a distance towards the inner part of a sphere.
 pub(super) fn from_afar(count: usize, distance: f64) -> Made {
-    let rays = randoms(count, 5).map(|(_, mut random)| {
+    let rays = drawn(count, SEED + 5, |_, random| {
         let origin = random.on_sphere() * distance;
         towards(random.on_sphere() * 0.5, origin)
     });
-    Ok(given(sphere(3, |p| p)?, rays.collect()))
+    Ok(given(sphere(3, |p| p)?, rays))
 }
 
 /// Rays from points on the surface of a sphere.
 pub(super) fn on_surface(count: usize) -> Made {
     let scene = sphere(3, |p| p)?;
     let start = |r: &mut Random| within(&scene.triangles[r.below(scene.triangles.len())], r);
-    let rays = randoms(count, 6).map(|(_, mut r)| ray(start(&mut r), r.on_sphere())).collect();
+    let rays = drawn(count, SEED + 6, |_, r| ray(start(r), r.on_sphere()));
     Ok(given(scene, rays))
 }
 
@@ -196,11 +195,10 @@ pub(super) fn on_faces(count: usize) -> Made {
 fn from_above(scene: Scene, count: usize, away: f64) -> Workload {
     let bounds = scene.bounds();
     let eye = (bounds.min + bounds.max).as_dvec3() * 0.5 + DVec3::new(0.1, -0.07, 1.0) * away;
-    let rays = randoms(count, 7).map(|(_, mut random)| {
-        let origin = eye + in_cube(&mut random, 0.2 * away);
-        towards(within(&scene.triangles[random.below(scene.triangles.len())], &mut random), origin)
+    let rays = drawn(count, SEED + 7, |_, random| {
+        let origin = eye + in_cube(random, 0.2 * away);
+        towards(within(&scene.triangles[random.below(scene.triangles.len())], random), origin)
     });
-    let rays = rays.collect();
     given(scene, rays)
 }
 
@@ -210,11 +208,11 @@ pub(super) fn slivers(count: usize, aspect: f64) -> Made {
     let x = |k: i32| (f64::from(k - SLIVERS / 2) / aspect) as f32;
     let strip = |k: i32| quad([[x(k), 0.0, 0.0], [x(k + 1), 0.0, 0.0], [x(k + 1), 1.0, 0.0], [x(k), 1.0, 0.0]]);
     let scene = scene_of((0..SLIVERS).flat_map(strip).collect());
-    let rays = randoms(count, 8).map(|(_, mut random)| {
+    let rays = drawn(count, SEED + 8, |_, random| {
         let target = DVec3::new((random.unit() - 0.5) * f64::from(x(SLIVERS)), 0.2 + 0.6 * random.unit(), 0.0);
         towards(target, DVec3::new((random.unit() - 0.5) * 0.8, random.unit(), 1.0))
     });
-    Ok(given(scene, rays.collect()))
+    Ok(given(scene, rays))
 }
 
 /// Every triangle of a closed sphere twice.
@@ -257,21 +255,21 @@ pub(super) fn in_tilted_plane(count: usize) -> Made {
         [-2.0 * y - 3.0 * z, y, z]
     };
     let triangle = [[1700.0, -400.0, -300.0], [-300.0, 450.0, -200.0], [-1500.0, 0.0, 500.0]];
-    let rays = randoms(count, 10).map(|(_, mut r)| {
-        let origin = on_plane(&mut r, 900);
-        let direction = on_plane(&mut r, 900);
+    let rays = drawn(count, SEED + 10, |_, r| {
+        let origin = on_plane(r, 900);
+        let direction = on_plane(r, 900);
         Ray::new(origin, if direction == [0.0; 3] { [-2.0, 1.0, 0.0] } else { direction })
     });
-    Ok(given(scene_of(vec![triangle]), rays.collect()))
+    Ok(given(scene_of(vec![triangle]), rays))
 }
 
 /// Triangles with two or three identical vertices.
 pub(super) fn without_area(count: usize) -> Made {
-    let triangle = |(i, mut r): (usize, Random)| {
-        let [a, b] = [0; 2].map(|_| in_cube(&mut r, 1.0).as_vec3().to_array());
+    let triangle = |i: usize, r: &mut Random| {
+        let [a, b] = [0; 2].map(|_| in_cube(r, 1.0).as_vec3().to_array());
         [[a, b, b], [a, b, a], [a, a, b], [a, a, a]][i % 4]
     };
-    Ok(from_above(scene_of(randoms(500, 11).map(triangle).collect()), count, 2.0))
+    Ok(from_above(scene_of(drawn(500, SEED + 11, triangle)), count, 2.0))
 }
 
 /// Degenerate triangles along the x axis.
@@ -298,11 +296,10 @@ pub(super) fn crowd(count: usize) -> Made {
     let middle = (middle.min + middle.max).as_dvec3() * 0.5;
     let small = |p: [f32; 3]| ((vec(p) - middle) * SIZE + DVec3::splat(0.1)).as_vec3().to_array();
     let mut triangles: Vec<Triangle> = soup.into_iter().map(|t| t.map(small)).collect();
-    let rays = randoms(count, 12).map(|(_, mut random)| {
+    let rays = drawn(count, SEED + 12, |_, random| {
         let origin = DVec3::splat(0.1) + random.on_sphere() * 2.0 * SIZE;
-        towards(within(&triangles[random.below(triangles.len())], &mut random), origin)
+        towards(within(&triangles[random.below(triangles.len())], random), origin)
     });
-    let rays = rays.collect();
     triangles.extend([
         [[-1.0, -1.0, -1.0], [-0.9, -1.0, -1.0], [-1.0, -0.9, -1.0]],
         [[1.0, 1.0, 1.0], [0.9, 1.0, 1.0], [1.0, 0.9, 1.0]],
@@ -317,11 +314,10 @@ pub(super) fn tiny_detail(count: usize) -> Made {
     let mut scene = sphere(2, |p| p * SIZE + place)?;
     let detail = scene.triangles.len();
     scene.triangles.extend(sphere(2, |p| p)?.triangles);
-    let rays = randoms(count, 13).map(|(_, mut random)| {
+    let rays = drawn(count, SEED + 13, |_, random| {
         let origin = place + random.on_sphere() * 10.0 * SIZE;
-        towards(within(&scene.triangles[random.below(detail)], &mut random), origin)
+        towards(within(&scene.triangles[random.below(detail)], random), origin)
     });
-    let rays = rays.collect();
     Ok(given(scene_of(scene.triangles), rays))
 }
 
@@ -339,12 +335,12 @@ pub(super) fn long_walk(count: usize) -> Made {
     };
     let plane = Planes::of(&ends(1500.0), vec![Ray::new([1.0; 3], [1.0; 3])], CELLS)?.plane(0, 1580);
     let x = plane - 0.004;
-    let rays = randoms(count, 14).map(|(_, mut random)| {
-        let origin = DVec3::new(0.6, 0.6, 0.3) + in_cube(&mut random, 0.2);
+    let rays = drawn(count, SEED + 14, |_, random| {
+        let origin = DVec3::new(0.6, 0.6, 0.3) + in_cube(random, 0.2);
         let target = DVec3::new(f64::from(x), 1400.0 + 190.0 * random.unit(), 0.3);
         ray(origin, target - origin)
     });
-    Ok(Workload { grid: GridSize::Cells(CELLS), ..given(ends(x), rays.collect()) })
+    Ok(Workload { grid: GridSize::Cells(CELLS), ..given(ends(x), rays) })
 }
 
 /// Triangles, each half as large and half as far away as the one before, which no BVH can balance. Rays aim at those of
@@ -356,13 +352,12 @@ pub(super) fn halving(count: usize, levels: Range<i32>) -> Made {
     };
     let scene = scene_of((0..levels.end).map(triangle).collect());
     let aimed_at = &scene.triangles[levels.start as usize..];
-    let rays = randoms(count, 15).map(|(i, mut random)| {
+    let rays = drawn(count, SEED + 15, |i, random| {
         let triangle = &aimed_at[i % aimed_at.len()];
         let size = f64::from(triangle[0][0]);
-        let origin = (DVec3::X * 1.3 + in_cube(&mut random, 0.1)) * size;
-        ray(origin, within(triangle, &mut random) - origin)
+        let origin = (DVec3::X * 1.3 + in_cube(random, 0.1)) * size;
+        ray(origin, within(triangle, random) - origin)
     });
-    let rays = rays.collect();
     Ok(given(scene, rays))
 }
 

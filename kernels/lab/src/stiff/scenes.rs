@@ -9,7 +9,7 @@ use raystep_scenes::{Scene, generate};
 use crate::Error;
 use crate::rays::Random;
 use crate::stability::Workload;
-use crate::stability::make::{self, Triangle, given, ray, scene_of, sphere, towards, vec};
+use crate::stability::make::{self, Triangle, drawn, given, ray, scene_of, sphere, towards, vec};
 
 type Made = Result<Workload, Error>;
 
@@ -30,10 +30,6 @@ fn quad(corners: [DVec3; 4]) -> [Triangle; 2] {
     make::quad(corners.map(|p| p.as_vec3().to_array()))
 }
 
-fn drawn(count: usize, seed: u32, mut one: impl FnMut(&mut Random) -> Ray) -> Vec<Ray> {
-    (0..count).map(|i| one(&mut Random::of(i as u32, seed))).collect()
-}
-
 /// A random point on a random edge of some of the triangles.
 fn on_edge(scene: &Scene, of: &Range<usize>, random: &mut Random) -> DVec3 {
     let corners = scene.triangles[of.start + random.below(of.len())].map(vec);
@@ -51,7 +47,7 @@ fn on_surface(scene: &Scene, random: &mut Random) -> DVec3 {
 
 /// Rays to the edges of some triangles, from random points around their centre.
 fn from_around(scene: Scene, of: Range<usize>, center: DVec3, distance: f64, count: usize, seed: u32) -> Workload {
-    let rays = drawn(count, seed, |random| {
+    let rays = drawn(count, seed, |_, random| {
         let origin = center + random.on_sphere() * distance;
         towards(on_edge(&scene, &of, random), origin)
     });
@@ -85,7 +81,7 @@ pub(super) fn plane(ratio: f64, count: usize, seed: u32) -> Made {
     let corner = |[x, z]: [f64; 2]| DVec3::new(x * ratio, -1.0, z * ratio);
     scene.triangles.extend(quad([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner)));
     let scene = scene_of(scene.triangles);
-    let rays = drawn(count, seed, |random| {
+    let rays = drawn(count, seed, |_, random| {
         let around = random.on_sphere() * 2.5;
         towards(on_edge(&scene, &object, random), DVec3::new(around.x, around.y.abs(), around.z))
     });
@@ -111,7 +107,7 @@ fn strip(aspect: f64, turn: DMat3, count: usize, seed: u32) -> Made {
     let at = |k: i32, y: f64| turn * DVec3::new(f64::from(k - SLIVERS / 2) / aspect, y, 0.0);
     let sliver = |k: i32| quad([at(k, 0.0), at(k + 1, 0.0), at(k + 1, 1.0), at(k, 1.0)]);
     let scene = scene_of((0..SLIVERS).flat_map(sliver).collect());
-    let rays = drawn(count, seed, |random| {
+    let rays = drawn(count, seed, |_, random| {
         let target = on_surface(&scene, random);
         let side = DVec3::new(random.unit() - 0.5, random.unit() - 0.5, 1.0);
         towards(target, target + turn * side)
@@ -130,7 +126,7 @@ pub(super) fn crowd(share: f64, count: usize, seed: u32) -> Made {
         triangles[place] = triangles[place].map(small);
     }
     let (scene, all) = (scene_of(triangles), 0..5_000);
-    let rays = drawn(count, seed, |random| {
+    let rays = drawn(count, seed, |_, random| {
         let origin = DVec3::new(random.unit(), random.unit(), random.unit());
         towards(on_edge(&scene, &all, random), origin)
     });
@@ -140,7 +136,7 @@ pub(super) fn crowd(share: f64, count: usize, seed: u32) -> Made {
 /// Rays from inside a closed sphere around `center` to its edges.
 fn from_inside(scene: Scene, center: DVec3, count: usize, seed: u32) -> Workload {
     let all = 0..scene.triangles.len();
-    let rays = drawn(count, seed, |random| {
+    let rays = drawn(count, seed, |_, random| {
         let side = [(); 3].map(|()| random.unit() - 0.5);
         towards(on_edge(&scene, &all, random), center + DVec3::from(side) * 0.8)
     });
@@ -166,7 +162,7 @@ pub(super) fn walk(cells: f64, count: usize, seed: u32) -> Made {
     triangles.push(triangle([DVec3::ZERO, DVec3::X * 0.1, DVec3::Y * 0.1]));
     triangles.push(triangle([far, far - DVec3::X * 0.01, far - DVec3::Z * 0.1]));
     let scene = scene_of(triangles);
-    let rays = drawn(count, seed, |random| {
+    let rays = drawn(count, seed, |_, random| {
         let origin = DVec3::new(0.4, 0.4, 0.3) + 0.3 * DVec3::new(random.unit(), random.unit(), random.unit());
         let target = DVec3::new(x, low + (cells - low) * random.unit(), 0.1 + 0.8 * random.unit());
         towards(target, origin)
@@ -197,7 +193,7 @@ pub(super) fn t_junctions(edges: f64, count: usize, seed: u32) -> Made {
             triangles.extend(quad([at(x(k), y - 0.5), at(x(k + 1), y - 0.5), at(x(k + 1), y), at(x(k), y)]));
         }
     }
-    let rays = drawn(count, seed, |random| {
+    let rays = drawn(count, seed, |_, random| {
         let (panel, k) = (random.below(PANELS as usize), random.below(most as usize + 1));
         // The vertex as rounded to f32.
         let target = at(k as f64 / edges, panel as f64).as_vec3().as_dvec3();
@@ -216,7 +212,7 @@ pub(super) fn grazing(inverse_sine: f64, count: usize, seed: u32) -> Made {
     let scene = scene_of(places.flat_map(|(i, k)| square(i, k)).collect());
     let (along, normal) = (DVec3::new(1.0, 0.0, 1.0).normalize(), DVec3::new(-1.0, 0.0, 1.0).normalize());
     let (sine, cosine) = (1.0 / inverse_sine, (1.0 - inverse_sine.powi(-2)).sqrt());
-    let rays = drawn(count, seed, |random| {
+    let rays = drawn(count, seed, |_, random| {
         let target = on_surface(&scene, random);
         // A direction in the plane; the ray comes from above it.
         let around = random.on_sphere();
@@ -236,7 +232,7 @@ pub(super) fn own(scene: &Scene, count: usize, seed: u32) -> Vec<Ray> {
     }
     let bounds = scene.bounds();
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-    drawn(count, seed, |random| {
+    drawn(count, seed, |_, random| {
         let side = [(); 3].map(|()| 0.1 + 0.8 * random.unit());
         towards(on_edge(scene, &all, random), min + (max - min) * DVec3::from(side))
     })
