@@ -12,7 +12,7 @@ use raystep_kernels::tables::state::{StateInfo, States, Tag};
 use raystep_kernels::tables::stream::{STATE_TAG, StreamInfo};
 use raystep_kernels::{Accelerator, Device, Kernel, Options, Plan, Renderer, ScheduleKind, Stream};
 use raystep_lab::parity;
-use raystep_tests::{block_on, gpu, options, scene};
+use raystep_tests::{block_on, devices, gpu, gpu_of, options, scene};
 
 static NEAR: Elements = Elements { name: "near", count: Count::Image };
 static FAR: Elements = Elements { name: "far", count: Count::Image };
@@ -152,15 +152,16 @@ fn the_guests_have_no_fault_and_share_every_row() {
 #[test]
 fn guests_trace_as_their_own_program_does() {
     let scene = scene("teapot.glb");
-    let devices = [Device::Cpu(None), Device::Gpu(gpu())];
-    for (options, device) in cases().iter().flat_map(|options| devices.iter().map(move |device| (options, device))) {
-        let label = format!("{} {} {} on {device:?}", options.accelerator, options.schedule, options.steps_per_pass);
-        block_on(async {
+    for (options, (name, device)) in
+        cases().iter().flat_map(|options| devices().into_iter().map(move |on| (options, on)))
+    {
+        let label = format!("{} {} {} on {name}", options.accelerator, options.schedule, options.steps_per_pass);
+        block_on(gpu_of(&device), async {
             let limits = device.limits();
             let (plan, data) = Plan::new(&scene, options, &limits).expect("a plan");
             let guests = plan.hosted(&GUESTS, schedule_of(options, &plan), &data, &limits).expect("a plan");
-            let mut own = Renderer::from_plan(plan, data.clone(), options, device).await.expect("a run");
-            let mut guests = Renderer::from_plan(guests, data, options, device).await.expect("a run of guests");
+            let mut own = Renderer::from_plan(plan, data.clone(), options, &device).await.expect("a run");
+            let mut guests = Renderer::from_plan(guests, data, options, &device).await.expect("a run of guests");
             own.run(|_| std::ops::ControlFlow::Continue(())).await.expect("passes");
             guests.run(|_| std::ops::ControlFlow::Continue(())).await.expect("passes of guests");
             assert_eq!(guests.pass_count(), 2 * own.pass_count(), "{label}");
@@ -191,7 +192,8 @@ fn guests_agree_with_their_references_after_every_pass() {
     for options in cases() {
         let (plan, data) = Plan::new(&scene, &options, &limits).expect("a plan");
         let plan = plan.hosted(&GUESTS, schedule_of(&options, &plan), &data, &limits).expect("a plan");
-        let found = block_on(parity::compare_plan(&gpu, plan, data, &options, |_| false)).expect("a comparison");
+        let found =
+            block_on(Some(&gpu), parity::compare_plan(&gpu, plan, data, &options, |_| false)).expect("a comparison");
         assert!(!found.is_broken(), "{}: {:?} {:?}", options.accelerator, found.breaches, found.miscounts);
         seen.extend(found.transitions.iter().map(|(_, kernel, _)| kernel.name()));
     }

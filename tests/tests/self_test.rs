@@ -211,6 +211,8 @@ fn every_operation_of_every_kernel_is_probed() {
             plans.push(Plan::new(&scene, &options, &limits).expect(file).0);
         }
     }
+    let sort = Options { program: ProgramName::Sort, ..options(&scene("empty.gltf"), 8, 8) };
+    plans.push(Plan::new(&scene("empty.gltf"), &sort, &limits).expect("a sort").0);
     let mut kernels = BTreeSet::new();
     let mut sources = BTreeSet::new();
     for variant in plans.iter().flat_map(|plan| &plan.variants) {

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use crate::human::cell;
+use crate::human::field;
 use crate::text::visible;
 use crate::tidy::{KEYS, Row};
 
@@ -33,6 +33,19 @@ pub fn page(title: &str, style: &str, body: &str) -> String {
 pub fn escaped(text: &str) -> String {
     let text = visible(text);
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
+}
+
+/// A field of a CSV file as HTML: shown for people, with the field itself for programs.
+pub(crate) fn cell(column: &str, text: &str) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    data(text, &field(column, text))
+}
+
+/// A field of a CSV file, shown as something else.
+pub(crate) fn data(text: &str, shown: &str) -> String {
+    format!("<data value=\"{}\">{}</data>", escaped(text), escaped(shown))
 }
 
 /// Columns that tables of a page do not show: the same in all rows, or of interest to programs only.
@@ -146,6 +159,12 @@ pub(crate) fn plain(html: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cell_keeps_the_field_of_the_file() {
+        assert_eq!(cell("median_ns", "120"), "<data value=\"120\">120 ns</data>");
+        assert_eq!(cell("median_ns", ""), "");
+    }
 
     #[test]
     fn text_is_not_markup() {

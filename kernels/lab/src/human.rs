@@ -1,8 +1,6 @@
 //! Numbers for people, on pages: scaled units and few digits. Every number keeps the field of its CSV file in a `data`
 //! element, so that pages can be compared with the files.
 
-use crate::html::escaped;
-
 /// Three significant digits, with commas between thousands.
 #[must_use]
 pub fn digits(value: f64) -> String {
@@ -80,19 +78,6 @@ pub(crate) fn field(column: &str, text: &str) -> String {
     }
 }
 
-/// A field of a CSV file as HTML: shown for people, with the field itself for programs.
-pub(crate) fn cell(column: &str, text: &str) -> String {
-    if text.is_empty() {
-        return String::new();
-    }
-    data(text, &field(column, text))
-}
-
-/// A field of a CSV file, shown as something else.
-pub(crate) fn data(text: &str, shown: &str) -> String {
-    format!("<data value=\"{}\">{}</data>", escaped(text), escaped(shown))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,7 +103,6 @@ mod tests {
         assert_eq!(field("judged_rays", "36864"), "36,864");
         assert_eq!(field("build_s", "0.0044"), "4.4 ms");
         assert_eq!(field("accelerator", "bvh"), "bvh");
-        assert_eq!(cell("median_ns", "120"), "<data value=\"120\">120 ns</data>");
-        assert_eq!(cell("median_ns", ""), "");
+        assert_eq!(field("median_ns", "120"), "120 ns");
     }
 }

@@ -7,7 +7,7 @@ use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::shader::forget_variants;
-use raystep_kernels::{Device, Gpu, Limits, Options, Renderer};
+use raystep_kernels::{Device, Gpu, GpuError, Limits, Options, Renderer};
 use raystep_scenes::Scene;
 use web_time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -82,8 +82,8 @@ impl Machine {
     }
 
     /// An error if the device does not work any more.
-    pub(crate) fn health(&self) -> Result<(), crate::Error> {
-        Ok(self.gpu().map_or(Ok(()), |gpu| gpu.health())?)
+    pub(crate) fn health(&self) -> Result<(), GpuError> {
+        self.gpu().map_or(Ok(()), |gpu| gpu.health())
     }
 
     /// Waits until the device has finished everything submitted, uploads included.

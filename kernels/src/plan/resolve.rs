@@ -9,7 +9,7 @@ use crate::numbers::units::Units;
 use crate::options::features::{Features, StructureKind};
 use crate::options::{Accelerator, GridSize, MOST_LISTED, MOST_LISTED_IN_ONE_LEVEL, Options, Rule, ScheduleKind, Skip};
 use crate::program::live::{LIVE_RAYS, live_bytes};
-use crate::programs::closest_hit;
+use crate::programs;
 use crate::scene_data::{bvh_growth, origins, traced_vertices};
 use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
 use crate::structures::grid::{Corners, CountedGrid, GridData};
@@ -162,7 +162,7 @@ fn check_sizes(
         check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
     }
     if features.live_lists {
-        check_buffer(LIVE_RAYS, live_bytes(&closest_hit::PROGRAM, texels), limits)?;
+        check_buffer(LIVE_RAYS, live_bytes(programs::named(options.program), texels), limits)?;
     }
     Ok(())
 }

@@ -70,7 +70,7 @@ fn list_module(lists: &[LiveList]) -> String {
     _ = write!(
         text,
         "\nconst LISTS: u32 = {}u;\nconst IN_A_ROW: u32 = LIST_SIDE * LIST_SIDE * LIST_GROUPS;\n\n\
-         // The list that elements in a state wait in.\nfn list_of(tag: u32) -> u32 {{\n",
+         // The list that elements in a state wait in.\nfn waiting_list(tag: u32) -> u32 {{\n",
         lists.len()
     );
     for (index, list) in lists.iter().enumerate() {

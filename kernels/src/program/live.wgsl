@@ -9,7 +9,7 @@ import package::constants::{LIST_SIDE, LIST_GROUPS, NOBODY};
 import package::state::{STATES};
 // Made from the program's rows: the number of lists in use, the list of the kernel that takes a state (LISTS if none
 // does), and a function that reserves room in a list.
-@if(live_lists) import package::lists::{LISTS, list_of, reserve};
+@if(live_lists) import package::lists::{LISTS, waiting_list, reserve};
 
 @group(2) @binding(0) var<storage, read_write> sent: array<atomic<u32>, STATES>;
 @if(live_lists) @group(2) @binding(2) var<storage, read> own_list: array<u32, 8>;
@@ -86,7 +86,7 @@ fn appended(list: u32, words: u32, mask: u32) -> u32 {
 @if(live_lists)
 fn send(lane: u32, texel: vec2u, tag: u32) {
     note_sent(tag);
-    let list = list_of(tag);
+    let list = waiting_list(tag);
     let word = lane / 32u;
     let bit = 1u << (lane % 32u);
     if (list < LISTS) {

@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use super::section::SECTIONS;
-use crate::html::{self, escaped};
-use crate::human::{cell, data};
+use crate::html::{self, cell, data, escaped};
 use crate::plots::{self, Draw, Format};
 use crate::subject::Size;
 use crate::text::counted;

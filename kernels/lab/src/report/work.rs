@@ -280,7 +280,7 @@ impl Work<'_> {
     /// Whether to continue after an error: not if the device itself has failed, or if everything is cancelled.
     pub(super) fn can_go_on(&self) -> Result<(), Error> {
         self.is_wanted()?;
-        self.machine().health()
+        Ok(self.machine().health()?)
     }
 
     /// An error if everything is cancelled.

@@ -3,7 +3,7 @@
 mod building;
 mod scenes;
 
-use raystep_kernels::options::ProgramName::{ClosestHit, GridBuild};
+use raystep_kernels::options::ProgramName::{ClosestHit, GridBuild, Sort};
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
 use raystep_kernels::programs::named;
 use raystep_kernels::tables::kernel::Role;
@@ -45,7 +45,10 @@ pub(super) fn checks_of_tracing() -> Vec<Check> {
 
 pub(super) fn checks_of_building() -> Vec<Check> {
     let shows = "uniform, two-level and irregular grids were built, and are the host's, bit for bit";
-    checks_of(named(GridBuild), Group::Building, |_| true, shows)
+    let mut all = checks_of(named(GridBuild), Group::Building, |_| true, shows);
+    let of_sort = named(Sort).kernels().map(Kernel::info);
+    all.extend(of_sort.map(|row| Check { group: Group::Building, name: row.name, shows: row.summary }));
+    all
 }
 
 /// Kernels that take one step can be drawn, and those that begin and end a ray's course.

@@ -3,7 +3,8 @@
 use super::super::page::{LeadTable, Part};
 use super::super::words::compared;
 use super::words::{is_own, name, quickest};
-use crate::human::{cell, data, digits, field};
+use crate::html::{cell, data};
+use crate::human::{digits, field};
 use crate::statistics::Compared;
 use crate::tidy::Row;
 

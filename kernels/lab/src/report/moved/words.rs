@@ -1,7 +1,8 @@
 //! What the sections on offset and scale say.
 
 use super::plots;
-use crate::human::{data, field};
+use crate::html::data;
+use crate::human::field;
 use crate::report::page::{Part, number};
 use crate::tidy::Row;
 

@@ -3,7 +3,7 @@
 use super::super::page::{Part, number};
 use super::super::words::compared;
 use super::figure::compared_rows;
-use crate::human::{cell, data};
+use crate::html::{cell, data};
 use crate::statistics::Compared;
 use crate::tidy::Row;
 

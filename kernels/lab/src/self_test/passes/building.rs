@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use raystep_kernels::options::ProgramName;
+use raystep_kernels::programs::sort::{KEY, random_keys};
 use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Options, Plan, RaySource, RenderError, Renderer};
 use raystep_scenes::{Camera, Scene, generate};
 
@@ -45,16 +46,28 @@ pub(in crate::self_test) fn steps() -> Vec<Step> {
     let step = |(name, make, accelerator, grid): (&'static str, Make, Accelerator, GridSize)| {
         Step::new(Group::Building, name, &[ALL], move |bench| build(bench, name, &make()?, accelerator, grid))
     };
-    GRIDS.into_iter().map(step).collect()
+    let sorts = Step::new(Group::Building, "5,000 keys sorted", &[ALL], sort);
+    GRIDS.into_iter().map(step).chain([sorts]).collect()
+}
+
+/// Sorts keys: a number that is no power of two.
+fn sort(bench: &mut Bench) -> Found {
+    let rays = RaySource::Camera { camera: Camera::framing(&Scene::default().bounds()), width: 1, height: 1 };
+    let options = Options { program: ProgramName::Sort, elements: 5_000, ..Options::new(rays) };
+    run(bench, "5,000 keys sorted", &Scene::default(), &options)
 }
 
 fn build(bench: &mut Bench, name: &str, scene: &Scene, accelerator: Accelerator, grid: GridSize) -> Found {
     let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 8, height: 8 };
     let options = Options { program: ProgramName::GridBuild, accelerator, grid, ..Options::new(rays) };
-    let (found, is_hosts) = bench.machine.wait(beside(bench, scene, &options))?;
+    run(bench, name, scene, &options)
+}
+
+fn run(bench: &mut Bench, name: &str, scene: &Scene, options: &Options) -> Found {
+    let (found, is_hosts) = bench.machine.wait(beside(bench, scene, options))?;
     let done = Finding::new(Group::Building, ALL, Verdict::Right, "").counting(&[("configurations", 1)]);
     // A wrong pass is a finding of its kernel.
-    let wrong = (!is_hosts && found.first.is_none()).then(|| format!("{name} is not the one that the host builds"));
+    let wrong = (!is_hosts && found.first.is_none()).then(|| format!("{name}: not what the host makes"));
     let wrong_of = |kernel: Kernel| {
         let first = found.first.iter().filter(|first| first.kernel == kernel);
         first.map(|first| format!("{name}: {first}")).collect()
@@ -72,9 +85,17 @@ async fn beside(bench: &Bench, scene: &Scene, options: &Options) -> Result<(Lock
     let mut ours = Renderer::from_plan(plan, data, options, &bench.machine.device).await?;
     let found = lockstep(&mut ours, &mut twins, |_| ControlFlow::Continue(())).await?;
     let is_hosts = found.first.is_none()
-        && match Built::on_host(&ours, bench.machine.limits().storage_bytes / 4) {
-            Ok(host) => Built::of(&ours).await? == host,
-            Err(_) => false,
+        && match options.program {
+            ProgramName::Sort => {
+                let keys = ours.values(KEY).await?;
+                let mut expected = random_keys(options.elements, options.samples.seed);
+                expected.sort_unstable();
+                keys.layer(0).starts_with(&expected)
+            }
+            _ => match Built::on_host(&ours, bench.machine.limits().storage_bytes / 4) {
+                Ok(host) => Built::of(&ours).await? == host,
+                Err(_) => false,
+            },
         };
     Ok((found, is_hosts))
 }
