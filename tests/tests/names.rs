@@ -24,8 +24,8 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "inspector/src/ui/panels/structure/slice/path.rs",
             "inspector/src/walk.rs",
             "inspector/src/walk/cells.rs",
-                    "inspector/src/walk/nodes.rs",
-                ],
+            "inspector/src/walk/nodes.rs",
+        ],
     ),
     ("panels about rays alone", &["inspector/src/ui/panels/compare.rs"]),
     (
