@@ -36,6 +36,8 @@ use raystep_scenes::Scene;
 use sketcher::Sketcher;
 use twins::Twins;
 
+use crate::settings::traces_rays;
+
 pub use edit::Edit;
 pub use history::DEFAULT_BUDGET;
 pub use model::Model;
@@ -187,14 +189,16 @@ impl Session {
         self.pixel
     }
 
-    /// The current state of the selected ray.
+    /// The current state of the selected ray; `None` also in a program without rays.
     ///
     /// # Errors
     /// Where the device fails.
     pub async fn ray(&self) -> Result<Option<RayState>, RenderError> {
         match self.pixel {
-            Some([x, y]) => ray_state(&self.renderer, x, y).await.map(Some),
-            None => Ok(None),
+            Some([x, y]) if traces_rays(self.renderer.plan().program) => {
+                ray_state(&self.renderer, x, y).await.map(Some)
+            }
+            _ => Ok(None),
         }
     }
 

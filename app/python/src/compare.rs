@@ -64,7 +64,7 @@ async fn together([a, b]: &mut [Kernels; 2], watcher: &mut Watcher) -> Result<Fo
         a.run_to(found.compared + 1, |progress| watcher.tell(progress)).await?;
         b.run_to(found.compared + 1, |_| std::ops::ControlFlow::Continue(())).await?;
         watcher.expect_calm(a)?;
-        let Some(pass) = a.passes().get(found.compared).copied() else { break };
+        let Some(pass) = a.passes().get(found.compared).cloned() else { break };
         found.compared += 1;
         let plan = a.shared_plan();
         let written: Vec<Stream> =

@@ -16,11 +16,11 @@ impl Session {
     /// where the device fails.
     pub async fn follow(&mut self, x: u32, y: u32, progress: &mut OnProgress<'_>) -> Result<Trace, RenderError> {
         let mut guide = Guide::new(progress);
-        ray_state(&self.renderer, x, y).await?;
         let here = self.place();
         if !traces_rays(self.renderer.plan().program) {
             return Ok(Trace::new(&self.renderer, [x, y], Vec::new()));
         }
+        ray_state(&self.renderer, x, y).await?;
         let followed = self.follow_from_start([x, y], &mut guide).await;
         // Return even if it was stopped: following must not move the user's view.
         if matches!(followed, Ok(_) | Err(RenderError::Cancelled { .. })) {
