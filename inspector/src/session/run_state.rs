@@ -185,7 +185,7 @@ impl RunState {
         self.texels.push(texels);
     }
 
-    /// A stream's texture. Its values may be those of an earlier place: see [`drawn`](Self::drawn).
+    /// A stream's texture. Its values may be those of an earlier place: see `drawn` of the model.
     #[must_use]
     pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
         self.opened.as_ref()?.textures.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture)

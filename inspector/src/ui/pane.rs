@@ -64,7 +64,7 @@ pub trait Panel {
     }
     /// Shows it.
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>);
-    /// Its saved state; empty if there is none. [`saves`] makes this and the next from a field.
+    /// Its saved state; empty if there is none. `saves!` makes this and the next from a field.
     fn save(&self) -> String {
         String::new()
     }

@@ -2,7 +2,7 @@
 //! path.
 //!
 //! Two executors start from the same streams. After the pass, integers and floats that are only copied must be equal,
-//! and computed floats must agree within the bounds in the kernel's row (see [`rounding`]). Rays that f32 cannot decide
+//! and computed floats must agree within the bounds in the kernel's row (see [`raystep_kernels::program::rounding`]). Rays that f32 cannot decide
 //! are exempt.
 
 mod judge;

@@ -10,7 +10,7 @@ use crate::plots::{Draw as _, Format, Plot};
 use crate::structures::accelerating;
 use crate::tidy::Row;
 
-/// Styles that [`html`] needs.
+/// Styles that [`html()`] needs.
 pub const STYLE: &str = "\
 .curves{display:flex;flex-wrap:wrap;gap:.6rem 1.2rem}.curves figure{margin:0;width:27.5rem;max-width:100%}\
 .curves figcaption{font-size:.82rem;margin-top:.2rem}";
