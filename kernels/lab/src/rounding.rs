@@ -1,9 +1,9 @@
 //! What rounding may change in one pass: how far floats may be off after a kernel, and which rays may take another
 //! path.
 //!
-//! Two executors start from the same streams. After the pass, integers and floats that are only copied must be equal,
-//! and computed floats must agree within the bounds in the kernel's row (see [`raystep_kernels::program::rounding`]). Rays that f32 cannot decide
-//! are exempt.
+//! Two executors start from the same streams. After the pass, integers and floats that are only copied must be
+//! equal, and computed floats must agree within the bounds in the kernel's row (see
+//! [`raystep_kernels::program::rounding`]). Rays that f32 cannot decide are exempt.
 
 mod judge;
 mod nudge;
