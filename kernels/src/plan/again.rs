@@ -1,7 +1,8 @@
 //! A plan once more, for other rays through the same structure.
 
+use super::allocated::Allocated;
 use super::check::{check_buffer, given_size};
-use super::{Allocated, Limits, Plan, PlanError, bound_by, variants};
+use super::{Limits, Plan, PlanError, bound_by, variants};
 use crate::program::live::{LIVE_RAYS, live_bytes};
 use crate::scene_data::SceneData;
 use crate::tables::elements::Size;

@@ -4,6 +4,7 @@
 //! schedule, compiled with the run's options, binds it.
 
 mod again;
+mod allocated;
 mod check;
 mod decide;
 pub(crate) mod display;
@@ -27,24 +28,24 @@ use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::mapping::Until;
 use crate::options::{Accelerator, Numerics, Options, ProgramName, RaySource, ScheduleKind, Traversal};
-use crate::program::live::{self, LIVE_RAYS, live_bytes};
+use crate::program::live;
 use crate::program::schedule::{Schedule, Step};
 use crate::program::{Kernel, Program};
 use crate::programs::closest_hit;
 use crate::scene_data::SceneData;
-use crate::shader::{LAUNCH, ShaderError, Variant};
+use crate::shader::{ShaderError, Variant};
 use crate::shared::scene::SceneInfo;
-use crate::tables::elements::{Count, Elements, Size};
+use crate::tables::elements::{Elements, Size};
 use crate::tables::kernel::Role;
-use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, fill_bytes, given_bytes};
 use crate::tables::stream::Stream;
 
 pub use crate::numbers::bytes::Bytes;
 pub use crate::options::reasons::Because;
 pub use crate::tables::elements::{folded_width as given_width, tiled};
+use allocated::Allocated;
 pub(crate) use check::{FARTHEST, why_untraceable};
 pub use check::{MAX_TEXELS, PlanError};
-use check::{check_buffer, check_mapping, check_rays, check_samples, check_scene, check_texels, image_size};
+use check::{check_mapping, check_rays, check_samples, check_scene, check_texels, image_size};
 use decide::left_out;
 pub use display::PlanText;
 pub use drawn::DrawnPlan;
@@ -127,27 +128,6 @@ pub struct Plan {
     pub pass_bound: u64,
 }
 
-/// The buffers in which the GPU executor counts and lists elements, as far as kernels bind them.
-fn housekeeping(program: &'static Program, bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str>> {
-    let slots = COUNT_SLOTS * COUNT_SLOT_BYTES;
-    let mut all = Vec::new();
-    let mut add = |what, bytes| all.push(Planned { what, bytes });
-    add("sent", slots);
-    add("sent_copy", slots);
-    if bound.contains(LAUNCH) {
-        add(LAUNCH, slots);
-    }
-    for list in program.lists.iter().filter(|list| bound.contains(list.name)) {
-        for slots in list.slots {
-            add(slots, COUNT_SLOTS * COUNT_SLOT_BYTES / 2 + COUNT_SLOT_BYTES);
-        }
-    }
-    if bound.contains(LIVE_RAYS) {
-        add(LIVE_RAYS, live_bytes(program, texels));
-    }
-    all
-}
-
 /// The kernels of a schedule as they will be compiled, and the kernel that counts rays for those that do not.
 fn variants(program: &'static Program, schedule: &Schedule, features: &Features) -> Result<Vec<Variant>, ShaderError> {
     let mut kernels = schedule.kernels();
@@ -156,72 +136,6 @@ fn variants(program: &'static Program, schedule: &Schedule, features: &Features)
     }
     let lists = live::lists(&kernels, features);
     kernels.into_iter().map(|kernel| Variant::new(kernel, features, &lists)).collect()
-}
-
-fn planned_streams(program: &'static Program, sets: &[PlannedSet], bound: &BTreeSet<&str>) -> Vec<Planned<Stream>> {
-    let bytes = |stream: Stream| {
-        let size = sets.iter().find(|set| set.what.name == stream.info().elements.name).and_then(|set| set.size);
-        size.and_then(|size| stream.bytes(size.texels())).unwrap_or(0)
-    };
-    let bound = program.streams().filter(|stream| bound.contains(stream.name()));
-    bound.map(|what| Planned { what, bytes: bytes(what) }).collect()
-}
-
-fn planned_buffers(
-    program: &Program,
-    bound: &BTreeSet<&str>,
-    data: &SceneData,
-    limits: &Limits,
-) -> Result<Vec<Planned<&'static str>>, PlanError> {
-    let mut buffers = Vec::new();
-    for info in program.buffers.iter().filter(|b| bound.contains(b.name)) {
-        let bytes = info.contents(data).len() as u64;
-        if !info.is_uniform {
-            check_buffer(info.name, bytes, limits)?;
-        }
-        buffers.push(Planned { what: info.name, bytes });
-    }
-    Ok(buffers)
-}
-
-/// What a run allocates.
-struct Allocated {
-    sets: Vec<PlannedSet>,
-    streams: Vec<Planned<Stream>>,
-    buffers: Vec<Planned<&'static str>>,
-}
-
-impl Allocated {
-    /// For a run of rays; `given` by the caller or not.
-    fn new(
-        program: &'static Program,
-        bound: &BTreeSet<&str>,
-        data: &SceneData,
-        size: Size,
-        given: bool,
-        limits: &Limits,
-        drawn: Option<&DrawnPlan>,
-    ) -> Result<Self, PlanError> {
-        let planned =
-            |&what: &&'static Elements| PlannedSet { what, size: (what.count == Count::Image).then_some(size) };
-        let sets: Vec<_> = program.elements.iter().map(planned).collect();
-        let mut streams = planned_streams(program, &sets, bound);
-        let mut buffers = planned_buffers(program, bound, data, limits)?;
-        if let Some(drawn) = drawn {
-            streams.iter_mut().for_each(|stream| stream.bytes = drawn.stream_bytes(stream.what, size));
-            buffers.extend(drawn.housekeeping(size));
-            return Ok(Self { sets, streams, buffers });
-        }
-        buffers.extend(housekeeping(program, bound, size.texels()));
-        buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
-        if given {
-            let inputs = program.course().map_or(&[][..], |course| course.inputs).iter();
-            let inputs = inputs.filter(|stream| bound.contains(stream.name()));
-            let bytes = inputs.map(|&stream| given_bytes(stream, size.width, size.height)).sum();
-            buffers.push(Planned { what: "given", bytes });
-        }
-        Ok(Self { sets, streams, buffers })
-    }
 }
 
 /// The names that the kernels of a run bind.

@@ -1,15 +1,15 @@
 //! Plans a program without rays: over sets of elements of given sizes.
 
+use super::allocated::Allocated;
 use super::check::PlanError;
 use super::decide::absent;
-use super::{Limits, Plan, Planned, PlannedSet, bound_by, housekeeping, planned_buffers, planned_streams, variants};
+use super::{Limits, Plan, PlannedSet, bound_by, variants};
 use crate::options::{Accelerator, Options};
 use crate::program::Program;
 use crate::program::schedule::Schedule;
 use crate::program::sizes::derive;
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
-use crate::tables::sizes::{fill_bytes, given_bytes};
 
 /// A run of a program over sets of elements.
 pub(super) struct Over<'a> {
@@ -41,15 +41,8 @@ impl Over<'_> {
         let sets: Vec<_> = program.elements.iter().zip(known).map(|(&what, size)| PlannedSet { what, size }).collect();
         let variants = variants(program, &schedule, &data.features)?;
         let bound = bound_by(&variants);
+        let Allocated { sets, streams, buffers } = Allocated::of_sets(program, sets, &bound, data, limits)?;
         let size = sets[0].size.unwrap_or(Size { width: 1, height: 1, count: 0 });
-        let streams = planned_streams(program, &sets, &bound);
-        let mut buffers = planned_buffers(program, &bound, data, limits)?;
-        buffers.extend(housekeeping(program, &bound, size.texels()));
-        buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
-        if !data.inputs.is_empty() {
-            let bytes = data.inputs.iter().map(|input| given_bytes(input.stream, input.width, input.height)).sum();
-            buffers.push(Planned { what: "given", bytes });
-        }
         let mut plan = Plan {
             program,
             sets,
