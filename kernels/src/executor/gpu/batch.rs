@@ -2,8 +2,7 @@
 
 use std::mem::offset_of;
 
-use super::books::counted_anew;
-use super::books::{Place, blocks_a_dispatch, counts_after, groups, read_sent};
+use super::books::{Place, blocks_a_dispatch, counted_anew, counts_after, groups, read_sent};
 use super::rounding::Runs;
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};

@@ -87,9 +87,9 @@ impl Place {
         Self { sent: slot, ..self.clone() }
     }
 
-    /// Which slots its bind group has: the parity of each list.
-    pub(super) fn parities(&self) -> Vec<bool> {
-        self.next.iter().map(|next| next % 2 == 1).collect()
+    /// Which slots its bind group has: bit i is the parity of list i.
+    pub(super) fn parities(&self) -> u64 {
+        self.next.iter().rev().fold(0, |parities, next| 2 * parities + u64::from(next % 2))
     }
 
     /// Threads launched by the pass, given the rays in each state before it.
@@ -147,8 +147,8 @@ impl Books {
     }
 
     /// The resource bound to a name of a kernel, in the bind group for these slots; see [`Place::parities`].
-    pub(super) fn binding(&self, kernel: Kernel, name: &str, parities: &[bool]) -> Option<wgpu::BindingResource<'_>> {
-        let parity = |list: usize| parities.get(list).is_some_and(|&is_odd| is_odd);
+    pub(super) fn binding(&self, kernel: Kernel, name: &str, parities: u64) -> Option<wgpu::BindingResource<'_>> {
+        let parity = |list: usize| parities >> list & 1 == 1;
         let slots = |list: usize, is_odd: bool| Some(&self.lists.get(list)?.as_ref()?.slots[usize::from(is_odd)]);
         let buffer = match name {
             "sent" => &self.sent,

@@ -20,6 +20,8 @@ pub(super) struct KernelPipeline {
     bindings: Vec<Binding>,
     /// The streams that it writes.
     pub(super) writes: Vec<Stream>,
+    /// The lists whose slots it binds: a bit for each.
+    lists: u64,
     /// Its bind groups; `None` until each of its streams has a size.
     bound: Option<Bound>,
 }
@@ -28,7 +30,7 @@ struct Bound {
     /// Groups 0 and 1: streams and scene data.
     groups: Vec<wgpu::BindGroup>,
     /// Group 2: counters and lists, a group for each combination of even and odd slots that a pass has needed.
-    live: HashMap<Vec<bool>, wgpu::BindGroup>,
+    live: HashMap<u64, wgpu::BindGroup>,
     /// Names in group 2 with dynamic offsets, in order.
     offsets: Vec<String>,
 }
@@ -48,7 +50,15 @@ impl Pipelines {
             let compiled = gpu.compiled.get(&gpu.device, variant, is_proved(plan, variant, data));
             let (kernel, label, bindings) = (variant.kernel, variant.label(), variant.bindings.clone());
             let writes = variant.written_streams().collect();
-            KernelPipeline { kernel, label, compiled, bindings, writes, bound: None }
+            KernelPipeline {
+                kernel,
+                label,
+                compiled,
+                lists: lists_of(kernel, &bindings),
+                bindings,
+                writes,
+                bound: None,
+            }
         };
         let mut pipelines = Self(plan.variants.iter().map(pipeline).collect());
         pipelines.bind(bindable, |_| true)?;
@@ -84,6 +94,13 @@ impl Pipelines {
     pub(super) fn get(&self, kernel: Kernel) -> Option<&KernelPipeline> {
         self.0.iter().find(|p| p.kernel == kernel)
     }
+}
+
+/// The lists whose slots a kernel binds: a bit for each.
+fn lists_of(kernel: Kernel, bindings: &[Binding]) -> u64 {
+    let lists = kernel.program().lists.iter().enumerate();
+    let is_bound = |list: usize, name: &str| kernel.list() == Some(list) || bindings.iter().any(|b| b.name == name);
+    lists.filter(|(list, info)| is_bound(*list, info.name)).fold(0, |bits, (list, _)| bits | 1 << list)
 }
 
 /// The bind group of counters, lists and launch parameters.
@@ -128,24 +145,12 @@ fn bind_group(
 }
 
 impl KernelPipeline {
-    /// Which of a pass's slots its bind group has: only those of lists that it binds matter.
-    fn parities(&self, place: &Place) -> Vec<bool> {
-        let (program, mut parities) = (self.kernel.program(), place.parities());
-        for (list, is_odd) in program.lists.iter().zip(&mut parities) {
-            let is_bound = |b: &Binding| b.name == list.name;
-            let is_own = || self.kernel.list().is_some_and(|own| program.lists[own].name == list.name);
-            *is_odd &= self.bindings.iter().any(is_bound) || is_own();
-        }
-        parities
-    }
-
     /// Makes the bind group of counters and lists for a pass, if it is the first with these slots.
     fn prepare(&mut self, place: &Place, device: &wgpu::Device, books: &Books) -> Result<(), GpuError> {
-        let (parities, kernel) = (self.parities(place), self.kernel);
+        let (parities, kernel) = (place.parities() & self.lists, self.kernel);
         let Some(bound) = &mut self.bound else { return Ok(()) };
         let Some(layout) = self.compiled.layouts.get(LIVE_GROUP as usize) else { return Ok(()) };
         if let Entry::Vacant(place) = bound.live.entry(parities) {
-            let parities = place.key();
             let bindings: Vec<&Binding> = self.bindings.iter().filter(|b| b.group == LIVE_GROUP).collect();
             let resources = bindings.iter().map(|b| books.binding(kernel, &b.name, parities));
             let resources = resources.collect::<Option<Vec<_>>>().ok_or(GpuError::Missing(kernel.name()))?;
@@ -162,7 +167,7 @@ impl KernelPipeline {
         for (group, bind_group) in (0..).zip(&bound.groups) {
             pass.set_bind_group(group, bind_group, &[]);
         }
-        if let Some(group) = bound.live.get(&self.parities(place)) {
+        if let Some(group) = bound.live.get(&(place.parities() & self.lists)) {
             let offset = |name: &String| place.offset(self.kernel.program(), name);
             let offsets: Vec<u32> = bound.offsets.iter().filter_map(offset).collect();
             pass.set_bind_group(LIVE_GROUP, group, &offsets);
