@@ -158,7 +158,8 @@ impl<R: Precision> CpuExecutor<R> {
     ///
     /// # Errors
     /// If the run has found more elements than fit.
-    pub fn run(&mut self, Call { kernel, parameter }: Call, scene: &SceneData) -> Result<PassResult, CpuError> {
+    pub fn run(&mut self, call: Call, scene: &SceneData) -> Result<PassResult, CpuError> {
+        let kernel = call.kernel;
         let mut sizes = self.sizes.clone();
         sizes.renew(self.plan.program, kernel);
         let adopted = sizes.adopt(self.plan.program, kernel)?;
@@ -174,7 +175,7 @@ impl<R: Precision> CpuExecutor<R> {
         let threads_launched = match kernel.info().twin {
             Twin::Element { f32, f64 } => self.run_elements(kernel, R::twin(f32, f64), scene),
             Twin::Pass(twin) => {
-                twin(&mut columns::All(self, parameter), kernel, scene);
+                twin(&mut columns::All(self, call), scene);
                 u64::from(self.size(kernel.instance().over).map_or(0, |size| size.count))
             }
         };

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::Program;
 use crate::tables::elements::Count;
 use crate::tables::kernel::{Counts, Role};
-use crate::tables::state::{MOST_STATES, StateRole, Tag};
+use crate::tables::state::{MOST_LISTS, MOST_STATES, StateRole, Tag};
 use crate::tables::stream::{STATE_TAG, Stream};
 use crate::tables::texels::MOST_STREAMS;
 
@@ -132,10 +132,11 @@ impl Program {
 
     fn check_tables(&'static self, faults: &mut Vec<Fault>) {
         let program = self.name;
-        let tables: [(&'static str, Vec<&'static str>, usize); 5] = [
+        let tables: [(&'static str, Vec<&'static str>, usize); 6] = [
             ("kernels", self.kernels.iter().map(|k| k.name).collect(), usize::MAX),
             ("streams", self.streams.iter().map(|s| s.name).collect(), MOST_STREAMS),
             ("states", self.states.iter().map(|s| s.name).collect(), MOST_STATES),
+            ("lists", self.lists.iter().map(|l| l.name).collect(), MOST_LISTS),
             ("buffers", self.buffers.iter().map(|b| b.name).collect(), usize::MAX),
             ("sets of elements", self.elements.iter().map(|e| e.name).collect(), usize::MAX),
         ];

@@ -3,6 +3,7 @@
 
 pub mod breaks;
 pub mod check;
+pub mod instance;
 pub mod kernel;
 pub mod live;
 pub mod ray_state;
@@ -22,7 +23,8 @@ use crate::tables::kernel::{ListInfo, Transition};
 use crate::tables::state::{States, Tag};
 use crate::tables::stream::{Stream, StreamInfo};
 pub use check::Fault;
-pub use kernel::{Home, Instance, Kernel, KernelInfo, Path, Renamed, Twin};
+pub use instance::{Instance, Kernel, Renamed};
+pub use kernel::{Home, KernelInfo, Path, Twin};
 pub use ray_state::{Decoding, RayState};
 pub use results::Results;
 

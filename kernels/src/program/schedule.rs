@@ -1,6 +1,6 @@
 //! Which kernels run, in what order and until which condition holds: a value that can be checked without a GPU.
 
-use super::kernel::Kernel;
+use super::instance::Kernel;
 use crate::tables::elements::Elements;
 use crate::tables::kernel::{Launch, Role};
 use crate::tables::state::Population;

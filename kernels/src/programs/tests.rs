@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::*;
-use crate::program::{Instance, Kernel};
+use crate::program::{Course, Instance, Kernel, Renamed};
 use crate::tables::elements::{Count, Elements};
 use crate::tables::state::{StateInfo, StateRole, States};
 use crate::tables::stream::{Meaning, StreamInfo};
@@ -80,6 +80,13 @@ fn every_fault_is_found_and_said() {
             "accumulate does not take what it sends on from DONE",
             changed(|p| p.kernels = with(ACCUMULATE, |k| k.kernel.takes = &[])),
         ),
+        (
+            "stream state does not begin with state DONE",
+            changed(|p| {
+                let course = Course { unborn: closest_hit::states::DONE, ..p.courses[0] };
+                p.courses = leaked(vec![course]);
+            }),
+        ),
         ("no element is ever in state SHADE", changed(|p| p.kernels = &with(GENERATE, |_| ())[..1])),
         (
             "no kernel takes elements from state BACKGROUND",
@@ -92,4 +99,17 @@ fn every_fault_is_found_and_said() {
         let faults = program.faults();
         assert!(faults.iter().any(|fault| fault.to_string().contains(said)), "{said}: {faults:#?}");
     }
+}
+
+#[test]
+fn a_guest_needs_every_state_that_it_names() {
+    use closest_hit::kernels::INTERSECT;
+    let state = |tag, name| StateInfo { tag, name, role: StateRole::Active, colour: [0; 3], meaning: "" };
+    let names = ["TRAV", "SHADE", "BACKGROUND", "TESTS", "KEEPS"];
+    let states = States(leaked((0..).zip(names).map(|(tag, name)| state(tag, name)).collect()));
+    let pairs = [("ISECT_NO_HIT", "TESTS"), ("ISECT_HIT", "KEEPS")];
+    let renamed = Renamed::new(INTERSECT.info(), states, &pairs).expect("its states");
+    assert_eq!(renamed.tags, [(2, 0), (3, 3), (4, 4), (5, 1), (6, 2)], "those that no pair names have the same name");
+    assert!(Renamed::new(INTERSECT.info(), states, &pairs[..1]).is_none(), "ISECT_HIT is missing");
+    assert!(Renamed::new(INTERSECT.info(), states, &[pairs[0], pairs[1], ("NOTHING", "TRAV")]).is_none());
 }

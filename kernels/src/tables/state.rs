@@ -13,6 +13,9 @@ pub type Tag = u32;
 /// Most states of a program: the GPU's counters of each pass have room for this many.
 pub const MOST_STATES: usize = 64;
 
+/// Most lists of a program: the GPU's bind groups are kept by a bit for each.
+pub const MOST_LISTS: usize = 64;
+
 /// How far an element in a state has got.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StateRole {

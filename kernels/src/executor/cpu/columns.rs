@@ -2,14 +2,20 @@
 
 use super::{CpuExecutor, from_stream_bits, to_stream_bits};
 use crate::program::kernel::Precision;
+use crate::program::schedule::Call;
 use crate::tables::stream::Stream;
 use crate::tables::texels::Columns;
 
-pub(super) struct All<'a, R: Precision>(pub(super) &'a mut CpuExecutor<R>, pub(super) u32);
+pub(super) struct All<'a, R: Precision>(pub(super) &'a mut CpuExecutor<R>, pub(super) Call);
 
 impl<R: Precision> Columns for All<'_, R> {
+    fn stream(&self, name: &str) -> Option<Stream> {
+        let kernel = self.1.kernel;
+        kernel.program().stream(kernel.bound(name))
+    }
+
     fn parameter(&self) -> u32 {
-        self.1
+        self.1.parameter
     }
 
     fn len(&self, stream: Stream) -> usize {

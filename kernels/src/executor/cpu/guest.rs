@@ -1,5 +1,7 @@
 //! Runs a twin on one element of a program: as the twin's own program has it, or as an instance has renamed it.
 
+use std::borrow::Cow;
+
 use crate::program::Kernel;
 use crate::program::kernel::{ElementTwin, Precision};
 use crate::scene_data::SceneData;
@@ -8,31 +10,30 @@ use crate::tables::stream::{STATE_TAG, Stream};
 use crate::tables::texels::{Layout, Texels};
 
 /// A twin of a kernel, for elements whose texels are laid out in some way.
-pub(crate) struct OnElement<R: Precision> {
+pub(crate) struct OnElement<'a, R: Precision> {
     twin: ElementTwin<R>,
     /// The layout by the streams that the twin names.
-    layout: Layout,
+    layout: Cow<'a, Layout>,
     /// Where the tag is, and pairs of a tag in the program and the one that the twin means, if they differ.
     renamed: Option<(usize, Vec<(Tag, Tag)>)>,
 }
 
-impl<R: Precision> OnElement<R> {
+impl<'a, R: Precision> OnElement<'a, R> {
     /// For the layout of a set's streams in the kernel's program.
-    pub(crate) fn new(kernel: Kernel, twin: ElementTwin<R>, layout: &Layout) -> Self {
-        let first = |stream: Stream| kernel.stream(stream).and_then(|bound| layout.first[bound.index()]);
+    pub(crate) fn new(kernel: Kernel, twin: ElementTwin<R>, layout: &'a Layout) -> Self {
         let renamed = kernel.instance().renamed.and_then(|renamed| {
             let tag = layout.first[kernel.course()?.stream.index()]? + STATE_TAG;
             Some((tag, renamed.tags.iter().map(|&(own, here)| (here, own)).collect()))
         });
         if kernel.is_at_home() {
-            return Self { twin, layout: *layout, renamed };
+            return Self { twin, layout: Cow::Borrowed(layout), renamed };
         }
         let table = kernel.info().home.streams;
         let mut own = Layout { table, stride: layout.stride, ..Layout::of(table, std::iter::empty()) };
         for info in table {
-            own.first[info.index] = first(Stream::of(info));
+            own.first[info.index] = kernel.stream(Stream::of(info)).and_then(|bound| layout.first[bound.index()]);
         }
-        Self { twin, layout: own, renamed }
+        Self { twin, layout: Cow::Owned(own), renamed }
     }
 
     /// Runs the twin on the element at this texel.

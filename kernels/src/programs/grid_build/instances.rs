@@ -7,7 +7,7 @@ use super::irregular::kernels::*;
 use super::kernels::*;
 use super::reasons;
 use super::streams::*;
-use crate::program::kernel::{Instance, Kernel, KernelInfo};
+use crate::program::{Instance, Kernel, KernelInfo};
 use crate::tables::elements::Elements;
 use crate::tables::stream::Stream;
 

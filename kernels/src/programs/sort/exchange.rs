@@ -1,7 +1,5 @@
 //! Twin of `exchange.wgsl`: compares two keys and exchanges them if they are out of order.
 
-use super::KEY;
-use crate::program::Kernel;
 use crate::scene_data::SceneData;
 use crate::tables::texels::Columns;
 
@@ -14,17 +12,18 @@ pub fn partner(i: usize, parameter: u32) -> usize {
 }
 
 /// Runs a pass.
-pub fn exchange(columns: &mut dyn Columns, _: Kernel, _: &SceneData) {
-    let elements = columns.len(KEY);
+pub fn exchange(columns: &mut dyn Columns, _: &SceneData) {
+    let Some(key) = columns.stream("key") else { return };
+    let elements = columns.len(key);
     for i in 0..elements {
         let j = partner(i, columns.parameter());
         if j <= i || j >= elements {
             continue;
         }
-        let [here, there] = [i, j].map(|at| [0, 1].map(|layer| columns.load(KEY, layer, at)));
+        let [here, there] = [i, j].map(|at| [0, 1].map(|layer| columns.load(key, layer, at)));
         if there < here {
             for (at, value) in [(i, there), (j, here)] {
-                (0..).zip(value).for_each(|(layer, word)| columns.store(KEY, layer, at, word));
+                (0..).zip(value).for_each(|(layer, word)| columns.store(key, layer, at, word));
             }
         }
     }

@@ -2,7 +2,6 @@
 
 use super::irregular::pass::{Pass, View};
 use super::scan::SCAN_BLOCK;
-use crate::program::Kernel;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LAST_ITEM, NO_LIST};
 use crate::tables::texels::Columns;
@@ -18,8 +17,8 @@ fn count(mut pass: Pass<'_>, over: View, is_wrong: impl Fn(&Pass<'_>, u32) -> bo
     }
 }
 
-pub(super) fn check_starts(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let pass = Pass::new(columns, kernel, &data.build);
+pub(super) fn check_starts(columns: &mut dyn Columns, data: &SceneData) {
+    let pass = Pass::new(columns, &data.build);
     let [start, references] = ["start", "references_in_all"].map(|name| pass.of(name));
     let (cells, all) = (pass.len(start), pass.get(references, 0, 0));
     count(pass, start, |pass, i| {
@@ -28,14 +27,14 @@ pub(super) fn check_starts(columns: &mut dyn Columns, kernel: Kernel, data: &Sce
     });
 }
 
-pub(super) fn check_items(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let pass = Pass::new(columns, kernel, &data.build);
+pub(super) fn check_items(columns: &mut dyn Columns, data: &SceneData) {
+    let pass = Pass::new(columns, &data.build);
     let item = pass.of("item");
     count(pass, item, |pass, i| pass.get(item, 0, i) & !LAST_ITEM >= data.build.triangles);
 }
 
-pub(super) fn check_cells(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let pass = Pass::new(columns, kernel, &data.build);
+pub(super) fn check_cells(columns: &mut dyn Columns, data: &SceneData) {
+    let pass = Pass::new(columns, &data.build);
     let [cell, list, item, totals] = ["cell", "list", "item", "totals"].map(|name| pass.of(name));
     count(pass, cell, |pass, i| {
         let [a, b, c, first] = pass.all(cell, i);
@@ -53,9 +52,9 @@ pub(super) fn check_cells(columns: &mut dyn Columns, kernel: Kernel, data: &Scen
     });
 }
 
-pub(super) fn check_map(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+pub(super) fn check_map(columns: &mut dyn Columns, data: &SceneData) {
     let is_below = columns.parameter() == 1;
-    let pass = Pass::new(columns, kernel, &data.build);
+    let pass = Pass::new(columns, &data.build);
     let [map, totals, entries] = ["map_entries", "totals", "entries_in_all"].map(|name| pass.of(name));
     count(pass, map, |pass, i| {
         let (entry, top) = (pass.get(map, 0, i), pass.top_cells());

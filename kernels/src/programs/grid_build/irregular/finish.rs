@@ -3,7 +3,6 @@
 use super::map::VoxelMap;
 use super::merge::is_listed;
 use super::pass::{Pass, View, high_of, low_of};
-use crate::program::Kernel;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LAST_ITEM, NO_LIST};
 use crate::shared::irregular_walk::cell_entry;
@@ -66,8 +65,8 @@ impl Growing<'_, '_> {
     }
 }
 
-pub(crate) fn expand(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn expand(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [space, list, item, expanded] = ["space", "list", "item", "expanded"].map(|name| pass.of(name));
     let map = VoxelMap::new(&pass);
     let end = data.build.cells.map(|n| n << data.build.levels);
@@ -99,8 +98,8 @@ pub(crate) fn expand(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
     }
 }
 
-pub(crate) fn name_cells(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn name_cells(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let (cell_of, map) = (pass.of("cell_of"), pass.of("map_entries"));
     for i in 0..pass.len(map) {
         let entry = pass.get(map, 0, i);
@@ -110,8 +109,8 @@ pub(crate) fn name_cells(columns: &mut dyn Columns, kernel: Kernel, data: &Scene
     }
 }
 
-pub(crate) fn finish_cells(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn finish_cells(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [space, list, cell] = ["box", "list", "cell"].map(|name| pass.of(name));
     for i in 0..pass.len(cell) {
         let [x, y, z] = pass.all::<3>(space, i).map(|extent| [low_of(extent), high_of(extent)]);
@@ -121,8 +120,8 @@ pub(crate) fn finish_cells(columns: &mut dyn Columns, kernel: Kernel, data: &Sce
     }
 }
 
-pub(crate) fn finish_items(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn finish_items(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [list, item] = ["list", "item"].map(|name| pass.of(name));
     for i in 0..pass.len(list) {
         let [first, length] = pass.all(list, i);

@@ -3,7 +3,6 @@
 use std::cmp::Ordering;
 
 use super::pass::{Pass, View, high_of, low_of};
-use crate::program::Kernel;
 use crate::scene_data::SceneData;
 use crate::shared::build::Build;
 use crate::shared::irregular_walk::{block_entry, cell_entry};
@@ -42,8 +41,8 @@ fn octant_of(voxel: [u32; 3], shift: u32) -> u32 {
     bit(0) | bit(1) << 1 | bit(2) << 2
 }
 
-pub(crate) fn open_nodes(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn open_nodes(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [space, opened, cell_of] = ["space", "opened", "cell_of"].map(|name| pass.of(name));
     for i in 0..pass.len(space) {
         let place = Place::of(&data.build, pass.all(space, i));
@@ -63,9 +62,9 @@ fn order(build: &Build, a: [u32; 3], b: [u32; 3]) -> Ordering {
     by_top.then_with(along_the_curve)
 }
 
-pub(crate) fn link_nodes(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+pub(crate) fn link_nodes(columns: &mut dyn Columns, data: &SceneData) {
     let build = &data.build;
-    let mut pass = Pass::new(columns, kernel, build);
+    let mut pass = Pass::new(columns, build);
     let [space, opened, sums] = ["space", "opened", "opened_of_block"].map(|name| pass.of(name));
     let [node, tree, tree_top] = ["node", "tree", "tree_top"].map(|name| pass.of(name));
     for i in 0..pass.len(space) {
@@ -113,9 +112,9 @@ fn levels_below(pass: &Pass<'_>, tree: View, node: u32) -> u32 {
     }
 }
 
-pub(crate) fn size_blocks(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
+pub(crate) fn size_blocks(columns: &mut dyn Columns, data: &SceneData) {
     let build = &data.build;
-    let mut pass = Pass::new(columns, kernel, build);
+    let mut pass = Pass::new(columns, build);
     let [space, node, tree, tree_top] = ["space", "node", "tree", "tree_top"].map(|name| pass.of(name));
     let [first_entry, block_levels] = ["first_entry", "block_levels"].map(|name| pass.of(name));
     for i in 0..pass.len(node) {
@@ -146,8 +145,8 @@ fn entry_of(pass: &Pass<'_>, [first_entry, block_levels]: [View; 2], below: u32)
     block_entry(pass.top_cells() + pass.get(first_entry, 0, index), pass.get(block_levels, 0, index))
 }
 
-pub(crate) fn map_top_level(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn map_top_level(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [tree_top, map_top] = ["tree_top", "map_top"].map(|name| pass.of(name));
     let blocks = ["first_entry", "block_levels"].map(|name| pass.of(name));
     for i in 0..pass.len(tree_top) {
@@ -156,8 +155,8 @@ pub(crate) fn map_top_level(columns: &mut dyn Columns, kernel: Kernel, data: &Sc
     }
 }
 
-pub(crate) fn map_blocks(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn map_blocks(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [tree, map_below] = ["tree", "map_below"].map(|name| pass.of(name));
     let blocks @ [first_entry, block_levels] = ["first_entry", "block_levels"].map(|name| pass.of(name));
     let nodes = pass.len(first_entry);

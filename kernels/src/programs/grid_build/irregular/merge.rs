@@ -2,7 +2,6 @@
 
 use super::map::VoxelMap;
 use super::pass::{Pass, View, high_of, low_of};
-use crate::program::Kernel;
 use crate::scene_data::SceneData;
 use crate::structures::irregular::merge::{LEAST_MERGED, LONGEST, ROUNDS, STEP_COST, union};
 use crate::tables::texels::Columns;
@@ -10,8 +9,8 @@ use crate::tables::texels::Columns;
 /// Stands for no leaf.
 const NOBODY: u32 = u32::MAX;
 
-pub(crate) fn start_merging(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn start_merging(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let (totals, round) = (pass.of("totals"), pass.of("round"));
     let leaves = pass.get(totals, 0, 0);
     pass.set_all(round, 0, [0, 0, leaves, 1, leaves]);
@@ -37,8 +36,8 @@ fn listed(pass: &Pass<'_>, item: View, [first, length]: [u32; 2], most: u32) -> 
     (0..length.min(most)).map(|k| pass.get(item, 0, first.wrapping_add(k))).collect()
 }
 
-pub(crate) fn wish(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn wish(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [space, list, item, cell_of, round] = ["space", "list", "item", "cell_of", "round"].map(|name| pass.of(name));
     let [wished, wished_by] = ["wished", "wished_by"].map(|name| pass.of(name));
     let map = VoxelMap::new(&pass);
@@ -102,8 +101,8 @@ impl Merging {
     }
 }
 
-pub(crate) fn unite(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn unite(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let (list, kept) = (pass.of("list"), pass.of("kept"));
     let merging = Merging::new(&pass);
     for i in 0..pass.len(list) {
@@ -116,8 +115,8 @@ pub(crate) fn unite(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData)
     }
 }
 
-pub(crate) fn gather(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn gather(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [space, list, item, round] = ["space", "list", "item", "round"].map(|name| pass.of(name));
     let [kept, sums, totals] = ["kept", "kept_of_block", "totals"].map(|name| pass.of(name));
     let [next_space, next_list, next_item] = ["next_space", "next_list", "next_item"].map(|name| pass.of(name));
@@ -146,8 +145,8 @@ pub(crate) fn gather(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
     }
 }
 
-pub(crate) fn follow(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn follow(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [kept, sums, cell_of] = ["kept", "kept_of_block", "cell_of"].map(|name| pass.of(name));
     let merging = Merging::new(&pass);
     for i in 0..pass.len(cell_of) {
@@ -157,8 +156,8 @@ pub(crate) fn follow(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
     }
 }
 
-pub(crate) fn next_axis(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn next_axis(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let (totals, round) = (pass.of("totals"), pass.of("round"));
     let [axis, rounds, before, _, refined] = pass.all(round, 0);
     let axis = axis.wrapping_add(1);

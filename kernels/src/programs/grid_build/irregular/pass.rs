@@ -1,6 +1,5 @@
 //! What the twins of this folder share: streams by the names in the kernels' WGSL.
 
-use crate::program::Kernel;
 use crate::programs::grid_build::scan::SCAN_BLOCK;
 use crate::shared::build::Build;
 use crate::tables::stream::Stream;
@@ -10,7 +9,6 @@ use crate::tables::texels::Columns;
 /// ignored, as on a device: somebody may have edited the streams.
 pub(in crate::programs::grid_build) struct Pass<'a> {
     columns: &'a mut dyn Columns,
-    kernel: Kernel,
     pub(in crate::programs::grid_build) build: &'a Build,
 }
 
@@ -19,13 +17,13 @@ pub(in crate::programs::grid_build) struct Pass<'a> {
 pub(in crate::programs::grid_build) struct View(Option<Stream>);
 
 impl<'a> Pass<'a> {
-    pub(in crate::programs::grid_build) fn new(columns: &'a mut dyn Columns, kernel: Kernel, build: &'a Build) -> Self {
-        Self { columns, kernel, build }
+    pub(in crate::programs::grid_build) fn new(columns: &'a mut dyn Columns, build: &'a Build) -> Self {
+        Self { columns, build }
     }
 
     /// The stream bound to a name.
     pub(in crate::programs::grid_build) fn of(&self, name: &str) -> View {
-        View(self.kernel.program().stream(self.kernel.bound(name)))
+        View(self.columns.stream(name))
     }
 
     /// Number of elements of a stream.

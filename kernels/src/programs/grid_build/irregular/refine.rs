@@ -2,7 +2,6 @@
 
 use super::pass::{Pass, Ranks, low_of};
 use crate::numbers::parallel::map_ranges;
-use crate::program::Kernel;
 use crate::scene_data::SceneData;
 use crate::shared::build::Build;
 use crate::shared::grid_walk::Grid;
@@ -11,15 +10,15 @@ use crate::structures::grid::overlap::halves;
 use crate::structures::irregular::refine::{CROWDED, GROWTH, GROWTH_OF_ALL, LONG, SHORT, STEP_COST, even_levels};
 use crate::tables::texels::Columns;
 
-pub(crate) fn count_top(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn count_top(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let (totals, references) = (pass.of("totals"), pass.of("references_in_all"));
     let listed = pass.get(references, 0, 0);
     pass.set_all(totals, 0, [pass.top_cells(), listed, 0]);
 }
 
-pub(crate) fn make_leaves(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn make_leaves(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [start, totals] = ["start", "totals"].map(|name| pass.of(name));
     let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
     let depth_of_group = pass.of("depth_of_group");
@@ -44,15 +43,15 @@ pub(crate) fn make_leaves(columns: &mut dyn Columns, kernel: Kernel, data: &Scen
     }
 }
 
-pub(crate) fn start_halving(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn start_halving(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [depth_of_group, halving] = ["depth_of_group", "halving"].map(|name| pass.of(name));
     let depth = (0..pass.len(depth_of_group)).map(|group| pass.get(depth_of_group, 0, group)).max();
     pass.set_all(halving, 0, [0, depth.unwrap_or(0)]);
 }
 
-pub(crate) fn next_halving(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn next_halving(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let halving = pass.of("halving");
     pass.set(halving, 0, 0, pass.get(halving, 0, 0).wrapping_add(1));
 }
@@ -78,8 +77,8 @@ fn is_its_turn([done, depth]: [u32; 2], levels: u32) -> bool {
     (levels & 0xff) + depth.min(MOST_LEVELS) <= done.wrapping_add(levels >> 8 & 0xff)
 }
 
-pub(crate) fn halve(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn halve(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [owner, item] = ["owner", "item"].map(|name| pass.of(name));
     let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
     let halving = pass.all(pass.of("halving"), 0);
@@ -109,8 +108,8 @@ fn grid_of(build: &Build, level: u32) -> Grid {
     Grid { corner: build.corner, width, ..Grid::default() }
 }
 
-pub(crate) fn decide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn decide(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [list, division, places] = ["list", "division", "places"].map(|name| pass.of(name));
     let halving = pass.all(pass.of("halving"), 0);
     let ranks = Ranks::new(&pass);
@@ -134,8 +133,8 @@ pub(crate) fn decide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
     }
 }
 
-pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn divide(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [space, list, division] = ["space", "list", "division"].map(|name| pass.of(name));
     let [places, sums, totals] = ["places", "places_of_block", "totals"].map(|name| pass.of(name));
     let [next_space, next_list, next_division] = ["next_space", "next_list", "next_division"].map(|name| pass.of(name));
@@ -168,8 +167,8 @@ pub(crate) fn divide(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData
     }
 }
 
-pub(crate) fn hand_down(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn hand_down(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     let [owner, item, list] = ["owner", "item", "list"].map(|name| pass.of(name));
     let [places, sums] = ["places", "places_of_block"].map(|name| pass.of(name));
     let [division, next_division, next_list] = ["division", "next_division", "next_list"].map(|name| pass.of(name));
@@ -197,8 +196,8 @@ pub(crate) fn hand_down(columns: &mut dyn Columns, kernel: Kernel, data: &SceneD
     }
 }
 
-pub(crate) fn adopt(columns: &mut dyn Columns, kernel: Kernel, data: &SceneData) {
-    let mut pass = Pass::new(columns, kernel, &data.build);
+pub(crate) fn adopt(columns: &mut dyn Columns, data: &SceneData) {
+    let mut pass = Pass::new(columns, &data.build);
     for (from, to) in [("first_in", "first_out"), ("second_in", "second_out")] {
         let (from, to) = (pass.of(from), pass.of(to));
         for i in 0..pass.len(from) {
