@@ -30,6 +30,7 @@ mod report;
 mod report_bundle;
 mod report_files;
 mod report_sections;
+mod run;
 mod self_test;
 mod session_file;
 mod shard;
