@@ -26,7 +26,7 @@ fn keys_are_sorted_in_the_passes_of_the_network_on_every_device() {
         let all = ["run", "sort", "--elements", "3000", "--seed", "7", "--device", device, "--check"];
         let files = ["-o", "keys.npy", "--passes-csv", "passes.csv", "--quiet"];
         let text = place.ok(&[&all[..], &files].concat()).stdout;
-        assert!(text.contains("passes    78\n") && text.contains("check     as the host sorts them\n"), "{text}");
+        assert!(text.contains("passes    78\n") && text.contains("check     as on the host\n"), "{text}");
         let passes = rows(&place.read("passes.csv"));
         assert_eq!(passes.len(), 78, "12 stages of 1 to 12 steps");
         let of = |pass: usize| {

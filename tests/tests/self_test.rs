@@ -46,7 +46,7 @@ fn everything_is_right_on_this_adapter_and_every_kernel_of_every_program_was_com
     let rows = results.rows();
     let is_right =
         |group, name: &str| rows.iter().any(|r| r.group == group && r.name == name && r.verdict == Verdict::Right);
-    for program in programs::ALL {
+    for program in programs::all() {
         let group = if program.course().is_some() { Group::Tracing } else { Group::Building };
         for kernel in program.kernels() {
             assert!(is_right(group, kernel.info().name), "{} was not compared", kernel.name());
@@ -78,7 +78,7 @@ fn breaking(name: &'static str, broken: &Break) -> Faults {
 fn a_broken_kernel_is_wrong_by_its_name() {
     let steps = steps();
     let mut tried = BTreeSet::new();
-    for (place, kernel) in programs::ALL.into_iter().flat_map(|program| program.kernels()).enumerate() {
+    for (place, kernel) in programs::all().flat_map(|program| program.kernels()).enumerate() {
         let row = kernel.info();
         let group = if kernel.program().course().is_some() { Group::Tracing } else { Group::Building };
         // In short, some of each program.
@@ -219,7 +219,7 @@ fn every_operation_of_every_kernel_is_probed() {
         kernels.insert(variant.kernel.info().name);
         sources.insert(variant.source.clone());
     }
-    for kernel in programs::ALL.into_iter().flat_map(|program| program.kernels()) {
+    for kernel in programs::all().flat_map(|program| program.kernels()) {
         assert!(kernels.contains(kernel.info().name), "no plan has {}", kernel.name());
     }
     let used: BTreeSet<String> = sources.iter().flat_map(|source| operations_of(source)).collect();

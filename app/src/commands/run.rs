@@ -3,27 +3,22 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use raystep_kernels::export::npy;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::plan::Plan;
-use raystep_kernels::programs::sort::{KEY, random_keys};
-use raystep_kernels::{Options, RaySource, StreamData};
+use raystep_kernels::programs::registered;
+use raystep_kernels::{Options, RaySource};
 use raystep_scenes::{Camera, Scene};
 
-use crate::args::{DeviceArgs, ElementsArgs, QuietArgs};
+use crate::args::choices::{ChoiceArgs, Size};
+use crate::args::{DeviceArgs, QuietArgs};
 use crate::device;
 use crate::error::Error;
 use crate::output::{Target, write};
 use crate::session::{Session, Stopwatch};
 use crate::terminal::{Progress, print};
-
-/// A program that needs no scene.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Name {
-    /// Sorts random keys by Batcher's bitonic sort, every pass of which can be watched
-    Sort,
-}
 
 /// Run a stream program that needs no scene
 ///
@@ -37,17 +32,16 @@ Examples:
   raystep run sort --seed 7 -o keys.npy
   raystep inspect cornell-box --program sort --elements 1024")]
 pub(crate) struct RunProgramArgs {
-    /// The program
-    program: Name,
+    /// The program: sort sorts random keys
+    #[arg(value_parser = PossibleValuesParser::new(alone()).try_map(|name| name.parse::<ProgramName>()))]
+    program: ProgramName,
     #[command(flatten)]
-    elements: ElementsArgs,
-    /// Seed of the keys
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u32,
-    /// Compare with a sort on the host, and fail if a key differs
+    size: ChoiceArgs<Size>,
+    /// Compare with the same computation on the host, and fail if a result differs
     #[arg(long)]
     check: bool,
-    /// Write the sorted keys, and the element that each came from, as an npy array (layer, row, column) of uint32
+    /// Write the results as an npy array (layer, row, column) of uint32: of sort, the keys, and the element that each came
+    /// from
     #[arg(short, long, value_name = "F")]
     output: Option<PathBuf>,
     /// Time every pass, and write one row per pass
@@ -60,7 +54,12 @@ pub(crate) struct RunProgramArgs {
 }
 
 pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
-    let Name::Sort = args.program;
+    let Some(alone) = &registered(args.program).alone else {
+        return Err(Error::usage(format!(
+            "program {} needs a scene: use 'raystep inspect' or 'raystep plan'",
+            args.program
+        )));
+    };
     let output = args.output.as_deref().map(Target::new).transpose()?;
     let passes = args.passes_csv.as_deref().map(Target::new).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
@@ -69,8 +68,7 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
     watch.lap("device");
     let scene = Scene { name: "none".into(), ..Scene::default() };
     let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 1, height: 1 };
-    let mut options = Options { program: ProgramName::Sort, timings: passes.is_some(), ..Options::new(rays) };
-    (options.elements, options.samples.seed) = (args.elements.elements, args.seed);
+    let options = Options { program: args.program, timings: passes.is_some(), ..args.size.options(rays) };
     let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;
     watch.lap("plan");
     let session = Session { scene_path: PathBuf::new(), scene, inputs: Vec::new(), options, chosen, plan, data, watch };
@@ -80,42 +78,39 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
         ControlFlow::Continue(())
     };
     running.chosen.wait(running.renderer.run(show))?;
-    let sorted = running.chosen.wait(running.renderer.values(KEY))?;
+    let results = running.chosen.wait(running.renderer.values(alone.results))?;
     let mut files = Vec::new();
     if let Some(target) = passes {
         files.push((target, running.passes_csv(&running.run_context(), &[])?));
     }
     if let Some(target) = output {
         let mut bytes = Vec::new();
-        npy::write_stream(&mut bytes, &sorted).map_err(|error| Error::failed(error.to_string()))?;
+        npy::write_stream(&mut bytes, &results).map_err(|error| Error::failed(error.to_string()))?;
         files.push((target, bytes));
     }
     write(files)?;
     progress.finish();
 
-    let (renderer, keys) = (&running.renderer, args.elements.elements);
-    let is_right = args.check.then(|| is_sorted(&sorted, keys, args.seed));
+    let renderer = &running.renderer;
+    let is_right = args.check.then(|| (alone.are_right)(&running.options, &results));
     let device = running.chosen.gpu().map_or("CPU".into(), |gpu| gpu.info.name.clone());
     let mut lines = vec![
         ("device", format!("{device}: {}", running.chosen.reason)),
-        ("keys", keys.to_string()),
+        (renderer.plan().program.elements[0].name, running.options.elements.to_string()),
         ("passes", renderer.pass_count().to_string()),
     ];
     let ns = renderer.device_ns().filter(|&ns| ns > 0).or(renderer.host_ns());
     lines.extend(ns.map(|ns| ("time", format!("{:.3} ms", ns as f64 / 1e6))));
-    lines.extend(is_right.map(|right| ("check", if right { "as the host sorts them" } else { "wrong" }.into())));
+    lines.extend(is_right.map(|right| ("check", if right { "as on the host" } else { "wrong" }.into())));
     let text: String = lines.into_iter().map(|(name, value)| format!("{name:<10}{value}\n")).collect();
     print(&text)?;
     match is_right {
-        Some(false) => Err(Error::failed("the keys are not sorted: a defect of raystep")),
+        Some(false) => Err(Error::failed("the results are not those of the host: a defect of raystep")),
         _ => Ok(()),
     }
 }
 
-/// Whether these are the keys of the seed, as the host sorts them.
-fn is_sorted(sorted: &StreamData, keys: u32, seed: u32) -> bool {
-    let mut expected: Vec<(u32, u32)> = random_keys(keys, seed).into_iter().zip(0..).collect();
-    expected.sort_unstable();
-    let found = sorted.layer(0).iter().copied().zip(sorted.layer(1).iter().copied());
-    found.take(keys as usize).eq(expected)
+/// The programs that need no scene.
+fn alone() -> impl Iterator<Item = &'static str> {
+    ProgramName::ALL.iter().filter(|name| registered(**name).alone.is_some()).map(|name| name.name())
 }

@@ -13,15 +13,15 @@ use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, fill_bytes, given_byte
 use crate::tables::stream::Stream;
 
 /// What a run allocates.
-pub(super) struct Allocated {
-    pub(super) sets: Vec<PlannedSet>,
-    pub(super) streams: Vec<Planned<Stream>>,
-    pub(super) buffers: Vec<Planned<&'static str>>,
+pub(crate) struct Allocated {
+    pub(crate) sets: Vec<PlannedSet>,
+    pub(crate) streams: Vec<Planned<Stream>>,
+    pub(crate) buffers: Vec<Planned<&'static str>>,
 }
 
 impl Allocated {
     /// For a run of rays; `given` by the caller or not.
-    pub(super) fn new(
+    pub(crate) fn new(
         program: &'static Program,
         bound: &BTreeSet<&str>,
         data: &SceneData,
@@ -51,7 +51,7 @@ impl Allocated {
     }
 
     /// For sets of these sizes, of which the first is the main one.
-    pub(super) fn of_sets(
+    pub(crate) fn of_sets(
         program: &'static Program,
         sets: Vec<PlannedSet>,
         bound: &BTreeSet<&str>,

@@ -6,8 +6,10 @@ use super::limits::Limits;
 use crate::fragment::TEXEL_BYTES as DRAWN_BYTES;
 use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
+use crate::options::mapping::{self, Mapping};
+use crate::options::rows::ROWS;
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Options, Ray, RaySource, mapping};
+use crate::options::{Accelerator, Options, Ray, RaySource};
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
 use crate::structures::bvh::BvhError;
@@ -61,17 +63,9 @@ pub enum PlanError {
         /// Most of them.
         most: u32,
     },
-    /// The paper does not know the structure.
-    #[error("the paper has no rules for an irregular grid: use --numerics robust, or --accelerator grid")]
-    NoPaperRules,
-    /// A 3D-DDA computes no t.
-    #[error(
-        "--traversal 3d-dda walks through a uniform grid with the paper's rules: add --accelerator grid --numerics paper"
-    )]
-    NoTraversal,
-    /// Kernels cannot be mapped to fragment programs in such a run.
+    /// An option does not go together with the others, see [`Row::refused`](crate::options::rows::Row::refused).
     #[error("{0}")]
-    Mapping(&'static str),
+    Refused(String),
     /// The program builds grids only.
     #[error("the program grid-build builds grids: use --accelerator grid or irregular, not {0}")]
     NotBuilt(Accelerator),
@@ -143,7 +137,7 @@ pub enum PlanError {
 /// two words as u32.
 pub const MAX_TEXELS: u64 = 1 << 30;
 
-pub(super) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32, u64), PlanError> {
+pub(crate) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32, u64), PlanError> {
     let (width, height, rays) = match &options.rays {
         RaySource::Camera { width, height, .. } => {
             (u64::from(*width), u64::from(*height), u64::from(*width) * u64::from(*height))
@@ -159,7 +153,7 @@ pub(super) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32
 }
 
 /// The texture that so many input rays fill row by row.
-pub(super) fn given_size(rays: u64, limits: &Limits) -> Result<(u32, u32), PlanError> {
+pub(crate) fn given_size(rays: u64, limits: &Limits) -> Result<(u32, u32), PlanError> {
     let width = folded_width(rays).min(u64::from(limits.image_side));
     checked_size(width, rays.div_ceil(width.max(1)).max(1), limits)
 }
@@ -177,7 +171,7 @@ fn checked_size(width: u64, height: u64, limits: &Limits) -> Result<(u32, u32), 
 /// is nearly parallel to.
 pub(crate) const FARTHEST: f64 = (1u64 << 28) as f64;
 
-pub(super) fn check_scene(scene: &Scene, units: Units) -> Result<(), PlanError> {
+pub(crate) fn check_scene(scene: &Scene, units: Units) -> Result<(), PlanError> {
     let bounds = scene.bounds();
     let farthest = bounds.min.abs().max(bounds.max.abs()).as_dvec3().max_element() * units.scale();
     if !scene.triangles.is_empty() && (farthest.is_nan() || farthest > FARTHEST) {
@@ -216,7 +210,7 @@ pub(super) fn check_scene(scene: &Scene, units: Units) -> Result<(), PlanError> 
     Ok(())
 }
 
-pub(super) fn check_rays(options: &Options, units: Units) -> Result<(), PlanError> {
+pub(crate) fn check_rays(options: &Options, units: Units) -> Result<(), PlanError> {
     match &options.rays {
         RaySource::Camera { camera, width, height } => {
             let positive = match camera.projection {
@@ -253,12 +247,12 @@ pub(crate) fn why_untraceable(ray: &Ray, units: Units) -> Option<&'static str> {
 const TEXEL_BYTES: u64 = 8;
 
 /// Rejects textures that cannot be bound before they are converted.
-pub(super) fn check_texels(scene: &Scene, limits: &Limits) -> Result<(), PlanError> {
+pub(crate) fn check_texels(scene: &Scene, limits: &Limits) -> Result<(), PlanError> {
     let texels: u64 = scene.textures.iter().map(|t| t.texels.len() as u64).sum();
     check_buffer("texels", texels * TEXEL_BYTES, limits)
 }
 
-pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
+pub(crate) fn check_samples(options: &Options) -> Result<(), PlanError> {
     let count = options.samples.count;
     let reason = match options.rays {
         _ if !(1..=Samples::MOST).contains(&count) => "expected 1 to 65536",
@@ -271,20 +265,19 @@ pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
     Err(PlanError::Samples { count, reason })
 }
 
-/// Whether the kernels of a run can be fragment programs, if they are to be.
-pub(super) fn check_mapping(options: &Options, limits: &Limits) -> Result<(), PlanError> {
-    let Some(how) = options.mapping.fragment() else { return Ok(()) };
-    let fault = if u64::from(limits.color_bytes) < DRAWN_BYTES {
-        Some(mapping::NO_GPU)
-    } else if options.samples.are_spread() {
-        Some(mapping::ONE_SAMPLE)
-    } else {
-        mapping::fault_of(options.schedule).or(how.fault())
-    };
-    fault.map_or(Ok(()), |fault| Err(PlanError::Mapping(fault)))
+/// Whether options go together, and with the device.
+pub(crate) fn check_choices(options: &Options, limits: &Limits) -> Result<(), PlanError> {
+    if options.mapping != Mapping::Compute && u64::from(limits.color_bytes) < DRAWN_BYTES {
+        return Err(PlanError::Refused(mapping::NO_GPU.into()));
+    }
+    let choices = options.choices();
+    match ROWS.iter().find_map(|row| (row.refused)(&choices)?.impossible()) {
+        Some(why) => Err(PlanError::Refused(why)),
+        None => Ok(()),
+    }
 }
 
-pub(super) fn check_buffer(name: &'static str, bytes: u64, limits: &Limits) -> Result<(), PlanError> {
+pub(crate) fn check_buffer(name: &'static str, bytes: u64, limits: &Limits) -> Result<(), PlanError> {
     let limit = limits.storage_bytes;
     if bytes > limit { Err(PlanError::BufferSize { name, bytes, limit }) } else { Ok(()) }
 }

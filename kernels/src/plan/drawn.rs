@@ -32,7 +32,7 @@ pub const QUERY_BYTES: u64 = 8;
 
 impl DrawnPlan {
     /// Transforms the kernels of a run.
-    pub(super) fn new(
+    pub(crate) fn new(
         how: Fragment,
         variants: &[Variant],
         features: &Features,

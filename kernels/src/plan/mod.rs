@@ -3,38 +3,27 @@
 //! The plan follows from reflection: a stream or buffer is allocated if, and only if, a kernel of the
 //! schedule, compiled with the run's options, binds it.
 
+mod absent;
 mod again;
-mod allocated;
+pub(crate) mod allocated;
 mod check;
-mod decide;
 pub(crate) mod display;
 pub mod drawn;
-pub(crate) mod grid_build;
 pub(crate) mod limits;
 mod omitted;
-mod over;
-mod resolve;
-mod sort;
+pub(crate) mod over;
 pub mod structure;
-mod turns;
-mod view;
 
 use std::collections::BTreeSet;
 
-use raystep_scenes::Scene;
-
-use crate::numbers::units::Units;
+use crate::options::Accelerator;
 use crate::options::features::Features;
 use crate::options::keep::Item;
-use crate::options::mapping::Until;
-use crate::options::{Accelerator, Numerics, Options, ProgramName, RaySource, ScheduleKind, Traversal};
 use crate::program::live;
 use crate::program::schedule::{Schedule, Step};
 use crate::program::{Kernel, Program};
-use crate::programs::closest_hit;
 use crate::scene_data::SceneData;
 use crate::shader::{ShaderError, Variant};
-use crate::shared::scene::SceneInfo;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::kernel::Role;
 use crate::tables::stream::Stream;
@@ -42,18 +31,17 @@ use crate::tables::stream::Stream;
 pub use crate::numbers::bytes::Bytes;
 pub use crate::options::reasons::Because;
 pub use crate::tables::elements::{folded_width as given_width, tiled};
+pub(crate) use absent::absent;
 use allocated::Allocated;
-pub(crate) use check::{FARTHEST, why_untraceable};
+pub(crate) use check::{
+    FARTHEST, check_buffer, check_choices, check_rays, check_samples, check_scene, check_texels, image_size,
+    why_untraceable,
+};
 pub use check::{MAX_TEXELS, PlanError};
-use check::{check_mapping, check_rays, check_samples, check_scene, check_texels, image_size};
-use decide::left_out;
 pub use display::PlanText;
 pub use drawn::DrawnPlan;
 pub use limits::{Limits, Loops};
-pub(crate) use resolve::Built;
-use resolve::{Resolved, resolve};
 pub use structure::{BvhSummary, GridSummary, IrregularSummary, Structure, structure_bytes};
-use turns::{Resumes, Walk};
 
 /// Something together with its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +70,7 @@ pub struct LeftOut {
     pub because: Because,
     /// The reason.
     pub reason: &'static str,
-    /// The item that puts it back, if [`Options::keep`] has it. One item may put back several things.
+    /// The item that puts it back, if [`Options::keep`](crate::Options::keep) has it. One item may put back several things.
     pub item: Option<Item>,
 }
 
@@ -129,7 +117,11 @@ pub struct Plan {
 }
 
 /// The kernels of a schedule as they will be compiled, and the kernel that counts rays for those that do not.
-fn variants(program: &'static Program, schedule: &Schedule, features: &Features) -> Result<Vec<Variant>, ShaderError> {
+pub(crate) fn variants(
+    program: &'static Program,
+    schedule: &Schedule,
+    features: &Features,
+) -> Result<Vec<Variant>, ShaderError> {
     let mut kernels = schedule.kernels();
     if kernels.iter().any(|kernel| kernel.is_counted_anew(features)) {
         kernels.extend(program.kernels().filter(|kernel| kernel.role() == Role::Count));
@@ -139,7 +131,7 @@ fn variants(program: &'static Program, schedule: &Schedule, features: &Features)
 }
 
 /// The names that the kernels of a run bind.
-fn bound_by(variants: &[Variant]) -> BTreeSet<&str> {
+pub(crate) fn bound_by(variants: &[Variant]) -> BTreeSet<&str> {
     variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect()
 }
 
@@ -167,107 +159,6 @@ impl Plan {
     #[must_use]
     pub fn label(&self, name: &str) -> String {
         format!("{}.{name}", self.program.name)
-    }
-
-    /// Plans a run and prepares the data that it binds. Uses no GPU.
-    ///
-    /// # Errors
-    /// If the scene or the options do not fit `limits`, with the numbers.
-    pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
-        Self::with(scene, options, limits, None)
-    }
-
-    /// As [`new`](Self::new), with the grid that the options ask for, if it is built already.
-    pub(crate) fn with(
-        scene: &Scene,
-        options: &Options,
-        limits: &Limits,
-        built: Option<Built>,
-    ) -> Result<(Self, SceneData), PlanError> {
-        if options.program != ProgramName::ClosestHit && options.mapping.fragment().is_some() {
-            return Err(PlanError::Mapping("--mapping fragment traces rays: no other program can be drawn"));
-        }
-        match options.program {
-            ProgramName::ClosestHit => {}
-            ProgramName::GridBuild => return grid_build::plan(scene, options, limits),
-            ProgramName::Sort => return sort::plan(options, limits),
-        }
-        let units = Units::of(scene);
-        let (width, height, rays) = image_size(options, limits)?;
-        check_scene(scene, units)?;
-        check_mapping(options, limits)?;
-        check_rays(options, units)?;
-        check_samples(options)?;
-        if options.accelerator == Accelerator::Irregular && options.numerics == Numerics::Paper {
-            return Err(PlanError::NoPaperRules);
-        }
-        let is_walked = options.accelerator == Accelerator::Grid && options.numerics == Numerics::Paper;
-        if options.traversal == Traversal::Dda3d && !is_walked {
-            return Err(PlanError::NoTraversal);
-        }
-        let given = matches!(options.rays, RaySource::Given(_));
-        let Resolved { accelerator, mut features, structure, vertices, extent } =
-            resolve(scene, options, units, limits, (width, height), built)?;
-
-        // The last options of the kernels to be decided are those that depend on iterations of loops.
-        let is_fused = options.schedule == ScheduleKind::Fused;
-        let triangles = scene.triangles.len() as u64;
-        let lights = if options.shade { scene.lights.len() as u64 } else { 0 };
-        let walk = Walk { features: &features, structure: &structure, triangles };
-        let resumes = Resumes::of(&walk, is_fused, options.steps_per_pass, lights, limits);
-        (features.resumes, features.resumes_scan, features.resumes_light) = (resumes.walk, resumes.scan, resumes.light);
-        features.turns = if resumes == Resumes::default() { 0 } else { limits.turns };
-        let features = features;
-        let pass_bound = Walk { features: &features, structure: &structure, triangles }.most_passes(is_fused);
-        // A query finds out with a pass that a kernel has no rays.
-        let is_queried = options.mapping.fragment().is_some_and(|how| how.until == Until::Query);
-        let pass_bound = if is_queried { pass_bound.saturating_mul(2).saturating_add(4) } else { pass_bound };
-
-        let program = &closest_hit::PROGRAM;
-        let schedule = closest_hit::schedule::of(options, &features);
-        let variants = variants(program, &schedule, &features)?;
-        let drawn =
-            options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, &features, limits)).transpose()?;
-        let bound = bound_by(&variants);
-        if bound.contains("texels") {
-            check_texels(scene, limits)?;
-        }
-        let info = SceneInfo {
-            triangles: triangles as u32,
-            steps: options.steps_per_pass,
-            rays: rays as u32,
-            first_row: 0,
-            size: [width, height],
-        };
-        let is_bound = |name: &str| bound.contains(name);
-        let mut data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
-        (data.bounds, data.reach) = (extent.bounds, extent.reach);
-
-        let size = Size { width, height, count: rays as u32 };
-        let Allocated { sets, streams, buffers } =
-            Allocated::new(program, &bound, &data, size, given, limits, drawn.as_ref())?;
-        let mut plan = Self {
-            program,
-            sets,
-            image_side: limits.image_side,
-            most_elements: limits.rays,
-            width,
-            height,
-            rays,
-            triangles,
-            accelerator,
-            is_gpu: limits.is_gpu,
-            features,
-            schedule,
-            variants,
-            drawn,
-            streams,
-            buffers,
-            left_out: Vec::new(),
-            pass_bound,
-        };
-        plan.left_out = left_out(&plan, scene, options);
-        Ok((plan, data))
     }
 
     /// The same run by another program, whose kernels read the same scene in another order or more often.

@@ -1,9 +1,10 @@
 //! Plans a program without rays: over sets of elements of given sizes.
 
+use super::absent;
 use super::allocated::Allocated;
 use super::check::PlanError;
-use super::decide::absent;
 use super::{Limits, Plan, PlannedSet, bound_by, variants};
+use crate::options::mapping::Mapping;
 use crate::options::{Accelerator, Options};
 use crate::program::Program;
 use crate::program::schedule::Schedule;
@@ -12,19 +13,22 @@ use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 
 /// A run of a program over sets of elements.
-pub(super) struct Over<'a> {
-    pub(super) program: &'static Program,
-    pub(super) schedule: Schedule,
+pub(crate) struct Over<'a> {
+    pub(crate) program: &'static Program,
+    pub(crate) schedule: Schedule,
     /// The sets whose sizes are known, and these; the first is the program's main set.
-    pub(super) given: &'a [(&'static Elements, u64)],
+    pub(crate) given: &'a [(&'static Elements, u64)],
     /// The structure that is built; [`Accelerator::None`] if none is.
-    pub(super) accelerator: Accelerator,
+    pub(crate) accelerator: Accelerator,
 }
 
 impl Over<'_> {
     /// Plans the run; `data` is what its kernels read.
-    pub(super) fn plan(self, data: &SceneData, options: &Options, limits: &Limits) -> Result<Plan, PlanError> {
+    pub(crate) fn plan(self, data: &SceneData, options: &Options, limits: &Limits) -> Result<Plan, PlanError> {
         let Self { program, schedule, given, accelerator } = self;
+        if options.mapping != Mapping::Compute {
+            return Err(PlanError::Refused("--mapping fragment traces rays: no other program can be drawn".into()));
+        }
         let too_many = |elements: &str, count| PlanError::TooMany {
             elements: elements.to_owned(),
             count,

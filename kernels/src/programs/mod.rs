@@ -4,33 +4,102 @@ pub mod closest_hit;
 pub mod grid_build;
 pub mod sort;
 
-use crate::options::ProgramName;
+use raystep_scenes::Scene;
+
+use crate::options::{Options, ProgramName};
+use crate::plan::{Limits, Plan, PlanError};
 use crate::program::Program;
-use crate::tables::stream::Stream;
+use crate::scene_data::SceneData;
+use crate::tables::stream::{Stream, StreamData};
+pub(crate) use closest_hit::plan::Built;
+
+type Planner = fn(&Scene, &Options, &Limits) -> Result<(Plan, SceneData), PlanError>;
+
+/// A program as the rest of raystep finds it.
+pub struct Registered {
+    /// Its name in the option `--program`.
+    pub name: ProgramName,
+    /// What it is.
+    pub program: &'static Program,
+    /// Plans a run of it, and prepares the data that it binds.
+    plan: Planner,
+    /// What `raystep run` does with it; `None` if it needs a scene.
+    pub alone: Option<Alone>,
+}
+
+/// A program that needs no scene.
+pub struct Alone {
+    /// The stream of its results.
+    pub results: Stream,
+    /// Whether they are those of the same computation on the host.
+    pub are_right: fn(&Options, &StreamData) -> bool,
+}
+
+/// Every program.
+static REGISTRY: [Registered; 3] = [
+    Registered {
+        name: ProgramName::ClosestHit,
+        program: &closest_hit::PROGRAM,
+        plan: |scene, options, limits| closest_hit::plan::plan(scene, options, limits, None),
+        alone: None,
+    },
+    Registered {
+        name: ProgramName::GridBuild,
+        program: &grid_build::PROGRAM,
+        plan: grid_build::plan::plan,
+        alone: None,
+    },
+    sort::REGISTERED,
+];
 
 /// All programs.
-pub static ALL: [&Program; 3] = [&closest_hit::PROGRAM, &grid_build::PROGRAM, &sort::PROGRAM];
+pub fn all() -> impl Iterator<Item = &'static Program> {
+    REGISTRY.iter().map(|registered| registered.program)
+}
+
+/// How this program is registered.
+#[must_use]
+pub fn registered(name: ProgramName) -> &'static Registered {
+    // Every name is, as a test shows.
+    REGISTRY.iter().find(|registered| registered.name == name).unwrap_or(&REGISTRY[0])
+}
 
 /// The program with this name.
 #[must_use]
 pub fn named(name: ProgramName) -> &'static Program {
-    match name {
-        ProgramName::ClosestHit => &closest_hit::PROGRAM,
-        ProgramName::GridBuild => &grid_build::PROGRAM,
-        ProgramName::Sort => &sort::PROGRAM,
+    registered(name).program
+}
+
+impl Plan {
+    /// Plans a run and prepares the data that it binds. Uses no GPU.
+    ///
+    /// # Errors
+    /// If the scene or the options do not fit `limits`, with the numbers.
+    pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
+        (registered(options.program).plan)(scene, options, limits)
+    }
+
+    /// Plans a run of rays through a grid that is built already, as the options ask for.
+    pub(crate) fn through(
+        scene: &Scene,
+        options: &Options,
+        limits: &Limits,
+        built: Built,
+    ) -> Result<(Self, SceneData), PlanError> {
+        closest_hit::plan::plan(scene, options, limits, Some(built))
     }
 }
 
 /// The stream with this name, of any program: names are unique.
 #[must_use]
 pub fn stream(name: &str) -> Option<Stream> {
-    ALL.into_iter().find_map(|program| program.stream(name))
+    all().find_map(|program| program.stream(name))
 }
 
 /// Whether a stream holds the costs of rays, of any program.
 #[must_use]
 pub fn are_counters(stream: Stream) -> bool {
-    ALL.into_iter().any(|program| program.results.is_some_and(|results| results.counters == stream))
+    all().any(|program| program.results.is_some_and(|results| results.counters == stream))
 }
 
 #[cfg(test)]

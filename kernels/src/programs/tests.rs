@@ -11,7 +11,7 @@ use crate::tables::stream::{Meaning, StreamInfo};
 #[test]
 fn no_program_has_a_fault_and_no_stream_of_two_has_the_same_name() {
     let mut names = BTreeSet::new();
-    for program in ALL {
+    for program in all() {
         assert_eq!(program.faults(), [], "{program:?}");
         for stream in program.streams() {
             assert!(names.insert(stream.name()), "{stream:?}");
@@ -19,6 +19,14 @@ fn no_program_has_a_fault_and_no_stream_of_two_has_the_same_name() {
         for kernel in program.kernels() {
             assert!(std::ptr::eq(kernel.program(), program), "{kernel:?}");
         }
+    }
+}
+
+#[test]
+fn every_name_of_a_program_is_registered_once() {
+    for &name in ProgramName::ALL {
+        let found: Vec<_> = REGISTRY.iter().filter(|registered| registered.name == name).collect();
+        assert!(matches!(found[..], [one] if one.program.name.replace('_', "-") == name.name()), "{name}");
     }
 }
 

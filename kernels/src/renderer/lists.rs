@@ -7,7 +7,8 @@ use raystep_scenes::Scene;
 use super::{Device, RenderError, Renderer};
 use crate::options::mapping::Mapping;
 use crate::options::{Accelerator, BuiltBy, LEAST_FOR_DEVICE, Options, ProgramName};
-use crate::plan::{Built, Plan};
+use crate::plan::Plan;
+use crate::programs::Built;
 use crate::programs::grid_build::elements::REFERENCES;
 use crate::programs::grid_build::radix::digits_of;
 use crate::programs::grid_build::streams::{
@@ -129,7 +130,7 @@ impl Plan {
             }
         };
         drop(renderer);
-        Ok(Self::with(scene, options, &limits, Some(built))?)
+        Ok(Self::through(scene, options, &limits, built)?)
     }
 }
 

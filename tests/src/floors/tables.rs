@@ -11,10 +11,10 @@ pub const FLOORS: &[&[&str]] = &[
     &["structures"],
     &["scene_data"],
     &["program"],
-    &["programs"],
     &["compose", "shader"],
     &["fragment"],
     &["plan"],
+    &["programs"],
     &["executor"],
     &["renderer"],
     &["interpret"],
@@ -81,7 +81,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
             &["latency", "offscreen"],
         ],
     ),
-    ("raystep", &[&["error", "interrupt"], &["args", "mapping"], &["link"], COMMAND_LINE, &["api"]]),
+    ("raystep", &[&["error", "interrupt"], &["args"], &["link"], COMMAND_LINE, &["api"]]),
 ];
 
 /// Circles that are still there, by the path of their folder: modules that use each other.
@@ -98,7 +98,7 @@ pub const KNOWN_CIRCLES: &[(&str, &[&str])] = &[
     ("raystep_lab::stability", &["make", "planes"]),
     ("raystep_lab::stability", &["beside", "page", "report", "table"]),
     ("raystep_lab::work", &["lanes", "warps"]),
-    ("raystep", &["args", "mapping"]),
+    ("raystep", &["args"]),
     ("raystep", COMMAND_LINE),
     ("raystep::commands::info::self_test", &["drive", "report"]),
     ("raystep::commands::sweep", &["gather", "page"]),

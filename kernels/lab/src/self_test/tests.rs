@@ -22,7 +22,7 @@ fn every_kernel_of_every_program_has_a_check_and_every_step_serves_checks_that_e
     let checks = checks();
     let names: BTreeSet<_> = checks.iter().map(|check| (check.group, check.name)).collect();
     assert_eq!(names.len(), checks.len(), "names are unique within a group");
-    for program in programs::ALL {
+    for program in programs::all() {
         let group = if program.course().is_some() { Group::Tracing } else { Group::Building };
         for kernel in program.kernels() {
             assert!(names.contains(&(group, kernel.info().name)), "{:?}", kernel.info().name);

@@ -5,7 +5,8 @@ use super::states::{BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE as SHADED, 
 use super::{HOME, PROGRAM, breaks, explain, rounding};
 use crate::options::reasons::{Because, EYE_RAYS, GIVEN, NO_SHADE, ONE_SAMPLE, On, Passes, WALKED};
 use crate::program::Kernel;
-use crate::program::kernel::{Path, Proof, kernels};
+use crate::program::instance::kernels;
+use crate::program::kernel::{Path, Proof};
 use crate::program::rounding::Rounding;
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
 use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};

@@ -15,6 +15,7 @@ pub mod generate;
 pub mod grid_lists;
 pub mod intersect;
 pub mod kernels;
+pub(crate) mod plan;
 pub mod ray;
 mod ray_state;
 pub mod rounding;

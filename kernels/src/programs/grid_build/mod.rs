@@ -38,6 +38,7 @@ pub mod kernels;
 pub mod mark;
 pub mod measure;
 mod passes;
+pub(crate) mod plan;
 pub mod radix;
 mod reasons;
 mod rows;

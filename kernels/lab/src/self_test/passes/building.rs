@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::programs::sort::{KEY, random_keys};
+use raystep_kernels::programs::registered;
 use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Options, Plan, RaySource, RenderError, Renderer};
 use raystep_scenes::{Camera, Scene, generate};
 
@@ -85,14 +85,9 @@ async fn beside(bench: &Bench, scene: &Scene, options: &Options) -> Result<(Lock
     let mut ours = Renderer::from_plan(plan, data, options, &bench.machine.device).await?;
     let found = lockstep(&mut ours, &mut twins, |_| ControlFlow::Continue(())).await?;
     let is_hosts = found.first.is_none()
-        && match options.program {
-            ProgramName::Sort => {
-                let keys = ours.values(KEY).await?;
-                let mut expected = random_keys(options.elements, options.samples.seed);
-                expected.sort_unstable();
-                keys.layer(0).starts_with(&expected)
-            }
-            _ => match Built::on_host(&ours, bench.machine.limits().storage_bytes / 4) {
+        && match &registered(options.program).alone {
+            Some(alone) => (alone.are_right)(options, &ours.values(alone.results).await?),
+            None => match Built::on_host(&ours, bench.machine.limits().storage_bytes / 4) {
                 Ok(host) => Built::of(&ours).await? == host,
                 Err(_) => false,
             },

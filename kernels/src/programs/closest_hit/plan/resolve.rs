@@ -2,14 +2,13 @@
 
 use raystep_scenes::Scene;
 
-use super::check::{PlanError, check_buffer};
-use super::decide::features;
-use super::limits::Limits;
+use super::features::features;
 use crate::numbers::units::Units;
 use crate::options::features::{Features, StructureKind};
 use crate::options::{Accelerator, GridSize, MOST_LISTED, MOST_LISTED_IN_ONE_LEVEL, Options, Rule, ScheduleKind, Skip};
+use crate::plan::{Limits, PlanError, check_buffer};
 use crate::program::live::{LIVE_RAYS, live_bytes};
-use crate::programs;
+use crate::programs::closest_hit::PROGRAM;
 use crate::scene_data::{bvh_growth, origins, traced_vertices};
 use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
 use crate::structures::grid::{Corners, CountedGrid, GridData};
@@ -40,19 +39,19 @@ pub(super) struct Extent {
 }
 
 /// The input of building a structure.
-pub(super) struct Site<'a> {
-    pub(super) options: &'a Options,
-    pub(super) vertices: &'a [f32],
+pub(in crate::programs) struct Site<'a> {
+    pub(in crate::programs) options: &'a Options,
+    pub(in crate::programs) vertices: &'a [f32],
     /// The box of all ray origins.
-    pub(super) origins: Option<Corners>,
+    pub(in crate::programs) origins: Option<Corners>,
     /// Bounds distances, see [`grid::reach`].
-    pub(super) reach: f32,
+    pub(in crate::programs) reach: f32,
     /// Size of the executor's largest buffer, in 32-bit words.
-    pub(super) most_words: u64,
+    pub(in crate::programs) most_words: u64,
 }
 
 /// A grid whose resolution is chosen, with its lists counted.
-pub(super) enum ChosenGrid {
+pub(in crate::programs) enum ChosenGrid {
     /// A uniform one, with or without distances for empty-space skipping.
     Uniform { counted: CountedGrid, leaps: bool },
     /// One whose crowded cells are divided. It is walked as an irregular one.
@@ -162,7 +161,7 @@ fn check_sizes(
         check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
     }
     if features.live_lists {
-        check_buffer(LIVE_RAYS, live_bytes(programs::named(options.program), texels), limits)?;
+        check_buffer(LIVE_RAYS, live_bytes(&PROGRAM, texels), limits)?;
     }
     Ok(())
 }
@@ -215,7 +214,11 @@ impl Site<'_> {
 
     /// Chooses a grid's resolution: the counts of its lists tell whether most of its cells are empty, or a few of them
     /// crowded, before they are filled. `None` if another accelerator suits the scene better.
-    pub(super) fn choose(&self, features: &Features, is_last: bool) -> Result<Option<ChosenGrid>, PlanError> {
+    pub(in crate::programs) fn choose(
+        &self,
+        features: &Features,
+        is_last: bool,
+    ) -> Result<Option<ChosenGrid>, PlanError> {
         let Self { options, vertices, reach, most_words, .. } = *self;
         let counted = grid::count_lists(vertices, options.grid, reach, self.is_grown(), most_words)?;
         let is_sparse = counted.is_sparse();

@@ -1,19 +1,22 @@
-//! Decides which options of the kernels a run needs, and why it does without the rest.
+//! Decides which options of the kernels a run needs.
 
 use raystep_scenes::{Light, Projection, Scene};
 
-use super::{Because, LeftOut, Plan};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
-use crate::options::reasons::{Reason, Run};
 use crate::options::samples::Samples;
 use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind, Traversal};
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
 
 /// Decides every option of the kernels.
-pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerator, units: Units) -> Features {
+pub(in crate::programs) fn features(
+    scene: &Scene,
+    options: &Options,
+    accelerator: Accelerator,
+    units: Units,
+) -> Features {
     let keep = |item| options.keep.has(item);
     let robust = options.numerics == Numerics::Robust;
     let has_grid = accelerator == Accelerator::Grid;
@@ -87,58 +90,4 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
 fn has_intervals(rays: &RaySource, any_hit: bool) -> bool {
     let RaySource::Given(rays) = rays else { return false };
     rays.iter().any(|ray| ray.needs_interval(any_hit))
-}
-
-/// Everything in the program's tables that the plan leaves out.
-pub(super) fn absent(plan: &Plan, options: &Options) -> Vec<LeftOut> {
-    let mut all = Vec::new();
-    let mut add = |what: String, (because, reason): Reason, item: Option<Item>| {
-        // What the options do without, no item puts back.
-        let item = item.filter(|_| because == Because::Scene);
-        all.push(LeftOut { what, because, reason, item });
-    };
-    let run = Run { options, features: &plan.features, accelerator: plan.accelerator };
-    let program = plan.program;
-    for kernel in program.kernels().filter(|&kernel| plan.variant(kernel).is_none()) {
-        add(format!("kernel {}", kernel.name()), (kernel.info().why_absent)(&run), None);
-    }
-    for stream in program.streams().filter(|&stream| !plan.has_stream(stream)) {
-        add(format!("stream {}", stream.name()), (stream.info().why_absent)(&run), None);
-    }
-    for b in program.buffers.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
-        add(format!("buffer {}", b.name), (b.why_absent)(&run), b.item);
-    }
-    all
-}
-
-/// Everything that a run of rays leaves out: rows of the tables, and code.
-pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<LeftOut> {
-    let mut all = absent(plan, options);
-    let f = &plan.features;
-    let one_light = if scene.lights.is_empty() { "no light: one headlight" } else { "one light" };
-    let code = [
-        (
-            Item::Clipping,
-            f.structure().has_cells() && f.robust,
-            "code that clips rays to the grid",
-            "the camera is inside the grid",
-        ),
-        (
-            Item::RayPadding,
-            f.bvh && options.without != Some(Rule::BoxPadding),
-            "code that grows boxes by their distance",
-            "growth by the reach of the scene hardly enlarges boxes",
-        ),
-        (Item::ManyLights, options.shade, "code for more than one light", one_light),
-        (Item::DirectionalLights, options.shade, "code for directional lights", "no directional light"),
-        (Item::SpotLights, options.shade, "code for spot lights", "no spot light"),
-        (Item::Emission, options.shade, "code for emitted light", "no emissive material"),
-        (Item::DoubleSided, options.shade, "code for double-sided materials", "no double-sided material"),
-    ];
-    for (item, _, what, reason) in code.into_iter().filter(|&(item, has_place, ..)| has_place && !f.has(item)) {
-        all.push(LeftOut { what: what.into(), because: Because::Scene, reason, item: Some(item) });
-    }
-    // What this scene does without is what a reader wants to know.
-    all.sort_by_key(|item| item.because != Because::Scene);
-    all
 }

@@ -5,8 +5,8 @@
 //! a dispatch takes too long. So no thread runs more than [`Limits::turns`] iterations and one step. If the bounds here
 //! show that none can need as many, nothing of this is compiled.
 
-use super::limits::{Limits, TURNS_WITHOUT_LIMIT};
 use crate::options::features::{Features, StructureKind};
+use crate::plan::limits::{Limits, TURNS_WITHOUT_LIMIT};
 use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST};
 use crate::structures::Structure;
 

@@ -1,21 +1,22 @@
 //! Plans a sort of random keys.
 
-use super::check::{PlanError, check_buffer};
-use super::over::Over;
-use super::{Limits, Plan};
-use crate::options::{Accelerator, Options};
-use crate::programs::sort::{KEY, KEYS, MOST_KEYS, PROGRAM, random_keys, schedule};
+use raystep_scenes::Scene;
+
+use super::{KEY, KEYS, PROGRAM, random_keys, schedule};
+use crate::options::{Accelerator, MOST_ELEMENTS, Options};
+use crate::plan::over::Over;
+use crate::plan::{Limits, Plan, PlanError, check_buffer};
 use crate::scene_data::SceneData;
 use crate::tables::elements::Size;
 use crate::tables::stream::StreamData;
 
 /// Plans the sort of as many keys as the options say, which are random and the same for the same seed.
-pub(super) fn plan(options: &Options, limits: &Limits) -> Result<(Plan, SceneData), PlanError> {
+pub(super) fn plan(_: &Scene, options: &Options, limits: &Limits) -> Result<(Plan, SceneData), PlanError> {
     let keys = options.elements;
     let too_many =
         || PlanError::TooMany { elements: KEYS.name.to_owned(), count: keys.into(), side: limits.image_side };
-    if keys > MOST_KEYS {
-        return Err(PlanError::TooManyKeys { keys, most: MOST_KEYS });
+    if keys > MOST_ELEMENTS {
+        return Err(PlanError::TooManyKeys { keys, most: MOST_ELEMENTS });
     }
     let Size { width, height, .. } = Size::folded(keys.into(), limits.image_side).ok_or_else(too_many)?;
     let texels = width as usize * height as usize;

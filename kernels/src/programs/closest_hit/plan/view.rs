@@ -2,11 +2,10 @@
 
 use raystep_scenes::Scene;
 
-use super::allocated::Allocated;
-use super::check::{check_buffer, check_rays, image_size};
-use super::decide::features;
-use super::{Limits, Plan, PlanError, bound_by};
+use super::features::features;
 use crate::options::{Options, RaySource};
+use crate::plan::allocated::Allocated;
+use crate::plan::{Limits, Plan, PlanError, bound_by, check_buffer, check_rays, image_size};
 use crate::program::live::{LIVE_RAYS, live_bytes};
 use crate::scene_data::{SceneData, origins};
 use crate::structures::grid;

@@ -2,17 +2,16 @@
 
 use raystep_scenes::Scene;
 
-use super::check::{PlanError, check_buffer, check_rays, check_scene};
-use super::decide;
-use super::over::Over;
-use super::resolve::{self, ChosenGrid};
-use super::{Limits, Plan};
+use super::PROGRAM;
+use super::elements::{CELLS, TRIANGLES, WHOLE};
+use super::schedule::{self, Kind};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, Rule};
-use crate::programs::grid_build::elements::{CELLS, TRIANGLES, WHOLE};
-use crate::programs::grid_build::schedule::Kind;
-use crate::programs::grid_build::{PROGRAM, schedule};
+use crate::plan::over::Over;
+use crate::plan::{Limits, Plan, PlanError, check_buffer, check_rays, check_scene};
+use crate::programs::closest_hit::plan::features::features;
+use crate::programs::closest_hit::plan::resolve::{self, ChosenGrid};
 use crate::scene_data::{SceneData, origins, traced_vertices};
 use crate::shared::build::Build;
 use crate::shared::grid_walk::Grid;
@@ -21,7 +20,11 @@ use crate::structures::irregular::{Layout, Site};
 
 /// Plans the build of the grid that the same options would trace rays through. Its resolution is decided here; the
 /// length of its lists is found by the build.
-pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Plan, SceneData), PlanError> {
+pub(in crate::programs) fn plan(
+    scene: &Scene,
+    options: &Options,
+    limits: &Limits,
+) -> Result<(Plan, SceneData), PlanError> {
     if matches!(options.accelerator, Accelerator::Bvh | Accelerator::None) {
         return Err(PlanError::NotBuilt(options.accelerator));
     }
@@ -42,7 +45,7 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
     let bounds = grid::bounds(&vertices);
     let reach = grid::reach(bounds, origins);
     let site = resolve::Site { options, vertices: &vertices, origins, reach, most_words };
-    let features = decide::features(scene, options, Accelerator::Grid, units);
+    let features = features(scene, options, Accelerator::Grid, units);
     // The last candidate is always suited.
     let what = match site.choose(&features, true)? {
         Some(ChosenGrid::TwoLevels(counted)) => {

@@ -1,0 +1,103 @@
+//! Plans a run of rays: decides the structure, the options of the kernels and what their loops need, and prepares the
+//! scene's data.
+
+pub(in crate::programs) mod features;
+mod left_out;
+pub(in crate::programs) mod resolve;
+mod turns;
+mod view;
+
+use raystep_scenes::Scene;
+
+use super::{PROGRAM, schedule};
+use crate::numbers::units::Units;
+use crate::options::mapping::Until;
+use crate::options::{Options, RaySource, ScheduleKind};
+use crate::plan::allocated::Allocated;
+use crate::plan::{
+    DrawnPlan, Limits, Plan, PlanError, bound_by, check_choices, check_rays, check_samples, check_scene, check_texels,
+    image_size, variants,
+};
+use crate::scene_data::SceneData;
+use crate::shared::scene::SceneInfo;
+use crate::tables::elements::Size;
+use left_out::left_out;
+pub(crate) use resolve::Built;
+use resolve::{Resolved, resolve};
+use turns::{Resumes, Walk};
+
+/// Plans a run of rays; `built` is the grid that the options ask for, if it is built already.
+pub(in crate::programs) fn plan(
+    scene: &Scene,
+    options: &Options,
+    limits: &Limits,
+    built: Option<Built>,
+) -> Result<(Plan, SceneData), PlanError> {
+    let units = Units::of(scene);
+    let (width, height, rays) = image_size(options, limits)?;
+    check_scene(scene, units)?;
+    check_choices(options, limits)?;
+    check_rays(options, units)?;
+    check_samples(options)?;
+    let given = matches!(options.rays, RaySource::Given(_));
+    let Resolved { accelerator, mut features, structure, vertices, extent } =
+        resolve(scene, options, units, limits, (width, height), built)?;
+
+    // The last options of the kernels to be decided are those that depend on iterations of loops.
+    let is_fused = options.schedule == ScheduleKind::Fused;
+    let triangles = scene.triangles.len() as u64;
+    let lights = if options.shade { scene.lights.len() as u64 } else { 0 };
+    let walk = Walk { features: &features, structure: &structure, triangles };
+    let resumes = Resumes::of(&walk, is_fused, options.steps_per_pass, lights, limits);
+    (features.resumes, features.resumes_scan, features.resumes_light) = (resumes.walk, resumes.scan, resumes.light);
+    features.turns = if resumes == Resumes::default() { 0 } else { limits.turns };
+    let features = features;
+    let pass_bound = Walk { features: &features, structure: &structure, triangles }.most_passes(is_fused);
+    // A query finds out with a pass that a kernel has no rays.
+    let is_queried = options.mapping.fragment().is_some_and(|how| how.until == Until::Query);
+    let pass_bound = if is_queried { pass_bound.saturating_mul(2).saturating_add(4) } else { pass_bound };
+
+    let schedule = schedule::of(options, &features);
+    let variants = variants(&PROGRAM, &schedule, &features)?;
+    let drawn = options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, &features, limits)).transpose()?;
+    let bound = bound_by(&variants);
+    if bound.contains("texels") {
+        check_texels(scene, limits)?;
+    }
+    let info = SceneInfo {
+        triangles: triangles as u32,
+        steps: options.steps_per_pass,
+        rays: rays as u32,
+        first_row: 0,
+        size: [width, height],
+    };
+    let is_bound = |name: &str| bound.contains(name);
+    let mut data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
+    (data.bounds, data.reach) = (extent.bounds, extent.reach);
+
+    let size = Size { width, height, count: rays as u32 };
+    let Allocated { sets, streams, buffers } =
+        Allocated::new(&PROGRAM, &bound, &data, size, given, limits, drawn.as_ref())?;
+    let mut plan = Plan {
+        program: &PROGRAM,
+        sets,
+        image_side: limits.image_side,
+        most_elements: limits.rays,
+        width,
+        height,
+        rays,
+        triangles,
+        accelerator,
+        is_gpu: limits.is_gpu,
+        features,
+        schedule,
+        variants,
+        drawn,
+        streams,
+        buffers,
+        left_out: Vec::new(),
+        pass_bound,
+    };
+    plan.left_out = left_out(&plan, scene, options);
+    Ok((plan, data))
+}
