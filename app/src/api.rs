@@ -86,10 +86,10 @@ pub fn end() {
 /// If an option is wrong, or does not go with the others or with the scene.
 pub fn run_options(scene: &Scene, words: &[OsString]) -> Result<(Options, Vec<String>), Failure> {
     let RunWords { view, run, counters, timings } = parse(words)?;
-    session::check(&view, &run)?;
+    run.check(&view)?;
     let (camera, note) = scene_file::camera(&view.camera, scene)?;
     let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
-    let options = Options { samples: view.samples.into(), counters, timings, ..run.options(rays) };
+    let options = Options { counters, timings, ..Options::new(rays).chosen(&run.choices(&view)) };
     Ok((options, note.into_iter().collect()))
 }
 

@@ -1,23 +1,19 @@
 //! The options that subcommands share.
 
-mod tuning;
-mod way;
+pub(crate) mod choices;
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use raystep_kernels::options::{ELEMENTS, ProgramName};
-use raystep_kernels::programs::sort::MOST_KEYS;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Options, PlanError, RaySource, Sampler, Samples, Traversal};
+use raystep_kernels::Choices;
+use raystep_kernels::options::mapping::{Mapping, NO_GPU};
 use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
 
 use crate::error::Error;
-use crate::mapping::MappingArgs;
-pub(crate) use tuning::TuningArgs;
-pub(crate) use way::{WayArgs, fastest_accelerator, fastest_schedule};
+use choices::{ChoiceArgs, Sampling, Tracing};
 
 /// The scene file.
 #[derive(Args, Debug)]
@@ -59,44 +55,7 @@ pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
     #[command(flatten)]
-    pub(crate) samples: SampleArgs,
-}
-
-/// Samples per pixel.
-#[derive(Args, Clone, Copy, Debug)]
-#[command(next_help_heading = "Scene and view")]
-pub(crate) struct SampleArgs {
-    /// Samples per pixel, averaged. 1 samples the pixel's centre; with more, all streams except color and accumulated
-    /// belong to the last sample
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true,
-          value_parser = whole::<u32>(1, u64::from(Samples::MOST)))]
-    pub(crate) spp: u32,
-    /// Distribution of samples in a pixel: even, by a scrambled Sobol' sequence (sobol), or independent (random)
-    #[arg(long, default_value = "sobol", value_parser = named(Sampler::ALL, Sampler::name))]
-    pub(crate) sampler: Sampler,
-    /// Seed of the samples; the same seed gives the same image
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true,
-          value_parser = whole::<u32>(0, u64::from(u32::MAX)))]
-    pub(crate) seed: u32,
-}
-
-impl From<SampleArgs> for Samples {
-    fn from(args: SampleArgs) -> Self {
-        Self { count: args.spp, sampler: args.sampler, seed: args.seed, first: 0 }
-    }
-}
-
-impl SampleArgs {
-    /// Refuses options that would have no effect.
-    pub(crate) fn check(self) -> Result<(), Error> {
-        let all = [("--sampler random", self.sampler == Sampler::Random), ("--seed", self.seed != 0)];
-        match all.iter().find(|(_, is_asked)| *is_asked) {
-            Some((option, _)) if self.spp == 1 => {
-                Err(Error::usage(format!("{option} requires several samples per pixel: omit it, or add --spp N")))
-            }
-            _ => Ok(()),
-        }
-    }
+    pub(crate) samples: ChoiceArgs<Sampling>,
 }
 
 /// The camera.
@@ -136,67 +95,33 @@ impl CameraArgs {
     }
 }
 
-/// What runs.
-#[derive(Args, Debug)]
-pub(crate) struct ProgramArgs {
-    /// The stream program: trace rays (closest-hit), or build the grid that they would be traced through, uniform or
-    /// irregular (grid-build), or sort keys (sort)
-    #[arg(long, default_value = "closest-hit", value_parser = named(ProgramName::ALL, ProgramName::name))]
-    pub(crate) program: ProgramName,
-    #[command(flatten)]
-    pub(crate) elements: ElementsArgs,
-}
-
-/// How many elements a program without a scene works on.
-#[derive(Args, Debug)]
-pub(crate) struct ElementsArgs {
-    /// How many keys the program sort sorts
-    #[arg(long, value_name = "N", default_value_t = ELEMENTS, value_parser = whole::<u32>(1, MOST_KEYS.into()),
-          allow_negative_numbers = true)]
-    pub(crate) elements: u32,
-}
-
 /// Tracing options.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Tracing")]
 pub(crate) struct RunArgs {
     #[command(flatten)]
-    pub(crate) way: WayArgs,
-    #[command(flatten)]
-    pub(crate) mapping: MappingArgs,
-    /// How rays walk through a uniform grid with --numerics paper: by the smallest tMax (amanatides-woo), or by control
-    /// terms along a driving axis, the walk of Fujimoto, Tanaka and Iwata (3d-dda)
-    #[arg(long, default_value = "amanatides-woo", value_parser = named(Traversal::ALL, Traversal::name))]
-    pub(crate) traversal: Traversal,
-    #[command(flatten)]
-    pub(crate) tuning: TuningArgs,
+    pub(crate) tracing: ChoiceArgs<Tracing>,
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
 }
 
 impl RunArgs {
-    /// Refuses options that would have no effect.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        let WayArgs { accelerator, schedule } = self.way;
-        self.mapping.check(schedule, self.device.device)?;
-        self.tuning.check(&[accelerator], &[schedule])?;
-        let is_walked = accelerator == Accelerator::Grid && self.tuning.numerics == Numerics::Paper;
-        if self.traversal == Traversal::Dda3d && !is_walked {
-            return Err(Error::usage(PlanError::NoTraversal));
-        }
-        Ok(())
+    /// The choices of a run with this view.
+    pub(crate) fn choices(&self, view: &ViewArgs) -> Choices {
+        Choices { samples: view.samples.values.samples, ..self.tracing.values }
     }
 
-    /// The options of a run.
-    pub(crate) fn options(&self, rays: RaySource) -> Options {
-        let Self { way: WayArgs { accelerator, schedule }, mapping, traversal, tuning, .. } = self;
-        Options {
-            accelerator: *accelerator,
-            schedule: *schedule,
-            mapping: mapping.mapping(),
-            traversal: *traversal,
-            ..tuning.options(rays)
+    /// Refuses options that would have no effect, or do not go together.
+    pub(crate) fn check(&self, view: &ViewArgs) -> Result<(), Error> {
+        let choices = self.choices(view);
+        if choices.mapping != Mapping::Compute && self.device.device == DeviceKind::Cpu {
+            return Err(Error::usage(NO_GPU));
         }
+        choices::check(&choices)
+    }
+
+    /// Where passes run.
+    pub(crate) fn device(&self) -> DeviceArgs {
+        self.device.drawing(self.tracing.values.mapping != Mapping::Compute)
     }
 }
 
@@ -212,6 +137,17 @@ pub(crate) struct DeviceArgs {
     /// Name of the GPU adapter, or part of it; see 'raystep info'
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
+}
+
+impl DeviceArgs {
+    /// Where passes run: fragment programs need a GPU, if only one in software.
+    pub(crate) fn drawing(&self, draws: bool) -> Self {
+        let mut device = self.clone();
+        if draws && device.device == DeviceKind::Auto && device.adapter.is_none() {
+            device.device = DeviceKind::Gpu;
+        }
+        device
+    }
 }
 
 /// `--device`
@@ -288,8 +224,6 @@ pub(crate) const WRONG_FOV: &str = "expected an angle between 0 and 180 degrees"
 
 /// Most pixels per side, on any device.
 const MOST_PIXELS: u32 = 32_768;
-/// Most cells of a grid along an axis.
-const MOST_CELLS: u32 = 4096;
 
 /// An integer of at least 1; an error with the range if it is out of range; `None` if it is not a number.
 fn whole_number(text: &str, most: u32, of: &str) -> Option<Result<u32, String>> {
@@ -323,22 +257,5 @@ impl FromStr for Vector {
             .map(|part| part.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong))
             .collect::<Result<Vec<_>, _>>()?;
         Ok(Self(numbers.try_into().map_err(|_| wrong())?))
-    }
-}
-
-/// Parses `--grid`.
-pub(crate) fn parse_grid(value: &str) -> Result<GridSize, String> {
-    let wrong = || "expected auto, one number of cells, or one each for x, y and z, such as 32 or 32,8,32".to_owned();
-    if value == "auto" {
-        return Ok(GridSize::Auto);
-    }
-    let cells = value
-        .split(',')
-        .map(|part| whole_number(part, MOST_CELLS, "cells along an axis").unwrap_or_else(|| Err(wrong())))
-        .collect::<Result<Vec<_>, _>>()?;
-    match cells[..] {
-        [n] => Ok(GridSize::Cells([n; 3])),
-        [x, y, z] => Ok(GridSize::Cells([x, y, z])),
-        _ => Err(wrong()),
     }
 }

@@ -9,7 +9,6 @@ mod device;
 mod error;
 mod interrupt;
 mod link;
-mod mapping;
 mod output;
 mod process;
 mod rays_file;

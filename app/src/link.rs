@@ -4,13 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use raystep_inspector::link::{Link, LinkCamera, LinkDevice, LinkRay};
-use raystep_kernels::BuiltBy;
 use raystep_lab::{Hash, Size};
 
-use crate::args::{
-    CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SampleArgs, SceneArgs, TuningArgs, Vector, ViewArgs,
-    WayArgs, counted,
-};
+use crate::args::choices::{ChoiceArgs, with_linked};
+use crate::args::{CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SceneArgs, Vector, ViewArgs, counted};
 use crate::error::Error;
 
 /// A scene's file, or a link.
@@ -30,11 +27,7 @@ pub(crate) struct LinkArgs {
     #[arg(
         long,
         value_name = "LINK",
-        conflicts_with_all = [
-            "scene", "scene_index", "size", "camera", "eye", "look_at", "up", "fov", "accelerator", "schedule",
-            "mapping", "targets", "update", "cull", "until", "traversal", "numerics", "grid", "skip", "steps_per_pass", "keep_all", "spp",
-            "sampler", "seed",
-        ]
+        conflicts_with_all = with_linked(&["scene", "scene_index", "size", "camera", "eye", "look_at", "up", "fov"])
     )]
     pub(crate) link: Option<String>,
 }
@@ -60,7 +53,7 @@ impl LinkArgs {
         }
         let scene =
             self.scene.ok_or_else(|| Error::usage("missing scene: name its file, or use --link LINK (see --help)"))?;
-        run.tuning.steps_per_pass = run.tuning.steps_per_pass.or(Some(1));
+        run.tracing.step_by_step();
         let scene = SceneArgs { scene, scene_index: self.scene_index, read: self.read };
         Ok(Wanted { scene, view, run, ray: None, scene_hash: None })
     }
@@ -97,23 +90,9 @@ fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, E
                     fov: Some(fov_deg),
                 },
             },
-            samples: SampleArgs { spp: link.samples.count, sampler: link.samples.sampler, seed: link.samples.seed },
+            samples: ChoiceArgs::of(link.choices),
         },
-        run: RunArgs {
-            way: WayArgs { accelerator: link.accelerator, schedule: link.schedule },
-            mapping: link.mapping.into(),
-            traversal: link.traversal,
-            tuning: TuningArgs {
-                numerics: link.numerics,
-                grid: Some(link.grid),
-                skip: link.skip,
-                // Whoever builds it, the grid is the same.
-                build: BuiltBy::Auto,
-                steps_per_pass: Some(link.steps_per_pass),
-                keep_all: link.keep_all,
-            },
-            device: if is_named { linked } else { device },
-        },
+        run: RunArgs { tracing: ChoiceArgs::of(link.choices), device: if is_named { linked } else { device } },
         ray: link.ray,
         scene_hash: link.scene_hash,
     })
@@ -140,16 +119,7 @@ pub(crate) fn link_of(wanted: &Wanted) -> Result<Link, Error> {
             _ => LinkCamera::Default,
         },
         size: [view.size.width, view.size.height],
-        accelerator: run.way.accelerator,
-        schedule: run.way.schedule,
-        mapping: run.mapping.mapping(),
-        numerics: run.tuning.numerics,
-        traversal: run.traversal,
-        grid: run.tuning.grid(),
-        skip: run.tuning.skip,
-        steps_per_pass: run.tuning.steps_per_pass.unwrap_or(1),
-        keep_all: run.tuning.keep_all,
-        samples: view.samples.into(),
+        choices: run.choices(view),
         device: match run.device.device {
             DeviceKind::Auto => LinkDevice::Auto,
             DeviceKind::Gpu => LinkDevice::Gpu,

@@ -7,13 +7,11 @@ use raystep_kernels::export::Recorded;
 use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::json::RunOptions;
 use raystep_kernels::export::structure::Structure;
-use raystep_kernels::options::mapping;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::renderer::CounterSums;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Keep, Options, RaySource, Renderer, ScheduleKind};
+use raystep_kernels::{Options, RaySource, Renderer};
 use raystep_lab::Machine;
-use raystep_lab::bench::grid_text;
 use raystep_lab::outside::{MISSES_ALL, misses_all};
 use raystep_scenes::Scene;
 
@@ -41,15 +39,6 @@ impl Stopwatch {
         self.stages.push((stage, self.last.elapsed().as_secs_f64()));
         self.last = Instant::now();
     }
-}
-
-/// Refuses options that would have no effect, or do not go together.
-pub(crate) fn check(view: &ViewArgs, run: &RunArgs) -> Result<(), Error> {
-    run.check()?;
-    if run.mapping.is_fragment() && view.samples.spp > 1 {
-        return Err(Error::usage(mapping::ONE_SAMPLE));
-    }
-    view.samples.check()
 }
 
 /// A planned run.
@@ -81,7 +70,7 @@ impl Session {
         progress: &Progress,
         adjust: impl FnOnce(&Scene, &mut Options),
     ) -> Result<Self, Error> {
-        check(view, run)?;
+        run.check(view)?;
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
         let scene_path = scene.scene.clone();
@@ -95,11 +84,10 @@ impl Session {
         }
         watch.lap("load");
         progress.stage("looking for a device");
-        let chosen = device::choose(&run.mapping.device(&run.device))?;
+        let chosen = device::choose(&run.device())?;
         watch.lap("device");
         let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
-        let mut options = run.options(rays);
-        options.samples = view.samples.into();
+        let mut options = Options::new(rays).chosen(&run.choices(view));
         adjust(&scene, &mut options);
         progress.stage("planning and building");
         let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;
@@ -149,25 +137,10 @@ impl Running {
         let (options, plan) = (&self.options, self.renderer.plan());
         RunOptions {
             scene_path: self.scene_path.to_string_lossy().into_owned(),
-            accelerator: options.accelerator.name(),
-            schedule: options.schedule.name(),
-            mapping: options.mapping.to_string(),
-            numerics: options.numerics.name(),
-            traversal: options.traversal.name(),
+            choices: options.choices(),
             width_px: plan.width,
             height_px: plan.height,
-            grid: grid_text(options.grid),
-            skip: options.skip.name(),
-            steps_per_pass: match options.schedule {
-                ScheduleKind::Compact => Some(options.steps_per_pass),
-                ScheduleKind::First | ScheduleKind::Second => Some(1),
-                ScheduleKind::Fused => None,
-            },
             counters: options.counters,
-            keep_all: options.keep == Keep::ALL,
-            spp: options.samples.count,
-            sampler: (options.samples.count > 1).then(|| options.samples.sampler.name()),
-            seed: (options.samples.count > 1).then_some(options.samples.seed),
         }
     }
 

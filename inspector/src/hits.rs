@@ -17,7 +17,7 @@ pub const HIT_WORDS: usize = 5;
 /// # Errors
 /// If the scene cannot be traced so, or the device fails.
 pub async fn hit_words(link: &Link, scene: &Scene, device: &Device) -> Result<Vec<u32>, RenderError> {
-    let options = Options { schedule: link.schedule, timings: false, ..Settings::from(link).options(scene) };
+    let options = Options { schedule: link.choices.schedule, timings: false, ..Settings::from(link).options(scene) };
     let mut renderer = Renderer::new(scene, &options, device).await?;
     renderer.run(|_| ControlFlow::Continue(())).await?;
     let hits = renderer.hits().await?;

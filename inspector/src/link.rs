@@ -14,13 +14,7 @@
 //! | `scene-hash` | of the scene's contents ([`scene_hash`](crate::runs::scene_hash)): a file with another is said to be another scene | |
 //! | `camera`; or `eye`, `look-at`, `up`, `fov` | number of the scene's camera; or points, and degrees | the first; up 0,1,0, fov 40 |
 //! | `size` | WxH, pixels | 512x512 |
-//! | `accelerator`, `schedule`, `numerics` | as the options | grid, compact, robust |
-//! | `mapping`; `targets`, `update`, `cull`, `until` | as the options | compute; those of the option, and schedule second |
-//! | `traversal` | as the option | amanatides-woo |
-//! | `grid`, `skip` | as the options | auto |
-//! | `steps-per-pass` | of the compact schedule | 1: every step is a pass |
-//! | `keep-all` | true, false | false |
-//! | `spp`, `sampler`, `seed` | samples a pixel, and where they lie, as the options | 1, sobol, 0 |
+//! | every option that is [linked](raystep_kernels::options::rows::Row::is_linked), such as `accelerator` | as the option; true or false for one without a value | that of the option; `steps-per-pass` 1: every step is a pass |
 //! | `device`, `adapter` | auto, gpu, cpu; part of an adapter's name | auto |
 //! | `pixel`; or `ray` | X,Y; or origin and direction, decimal or the bits of an f32 in hex | |
 //! | `pass` | passes that have run | |
@@ -33,9 +27,9 @@ mod read;
 use std::fmt;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
-use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
-use raystep_kernels::options::{ELEMENTS, ProgramName};
-use raystep_kernels::{Accelerator, GridSize, Numerics, Samples, ScheduleKind, Skip, Stream, Traversal};
+use raystep_kernels::Stream;
+use raystep_kernels::options::Choices;
+use raystep_kernels::options::rows::{ROWS, Row};
 use raystep_lab::Hash;
 
 use crate::ray_text::GivenRay;
@@ -46,13 +40,8 @@ pub const VERSION: u32 = 1;
 
 /// Most pixels each way.
 pub const MOST_PIXELS: u32 = 32_768;
-/// Most cells of a grid along an axis.
-pub const MOST_CELLS: u32 = 4096;
-/// Most steps of a ray in one pass.
-pub const MOST_STEPS: u32 = 4096;
-
-/// Every key, in the order in which they are written.
-pub const KEYS: [&str; 35] = [
+/// The keys that are not options of a run, in the order in which they are written; those come after `size`.
+const KEYS: [&str; 17] = [
     "scene",
     "scene-index",
     "scene-hash",
@@ -62,24 +51,6 @@ pub const KEYS: [&str; 35] = [
     "up",
     "fov",
     "size",
-    "program",
-    "elements",
-    "accelerator",
-    "schedule",
-    "mapping",
-    "targets",
-    "update",
-    "cull",
-    "until",
-    "numerics",
-    "traversal",
-    "grid",
-    "skip",
-    "steps-per-pass",
-    "keep-all",
-    "spp",
-    "sampler",
-    "seed",
     "device",
     "adapter",
     "pixel",
@@ -89,6 +60,16 @@ pub const KEYS: [&str; 35] = [
     "zoom",
     "pan",
 ];
+
+/// Every key.
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    KEYS.into_iter().chain(linked().map(|row| row.name))
+}
+
+/// The options that links have.
+fn linked() -> impl Iterator<Item = &'static Row> {
+    ROWS.iter().filter(|row| row.is_linked)
+}
 
 /// What no shell takes as its own between double quotes, and what separates nothing here.
 const KEPT: &AsciiSet = &NON_ALPHANUMERIC
@@ -114,30 +95,8 @@ pub struct Link {
     pub camera: LinkCamera,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// What runs.
-    pub program: ProgramName,
-    /// How many elements a program works on that needs no scene.
-    pub elements: u32,
-    /// The acceleration structure.
-    pub accelerator: Accelerator,
-    /// The schedule.
-    pub schedule: ScheduleKind,
-    /// Rules for planes, steps and hits.
-    pub numerics: Numerics,
-    /// How rays walk through a uniform grid.
-    pub traversal: Traversal,
-    /// How kernels are mapped to a GPU.
-    pub mapping: Mapping,
-    /// Cells of the grid.
-    pub grid: GridSize,
-    /// Whether rays skip over empty cells.
-    pub skip: Skip,
-    /// Most steps of a ray in one pass of the compact schedule.
-    pub steps_per_pass: u32,
-    /// Whether the plan omits nothing.
-    pub keep_all: bool,
-    /// Samples per pixel.
-    pub samples: Samples,
+    /// The options of the run.
+    pub choices: Choices,
     /// Where passes run.
     pub device: LinkDevice,
     /// Part of the name of a GPU adapter.
@@ -247,7 +206,7 @@ impl Shown {
 }
 
 impl Default for Link {
-    /// The defaults of [`VERSION`], which do not change with those of the options.
+    /// The defaults of [`VERSION`], which a test compares with those of the options.
     fn default() -> Self {
         Self {
             scene: None,
@@ -255,18 +214,7 @@ impl Default for Link {
             scene_hash: None,
             camera: LinkCamera::Default,
             size: [512, 512],
-            program: ProgramName::ClosestHit,
-            elements: ELEMENTS,
-            accelerator: Accelerator::Grid,
-            schedule: ScheduleKind::Compact,
-            numerics: Numerics::Robust,
-            traversal: Traversal::AmanatidesWoo,
-            mapping: Mapping::Compute,
-            grid: GridSize::Auto,
-            skip: Skip::Auto,
-            steps_per_pass: 1,
-            keep_all: false,
-            samples: Samples::default(),
+            choices: Choices::stepped(),
             device: LinkDevice::Auto,
             adapter: None,
             ray: None,
@@ -279,14 +227,6 @@ impl Default for Link {
 }
 
 impl Link {
-    /// The schedule that is left out of a link with this mapping.
-    fn schedule_of(mapping: Mapping) -> ScheduleKind {
-        match mapping {
-            Mapping::Compute => ScheduleKind::Compact,
-            Mapping::Fragment(_) => ScheduleKind::Second,
-        }
-    }
-
     /// The keys and values that differ from the defaults.
     fn pairs(&self) -> Vec<(&'static str, String)> {
         let default = Self::default();
@@ -307,36 +247,14 @@ impl Link {
         }
         let [width, height] = self.size;
         add("size", (self.size != default.size).then(|| format!("{width}x{height}")));
-        add("program", (self.program != default.program).then(|| self.program.to_string()));
-        add("elements", (self.elements != default.elements).then(|| self.elements.to_string()));
-        add("accelerator", (self.accelerator != default.accelerator).then(|| self.accelerator.to_string()));
-        let schedule = Self::schedule_of(self.mapping);
-        add("schedule", (self.schedule != schedule).then(|| self.schedule.to_string()));
-        if let Mapping::Fragment(how) = self.mapping {
-            let paper = Fragment::default();
-            add("mapping", Some(MappingName::Fragment.to_string()));
-            add("targets", (how.targets != paper.targets).then(|| how.targets.to_string()));
-            add("update", (how.update != paper.update).then(|| how.update.to_string()));
-            add("cull", (how.cull != paper.cull).then(|| how.cull.to_string()));
-            add("until", (how.until != paper.until).then(|| how.until.to_string()));
+        // What a reader has from the keys before this one.
+        let mut known = default.choices;
+        for row in linked().filter(|row| (row.applies)(&self.choices)) {
+            let value = row.get(&self.choices);
+            if value != row.get(&known) && row.set(&mut known, &value.to_string()).is_ok() {
+                add(row.name, Some(value.to_string()));
+            }
         }
-        add("numerics", (self.numerics != default.numerics).then(|| self.numerics.to_string()));
-        add("traversal", (self.traversal != default.traversal).then(|| self.traversal.to_string()));
-        add(
-            "grid",
-            match self.grid {
-                GridSize::Auto => None,
-                GridSize::Cells(cells) => Some(list(&cells)),
-            },
-        );
-        add("skip", (self.skip != default.skip).then(|| self.skip.to_string()));
-        let steps = self.steps_per_pass;
-        add("steps-per-pass", (steps != default.steps_per_pass).then(|| steps.to_string()));
-        add("keep-all", self.keep_all.then(|| "true".into()));
-        let Samples { count, sampler, seed, first: _ } = self.samples;
-        add("spp", (count != default.samples.count).then(|| count.to_string()));
-        add("sampler", (sampler != default.samples.sampler).then(|| sampler.to_string()));
-        add("seed", (seed != default.samples.seed).then(|| seed.to_string()));
         add("device", (self.device != default.device).then(|| self.device.name().into()));
         add("adapter", self.adapter.clone());
         match self.ray {

@@ -3,13 +3,11 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
-use raystep_kernels::options::{ELEMENTS, ProgramName};
+use raystep_kernels::options::Choices;
+use raystep_kernels::options::mapping::{Fragment, Mapping};
+use raystep_kernels::options::rows::{MOST_STEPS, ROWS, Refusal, Row, Values};
 use raystep_kernels::program::Program;
-use raystep_kernels::{
-    Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, RaySource, Samples, ScheduleKind, Skip, Traversal,
-    programs,
-};
+use raystep_kernels::{Accelerator, Device, Gpu, Options, RaySource, Samples, ScheduleKind, Traversal, programs};
 use raystep_scenes::{Camera, Projection, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -88,30 +86,9 @@ pub enum View {
 /// All settings of a run except the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// What runs.
-    #[serde(default)]
-    pub program: ProgramName,
-    /// How many elements a program works on that needs no scene.
-    #[serde(default = "elements")]
-    pub elements: u32,
-    /// The acceleration structure.
-    pub accelerator: Accelerator,
-    /// The schedule, one with steps.
-    pub schedule: ScheduleKind,
-    /// How kernels are mapped to a GPU.
-    #[serde(default)]
-    pub mapping: Mapping,
-    /// The rules for planes, steps and hits.
-    pub numerics: Numerics,
-    /// How rays walk through a uniform grid.
-    #[serde(default)]
-    pub traversal: Traversal,
-    /// How fine the grid is.
-    pub grid: GridSize,
-    /// Whether rays skip over empty cells.
-    pub skip: Skip,
-    /// Most steps of a ray in one pass of the compact schedule; 1 shows one cell, node or triangle per pass.
-    pub steps_per_pass: u32,
+    /// The options that are rows of the table.
+    #[serde(flatten)]
+    pub choices: Choices,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// The view of the scene.
@@ -120,38 +97,18 @@ pub struct Settings {
     pub ray: Option<GivenRay>,
     /// Counts cells, tests and repeated tests per ray.
     pub counters: bool,
-    /// Omits nothing from the plan.
-    pub keep_all: bool,
-    /// Samples per pixel.
-    #[serde(default)]
-    pub samples: Samples,
     /// Where passes run.
     pub device: DeviceKind,
-}
-
-fn elements() -> u32 {
-    ELEMENTS
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            program: ProgramName::ClosestHit,
-            elements: ELEMENTS,
-            accelerator: Accelerator::Grid,
-            schedule: ScheduleKind::Compact,
-            mapping: Mapping::Compute,
-            numerics: Numerics::Robust,
-            traversal: Traversal::AmanatidesWoo,
-            grid: GridSize::Auto,
-            skip: Skip::Auto,
-            steps_per_pass: 1,
+            choices: Choices::stepped(),
             size: [512, 512],
             view: View::Scene(0),
             ray: None,
             counters: true,
-            keep_all: false,
-            samples: Samples::default(),
             device: DeviceKind::Gpu,
         }
     }
@@ -203,25 +160,16 @@ impl From<&Link> for Settings {
             _ => None,
         };
         Self {
-            program: link.program,
-            elements: link.elements,
-            accelerator: link.accelerator,
-            schedule: link.schedule,
-            mapping: link.mapping,
-            numerics: link.numerics,
-            traversal: link.traversal,
-            grid: link.grid,
-            skip: link.skip,
-            steps_per_pass: link.steps_per_pass,
+            choices: link.choices,
             size: link.size,
             view,
             ray,
-            keep_all: link.keep_all,
-            samples: link.samples,
             device: match link.device {
                 // An adapter's name is the name of a GPU.
                 // Fragment programs are drawn, if only by software.
-                LinkDevice::Auto if link.adapter.is_none() && link.mapping == Mapping::Compute => DeviceKind::Auto,
+                LinkDevice::Auto if link.adapter.is_none() && link.choices.mapping == Mapping::Compute => {
+                    DeviceKind::Auto
+                }
                 LinkDevice::Auto | LinkDevice::Gpu => DeviceKind::Gpu,
                 LinkDevice::Cpu => DeviceKind::Cpu,
             },
@@ -234,7 +182,7 @@ impl Settings {
     /// Whether the program traces rays.
     #[must_use]
     pub fn traces_rays(&self) -> bool {
-        traces_rays(programs::named(self.program))
+        traces_rays(programs::named(self.choices.program))
     }
 
     /// A link with these settings, without scene and place. A link cannot express parallel rays of a custom camera: it
@@ -253,18 +201,7 @@ impl Settings {
         Link {
             camera,
             size: self.size,
-            program: self.program,
-            elements: self.elements,
-            accelerator: self.accelerator,
-            schedule: self.schedule,
-            mapping: self.mapping,
-            numerics: self.numerics,
-            traversal: self.traversal,
-            grid: self.grid,
-            skip: self.skip,
-            steps_per_pass: self.steps_per_pass,
-            keep_all: self.keep_all,
-            samples: self.samples_taken(),
+            choices: self.taken(),
             device: match self.device {
                 DeviceKind::Auto => LinkDevice::Auto,
                 DeviceKind::Gpu => LinkDevice::Gpu,
@@ -275,61 +212,78 @@ impl Settings {
         }
     }
 
-    /// Maps kernels to a GPU in this way, and changes what does not go with it.
-    pub fn map_kernels(&mut self, mapping: MappingName) {
-        self.mapping = match mapping {
-            MappingName::Compute => Mapping::Compute,
-            MappingName::Fragment => Mapping::Fragment(Fragment::default()),
-        };
-        if mapping == MappingName::Fragment {
-            if self.schedule == ScheduleKind::Compact {
-                (self.schedule, self.steps_per_pass) = (ScheduleKind::Second, 1);
+    /// The same through another structure.
+    #[must_use]
+    pub fn through(mut self, accelerator: Accelerator) -> Self {
+        self.choices.accelerator = accelerator;
+        self
+    }
+
+    /// Chooses a value of an option. What does not go together with it gives way.
+    ///
+    /// # Errors
+    /// What would be right, if the option has no such value.
+    pub fn choose(&mut self, row: &Row, value: &str) -> Result<(), String> {
+        row.set(&mut self.choices, value)?;
+        let mut usual = Choices::stepped();
+        if self.choices.mapping != Mapping::Compute {
+            usual.mapping = Mapping::Fragment(Fragment::default());
+        }
+        for other in ROWS.iter().filter(|other| other.name != row.name) {
+            if let Some(Refusal::Impossible(_)) = (other.refused)(&self.choices) {
+                other.set(&mut self.choices, &other.get(&usual).to_string())?;
             }
-            self.samples.count = 1;
+        }
+        if self.choices.mapping != Mapping::Compute {
             self.device = DeviceKind::Gpu;
         }
+        Ok(())
     }
 
-    /// The schedules that can be stepped with this mapping: fragment programs append to no lists.
+    /// The values that panels offer of an option with names: not those that do not go together with the others, whatever
+    /// gives way, nor what cannot be stepped.
     #[must_use]
-    pub fn schedules(&self) -> Vec<ScheduleKind> {
-        let is_drawn = self.mapping != Mapping::Compute;
-        let is_possible =
-            |schedule: &ScheduleKind| schedule.is_stepped() && !(is_drawn && *schedule == ScheduleKind::Compact);
-        ScheduleKind::ALL.iter().copied().filter(is_possible).collect()
-    }
-
-    /// Whether rays can walk by a 3D-DDA with these settings: it is for a uniform grid and the paper's rules.
-    #[must_use]
-    pub fn can_use_dda(&self) -> bool {
-        self.accelerator == Accelerator::Grid && self.numerics == Numerics::Paper
+    pub fn offered(&self, row: &Row) -> Vec<&'static str> {
+        let Values::Names(names) = row.values else { return Vec::new() };
+        let is_offered = |name: &&str| {
+            let mut chosen = self.clone();
+            let is_chosen = chosen.choose(row, name).is_ok() && (row.refused)(&chosen.choices).is_none();
+            is_chosen && chosen.choices.schedule.is_stepped()
+        };
+        names().into_iter().filter(is_offered).collect()
     }
 
     /// The schedule, with the mapping if it is not the usual one.
     #[must_use]
     pub fn order(&self) -> String {
-        match self.mapping {
-            Mapping::Compute => self.schedule.to_string(),
-            fragment @ Mapping::Fragment(_) => format!("{} {fragment}", self.schedule),
+        let Choices { schedule, mapping, .. } = self.choices;
+        match mapping {
+            Mapping::Compute => schedule.to_string(),
+            fragment @ Mapping::Fragment(_) => format!("{schedule} {fragment}"),
         }
     }
 
     /// The numerics, with the traversal if it is not the usual one.
     #[must_use]
     pub fn rules(&self) -> String {
-        match self.traversal_taken() {
-            Traversal::AmanatidesWoo => self.numerics.to_string(),
-            dda @ Traversal::Dda3d => format!("{} {dda}", self.numerics),
+        let Choices { numerics, traversal, .. } = self.taken();
+        match traversal {
+            Traversal::AmanatidesWoo => numerics.to_string(),
+            dda @ Traversal::Dda3d => format!("{numerics} {dda}"),
         }
     }
 
-    fn traversal_taken(&self) -> Traversal {
-        if self.can_use_dda() { self.traversal } else { Traversal::AmanatidesWoo }
-    }
-
-    /// A single ray has no pixel to distribute samples over.
-    fn samples_taken(&self) -> Samples {
-        if self.ray.is_some() { Samples::default() } else { self.samples }
+    /// The choices of the run: a single ray has no pixel to distribute samples over, and a file may hold anything.
+    fn taken(&self) -> Choices {
+        let mut choices = self.choices;
+        if self.ray.is_some() {
+            choices.samples = Samples::default();
+        }
+        if !choices.schedule.is_stepped() {
+            choices.schedule = ScheduleKind::Compact;
+        }
+        choices.steps_per_pass = choices.steps_per_pass.clamp(1, MOST_STEPS);
+        choices
     }
 
     /// The options of a run. Passes are timed if the device supports it.
@@ -342,22 +296,6 @@ impl Settings {
                 RaySource::Camera { camera: self.view.camera(scene), width, height }
             }
         };
-        Options {
-            program: self.program,
-            elements: self.elements,
-            accelerator: self.accelerator,
-            schedule: if self.schedule.is_stepped() { self.schedule } else { ScheduleKind::Compact },
-            mapping: self.mapping,
-            numerics: self.numerics,
-            traversal: self.traversal_taken(),
-            grid: self.grid,
-            skip: self.skip,
-            steps_per_pass: self.steps_per_pass.clamp(1, 4096),
-            counters: self.counters,
-            timings: true,
-            keep: Keep::all_if(self.keep_all),
-            samples: self.samples_taken(),
-            ..Options::new(rays)
-        }
+        Options { counters: self.counters, timings: true, ..Options::new(rays).chosen(&self.taken()) }
     }
 }

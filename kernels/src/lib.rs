@@ -63,6 +63,7 @@ pub mod tables;
 #[cfg(feature = "gpu")]
 pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, HostPolls, Load, adapters};
 pub use executor::{DrawTime, Drawing, Rounding};
+pub use options::Choices;
 pub use options::keep::{Item, Keep};
 pub use options::samples::Samples;
 pub use options::{

@@ -7,7 +7,7 @@ use std::time::Instant;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::{Session, Target, go_on};
 use raystep_kernels::plan::Bytes;
-use raystep_kernels::{AdapterChoice, Device, Gpu, ScheduleKind, Skip};
+use raystep_kernels::{AdapterChoice, Choices, Device, Gpu, ScheduleKind, Skip};
 use raystep_tests::block_on;
 
 fn main() {
@@ -29,7 +29,12 @@ fn main() {
     let scene = raystep_tests::scene("sphere-flake.glb");
     for schedule in [ScheduleKind::Compact, ScheduleKind::Second] {
         // Without empty-space skipping there are more passes.
-        let settings = Settings { schedule, size, skip: Skip::Off, device: DeviceKind::Gpu, ..Settings::default() };
+        let settings = Settings {
+            size,
+            device: DeviceKind::Gpu,
+            choices: Choices { schedule, skip: Skip::Off, ..Choices::stepped() },
+            ..Settings::default()
+        };
         block_on(gpu.as_deref(), async {
             let options = settings.options(&scene);
             let mut session = Session::new(&scene, &options, &device).await.expect("a session");

@@ -20,9 +20,8 @@ use raystep_lab::bench::{self, Baseline};
 use raystep_lab::meter::{Meter, Turns};
 use raystep_lab::{RayKind, Size, Subject};
 
-use crate::args::{
-    CameraArgs, DeviceArgs, DeviceKind, QuietArgs, ReadArgs, SceneArgs, TuningArgs, counted, named, parse_size, whole,
-};
+use crate::args::choices::{ChoiceArgs, Tuning};
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, named, parse_size, whole};
 use crate::commands::distinct;
 use crate::commands::input::{self, Input};
 use crate::device;
@@ -157,7 +156,7 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
-    tuning: TuningArgs,
+    tuning: ChoiceArgs<Tuning>,
     #[command(flatten)]
     device: DeviceArgs,
 }
@@ -202,12 +201,7 @@ impl BenchArgs {
 
     /// Where passes run: fragment programs need a GPU, if only one in software.
     pub(super) fn device(&self) -> DeviceArgs {
-        let mut device = self.device.clone();
-        let draws = self.mappings.iter().any(|&mapping| mapping != Mapping::Compute);
-        if draws && device.device == DeviceKind::Auto && device.adapter.is_none() {
-            device.device = DeviceKind::Gpu;
-        }
-        device
+        self.device.drawing(self.mappings.iter().any(|&mapping| mapping != Mapping::Compute))
     }
 
     fn repeats(&self) -> u32 {
@@ -226,7 +220,7 @@ struct Done {
 }
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
-    args.tuning.check(&args.accelerators, &args.schedules)?;
+    args.tuning.check_for(&args.accelerators, &args.schedules)?;
     let is_drawn = |schedule: &ScheduleKind| matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
     let draws = args.mappings.iter().any(|&mapping| mapping != Mapping::Compute);
     if draws && !args.schedules.iter().any(is_drawn) {
@@ -234,7 +228,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
             "--mappings: fragment programs run with schedules first and second: add --schedules second",
         ));
     }
-    let is_walked = args.accelerators.contains(&Accelerator::Grid) && args.tuning.numerics == Numerics::Paper;
+    let is_walked = args.accelerators.contains(&Accelerator::Grid) && args.tuning.values.numerics == Numerics::Paper;
     if args.traversals.contains(&Traversal::Dda3d) && !is_walked {
         return Err(Error::usage(
             "--traversals: 3d-dda walks through a uniform grid with the paper's rules: add --accelerators grid --numerics \

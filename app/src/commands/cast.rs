@@ -14,9 +14,8 @@ use raystep_kernels::{Caster, Numerics, Options, RaySource};
 use raystep_lab::outside::MISSES_OUTSIDE;
 use raystep_lab::rays::file::{BadRays, RaysFormat, RaysReader};
 
-use crate::args::{
-    DeviceArgs, QuietArgs, SceneArgs, TuningArgs, WayArgs, fastest_accelerator, fastest_schedule, named, whole,
-};
+use crate::args::choices::{self, Casting, ChoiceArgs, fastest_accelerator, fastest_schedule};
+use crate::args::{DeviceArgs, QuietArgs, SceneArgs, named, whole};
 use crate::commands::extension;
 use crate::commands::summary::way;
 use crate::device;
@@ -87,9 +86,7 @@ pub(crate) struct CastArgs {
     #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
-    way: WayArgs,
-    #[command(flatten)]
-    tuning: TuningArgs,
+    tracing: ChoiceArgs<Casting>,
     #[command(flatten)]
     device: DeviceArgs,
 }
@@ -100,9 +97,8 @@ fn is_standard(path: &Path) -> bool {
 }
 
 pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
-    let WayArgs { accelerator, schedule } = args.way;
-    args.tuning.check(&[accelerator], &[schedule])?;
-    if args.any_hit && args.tuning.numerics == Numerics::Paper {
+    choices::check(&args.tracing.values)?;
+    if args.any_hit && args.tracing.values.numerics == Numerics::Paper {
         return Err(Error::usage("--any-hit: the paper's rules find closest hits only; use --numerics robust"));
     }
     let output_format = output_format(args);
@@ -121,7 +117,7 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     progress.stage("building");
     let chosen = device::choose(&args.device)?;
     let rays = RaySource::Given(Vec::new());
-    let options = Options { accelerator, schedule, any_hit: args.any_hit, ..args.tuning.options(rays) };
+    let options = Options { any_hit: args.any_hit, ..args.tracing.options(rays) };
     let offset = scene.offset;
     let mut caster = chosen.wait(Caster::new(scene, &options, &chosen.device))?;
     let way = way(&options, caster.plan());

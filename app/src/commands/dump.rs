@@ -14,10 +14,11 @@ use clap::{Args, ValueEnum};
 use raystep_kernels::export::{exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
 use raystep_kernels::programs;
-use raystep_kernels::{Renderer, Stream, StreamData};
+use raystep_kernels::{Choices, Renderer, Stream, StreamData};
 use raystep_lab::text::counted;
 
-use crate::args::{ProgramArgs, QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::args::choices::{ChoiceArgs, What};
+use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::scene_file::read_file;
@@ -43,7 +44,7 @@ pub(crate) struct DumpArgs {
     #[command(flatten)]
     scene: SceneArgs,
     #[command(flatten)]
-    program: ProgramArgs,
+    program: ChoiceArgs<What>,
     /// Pass after which to write, counted from 0
     #[arg(long, value_name = "N|last|all", default_value = "last", allow_negative_numbers = true)]
     pass: Which,
@@ -106,7 +107,7 @@ fn parse_stream(value: &str) -> Result<Wanted, Infallible> {
 
 /// The streams that are named, of the program that runs; none for all of them.
 fn named_streams(args: &DumpArgs) -> Result<Vec<Stream>, Error> {
-    let program = programs::named(args.program.program);
+    let program = programs::named(args.program.values.program);
     let mut named = Vec::new();
     for wanted in &args.stream {
         let Wanted::Named(name) = wanted else { return Ok(Vec::new()) };
@@ -129,7 +130,7 @@ enum Format {
 }
 
 pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
-    if args.pass != Which::Last && !args.run.way.schedule.is_stepped() {
+    if args.pass != Which::Last && !args.run.tracing.values.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused traces every ray in one pass: use --pass last for its hits, or schedule first, second \
              or compact, which have steps",
@@ -147,8 +148,11 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let named = named_streams(args)?;
     let is_wanted = |stream| named.is_empty() || named.contains(&stream);
     let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
-        (options.program, options.elements) = (args.program.program, args.program.elements.elements);
-        options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
+        let Choices { program, elements, .. } = args.program.values;
+        (options.program, options.elements) = (program, elements);
+        if !args.run.tracing.has("steps-per-pass") {
+            options.steps_per_pass = 1;
+        }
         let program = programs::named(options.program);
         options.counters = args.counters || program.results.is_some_and(|results| named.contains(&results.counters));
         // Much of the scene data is for shading.

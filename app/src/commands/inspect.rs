@@ -13,11 +13,12 @@ use raystep_inspector::session_file::BUILT_IN;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::AdapterChoice;
-use raystep_kernels::options::ProgramName;
+use raystep_kernels::Choices;
 use raystep_lab::text::visible;
 
 use super::trace::Pixel;
-use crate::args::{DeviceArgs, ProgramArgs, RunArgs, SceneArgs, ViewArgs, whole};
+use crate::args::choices::{ChoiceArgs, What, with_linked};
+use crate::args::{DeviceArgs, RunArgs, SceneArgs, ViewArgs, whole};
 use crate::device;
 use crate::error::Error;
 use crate::link::{LinkArgs, Wanted, link_of};
@@ -57,11 +58,9 @@ pub(crate) struct InspectArgs {
     #[arg(
         long,
         value_name = "NAME|F.md",
-        conflicts_with_all = [
+        conflicts_with_all = with_linked(&[
             "scene", "scene_index", "link", "pixel", "pass", "program", "size", "camera", "eye", "look_at", "up", "fov",
-            "accelerator", "schedule", "mapping", "targets", "update", "cull", "until", "traversal", "numerics", "grid", "skip",
-            "steps_per_pass", "keep_all", "spp", "sampler", "seed",
-        ]
+        ])
     )]
     lesson: Option<PathBuf>,
     /// Begin at this step of the lesson, counted from 1
@@ -91,7 +90,7 @@ pub(crate) struct InspectArgs {
     #[arg(long)]
     list: bool,
     #[command(flatten)]
-    program: ProgramArgs,
+    program: ChoiceArgs<What>,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -205,8 +204,7 @@ fn of_session(args: InspectArgs, path: &Path) -> Result<(WindowArgs, Start), Err
     let own = InspectArgs::of(path)?;
     let of_run = |args: &InspectArgs| {
         let InspectArgs { link, pixel, pass, program, view, run, .. } = args;
-        let RunArgs { way, mapping, traversal, tuning, device } = run;
-        let run = format!("{way:?} {mapping:?} {traversal:?} {tuning:?} {:?}", device.device);
+        let run = format!("{:?} {:?}", run.tracing, run.device.device);
         format!("{:?} {pixel:?} {pass:?} {program:?} {view:?} {run}", link.scene_index)
     };
     if of_run(&args) != of_run(&own) {
@@ -250,8 +248,8 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
         if link.pass.is_some() && pass.is_some() {
             return Err(Error::usage("--link has a number of passes, and so does --pass: omit one of them"));
         }
-        if program.program == ProgramName::default() {
-            (program.program, program.elements.elements) = (link.program, link.elements);
+        if !program.has("program") {
+            program = ChoiceArgs::of(link.choices);
         }
         arrival.place = arrival.place.or(link.pass);
         arrival.shown = Shown::of(&link);
@@ -266,9 +264,8 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
         link.wanted(view, run)?
     };
     let run = &wanted.run;
-    run.check()?;
-    wanted.view.samples.check()?;
-    if !run.way.schedule.is_stepped() {
+    run.check(&wanted.view)?;
+    if !run.tracing.values.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused traces a ray in one pass, so it cannot be stepped; use first, second or compact",
         ));
@@ -284,7 +281,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
         }
         arrival.pixel = Some(pixel);
     }
-    if matches!(linked.ray, Some(LinkRay::Given(_))) && linked.samples.count > 1 {
+    if matches!(linked.ray, Some(LinkRay::Given(_))) && linked.choices.samples.count > 1 {
         return Err(Error::usage("--link has a single ray, to which --spp does not apply"));
     }
     let [width, height] = linked.size;
@@ -297,10 +294,8 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
         )));
     }
     let mut settings = Settings::from(&linked);
-    // A link that names a program is not overruled by an option that nobody gave.
-    if program.program != ProgramName::default() {
-        (settings.program, settings.elements) = (program.program, program.elements.elements);
-    }
+    let Choices { program, elements, .. } = program.values;
+    settings.choices = Choices { program, elements, ..settings.choices };
     let Wanted { scene, run, .. } = wanted;
     let read = scene.read;
     let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });

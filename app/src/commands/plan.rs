@@ -5,6 +5,7 @@ mod measured;
 use std::path::PathBuf;
 
 use clap::Args;
+use raystep_kernels::Choices;
 use raystep_kernels::export::plan::PlanSummary;
 use raystep_kernels::export::{self, structure::Structure};
 use raystep_kernels::options::ProgramName;
@@ -16,7 +17,8 @@ use serde::Serialize;
 use measured::{AboutCosts, Measured};
 use raystep_lab::report::left_out::ALONE_SECONDS;
 
-use crate::args::{ProgramArgs, QuietArgs, RunArgs, SceneArgs, ViewArgs, whole};
+use crate::args::choices::{ChoiceArgs, What};
+use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs, whole};
 use crate::error::Error;
 use crate::output::{Target, refuse_inputs, write};
 use crate::session::Session;
@@ -38,7 +40,7 @@ pub(crate) struct PlanArgs {
     #[command(flatten)]
     scene: SceneArgs,
     #[command(flatten)]
-    program: ProgramArgs,
+    program: ChoiceArgs<What>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -68,7 +70,7 @@ pub(crate) struct PlanArgs {
 }
 
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
-    let program = args.program.program;
+    let Choices { program, elements, .. } = args.program.values;
     if args.measure && program != ProgramName::ClosestHit {
         return Err(Error::usage(format!(
             "--measure: program {program} omits nothing that a scene does not need; use --program closest-hit"
@@ -84,7 +86,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
     let target = args.intensity_csv.as_deref().map(Target::new).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
-        (options.program, options.elements) = (program, args.program.elements.elements);
+        (options.program, options.elements) = (program, elements);
         options.counters = args.counters;
     })?;
     refuse_inputs(&[target.as_ref()], &session.inputs)?;

@@ -15,7 +15,8 @@ use raystep_lab::judge::{Report, Traced, check_rays};
 use raystep_lab::png;
 
 use super::summary;
-use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs, fastest_accelerator, fastest_schedule};
+use crate::args::choices::{fastest_accelerator, fastest_schedule};
+use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
 use crate::output::{Target, ending, refuse_inputs, write};
 use crate::session::{Running, Session};
@@ -103,7 +104,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
     let targets = [Some(&target), passes_target.as_ref(), trace_target.as_ref(), summary_target.as_ref()];
     refuse_doubles(&targets)?;
 
-    let is_counted = args.run.mapping.mapping().fragment().is_some_and(|how| how.until == Until::Count);
+    let is_counted = args.run.tracing.values.mapping.fragment().is_some_and(|how| how.until == Until::Count);
     if args.count_fragments && !is_counted {
         return Err(Error::usage(
             "--count-fragments counts in draws, without queries: add --mapping fragment --until count",

@@ -5,13 +5,13 @@ mod verify;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::str::FromStr as _;
 use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use raystep_kernels::{Accelerator, GridSize, ScheduleKind};
-use raystep_lab::bench::grid_text;
 use raystep_lab::meter::Meter;
 use raystep_lab::report::methods::{self, Method};
 use raystep_lab::report::{self, About, Only, Report, SECTIONS, Section, Wanted};
@@ -19,9 +19,7 @@ use raystep_lab::stiff::{self, Kept, Start};
 use raystep_lab::text::visible;
 use raystep_lab::{Machine, Size};
 
-use crate::args::{
-    CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, named, parse_grid, parse_size, whole,
-};
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, named, parse_size, whole};
 use crate::commands::input::Input;
 use crate::commands::unfinished::Unfinished;
 use crate::commands::{distinct, input};
@@ -119,7 +117,7 @@ pub(crate) struct ReportArgs {
     schedules: Vec<ScheduleKind>,
     /// Number of grid cells in section rules [default: auto]
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", hide_default_value = true,
-          value_parser = parse_grid, allow_hyphen_values = true, help_heading = "Tracing")]
+          value_parser = GridSize::from_str, allow_hyphen_values = true, help_heading = "Tracing")]
     grid: GridSize,
     /// Rays for section choices, instead of the camera's: .npy, float32, N×6 (origin, direction) or N×8 (origin, t_min,
     /// direction, t_max), or .f32, see 'raystep cast --help'
@@ -161,7 +159,7 @@ impl ReportArgs {
     fn repeating(&self, machine: &Machine) -> Vec<String> {
         let mut words = vec!["--seed".to_owned(), self.seed.to_string(), "--size".to_owned(), self.size().to_string()];
         let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);
-        add("--grid", grid_text(self.grid));
+        add("--grid", self.grid.to_string());
         add("--device", machine.kind().to_owned());
         if machine.gpu().is_some() {
             add("--adapter", machine.name());

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use raystep_kernels::export::json::{self, AdapterInfo, CheckSummary, CounterSums, Summary};
 use raystep_kernels::plan::{Bytes, Plan};
-use raystep_kernels::{Accelerator, Options, ScheduleKind};
+use raystep_kernels::{Accelerator, Options, Samples, ScheduleKind};
 use raystep_lab::judge::Report;
 
 use crate::session::Running;
@@ -92,9 +92,9 @@ pub(crate) fn text(summary: &Summary, running: &Running) -> String {
         }
     }
     line("passes", format!("{}: {}", summary.passes, kernels.join(", ")));
-    if summary.options.spp > 1 {
-        let (sampler, seed) = (summary.options.sampler.unwrap_or_default(), summary.options.seed.unwrap_or(0));
-        line("samples", format!("{} per pixel, {sampler}, seed {seed}", summary.options.spp));
+    let Samples { count, sampler, seed, .. } = summary.options.choices.samples;
+    if count > 1 {
+        line("samples", format!("{count} per pixel, {sampler}, seed {seed}"));
     }
     line("rays", format!("{}, {} hit something", summary.rays, summary.hits));
     if summary.unfinished > 0 {

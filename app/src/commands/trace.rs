@@ -118,13 +118,13 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
             size.height - 1
         )));
     }
-    if !wanted.run.way.schedule.is_stepped() {
+    if !wanted.run.tracing.values.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused traces a ray in one pass, so there are no steps to follow; use first, second or \
              compact",
         ));
     }
-    if matches!(ray, Some(LinkRay::Given(_))) && wanted.view.samples.spp > 1 {
+    if matches!(ray, Some(LinkRay::Given(_))) && wanted.view.samples.values.samples.count > 1 {
         return Err(Error::usage("--spp applies to pixels, but --ray is a single ray: omit one of them"));
     }
     if matches!(ray, Some(LinkRay::Given(_))) && args.all_rays {

@@ -1,6 +1,6 @@
 //! Errors in links: one line with the problem, its place, and what is valid.
 
-use super::{KEYS, VERSION};
+use super::{VERSION, keys};
 
 /// A text is not a link.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -15,7 +15,7 @@ pub enum LinkError {
     #[error("{0:?}: expected KEY=VALUE")]
     NoValue(String),
     /// An unknown key.
-    #[error("{0:?} is not a key of a link; the keys are {keys}", keys = KEYS.join(", "))]
+    #[error("{0:?} is not a key of a link; the keys are {keys}", keys = keys().collect::<Vec<_>>().join(", "))]
     UnknownKey(String),
     /// A duplicate key.
     #[error("{0} is there twice: omit one")]

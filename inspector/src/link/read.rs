@@ -3,16 +3,13 @@
 use std::str::FromStr;
 
 use percent_encoding::percent_decode_str;
+use raystep_kernels::options::Choices;
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::options::mapping::{Fragment, Mapping, MappingName};
-use raystep_kernels::programs;
-use raystep_kernels::programs::sort::MOST_KEYS;
-use raystep_kernels::{GridSize, Samples, Stream};
+use raystep_kernels::options::rows::Refusal;
+use raystep_kernels::{Stream, programs};
 
 use super::error::start;
-use super::{
-    KEYS, Link, LinkCamera, LinkDevice, LinkError, LinkRay, LinkStream, MOST_CELLS, MOST_PIXELS, MOST_STEPS, VERSION,
-};
+use super::{Link, LinkCamera, LinkDevice, LinkError, LinkRay, LinkStream, MOST_PIXELS, VERSION, keys, linked};
 use crate::ray_text::RayTextError;
 
 /// The pairs of a link, each key once.
@@ -30,31 +27,15 @@ impl FromStr for Link {
         }
         let pairs = Pairs::read(query)?;
         let default = Self::default();
-        let program = pairs.take("program", named)?.unwrap_or(default.program);
-        let mapping = mapping(&pairs)?;
+        let choices = choices(&pairs, default.choices)?;
+        let program = choices.program;
         let link = Self {
             scene: pairs.take("scene", |v| not_empty(v).ok_or("expected a file".into()))?,
             scene_index: pairs.take("scene-index", count)?,
             scene_hash: pairs.take("scene-hash", named)?,
             camera: camera(&pairs)?,
             size: pairs.take("size", size)?.unwrap_or(default.size),
-            program,
-            elements: pairs.take("elements", elements)?.unwrap_or(default.elements),
-            accelerator: pairs.take("accelerator", named)?.unwrap_or(default.accelerator),
-            schedule: pairs.take("schedule", named)?.unwrap_or(Self::schedule_of(mapping)),
-            mapping,
-            numerics: pairs.take("numerics", named)?.unwrap_or(default.numerics),
-            traversal: pairs.take("traversal", named)?.unwrap_or(default.traversal),
-            grid: pairs.take("grid", grid)?.unwrap_or(default.grid),
-            skip: pairs.take("skip", named)?.unwrap_or(default.skip),
-            steps_per_pass: pairs.take("steps-per-pass", steps)?.unwrap_or(default.steps_per_pass),
-            keep_all: pairs.take("keep-all", |v| v.parse().map_err(|_| "expected true or false".into()))? == Some(true),
-            samples: Samples {
-                count: pairs.take("spp", spp)?.unwrap_or(default.samples.count),
-                sampler: pairs.take("sampler", named)?.unwrap_or(default.samples.sampler),
-                seed: pairs.take("seed", seed)?.unwrap_or(default.samples.seed),
-                first: 0,
-            },
+            choices,
             device: pairs.take("device", device)?.unwrap_or(default.device),
             adapter: pairs.take("adapter", |v| not_empty(v).ok_or("expected part of an adapter's name".into()))?,
             ray: ray(&pairs)?,
@@ -82,8 +63,8 @@ impl Pairs {
         let mut pairs: Vec<(&'static str, String)> = Vec::new();
         for part in query.split('&').filter(|_| !query.is_empty()) {
             let (key, value) = part.split_once('=').ok_or_else(|| LinkError::NoValue(start(part)))?;
-            let known = KEYS.iter().find(|&&known| known == key);
-            let &key = known.ok_or_else(|| LinkError::UnknownKey(start(key)))?;
+            let known = keys().find(|&known| known == key);
+            let key = known.ok_or_else(|| LinkError::UnknownKey(start(key)))?;
             if pairs.iter().any(|(other, _)| *other == key) {
                 return Err(LinkError::Twice(key));
             }
@@ -112,22 +93,22 @@ impl Pairs {
     }
 }
 
-fn mapping(pairs: &Pairs) -> Result<Mapping, LinkError> {
-    let how = Fragment::of(
-        pairs.take("targets", named)?,
-        pairs.take("update", named)?,
-        pairs.take("cull", named)?,
-        pairs.take("until", named)?,
-    );
-    match pairs.take("mapping", named)?.unwrap_or(MappingName::Compute) {
-        MappingName::Fragment => match how.fault() {
-            None => Ok(Mapping::Fragment(how)),
-            Some(fault) => {
-                Err(LinkError::Value { key: "mapping", value: "fragment".into(), wanted: fault.replace("--", "") })
-            }
-        },
-        MappingName::Compute => Ok(Mapping::Compute),
+fn choices(pairs: &Pairs, mut choices: Choices) -> Result<Choices, LinkError> {
+    for row in linked() {
+        pairs.take(row.name, |value| row.set(&mut choices, value).map_err(without_dashes))?;
     }
+    for row in linked() {
+        if let Some(Refusal::Impossible(why)) = (row.refused)(&choices) {
+            let value = row.get(&choices).to_string();
+            return Err(LinkError::Value { key: row.name, value, wanted: without_dashes(why) });
+        }
+    }
+    Ok(choices)
+}
+
+/// A sentence about options, as one about keys.
+fn without_dashes(why: String) -> String {
+    why.replace("--", "")
 }
 
 fn camera(pairs: &Pairs) -> Result<LinkCamera, LinkError> {
@@ -173,35 +154,6 @@ fn size(value: &str) -> Result<[u32; 2], String> {
     let sides = value.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let fits = |sides: &[u32; 2]| sides.iter().all(|side| (1..=MOST_PIXELS).contains(side));
     sides.filter(fits).ok_or_else(|| format!("expected two numbers from 1 to {MOST_PIXELS}, such as 640x480"))
-}
-
-fn grid(value: &str) -> Result<GridSize, String> {
-    if value == "auto" {
-        return Ok(GridSize::Auto);
-    }
-    let number = |part: &str| part.parse::<u32>().ok().filter(|n| (1..=MOST_CELLS).contains(n));
-    let cells = numbers(value, number).or_else(|| numbers(value, number).map(|[n]| [n; 3]));
-    let wanted = || format!("expected auto, or one or three numbers from 1 to {MOST_CELLS}, such as 32 or 32,8,32");
-    cells.map(GridSize::Cells).ok_or_else(wanted)
-}
-
-fn steps(value: &str) -> Result<u32, String> {
-    let steps = value.parse().ok().filter(|n| (1..=MOST_STEPS).contains(n));
-    steps.ok_or_else(|| format!("expected a number from 1 to {MOST_STEPS}"))
-}
-
-fn spp(value: &str) -> Result<u32, String> {
-    let count = value.parse().ok().filter(|n| (1..=Samples::MOST).contains(n));
-    count.ok_or_else(|| format!("expected a number from 1 to {}", Samples::MOST))
-}
-
-fn seed(value: &str) -> Result<u32, String> {
-    value.parse().map_err(|_| format!("expected a number from 0 to {}", u32::MAX))
-}
-
-fn elements(value: &str) -> Result<u32, String> {
-    let number = value.parse().ok().filter(|n| (1..=MOST_KEYS).contains(n));
-    number.ok_or_else(|| format!("expected an integer from 1 to {MOST_KEYS}"))
 }
 
 fn stream(value: &str, program: ProgramName) -> Result<LinkStream, String> {

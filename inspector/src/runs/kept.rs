@@ -241,10 +241,13 @@ mod tests {
             change(&mut other.settings);
             recipe().other_rays(&other)
         };
-        assert_eq!(of(|s| (s.accelerator, s.device) = (raystep_kernels::Accelerator::Bvh, DeviceKind::CpuF64)), None);
+        assert_eq!(
+            of(|s| (s.choices.accelerator, s.device) = (raystep_kernels::Accelerator::Bvh, DeviceKind::CpuF64)),
+            None
+        );
         assert_eq!(of(|s| s.size = [8, 9]), Some("they have different sizes"));
         assert_eq!(of(|s| s.view = crate::settings::View::Scene(1)), Some("they have different views"));
         assert_eq!(of(|s| s.ray = Some(GivenRay([0.0; 6]))), Some("they have different views"));
-        assert_eq!(of(|s| s.samples.count = 2), Some("they have different samples"));
+        assert_eq!(of(|s| s.choices.samples.count = 2), Some("they have different samples"));
     }
 }

@@ -230,6 +230,8 @@ pub fn again(id: RunId, recipe: Recipe, device: Device, clock: Option<fn() -> u6
 
 #[cfg(test)]
 pub(super) mod tests {
+    use raystep_kernels::Choices;
+
     use super::*;
 
     /// The outcome of a run on the CPU.
@@ -259,7 +261,10 @@ pub(super) mod tests {
         assert_eq!((outcome.rays, outcome.device_ns(), outcome.why_no_times.is_some()), (128, None, true));
         let (outcome, picture) = recorded(&scene, &settings, 16 * 8 * 4 * 13 - 1);
         assert!(picture.is_err_and(|why| why.contains("budget")) && !outcome.passes.is_empty());
-        let build = Settings { program: raystep_kernels::options::ProgramName::GridBuild, ..settings };
+        let build = Settings {
+            choices: Choices { program: raystep_kernels::options::ProgramName::GridBuild, ..settings.choices },
+            ..settings
+        };
         let (outcome, picture) = recorded(&scene, &build, u64::MAX);
         assert!(picture.is_err_and(|why| why.contains("traces no rays")) && !outcome.passes.is_empty());
         assert_eq!((outcome.rays, outcome.hits), (0, None));

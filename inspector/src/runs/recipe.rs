@@ -2,6 +2,7 @@
 
 use crate::session::Edit;
 use crate::settings::{DeviceKind, Settings};
+use raystep_kernels::Choices;
 
 /// Identifies a kept run as long as the window is open.
 pub type RunId = u64;
@@ -21,11 +22,11 @@ impl Recipe {
     /// A name for the run: what distinguishes most runs from others.
     #[must_use]
     pub fn name(&self) -> String {
-        let Settings { program, accelerator, device, .. } = &self.settings;
+        let Choices { program, accelerator, .. } = self.settings.choices;
         if !self.settings.traces_rays() {
             return program.to_string();
         }
-        let device = match device {
+        let device = match self.settings.device {
             DeviceKind::CpuF64 => " f64",
             _ => "",
         };
@@ -42,7 +43,7 @@ impl Recipe {
             Some("they have different sizes")
         } else if a.ray != b.ray || a.ray.is_none() && a.view != b.view {
             Some("they have different views")
-        } else if a.samples != b.samples {
+        } else if a.choices.samples != b.choices.samples {
             Some("they have different samples")
         } else {
             None

@@ -1,7 +1,7 @@
 //! Quick pictures at a lower resolution, while a camera turns or an option is dragged.
 
 use raystep_kernels::options::mapping::Mapping;
-use raystep_kernels::{Device, Options, RenderError, Renderer, Samples, ScheduleKind, Stream};
+use raystep_kernels::{Choices, Device, Options, RenderError, Renderer, Samples, ScheduleKind, Stream};
 use raystep_scenes::Scene;
 
 use super::OnProgress;
@@ -67,17 +67,14 @@ impl Glimpses {
 
     fn coarser(&self, settings: &Settings) -> Settings {
         let size = settings.size.map(|side| side.div_ceil(1 << self.coarse).max(1));
-        let samples = Samples::default();
-        let (schedule, steps_per_pass) = (ScheduleKind::Compact, STEPS);
-        Settings {
-            size,
-            samples,
-            schedule,
-            steps_per_pass,
+        let choices = Choices {
+            samples: Samples::default(),
+            schedule: ScheduleKind::Compact,
+            steps_per_pass: STEPS,
             mapping: Mapping::Compute,
-            counters: false,
-            ..settings.clone()
-        }
+            ..settings.choices
+        };
+        Settings { size, choices, counters: false, ..settings.clone() }
     }
 
     /// The run of the last glimpse if only the camera is another.

@@ -39,8 +39,8 @@ impl Preview {
         if !settings.traces_rays() || settings.ray.is_some() || triangles > MOST_TRIANGLES {
             return Ok(None);
         }
-        let settings = Settings { size: reduced(settings.size), samples: Samples::default(), ..settings.clone() };
-        let accelerator = match settings.accelerator {
+        let settings = Settings { size: reduced(settings.size), ..settings.clone() };
+        let accelerator = match settings.choices.accelerator {
             Accelerator::None if triangles > MOST_WITHOUT_STRUCTURE => Accelerator::Auto,
             chosen => chosen,
         };
@@ -48,6 +48,7 @@ impl Preview {
             accelerator,
             schedule: ScheduleKind::Fused,
             mapping: Mapping::Compute,
+            samples: Samples::default(),
             counters: false,
             timings: false,
             keep_passes: false,
@@ -72,6 +73,7 @@ fn reduced(size: [u32; 2]) -> [u32; 2] {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::Choices;
     use raystep_kernels::options::ProgramName;
     use raystep_scenes::generate;
 
@@ -107,7 +109,10 @@ mod tests {
         let ray = Some(GivenRay([0.0, 0.0, 0.0, 0.0, 0.0, -1.0]));
         assert!(preview(&Settings { ray, ..settings.clone() }, true).is_none(), "a single ray has no image");
         let program = ProgramName::GridBuild;
-        assert!(preview(&Settings { program, ..settings }, true).is_none(), "a build has no image");
+        assert!(
+            preview(&Settings { choices: Choices { program, ..settings.choices }, ..settings }, true).is_none(),
+            "a build has no image"
+        );
     }
 
     #[test]

@@ -1,6 +1,6 @@
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping};
 use raystep_kernels::programs::stream;
-use raystep_kernels::{Accelerator, Numerics, Samples, ScheduleKind};
+use raystep_kernels::{Accelerator, Choices, Numerics, Samples, ScheduleKind};
 
 use super::*;
 use crate::link::{Link, LinkRay};
@@ -34,18 +34,20 @@ fn recipes() -> Vec<Recipe> {
         of(Settings { device: DeviceKind::CpuF64, counters: false, size: [32, 16], ..Settings::default() }),
         of(Settings {
             view: free(None),
-            accelerator: Accelerator::Bvh,
-            numerics: Numerics::Paper,
+            choices: Choices { accelerator: Accelerator::Bvh, numerics: Numerics::Paper, ..Choices::stepped() },
             ..Settings::default()
         }),
         of(Settings {
             view: free(Some(33.3)),
-            samples: Samples { count: 4, seed: 7, ..Samples::default() },
+            choices: Choices { samples: Samples { count: 4, seed: 7, ..Samples::default() }, ..Choices::stepped() },
             ..Settings::default()
         }),
         of(Settings {
-            mapping: Mapping::Fragment(Fragment { cull: Cull::EarlyZ, ..Fragment::default() }),
-            schedule: ScheduleKind::First,
+            choices: Choices {
+                mapping: Mapping::Fragment(Fragment { cull: Cull::EarlyZ, ..Fragment::default() }),
+                schedule: ScheduleKind::First,
+                ..Choices::stepped()
+            },
             ..Settings::default()
         }),
         of(Settings { ray: Some(GivenRay([0.1, 0.2, 3.0, 0.0, -0.0, -1.0])), size: [512, 512], ..Settings::default() }),

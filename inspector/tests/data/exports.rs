@@ -7,7 +7,7 @@ use raystep_kernels::export::Recorded;
 use raystep_kernels::export::csv::{COLUMNS, RunContext, Timer};
 use raystep_kernels::export::trace::{Rays, trace};
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind};
+use raystep_kernels::{Accelerator, Choices, Device, Renderer, ScheduleKind};
 use raystep_scenes::generate;
 
 use crate::data::common::options;
@@ -22,11 +22,6 @@ fn run() -> (RunContext, Renderer) {
         run_id: "1".into(),
         configuration: "0".into(),
         scene: "a/b \"c\"\n深".into(),
-        accelerator: "grid",
-        schedule: "second",
-        numerics: "robust",
-        mapping: "compute".into(),
-        traversal: "amanatides-woo",
         adapter: "cpu".into(),
         width_px: Some(9),
         height_px: Some(7),
@@ -34,6 +29,7 @@ fn run() -> (RunContext, Renderer) {
         is_warmup: false,
         timer: Some(Timer::CpuClock { resolution_ns: None }),
         host_run_ns: None,
+        choices: Choices { accelerator: Accelerator::Grid, schedule: ScheduleKind::Second, ..Choices::default() },
     };
     (run, renderer)
 }
@@ -54,7 +50,7 @@ fn exports_are_the_command_lines_formats() {
     let csv = exports::passes_csv(&recorded).expect("CSV");
     assert_eq!(named(&csv), "a-b--c--深.passes.csv");
     let mut reader = csv::Reader::from_reader(csv.bytes.as_slice());
-    assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
+    assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), *COLUMNS);
     let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
     assert_eq!(rows.len(), passes.len());
     assert_eq!((&rows[0][22], &rows[0][3]), ("", "a/b \"c\"\n深"));

@@ -1,12 +1,11 @@
 //! Links survive a round trip, and no text makes parsing panic.
 
-use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
+use raystep_inspector::link::{self, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
 use raystep_inspector::ray_text::GivenRay;
-use raystep_kernels::options::ProgramName;
-use raystep_kernels::options::mapping::{Fragment, Mapping};
-use raystep_kernels::programs;
+use raystep_kernels::options::MOST_CELLS;
+use raystep_kernels::options::rows::{ROWS, Refusal, Row, Values};
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Sampler, Samples, ScheduleKind, Skip, Traversal};
+use raystep_kernels::{Accelerator, Choices, GridSize, programs};
 use raystep_lab::Hash;
 
 struct Random(fastrand::Rng);
@@ -61,33 +60,14 @@ impl Random {
                 fov_deg: self.of(&[40.0, 0.1, 1e-300, 179.999_999_999_9]),
             },
         };
-        let program = self.of(ProgramName::ALL);
+        let choices = self.choices();
+        let program = choices.program;
         Link {
             scene: self.maybe(Self::text),
             scene_index: index,
             scene_hash: self.maybe(|r| Hash::of(&r.bits().to_le_bytes())),
             camera,
             size,
-            program,
-            elements: self.of(&[4096, 1, 65_536]),
-            accelerator: self.of(Accelerator::ALL),
-            schedule: self.of(ScheduleKind::ALL),
-            mapping: match self.below(2) {
-                0 => Mapping::Compute,
-                _ => Mapping::Fragment(self.of(&Fragment::all().collect::<Vec<_>>())),
-            },
-            numerics: self.of(Numerics::ALL),
-            traversal: self.of(Traversal::ALL),
-            grid: self.maybe(|r| [0; 3].map(|_| 1 + r.below(4096) as u32)).map_or(GridSize::Auto, GridSize::Cells),
-            skip: self.of(Skip::ALL),
-            steps_per_pass: 1 + self.below(4096) as u32,
-            keep_all: self.below(2) == 0,
-            samples: Samples {
-                count: 1 + self.below(65_536) as u32,
-                sampler: self.of(Sampler::ALL),
-                seed: self.bits() as u32,
-                first: 0,
-            },
             device: self.of(&LinkDevice::ALL),
             adapter: self.maybe(Self::text),
             ray: match self.below(3) {
@@ -102,7 +82,28 @@ impl Random {
             }),
             zoom: self.maybe(|r| r.f32().abs().max(f32::MIN_POSITIVE)),
             pan: self.maybe(|r| [r.f32(), r.f32()]),
+            choices,
         }
+    }
+
+    /// Values of all options that links have, as far as they go together.
+    fn choices(&mut self) -> Choices {
+        let mut choices = Choices::stepped();
+        for row in ROWS.iter().filter(|row| row.is_linked) {
+            let value = match row.values {
+                Values::Names(names) => self.of(&names()).to_owned(),
+                Values::Whole(least, most) => (least + self.below((most - least) as usize + 1) as u32).to_string(),
+                Values::Switch => (self.below(2) == 0).to_string(),
+                Values::Cells => [0; 3].map(|_| (1 + self.below(MOST_CELLS as usize)).to_string()).join(","),
+            };
+            let mut chosen = choices;
+            let is_possible = (row.applies)(&choices) && row.set(&mut chosen, &value).is_ok();
+            let is_refused = |row: &Row| matches!((row.refused)(&chosen), Some(Refusal::Impossible(_)));
+            if is_possible && !ROWS.iter().any(is_refused) {
+                choices = chosen;
+            }
+        }
+        choices
     }
 }
 
@@ -127,10 +128,10 @@ fn every_link_comes_back_bit_for_bit_and_is_safe_in_a_shell() {
 fn a_link_reads_as_the_options_do() {
     let link = Link {
         scene: Some("scenes/cornell-box.gltf".into()),
-        accelerator: Accelerator::Bvh,
         ray: Some(LinkRay::Pixel([270, 256])),
         pass: Some(41),
         stream: Some(LinkStream { stream: streams::TMAX, layer: Some(0) }),
+        choices: Choices { accelerator: Accelerator::Bvh, ..Choices::stepped() },
         ..Link::default()
     };
     let text = "raystep:1?scene=scenes/cornell-box.gltf&accelerator=bvh&pixel=270,256&pass=41&stream=tmax.x";
@@ -142,15 +143,19 @@ fn a_link_reads_as_the_options_do() {
     assert_eq!("raystep:1?".parse(), Ok(Link::default()));
     let ray = "raystep:1?ray=-0.5,0x3e800000,5,0,0,-1".parse::<Link>().map(|l| l.to_string());
     assert_eq!(ray.as_deref(), Ok("raystep:1?ray=-0.5,0.25,5,0,0,-1"));
-    assert_eq!("raystep:1?grid=8".parse::<Link>().map(|l| l.grid), Ok(GridSize::Cells([8; 3])));
+    assert_eq!("raystep:1?grid=8".parse::<Link>().map(|l| l.choices.grid), Ok(GridSize::Cells([8; 3])));
 }
 
 /// Defaults of version 1 never change: other defaults require a new version.
 #[test]
 fn the_defaults_of_version_1_stay() {
-    let all = "raystep:1?size=512x512&accelerator=grid&schedule=compact&numerics=robust&grid=auto&skip=auto\
-               &steps-per-pass=1&keep-all=false&device=auto";
+    let all = "raystep:1?size=512x512&program=closest-hit&elements=4096&accelerator=grid&mapping=compute\
+               &schedule=compact&numerics=robust&grid=auto&skip=auto&steps-per-pass=1&keep-all=false&spp=1&sampler=sobol\
+               &seed=0&device=auto";
     assert_eq!(all.parse(), Ok(Link::default()));
+    for row in ROWS.iter().filter(|row| row.is_linked && (row.applies)(&Choices::stepped())) {
+        assert!(all.contains(&format!("&{}=", row.name)), "{}", row.name);
+    }
     let placed = |more: &str| format!("raystep:1?eye=1,2,3&look-at=0,0,0{more}").parse::<Link>();
     assert_eq!(placed(""), placed("&up=0,1,0&fov=40"));
 }
@@ -208,6 +213,7 @@ fn a_wrong_link_says_in_one_line_what_would_be_right() {
 #[test]
 fn no_text_panics() {
     let mut random = Random::new(2);
+    let keys: Vec<&str> = link::keys().collect();
     let values = ["", "x", ",", ",,", "0x", "NaN", "1e999", "-", "%", "%f", "tmax.", ".x", "0,0,0", "深,深", "1x1"];
     for _ in 0..20_000 {
         // A link with a piece removed, inserted or doubled, or pairs of a key and arbitrary text.
@@ -221,7 +227,7 @@ fn no_text_panics() {
             }
         }
         let _ = text.into_iter().collect::<String>().parse::<Link>();
-        let key = random.of(&KEYS);
+        let key = random.of(&keys);
         for value in values {
             let _ = format!("raystep:1?{key}={value}{}", random.text()).parse::<Link>();
         }

@@ -7,14 +7,18 @@ use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT};
-use raystep_kernels::{Pass, ScheduleKind};
+use raystep_kernels::{Choices, Pass, ScheduleKind};
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::Stage;
 
 /// After the first pass of `intersect` in which some lists have ended, with the kernel beside the stream.
 fn stage(settings: Settings) -> Stage {
-    let settings = Settings { size: [48, 40], schedule: ScheduleKind::Second, ..settings };
+    let settings = Settings {
+        size: [48, 40],
+        choices: Choices { schedule: ScheduleKind::Second, ..settings.choices },
+        ..settings
+    };
     let mut stage =
         Stage::with_scene(CORNELL, settings, Arrival { pixel: Some([24, 30]), place: Some(3), ..Arrival::default() });
     stage.perform(Command::FullLayout);
@@ -115,8 +119,11 @@ fn the_listing_shows_the_branch_that_decided_with_its_values() {
 
 #[test]
 fn a_program_without_rays_says_that_it_cannot_be_interpreted() {
-    let settings =
-        Settings { size: [16, 12], program: raystep_kernels::options::ProgramName::GridBuild, ..Settings::default() };
+    let settings = Settings {
+        size: [16, 12],
+        choices: Choices { program: raystep_kernels::options::ProgramName::GridBuild, ..Choices::stepped() },
+        ..Settings::default()
+    };
     let mut stage = Stage::with_scene(CORNELL, settings, Arrival { place: Some(3), ..Arrival::default() });
     stage.perform(Command::Show(PaneKind::Kernel));
     assert!(stage.reads("its elements read each other"), "{}", stage.read_out());

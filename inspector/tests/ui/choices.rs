@@ -7,6 +7,7 @@ use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::session::measure::on_its_device;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
+use raystep_kernels::Choices;
 use raystep_kernels::GridSize;
 
 use crate::ui::desk::{CORNELL, TRIANGLE};
@@ -16,7 +17,12 @@ const SENTENCE: &str = "bvh, fused, robust is fastest";
 const OTHER: &str = "measured with another view, grid or device";
 
 fn settings(grid: GridSize) -> Settings {
-    Settings { size: [32, 32], device: DeviceKind::Cpu, grid, ..Settings::default() }
+    Settings {
+        size: [32, 32],
+        device: DeviceKind::Cpu,
+        choices: Choices { grid, ..Choices::stepped() },
+        ..Settings::default()
+    }
 }
 
 fn stage() -> Stage {

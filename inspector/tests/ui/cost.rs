@@ -6,7 +6,7 @@ use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::{Accelerator, GridSize, ScheduleKind};
+use raystep_kernels::{Accelerator, Choices, GridSize, ScheduleKind};
 use raystep_lab::structure_stats::Slice;
 
 use crate::ui::desk::CORNELL;
@@ -114,7 +114,11 @@ fn the_slowest_warps_name_the_rays_that_held_them() {
     for (schedule, accelerator) in
         [(ScheduleKind::Second, Accelerator::Grid), (ScheduleKind::Compact, Accelerator::Bvh)]
     {
-        let mut stage = alone(Settings { schedule, accelerator, ..settings() }, 20, PaneKind::Cost);
+        let mut stage = alone(
+            Settings { choices: Choices { schedule, accelerator, ..settings().choices }, ..settings() },
+            20,
+            PaneKind::Cost,
+        );
         stage.click(Role::Button, "Warps");
         stage.settle();
         assert!(stage.reads("Assumed: a warp is 32 neighbouring threads"), "{}", stage.read_out());
@@ -139,7 +143,11 @@ fn the_slowest_warps_name_the_rays_that_held_them() {
 
 #[test]
 fn the_tree_is_expanded_to_what_is_picked() {
-    let mut stage = alone(Settings { accelerator: Accelerator::Bvh, ..settings() }, 30, PaneKind::Structure);
+    let mut stage = alone(
+        Settings { choices: Choices { accelerator: Accelerator::Bvh, ..settings().choices }, ..settings() },
+        30,
+        PaneKind::Structure,
+    );
     assert!(stage.reads("binary BVH"), "{}", stage.read_out());
     assert!(stage.find(Role::Button, |name| name == "expand node 1" || name == "expand node 2").is_none());
     stage.click(Role::Button, "expand node 0");
@@ -160,7 +168,8 @@ fn the_tree_is_expanded_to_what_is_picked() {
 #[test]
 fn layers_of_the_grid_have_their_numbers_and_axes() {
     let grid = GridSize::Cells([5, 4, 3]);
-    let mut stage = alone(Settings { grid, ..settings() }, 30, PaneKind::Structure);
+    let mut stage =
+        alone(Settings { choices: Choices { grid, ..settings().choices }, ..settings() }, 30, PaneKind::Structure);
     let data = stage.inspector().model().opened.as_ref().expect("a run").data.clone();
     for (axis, names) in [(2, ["+x", "+y"]), (0, ["+y", "+z"]), (1, ["+x", "+z"])] {
         let name = image(&stage, "list lengths");
@@ -181,12 +190,12 @@ fn layers_of_the_grid_have_their_numbers_and_axes() {
 
 #[test]
 fn what_a_run_does_not_have_is_said() {
-    let build = Settings { program: ProgramName::GridBuild, ..settings() };
+    let build = Settings { choices: Choices { program: ProgramName::GridBuild, ..settings().choices }, ..settings() };
     let mut stage = alone(build, 5, PaneKind::Cost);
     assert!(stage.reads("This program has no rays."), "{}", stage.read_out());
     stage.perform(Command::Show(PaneKind::Structure));
     assert!(stage.reads("This program traces through no grid or BVH."), "{}", stage.read_out());
-    let without = Settings { accelerator: Accelerator::None, ..settings() };
+    let without = Settings { choices: Choices { accelerator: Accelerator::None, ..settings().choices }, ..settings() };
     let stage = alone(without, 30, PaneKind::Structure);
     assert!(stage.reads("No acceleration structure"), "{}", stage.read_out());
 }

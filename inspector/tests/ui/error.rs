@@ -5,7 +5,7 @@ use egui_kittest::kittest::NodeT as _;
 use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_kernels::{GridSize, Numerics, ScheduleKind};
+use raystep_kernels::{Choices, GridSize, Numerics, ScheduleKind};
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};
@@ -16,10 +16,13 @@ const LARGE: u32 = 256;
 fn settings(numerics: Numerics, side: u32) -> Settings {
     Settings {
         size: [side, side],
-        numerics,
-        grid: GridSize::Cells([20; 3]),
-        schedule: ScheduleKind::Second,
         device: DeviceKind::Cpu,
+        choices: Choices {
+            numerics,
+            grid: GridSize::Cells([20; 3]),
+            schedule: ScheduleKind::Second,
+            ..Choices::stepped()
+        },
         ..Settings::default()
     }
 }

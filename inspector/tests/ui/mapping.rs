@@ -5,7 +5,7 @@ use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Update};
 use raystep_kernels::programs::closest_hit::streams::{COUNTERS, HIT, STATE, TMAX};
-use raystep_kernels::{Numerics, ScheduleKind};
+use raystep_kernels::{Choices, Numerics, ScheduleKind};
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::Stage;
@@ -16,9 +16,7 @@ fn stage(mapping: Mapping) -> Stage {
     let settings = Settings {
         size: [40, 30],
         device: DeviceKind::Gpu,
-        schedule: ScheduleKind::Second,
-        numerics: Numerics::Paper,
-        mapping,
+        choices: Choices { schedule: ScheduleKind::Second, numerics: Numerics::Paper, mapping, ..Choices::stepped() },
         ..Settings::default()
     };
     Stage::with_scene(CORNELL, settings, Arrival { place: Some(PLACE), ..Arrival::default() })

@@ -8,7 +8,7 @@ use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::{Session, Target};
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::{Accelerator, Device, Numerics, ScheduleKind};
+use raystep_kernels::{Accelerator, Choices, Device, Numerics, ScheduleKind};
 use raystep_scenes::generate::cornell_box;
 
 use crate::ui::adapter::{block_on, gpu};
@@ -38,8 +38,16 @@ fn kept(size: [f32; 2], all: &[Settings]) -> Stage {
 
 #[test]
 fn a_kept_run_has_the_bits_of_a_run_of_its_own_and_the_view_stays() {
-    let bvh = Settings { accelerator: Accelerator::Bvh, device: DeviceKind::Gpu, ..settings() };
-    let second = Settings { schedule: ScheduleKind::Second, device: DeviceKind::CpuF64, ..settings() };
+    let bvh = Settings {
+        device: DeviceKind::Gpu,
+        choices: Choices { accelerator: Accelerator::Bvh, ..settings().choices },
+        ..settings()
+    };
+    let second = Settings {
+        device: DeviceKind::CpuF64,
+        choices: Choices { schedule: ScheduleKind::Second, ..settings().choices },
+        ..settings()
+    };
     let all = [settings(), bvh, second];
     let stage = kept([800.0, 500.0], &all);
     assert_eq!(stage.place(), PLACE, "keeping a run moves nothing");
@@ -69,7 +77,13 @@ fn a_kept_run_has_the_bits_of_a_run_of_its_own_and_the_view_stays() {
 
 #[test]
 fn keys_flip_between_kept_runs_in_the_same_view() {
-    let mut stage = kept([900.0, 600.0], &[settings(), Settings { accelerator: Accelerator::Bvh, ..settings() }]);
+    let mut stage = kept(
+        [900.0, 600.0],
+        &[
+            settings(),
+            Settings { choices: Choices { accelerator: Accelerator::Bvh, ..settings().choices }, ..settings() },
+        ],
+    );
     stage.show_stream(streams::COLOR, "rgb");
     let picture = |stage: &mut Stage| {
         stage.settle();
@@ -119,7 +133,11 @@ fn what_cannot_be_flipped_to_is_said() {
 
 #[test]
 fn rays_that_differ_are_counted_and_selected_one_after_the_other() {
-    let of = |accelerator, numerics| Settings { accelerator, numerics, size: [64, 64], ..settings() };
+    let of = |accelerator, numerics| Settings {
+        size: [64, 64],
+        choices: Choices { accelerator, numerics, ..settings().choices },
+        ..settings()
+    };
     let all = [
         of(Accelerator::Grid, Numerics::Paper),
         of(Accelerator::Bvh, Numerics::Paper),
@@ -164,7 +182,13 @@ fn rays_that_differ_are_counted_and_selected_one_after_the_other() {
 
 #[test]
 fn kept_runs_are_measured_in_turns() {
-    let mut stage = kept([1000.0, 700.0], &[settings(), Settings { accelerator: Accelerator::Bvh, ..settings() }]);
+    let mut stage = kept(
+        [1000.0, 700.0],
+        &[
+            settings(),
+            Settings { choices: Choices { accelerator: Accelerator::Bvh, ..settings().choices }, ..settings() },
+        ],
+    );
     stage.perform(Command::SimpleLayout);
     stage.perform(Command::Show(PaneKind::Runs));
     stage.click(Role::Button, "Times");
@@ -196,8 +220,11 @@ fn kept_runs_are_measured_in_turns() {
 
 #[test]
 fn the_panel_with_three_runs() {
-    let bvh = Settings { accelerator: Accelerator::Bvh, ..settings() };
-    let paper = Settings { numerics: Numerics::Paper, schedule: ScheduleKind::First, ..settings() };
+    let bvh = Settings { choices: Choices { accelerator: Accelerator::Bvh, ..settings().choices }, ..settings() };
+    let paper = Settings {
+        choices: Choices { numerics: Numerics::Paper, schedule: ScheduleKind::First, ..settings().choices },
+        ..settings()
+    };
     let mut stage = kept([1280.0, 800.0], &[settings(), bvh, paper]);
     stage.perform(Command::SimpleLayout);
     stage.perform(Command::Show(PaneKind::Ray));

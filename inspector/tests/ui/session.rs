@@ -7,7 +7,7 @@ use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_kernels::export::csv::COLUMNS;
 use raystep_kernels::export::trace::{Rays, Trace, trace};
-use raystep_kernels::{Accelerator, Device, Renderer};
+use raystep_kernels::{Accelerator, Choices, Device, Renderer};
 use raystep_scenes::generate::cornell_box;
 
 use crate::ui::adapter::{block_on, gpu};
@@ -97,7 +97,8 @@ fn go_on(mut stage: Stage, settings: Settings) {
     // Compare with the BVH: the same ray there, and the same image.
     stage.key(Modifiers::COMMAND, Key::B);
     stage.settle();
-    let tree = history(&Settings { accelerator: Accelerator::Bvh, ..settings });
+    let tree =
+        history(&Settings { choices: Choices { accelerator: Accelerator::Bvh, ..settings.choices }, ..settings });
     let hit = tree.rows.last().and_then(|row| row.after.triangle.zip(row.after.t)).expect("a hit");
     let line = format!("B: ray {},{}: ", pixel[0], pixel[1]);
     let end = format!(
@@ -128,7 +129,7 @@ fn go_on(mut stage: Stage, settings: Settings) {
     assert_eq!(files.len(), 1);
     assert!(files[0].name.ends_with(".passes.csv"), "{}", files[0].name);
     let mut reader = csv::Reader::from_reader(files[0].bytes.as_slice());
-    assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
+    assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), *COLUMNS);
     let rows: Vec<_> = reader.records().map(|row| row.expect("a row")).collect();
     assert_eq!(rows.len(), stage.place());
     let column = |name: &str| COLUMNS.iter().position(|column| *column == name).expect("a column");

@@ -7,6 +7,7 @@ use raystep_inspector::session_file::SessionFile;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::Accelerator;
+use raystep_kernels::Choices;
 use raystep_lab::Hash;
 
 use crate::ui::desk::{CORNELL, TRIANGLE};
@@ -46,7 +47,13 @@ fn a_session_opens_as_it_was_saved() {
     let mut stage = Stage::new(Plan { size: [1000.0, 700.0], ..Plan::default() });
     open(&mut stage, settings(DeviceKind::CpuF64));
     stage.perform(Command::KeepRun);
-    open(&mut stage, Settings { accelerator: Accelerator::Bvh, ..settings(DeviceKind::Cpu) });
+    open(
+        &mut stage,
+        Settings {
+            choices: Choices { accelerator: Accelerator::Bvh, ..settings(DeviceKind::Cpu).choices },
+            ..settings(DeviceKind::Cpu)
+        },
+    );
     // Of the run that is kept next, one texel is edited.
     stage.perform(Command::EditTexel);
     stage.answer("2");
@@ -71,7 +78,7 @@ fn a_session_opens_as_it_was_saved() {
     let inspector = again.harness.state();
     let model = inspector.model();
     let opened = model.opened.as_ref().expect("a run");
-    assert_eq!((opened.scene.name.as_str(), opened.settings.accelerator), ("cornell-box", Accelerator::Bvh));
+    assert_eq!((opened.scene.name.as_str(), opened.settings.choices.accelerator), ("cornell-box", Accelerator::Bvh));
     assert_eq!((again.place(), inspector.pixel(), &model.edits), (PLACE, Some(PIXEL), &edits));
     assert_eq!(inspector.panes_in_view(), panes);
     assert!(again.reads("where the grid lost"), "{}", again.read_out());

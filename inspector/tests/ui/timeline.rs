@@ -6,6 +6,7 @@ use image::RgbaImage;
 use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
+use raystep_kernels::Choices;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};
@@ -287,17 +288,19 @@ fn every_schedule_and_the_build_of_a_grid_can_be_scrubbed() {
         .flat_map(|schedule| {
             [Accelerator::Grid, Accelerator::Bvh, Accelerator::None].map(|accelerator| Settings {
                 size: [16, 16],
-                schedule,
-                accelerator,
+                choices: Choices { schedule, accelerator, ..Choices::stepped() },
                 ..Settings::default()
             })
         })
         .collect();
-    all.push(Settings { program: ProgramName::GridBuild, ..settings(DeviceKind::Gpu) });
+    all.push(Settings {
+        choices: Choices { program: ProgramName::GridBuild, ..settings(DeviceKind::Gpu).choices },
+        ..settings(DeviceKind::Gpu)
+    });
     let mut s = Stage::new(Plan::default());
     s.perform(Command::FullLayout);
     for settings in all {
-        let what = format!("{} {}", settings.schedule, settings.accelerator);
+        let what = format!("{} {}", settings.choices.schedule, settings.choices.accelerator);
         s.open(CORNELL, settings, Arrival::picture());
         let end = s.place();
         let rect = timeline(&s);

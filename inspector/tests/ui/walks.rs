@@ -6,6 +6,7 @@ use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::walk::WalkGeometry;
 use raystep_kernels::Accelerator;
+use raystep_kernels::Choices;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::Stage;
@@ -14,7 +15,12 @@ use crate::ui::stage::Stage;
 const SHOW: &str = "Show BVH walk";
 
 fn stage(accelerator: Accelerator) -> Stage {
-    let settings = Settings { size: [64, 64], device: DeviceKind::Cpu, accelerator, ..Settings::default() };
+    let settings = Settings {
+        size: [64, 64],
+        device: DeviceKind::Cpu,
+        choices: Choices { accelerator, ..Choices::stepped() },
+        ..Settings::default()
+    };
     let arrival = Arrival { pixel: Some([40, 44]), place: Some(usize::MAX), ..Arrival::default() };
     Stage::with_scene(CORNELL, settings, arrival)
 }

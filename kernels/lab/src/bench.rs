@@ -22,7 +22,7 @@ use prepare::Group;
 use rays::Viewed;
 use raystep_kernels::export::csv::{DrawnPart, RunContext};
 use raystep_kernels::options::mapping::Mapping;
-use raystep_kernels::{Accelerator, GridSize, Options, Pass, RaySource, ScheduleKind, Traversal};
+use raystep_kernels::{Accelerator, Options, Pass, RaySource, ScheduleKind, Traversal};
 
 use crate::Error;
 use crate::configuration::Configuration;
@@ -204,13 +204,4 @@ fn in_words(configuration: &Configuration) -> String {
         words += &format!(" {traversal}");
     }
     words
-}
-
-/// In the command line's format.
-#[must_use]
-pub fn grid_text(size: GridSize) -> String {
-    match size {
-        GridSize::Auto => "auto".into(),
-        GridSize::Cells([x, y, z]) => format!("{x},{y},{z}"),
-    }
 }

@@ -7,7 +7,7 @@ use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::shader::forget_variants;
-use raystep_kernels::{Device, Gpu, GpuError, Limits, Options, Renderer};
+use raystep_kernels::{Choices, Device, Gpu, GpuError, Limits, Options, Renderer};
 use raystep_scenes::Scene;
 use web_time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -112,11 +112,7 @@ impl Machine {
             run_id,
             configuration: "0".into(),
             scene: scene.name.clone(),
-            accelerator: plan.accelerator.name(),
-            schedule: options.schedule.name(),
-            numerics: options.numerics.name(),
-            mapping: options.mapping.to_string(),
-            traversal: options.traversal.name(),
+            choices: Choices { accelerator: plan.accelerator, ..options.choices() },
             adapter: self.name(),
             width_px: Some(plan.width),
             height_px: Some(plan.height),

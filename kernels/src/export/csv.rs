@@ -39,17 +39,30 @@
 mod drawn;
 
 use std::io::Write;
+use std::sync::LazyLock;
 
 use serde::{Serialize, Serializer};
 
+use crate::options::Choices;
+use crate::options::rows::{self, ROWS};
 use crate::renderer::{CounterSums, Pass};
 pub use drawn::DrawnPart;
 
 /// Version of the columns.
 pub const SCHEMA_VERSION: u32 = 4;
 
-/// The columns, in order.
-pub const COLUMNS: [&str; 39] = [
+/// The columns, in order. Options that are columns and not named here come last, so that older columns keep their places.
+pub static COLUMNS: LazyLock<Vec<String>> = LazyLock::new(|| {
+    let mut columns: Vec<String> = FIRST_COLUMNS.map(String::from).into();
+    columns.extend(later_options().map(rows::Row::key));
+    columns
+});
+
+fn later_options() -> impl Iterator<Item = &'static rows::Row> {
+    ROWS.iter().filter(|row| row.is_column && !FIRST_COLUMNS.contains(&row.key().as_str()))
+}
+
+const FIRST_COLUMNS: [&str; 39] = [
     "schema_version",
     "run_id",
     "configuration",
@@ -152,16 +165,9 @@ pub struct RunContext {
     pub configuration: String,
     /// The scene's name.
     pub scene: String,
-    /// The acceleration structure that the run has, also if it was chosen automatically.
-    pub accelerator: &'static str,
-    /// `--schedule`
-    pub schedule: &'static str,
-    /// `--numerics`
-    pub numerics: &'static str,
-    /// `--mapping`, with its choices.
-    pub mapping: String,
-    /// `--traversal`
-    pub traversal: &'static str,
+    /// The options, with the acceleration structure that the run has, also if it was chosen automatically.
+    #[serde(flatten, serialize_with = "rows::serialize_columns")]
+    pub choices: Choices,
     /// The adapter's name, or `cpu`.
     pub adapter: String,
     /// Pixels per row of the image that the rays are from, or of the one in which input rays are arranged; in a program
@@ -320,7 +326,7 @@ impl<W: Write> PassesCsv<W> {
     /// If `out` fails.
     pub fn new(out: W) -> std::io::Result<Self> {
         let mut writer = writer(out);
-        writer.write_record(COLUMNS)?;
+        writer.write_record(COLUMNS.iter())?;
         Ok(Self { writer, began: None })
     }
 
@@ -367,14 +373,15 @@ impl<W: Write> PassesCsv<W> {
         let rounding = pass.rounding.filter(|_| is_timed && part.is_none());
         let since_start_ns = begin_ns.and_then(|begin_ns| self.since_start_ns(run, begin_ns));
         let threads = part.map_or(pass.threads_launched, |(_, part)| part.fragments_drawn);
-        let row: [String; COLUMNS.len()] = [
+        let option = |name: &str| rows::Row::named(name).map_or_else(String::new, |row| recorded(row, run));
+        let mut row = vec![
             SCHEMA_VERSION.to_string(),
             run.run_id.clone(),
             run.configuration.clone(),
             run.scene.clone(),
-            run.accelerator.into(),
-            run.schedule.into(),
-            run.numerics.into(),
+            option("accelerator"),
+            option("schedule"),
+            option("numerics"),
             run.adapter.clone(),
             known(run.width_px),
             known(run.height_px),
@@ -400,14 +407,15 @@ impl<W: Write> PassesCsv<W> {
             known(rounding.map(|rounding| rounding.runs)),
             known(rounding.map(|rounding| rounding.error_ns)),
             known(rounding.map(|rounding| rounding.below_ns)),
-            run.mapping.clone(),
+            option("mapping"),
             known(part.map(|(index, _)| index)),
             part.map(|(_, part)| part.targets.clone()).unwrap_or_default(),
             known(part.and_then(|(_, part)| part.time.fragments)),
             known(part.map(|(_, part)| part.bytes_copied)),
-            run.traversal.into(),
+            option("traversal"),
             loops(pass),
         ];
+        row.extend(later_options().map(|option| recorded(option, run)));
         Ok(self.writer.write_record(row)?)
     }
 
@@ -418,6 +426,10 @@ impl<W: Write> PassesCsv<W> {
     pub fn finish(mut self) -> std::io::Result<()> {
         self.writer.flush()
     }
+}
+
+fn recorded(option: &rows::Row, run: &RunContext) -> String {
+    option.recorded(&run.choices).map_or_else(String::new, |value| value.to_string())
 }
 
 fn loops(pass: &Pass) -> String {

@@ -6,6 +6,8 @@ use serde::Serialize;
 
 #[cfg(feature = "gpu")]
 use crate::executor::gpu::{AdapterSummary, Gpu};
+use crate::options::Choices;
+use crate::options::rows;
 pub use crate::plan::GridSummary;
 #[cfg(feature = "gpu")]
 use crate::plan::Loops;
@@ -129,36 +131,15 @@ impl AdapterInfo {
 pub struct RunOptions {
     /// Path of the scene file as the user wrote it.
     pub scene_path: String,
-    /// `--accelerator`, possibly `auto`
-    pub accelerator: &'static str,
-    /// `--schedule`
-    pub schedule: &'static str,
-    /// `--mapping`, with its choices.
-    pub mapping: String,
-    /// `--numerics`
-    pub numerics: &'static str,
-    /// `--traversal`
-    pub traversal: &'static str,
+    /// What was chosen: the accelerator is possibly `auto`, and `null` is what has no meaning with the others.
+    #[serde(flatten, serialize_with = "rows::serialize")]
+    pub choices: Choices,
     /// Texels per row.
     pub width_px: u32,
     /// Rows.
     pub height_px: u32,
-    /// `--grid`: `auto`, or the requested cells along x, y and z.
-    pub grid: String,
-    /// `--skip`
-    pub skip: &'static str,
-    /// Most steps of a ray in one pass; `null` if one pass traces it completely.
-    pub steps_per_pass: Option<u32>,
     /// `--counters`
     pub counters: bool,
-    /// `--keep-all`
-    pub keep_all: bool,
-    /// `--spp`: samples per pixel, of one ray each.
-    pub spp: u32,
-    /// `--sampler`; `null` with one sample per pixel.
-    pub sampler: Option<&'static str>,
-    /// `--seed`; `null` with one sample per pixel.
-    pub seed: Option<u32>,
 }
 
 /// Number of rays that hit something.

@@ -29,6 +29,7 @@ use serde::Serialize;
 
 use super::csv::{DrawnPart, RunContext, rays_out};
 use crate::executor::Drawing;
+use crate::options::Choices;
 use crate::renderer::Pass;
 use tracks::{Timed, Tracks, timed};
 
@@ -110,8 +111,9 @@ struct Sums {
 /// Trace events for a run's passes, which must be in order. `parts`: those of each pass that is drawn, in the same order.
 #[must_use]
 pub fn trace_events(run: &RunContext, passes: &[Pass], parts: &[Vec<DrawnPart>]) -> TraceEvents {
+    let Choices { accelerator, schedule, .. } = run.choices;
     let (timed, clock_set_back) = timed(passes);
-    let name = format!("raystep: {}, {} {}, {}", run.scene, run.accelerator, run.schedule, run.adapter);
+    let name = format!("raystep: {}, {} {}, {}", run.scene, accelerator, schedule, run.adapter);
     let mut events = vec![named("process_name", PASSES, name), named("thread_name", GAPS, "between passes".into())];
     if let Some(host_ns) = run.host_run_ns.filter(|_| run.timer.is_some_and(|timer| !timer.times_passes())) {
         events.push(named("thread_name", HOST, "host's clock".into()));

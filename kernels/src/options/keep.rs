@@ -84,6 +84,21 @@ impl Keep {
     }
 }
 
+/// As the option `--keep-all`: whether everything is kept.
+#[cfg(feature = "serde")]
+impl serde::Serialize for Keep {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_bool(*self == Self::ALL)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Keep {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        bool::deserialize(deserializer).map(Self::all_if)
+    }
+}
+
 impl Features {
     /// Whether kernels with these options have an item.
     #[must_use]

@@ -1,18 +1,21 @@
 //! A user's options, and the options of the kernels that follow from them.
 
 pub mod features;
+mod grid_size;
 pub mod keep;
 pub mod mapping;
+mod rays;
 pub mod reasons;
+pub mod row;
+pub mod rows;
 pub mod samples;
-
-use glam::DVec3;
-use raystep_scenes::Camera;
 
 pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
+pub use grid_size::{GridSize, MOST_CELLS};
 use keep::Keep;
 use mapping::Mapping;
+pub use rays::{Ray, RaySource};
 use samples::Samples;
 
 /// The program to run.
@@ -63,17 +66,6 @@ impl ScheduleKind {
     pub fn is_stepped(self) -> bool {
         self != Self::Fused
     }
-}
-
-/// The grid's resolution.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum GridSize {
-    /// From the number of triangles and the scene's extent, see [`automatic_cells`](crate::structures::grid::automatic_cells).
-    #[default]
-    Auto,
-    /// Cells along x, y and z.
-    Cells([u32; 3]),
 }
 
 /// Empty-space skipping: whether rays step across several empty cells at once.
@@ -198,94 +190,11 @@ pub const MOST_LISTED: f64 = 16.0;
 /// Longest such mean of a grid that is left as it is; else its crowded cells are divided further.
 pub const MOST_LISTED_IN_ONE_LEVEL: f64 = 32.0;
 
-/// A ray in scene units: `origin + t * direction`. A hit counts if `t_min < t < t_max`: neither end does, as in DXR and
-/// Vulkan, so a ray with the `t_min` of an earlier hit finds what is behind that hit. t is compared as a
-/// [`CastHit`](crate::CastHit) has it, so this also holds where f32 cannot hold the exact t.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
-    /// Where it starts.
-    pub origin: [f32; 3],
-    /// Direction; any length but 0.
-    pub direction: [f32; 3],
-    /// Hits count beyond this t, in multiples of the direction: 0 or more, and finite.
-    pub t_min: f32,
-    /// Hits count before this t, in multiples of the direction: at least `t_min`; infinite for a ray without an end.
-    pub t_max: f32,
-}
-
-impl Ray {
-    /// A ray whose hits count at every t > 0.
-    #[must_use]
-    pub const fn new(origin: [f32; 3], direction: [f32; 3]) -> Self {
-        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
-    }
-
-    /// The same in the coordinates of a scene's file, with f64's precision: a scene's offset (see [`raystep_scenes::Scene`]) is subtracted before the
-    /// numbers are rounded to f32.
-    #[must_use]
-    pub fn in_file(origin: [f64; 3], direction: [f64; 3], offset: DVec3) -> Self {
-        let origin = DVec3::from_array(origin) - offset;
-        Self::new(origin.as_vec3().to_array(), direction.map(|d| d as f32))
-    }
-
-    /// What is wrong with the ray in any scene: a component that is not finite, a direction of 0, an empty interval.
-    #[must_use]
-    pub fn fault(&self) -> Option<&'static str> {
-        if self.direction.iter().chain(&self.origin).any(|v| !v.is_finite()) {
-            Some("a component is not finite")
-        } else if self.direction == [0.0; 3] {
-            Some("its direction is 0")
-        } else if !self.t_min.is_finite() || self.t_min < 0.0 {
-            Some("its t_min is not a finite number from 0 on")
-        } else if self.t_max.is_nan() || self.t_max < self.t_min {
-            Some("its t_max is below its t_min, or not a number")
-        } else {
-            None
-        }
-    }
-
-    /// Whether the kernels must look up its interval. The t_max of a ray that ends at any hit is its initial t.
-    pub(crate) fn needs_interval(&self, any_hit: bool) -> bool {
-        self.t_min > 0.0 || (self.t_max < f32::INFINITY && !any_hit)
-    }
-
-    /// The same ray, with hits between two t only.
-    #[must_use]
-    pub const fn between(self, t_min: f32, t_max: f32) -> Self {
-        Self { t_min, t_max, ..self }
-    }
-}
-
-/// The source of rays.
-#[derive(Clone, Debug, PartialEq)]
-pub enum RaySource {
-    /// One ray through the centre of each pixel.
-    Camera {
-        /// The camera.
-        camera: Camera,
-        /// Pixels per row.
-        width: u32,
-        /// Rows.
-        height: u32,
-    },
-    /// Input rays. They fill texels row by row; the last row may be partly unused.
-    Given(Vec<Ray>),
-}
-
-impl RaySource {
-    /// The same source with input rays that end at `t_max`, or earlier if they did: with 1, rays from a point to a
-    /// light. A camera's rays have no end.
-    #[must_use]
-    pub fn until(mut self, t_max: f32) -> Self {
-        if let Self::Given(rays) = &mut self {
-            rays.iter_mut().for_each(|ray| ray.t_max = ray.t_max.min(t_max));
-        }
-        self
-    }
-}
-
 /// Default number of elements of a program that needs no scene.
 pub const ELEMENTS: u32 = 1 << 12;
+
+/// Most of them.
+pub const MOST_ELEMENTS: u32 = 1 << 22;
 
 /// Default steps per pass of the compact schedule.
 pub const STEPS_PER_PASS: u32 = 8;
@@ -371,5 +280,62 @@ impl Options {
             keep: Keep::NONE,
             samples: Samples::default(),
         }
+    }
+}
+
+macro_rules! choices {
+    ($($(#[$attribute:meta])* $field:ident: $type:ty,)*) => {
+        /// What people choose of a run's [`Options`]: command line, links, sessions, tables and panels read and write it by
+        /// [`ROWS`](rows::ROWS).
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+        pub struct Choices {
+            $($(#[$attribute])* #[doc = concat!("[`Options::", stringify!($field), "`]")] pub $field: $type,)*
+        }
+
+        impl Options {
+            /// Its choices.
+            #[must_use]
+            pub fn choices(&self) -> Choices {
+                Choices { $($field: self.$field,)* }
+            }
+
+            /// The same with these choices.
+            #[must_use]
+            pub fn chosen(self, choices: &Choices) -> Self {
+                Self { $($field: choices.$field,)* ..self }
+            }
+        }
+    };
+}
+
+choices! {
+    program: ProgramName,
+    elements: u32,
+    accelerator: Accelerator,
+    mapping: Mapping,
+    schedule: ScheduleKind,
+    numerics: Numerics,
+    traversal: Traversal,
+    grid: GridSize,
+    skip: Skip,
+    steps_per_pass: u32,
+    build: BuiltBy,
+    #[cfg_attr(feature = "serde", serde(rename = "keep_all"))]
+    keep: Keep,
+    samples: Samples,
+}
+
+impl Default for Choices {
+    fn default() -> Self {
+        Options::new(RaySource::Given(Vec::new())).choices()
+    }
+}
+
+impl Choices {
+    /// The default, where every step of a ray is a pass: what links and windows start from.
+    #[must_use]
+    pub fn stepped() -> Self {
+        Self { steps_per_pass: 1, ..Self::default() }
     }
 }

@@ -252,9 +252,6 @@ fn arguments(args: &BenchArgs) -> Vec<OsString> {
     if args.rays_file.is_none() {
         option("--rays", list(args.rays.iter().map(|k| k.name()).collect()));
     }
-    option("--numerics", args.tuning.numerics.name().into());
-    option("--grid", raystep_lab::bench::grid_text(args.tuning.grid()));
-    option("--skip", args.tuning.skip.name().into());
     option("--max-memory", args.read.max_memory.to_string());
     option("--seed", args.seed.to_string());
     let device = clap::ValueEnum::to_possible_value(&args.device.device);
@@ -266,7 +263,6 @@ fn arguments(args: &BenchArgs) -> Vec<OsString> {
         // An earlier build knows compute shaders only.
         ("--mappings", Some(mappings.join(",")).filter(|mappings| mappings != "compute")),
         ("--traversals", Some(traversals).filter(|traversals| traversals != Traversal::AmanatidesWoo.name())),
-        ("--steps-per-pass", args.tuning.steps_per_pass.map(|steps| steps.to_string())),
         ("--device", device.filter(|_| args.device.adapter.is_none()).map(|device| device.get_name().to_owned())),
         ("--adapter", args.device.adapter.clone()),
         ("--scene-index", args.scene_index.map(|index| index.to_string())),
@@ -279,8 +275,8 @@ fn arguments(args: &BenchArgs) -> Vec<OsString> {
     for (name, value) in optional {
         value.into_iter().for_each(|value| option(name, value));
     }
-    let flags = [("--keep-all", args.tuning.keep_all), ("--allow-outside", args.read.allow_outside)];
-    all.extend(flags.iter().filter(|(_, is_set)| *is_set).map(|(name, _)| OsString::from(name)));
+    all.extend(args.tuning.words().into_iter().map(OsString::from));
+    all.extend(args.read.allow_outside.then(|| OsString::from("--allow-outside")));
     all.extend(args.rays_file.iter().flat_map(|path| [OsString::from("--rays-file"), path.clone().into_os_string()]));
     all.push("--".into());
     all.extend(args.scenes.iter().map(|scene| PathBuf::into_os_string(scene.clone())));

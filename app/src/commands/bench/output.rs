@@ -8,12 +8,13 @@ use raystep_kernels::Gpu;
 use raystep_kernels::export::csv::{COLUMNS as PASSES_COLUMNS, PassesCsv};
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_lab::bench::gate::{Gate, markdown};
-use raystep_lab::bench::{Measured, RunRow, SCHEMA_VERSION, SummaryRow, grid_text, write_rows};
+use raystep_lab::bench::{Measured, RunRow, SCHEMA_VERSION, SummaryRow, write_rows};
 use raystep_lab::tidy::package::{self, Resource};
 use raystep_lab::{Machine, Subject};
 use serde::Serialize;
 
 use super::BenchArgs;
+use crate::args::choices::{ChoiceArgs, Tuning};
 use crate::commands::input::Input;
 use crate::commands::json_text;
 use crate::device::AboutClock;
@@ -72,15 +73,13 @@ struct AboutOptions {
     mappings: Vec<String>,
     traversals: Vec<&'static str>,
     replay: bool,
-    numerics: &'static str,
+    /// The options that all runs share.
+    #[serde(flatten)]
+    tuning: ChoiceArgs<Tuning>,
     sizes: Vec<String>,
     rays: Vec<&'static str>,
     repeats: u32,
     warmups: u32,
-    grid: String,
-    skip: &'static str,
-    steps_per_pass: Option<u32>,
-    keep_all: bool,
     seed: u32,
     camera: BTreeMap<&'static str, String>,
     baseline: Option<String>,
@@ -144,6 +143,7 @@ pub(super) fn write(
     has_passes: bool,
     gate: Option<&Gate>,
 ) -> Result<(), Error> {
+    let passes_columns: Vec<&str> = PASSES_COLUMNS.iter().map(String::as_str).collect();
     let mut files = vec![
         Resource { file: SUMMARY, what: "a configuration", columns: SummaryRow::COLUMNS },
         Resource { file: RUNS, what: "a timed run", columns: RunRow::COLUMNS },
@@ -152,7 +152,7 @@ pub(super) fn write(
         files.push(Resource {
             file: PASSES,
             what: "a pass of one run per configuration, beside the timed runs, in which every pass is timed",
-            columns: &PASSES_COLUMNS,
+            columns: &passes_columns,
         });
         folder.write(PASSES, |out| {
             let mut csv = PassesCsv::new(out)?;
@@ -192,15 +192,11 @@ impl<'a> About<'a> {
                 mappings: args.mappings.iter().map(ToString::to_string).collect(),
                 traversals: args.traversals.iter().map(|t| t.name()).collect(),
                 replay: args.replay,
-                numerics: args.tuning.numerics.name(),
                 sizes: args.sizes.iter().map(ToString::to_string).collect(),
                 rays: args.rays.iter().map(|k| k.name()).collect(),
                 repeats: args.repeats(),
                 warmups: args.warmups,
-                grid: grid_text(args.tuning.grid()),
-                skip: args.tuning.skip.name(),
-                steps_per_pass: args.tuning.steps_per_pass,
-                keep_all: args.tuning.keep_all,
+                tuning: args.tuning.clone(),
                 seed: args.seed,
                 camera: args.camera.words().into_iter().collect(),
                 baseline: path(&args.baseline),

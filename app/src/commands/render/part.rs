@@ -43,7 +43,7 @@ pub(in crate::commands) fn read_block(folder: &Path, block: u32, of: Picture) ->
 pub(super) fn run(args: &RenderArgs, shard: Shard) -> Result<(), Error> {
     refuse_other_outputs(args)?;
     let progress = Progress::new(args.quiet.quiet);
-    let whole = Samples::from(args.view.samples);
+    let whole = args.view.samples.values.samples;
     let range = shard.range(whole.blocks() as usize, "blocks of 16 samples")?;
     let blocks: Vec<(u32, Samples)> =
         range.filter_map(|block| Some((block as u32, whole.part(block as u32)?))).collect();

@@ -5,7 +5,6 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use clap::Parser as _;
-use raystep_kernels::Samples;
 use raystep_lab::Hash;
 use serde::{Deserialize, Serialize};
 
@@ -254,7 +253,7 @@ fn job(
         _ => (true, false),
     };
     if let Command::Render(args) = &command {
-        let blocks = u64::from(Samples::from(args.view.samples).blocks());
+        let blocks = u64::from(args.view.samples.values.samples.blocks());
         if blocks < sweep.parts {
             let why = format!("parts = {}: expected at most {blocks}, the number of blocks of 16 samples", sweep.parts);
             return Err(at(Error::failed(why)));

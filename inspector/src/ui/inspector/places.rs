@@ -131,7 +131,7 @@ impl Inspector {
             self.other = Some(other);
         }
         if let Some(other) = &mut self.other {
-            other.ask(Request::Share(scene, Box::new(Settings { accelerator, ..settings })));
+            other.ask(Request::Share(scene, Box::new(settings.through(accelerator))));
             other.ask(Request::Step(Target::End));
         }
         layout::show(&mut self.desk.tree, PaneKind::Compare);

@@ -6,7 +6,7 @@ use raystep_kernels::export::Recorded;
 use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::trace::{Trace, TraceRow};
 use raystep_kernels::renderer::{CounterSums, Counting};
-use raystep_kernels::{Progress, RenderError, Stream};
+use raystep_kernels::{Choices, Progress, RenderError, Stream};
 use raystep_lab::machine::{clock_step_ns, session_id};
 
 use super::Inspector;
@@ -88,11 +88,7 @@ impl Inspector {
             run_id: format!("{}-{}", session_id(), self.model.generation),
             configuration: "0".into(),
             scene: opened.scene.name.clone(),
-            accelerator: plan.accelerator.name(),
-            schedule: settings.schedule.name(),
-            numerics: settings.numerics.name(),
-            mapping: settings.mapping.to_string(),
-            traversal: settings.traversal.name(),
+            choices: Choices { accelerator: plan.accelerator, ..settings.choices },
             adapter: if settings.device == DeviceKind::Gpu { opened.device.clone() } else { "cpu".into() },
             width_px: Some(plan.width),
             height_px: Some(plan.height),

@@ -55,7 +55,13 @@ impl Of {
         let opened = model.opened.as_ref()?;
         let settings = &opened.settings;
         let scene = opened.scene.clone();
-        Some(Self { scene, view: settings.view, size: settings.size, grid: settings.grid, device: settings.device })
+        Some(Self {
+            scene,
+            view: settings.view,
+            size: settings.size,
+            grid: settings.choices.grid,
+            device: settings.device,
+        })
     }
 
     /// Whether it is of the same scene, and whether everything else is the same, too.

@@ -168,8 +168,8 @@ impl Panel for Compare {
                         (side, _) => side,
                     };
                     let name = match shown {
-                        Side::A => format!("A: {}", a.settings.accelerator),
-                        Side::B => format!("B: {}", b.settings.accelerator),
+                        Side::A => format!("A: {}", a.settings.choices.accelerator),
+                        Side::B => format!("B: {}", b.settings.choices.accelerator),
                         Side::Difference => self.legend(),
                     };
                     ui.small(name).on_hover_text("hold Shift to show the other run here");

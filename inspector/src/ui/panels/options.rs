@@ -2,11 +2,9 @@
 //!
 //! Touches: asks.
 
-use std::fmt::Display;
-
 use egui::{ComboBox, DragValue, Ui};
-use raystep_kernels::options::mapping::{Cull, Mapping, MappingName, Targets, Until, Update};
-use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip, Traversal};
+use raystep_kernels::GridSize;
+use raystep_kernels::options::rows::{ROWS, Row, Values};
 
 use crate::command::Command;
 use crate::ray_text::GivenRay;
@@ -39,7 +37,10 @@ impl Panel for Options {
         let Self { draft: Some((_, draft)), asked } = self else { return };
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             egui::Grid::new("options").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
-                tracing(ui, draft);
+                for (row, name, about) in offered(draft, false) {
+                    option(ui, draft, row, name, about);
+                }
+                device(ui, draft);
                 size(ui, draft);
                 camera(ui, draft, opened.scene.cameras.len());
             });
@@ -47,8 +48,9 @@ impl Panel for Options {
                 "adds a stream of counters per \
                 ray",
             );
-            ui.checkbox(&mut draft.keep_all, "keep what is not needed")
-                .on_hover_text("also run kernels and keep streams that the result does not need, as --keep-all does");
+            for (row, name, about) in offered(draft, true) {
+                option(ui, draft, row, name, about);
+            }
             if let Some(GivenRay([ox, oy, oz, dx, dy, dz])) = draft.ray {
                 ui.label(format!("one ray: {ox} {oy} {oz} towards {dx} {dy} {dz}"));
                 if ui.button("Back to the image").clicked() {
@@ -75,43 +77,50 @@ impl Panel for Options {
     }
 }
 
-fn choice<T: Copy + PartialEq + Display>(ui: &mut Ui, name: &str, about: &str, all: &[T], value: &mut T) {
-    let label = ui.label(name).on_hover_text(about);
-    let combo = ComboBox::from_id_salt(name).selected_text(value.to_string());
-    let response = combo.show_ui(ui, |ui| {
-        for &one in all {
-            ui.selectable_value(value, one, one.to_string());
+/// The control of an option, by the kind of its values.
+fn option(ui: &mut Ui, draft: &mut Settings, row: &Row, name: &str, about: &str) {
+    let mut value = row.get(&draft.choices).to_string();
+    let before = value.clone();
+    if let Values::Switch = row.values {
+        let mut is_on = value == "true";
+        ui.checkbox(&mut is_on, name).on_hover_text(about);
+        value = is_on.to_string();
+    } else {
+        let label = ui.label(name).on_hover_text(about);
+        match row.values {
+            Values::Switch => {}
+            Values::Names(_) => {
+                let combo = ComboBox::from_id_salt(name).selected_text(value.clone());
+                let offered = draft.offered(row);
+                let response = combo.show_ui(ui, |ui| {
+                    for name in offered {
+                        ui.selectable_value(&mut value, name.into(), name);
+                    }
+                });
+                response.response.labelled_by(label.id);
+            }
+            Values::Whole(least, most) => {
+                let mut number = value.parse().unwrap_or(least);
+                ui.add(DragValue::new(&mut number).range(least..=most)).labelled_by(label.id);
+                value = number.to_string();
+            }
+            Values::Cells => value = cells(ui, draft.choices.grid, label.id).to_string(),
         }
-    });
-    response.response.labelled_by(label.id);
-    ui.end_row();
+        ui.end_row();
+    }
+    if value != before {
+        // What a control offers can be chosen.
+        _ = draft.choose(row, &value);
+    }
 }
 
-fn tracing(ui: &mut Ui, draft: &mut Settings) {
-    choice(ui, "accelerator", "acceleration structure", Accelerator::ALL, &mut draft.accelerator);
-    let stepped = draft.schedules();
-    choice(ui, "schedule", "the order in which kernels run", &stepped, &mut draft.schedule);
-    mapping(ui, draft);
-    choice(ui, "numerics", "the rules for planes, steps and hits", Numerics::ALL, &mut draft.numerics);
-    if draft.can_use_dda() {
-        let about = "how rays walk through the grid: by the smallest tMax, or by control terms along a driving axis";
-        choice(ui, "traversal", about, Traversal::ALL, &mut draft.traversal);
-    }
-    if draft.accelerator == Accelerator::Grid {
-        choice(ui, "skip empty space", "whether rays skip over empty cells", Skip::ALL, &mut draft.skip);
-        grid(ui, &mut draft.grid);
-    }
-    if draft.numerics == Numerics::Paper && draft.skip == Skip::On {
-        // The paper's rules visit every cell.
-        draft.skip = Skip::Off;
-    }
-    if draft.schedule == ScheduleKind::Compact {
-        let label = ui.label("steps per pass").on_hover_text("1 shows one cell, node or triangle per pass");
-        ui.add(DragValue::new(&mut draft.steps_per_pass).range(1..=4096)).labelled_by(label.id);
-        ui.end_row();
-    } else {
-        draft.steps_per_pass = 1;
-    }
+/// The options that the panel offers and that come into question.
+fn offered(draft: &Settings, are_switches: bool) -> Vec<(&'static Row, &'static str, &'static str)> {
+    let is_shown = |row: &&Row| matches!(row.values, Values::Switch) == are_switches && (row.applies)(&draft.choices);
+    ROWS.iter().filter(is_shown).filter_map(|row| row.panel.map(|(name, about)| (row, name, about))).collect()
+}
+
+fn device(ui: &mut Ui, draft: &mut Settings) {
     let label = ui.label("device").on_hover_text("where passes run; CPU: the same kernels in Rust, as a reference");
     let combo = ComboBox::from_id_salt("device").selected_text(draft.device.name());
     let response = combo.show_ui(ui, |ui| {
@@ -123,48 +132,19 @@ fn tracing(ui: &mut Ui, draft: &mut Settings) {
     ui.end_row();
 }
 
-/// How kernels are mapped to a GPU.
-fn mapping(ui: &mut Ui, draft: &mut Settings) {
-    let mut name = draft.mapping.name();
-    let about =
-        "how kernels run: as compute shaders, or as fragment programs that draw into streams, as on GPUs before 2006";
-    choice(ui, "mapping", about, MappingName::ALL, &mut name);
-    if name != draft.mapping.name() {
-        draft.map_kernels(name);
-    }
-    let Mapping::Fragment(how) = &mut draft.mapping else { return };
-    choice(ui, "targets", "streams that a draw writes", Targets::ALL, &mut how.targets);
-    choice(ui, "update", "how a kernel reads a stream that it also writes", Update::ALL, &mut how.update);
-    // What does not go together cannot be chosen.
-    if how.update == Update::Swap {
-        how.cull = Cull::None;
-    }
-    choice(ui, "cull", "how a kernel avoids rays in other states", Cull::ALL, &mut how.cull);
-    if how.cull == Cull::None {
-        how.until = Until::Count;
-    } else {
-        how.update = Update::Copy;
-    }
-    choice(ui, "until", "what ends the loops of the schedule", Until::ALL, &mut how.until);
-    if how.cull == Cull::None {
-        how.until = Until::Count;
-    }
-}
-
-fn grid(ui: &mut Ui, size: &mut GridSize) {
-    let label = ui.label("cells").on_hover_text("cells of the grid along x, y and z");
+fn cells(ui: &mut Ui, mut size: GridSize, label: egui::Id) -> GridSize {
     ui.horizontal(|ui| {
-        let mut is_auto = *size == GridSize::Auto;
+        let mut is_auto = size == GridSize::Auto;
         if ui.checkbox(&mut is_auto, "auto").changed() {
-            *size = if is_auto { GridSize::Auto } else { GridSize::Cells([16; 3]) };
+            size = if is_auto { GridSize::Auto } else { GridSize::Cells([16; 3]) };
         }
-        if let GridSize::Cells(cells) = size {
+        if let GridSize::Cells(cells) = &mut size {
             for count in cells {
-                ui.add(DragValue::new(count).range(1..=1024).speed(0.2)).labelled_by(label.id);
+                ui.add(DragValue::new(count).range(1..=1024).speed(0.2)).labelled_by(label);
             }
         }
     });
-    ui.end_row();
+    size
 }
 
 fn size(ui: &mut Ui, draft: &mut Settings) {

@@ -56,7 +56,7 @@ pub(super) fn row(command: Command) -> Row {
         C::ExportPasses => (nothing, |s, was| {
             let bytes = file(s, ".passes.csv");
             let mut reader = csv::Reader::from_reader(bytes.as_slice());
-            assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
+            assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), *COLUMNS);
             let rows: Vec<_> = reader.records().map(|row| row.expect("a row")).collect();
             assert_all(s, was, rows.len(), "rows");
         }),

@@ -6,6 +6,7 @@ use raystep_inspector::lesson::Lesson;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::Accelerator;
+use raystep_kernels::Choices;
 
 use super::{THREE, begin, one, problems, stage, view};
 use crate::ui::desk::CORNELL;
@@ -144,8 +145,12 @@ fn a_step_shows_what_it_knows_while_it_measures_and_lets_the_reader_go_on() {
 
 #[test]
 fn closing_a_lesson_brings_back_the_scene_its_options_and_the_place() {
-    let settings =
-        Settings { size: [40, 30], device: DeviceKind::Cpu, accelerator: Accelerator::Bvh, ..Settings::default() };
+    let settings = Settings {
+        size: [40, 30],
+        device: DeviceKind::Cpu,
+        choices: Choices { accelerator: Accelerator::Bvh, ..Choices::stepped() },
+        ..Settings::default()
+    };
     let arrival = Arrival { pixel: Some([7, 9]), place: Some(5), ..Arrival::default() };
     let mut stage = Stage::with_scene(CORNELL, settings, arrival);
     stage.perform(Command::Show(PaneKind::Plan));

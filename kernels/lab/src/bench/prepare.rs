@@ -9,7 +9,7 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Keep, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind};
 
 use super::summary::THIS;
-use super::{Details, SCHEMA_VERSION, SummaryRow, Wanted, grid_text, useful_steps_per_thread};
+use super::{Details, SCHEMA_VERSION, SummaryRow, Wanted, useful_steps_per_thread};
 use crate::configuration::Configuration;
 use crate::meter::{Ended, Meter};
 use crate::outside::{MISSES_ALL, misses_all};
@@ -136,7 +136,7 @@ impl<'a> Builder<'a> {
             mapping: options.mapping.to_string(),
             traversal: options.traversal.to_string(),
             numerics: options.numerics.to_string(),
-            grid: grid_text(options.grid),
+            grid: options.grid.to_string(),
             skip: options.skip.to_string(),
             steps_per_pass: (options.schedule == ScheduleKind::Compact).then_some(options.steps_per_pass),
             keep_all: options.keep == Keep::ALL,

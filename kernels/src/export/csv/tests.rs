@@ -1,5 +1,6 @@
 use super::*;
 use crate::executor::{DrawTime, Drawing, Rounding};
+use crate::options::{Accelerator, ScheduleKind};
 use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::{self, kernels};
 use crate::tables::state::StateCounts;
@@ -9,11 +10,6 @@ fn run(timer: Option<Timer>) -> RunContext {
         run_id: "1".into(),
         configuration: "0".into(),
         scene: "a \"b\", c\nd".into(),
-        accelerator: "grid",
-        schedule: "second",
-        numerics: "robust",
-        traversal: "amanatides-woo",
-        mapping: "compute".into(),
         adapter: "cpu".into(),
         width_px: Some(9),
         height_px: Some(8),
@@ -21,6 +17,7 @@ fn run(timer: Option<Timer>) -> RunContext {
         is_warmup: false,
         timer,
         host_run_ns: Some(77),
+        choices: Choices { accelerator: Accelerator::Grid, schedule: ScheduleKind::Second, ..Choices::default() },
     }
 }
 
@@ -160,7 +157,7 @@ fn each_run_and_repetition_begins_at_0() {
     }
     csv.finish().expect("memory");
     let mut reader = ::csv::Reader::from_reader(file.as_slice());
-    let column = COLUMNS.iter().position(|&c| c == "begin_ns").expect("a column");
+    let column = COLUMNS.iter().position(|c| c == "begin_ns").expect("a column");
     let begins: Vec<_> = reader.records().map(|r| r.expect("a row")[column].to_owned()).collect();
     assert_eq!(begins, ["", "0", "7", "0", "", "1", "0", "0", "2"]);
 }
@@ -175,7 +172,7 @@ fn after_a_clock_was_set_back_no_begin_is_known() {
     }
     csv.finish().expect("memory");
     let mut reader = ::csv::Reader::from_reader(file.as_slice());
-    let columns = ["begin_ns", "duration_ns"].map(|name| COLUMNS.iter().position(|&c| c == name).expect("a column"));
+    let columns = ["begin_ns", "duration_ns"].map(|name| COLUMNS.iter().position(|c| c == name).expect("a column"));
     let times: Vec<_> =
         reader.records().map(|r| columns.map(|column| r.as_ref().expect("a row")[column].to_owned())).collect();
     assert_eq!(times, [["0", "5"], ["10", "5"], ["", "5"], ["", "5"]]);
@@ -196,7 +193,7 @@ fn what_belongs_to_the_pass_is_in_the_row_of_its_last_part() {
     let mut reader = ::csv::Reader::from_reader(file.as_slice());
     let names =
         ["rays_in", "rays_out", "encode_ns", "cells_visited", "triangles_tested", "repeated_tests", "duration_ns"];
-    let columns = names.map(|name| COLUMNS.iter().position(|&c| c == name).expect("a column"));
+    let columns = names.map(|name| COLUMNS.iter().position(|c| c == name).expect("a column"));
     let rows: Vec<_> =
         reader.records().map(|r| columns.map(|column| r.as_ref().expect("a row")[column].to_owned())).collect();
     assert_eq!(rows, [["", "", "", "", "", "", "2"], ["72", "65", "900", "10", "11", "4", "2"]]);

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::*;
 use crate::executor::{DrawTime, Rounding};
+use crate::options::{Accelerator, ScheduleKind};
 use crate::tables::state::StateCounts;
 
 fn pass(index: usize, time: Option<(u64, u64)>, shaded: u32) -> Pass {
@@ -21,11 +22,6 @@ fn run() -> RunContext {
         run_id: "1".into(),
         configuration: "0".into(),
         scene: "a \"b\"".into(),
-        accelerator: "grid",
-        schedule: "second",
-        numerics: "robust",
-        traversal: "amanatides-woo",
-        mapping: "compute".into(),
         adapter: "cpu".into(),
         width_px: Some(5),
         height_px: Some(2),
@@ -33,6 +29,7 @@ fn run() -> RunContext {
         is_warmup: false,
         timer: Some(crate::export::csv::Timer::GpuTimestamp { resolution_ns: 1.0 }),
         host_run_ns: None,
+        choices: Choices { accelerator: Accelerator::Grid, schedule: ScheduleKind::Second, ..Choices::default() },
     }
 }
 

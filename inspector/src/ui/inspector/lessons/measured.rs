@@ -6,7 +6,7 @@ use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::plan::DrawnPlan;
 use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::shared::constants::{LIST_GROUPS, LIST_SIDE};
-use raystep_kernels::{Options, Pass, Plan, Progress, Renderer};
+use raystep_kernels::{Choices, Options, Pass, Plan, Progress, Renderer};
 use raystep_lab::work::Launch;
 
 use crate::lesson::{Clock, Lesson, Measurement};
@@ -142,14 +142,14 @@ fn least(a: Option<u64>, b: Option<u64>) -> Option<u64> {
 
 /// The options of a run in words.
 fn options_of(settings: &Settings) -> String {
-    let Settings { accelerator, schedule, mapping, skip, .. } = settings;
+    let Choices { accelerator, schedule, mapping, skip, .. } = settings.choices;
     let rules = settings.rules();
-    let mapping = if *mapping == Mapping::Compute { String::new() } else { format!(", {mapping}") };
+    let mapping = if mapping == Mapping::Compute { String::new() } else { format!(", {mapping}") };
     let structure = match accelerator {
         raystep_kernels::Accelerator::None => "no structure".to_owned(),
         other => other.to_string(),
     };
-    let skip = if *skip == raystep_kernels::Skip::Auto { String::new() } else { format!(", skip {skip}") };
+    let skip = if skip == raystep_kernels::Skip::Auto { String::new() } else { format!(", skip {skip}") };
     format!("{structure}, {schedule} schedule{mapping}, {rules}{skip}")
 }
 

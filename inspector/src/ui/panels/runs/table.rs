@@ -3,7 +3,7 @@
 use egui::{Align, Layout, ScrollArea, TextEdit, Ui};
 use egui_extras::{Column, TableBuilder, TableRow};
 use raystep_kernels::plan::Bytes;
-use raystep_kernels::{Accelerator, GridSize};
+use raystep_kernels::{Accelerator, Choices, GridSize, ScheduleKind};
 use raystep_lab::text::counted;
 
 use super::super::timings::duration;
@@ -217,19 +217,24 @@ fn actions(ui: &mut Ui, cx: &Context<'_>, kept: &Kept, is_here: bool, changes: &
 /// The texts of the columns from the time to the size, with explanations.
 fn cells(kept: &Kept, is_here: bool) -> [(String, String); 9] {
     let settings = &kept.recipe.settings;
-    let Settings { accelerator, skip, grid, size, ray, device, steps_per_pass, .. } = settings;
+    let Settings { size, ray, device, .. } = settings;
+    let Choices { accelerator, schedule, skip, grid, steps_per_pass, .. } = settings.choices;
     let cells = match grid {
-        GridSize::Cells([x, y, z]) if *accelerator == Accelerator::Grid => format!(" {x}×{y}×{z}"),
+        GridSize::Cells([x, y, z]) if accelerator == Accelerator::Grid => format!(" {x}×{y}×{z}"),
         GridSize::Auto | GridSize::Cells(_) => String::new(),
     };
     let other = if is_here { "" } else { " (other scene)" };
-    let steps = if *steps_per_pass > 1 { format!(" ×{steps_per_pass}") } else { String::new() };
+    let steps = if steps_per_pass > 1 && schedule == ScheduleKind::Compact {
+        format!(" ×{steps_per_pass}")
+    } else {
+        String::new()
+    };
     let edits = &kept.recipe.edits;
     let edited = if edits.is_empty() { String::new() } else { format!(", {}", counted(edits.len(), "edit")) };
     let outcome = kept.outcome.as_ref();
     let plain = |text: String| (text, String::new());
     let size = if ray.is_some() { "1 ray".into() } else { format!("{}×{}", size[0], size[1]) };
-    let is_grid = *accelerator == Accelerator::Grid;
+    let is_grid = accelerator == Accelerator::Grid;
     let passes = outcome.map_or_else(|| "–".into(), |outcome| outcome.passes.len().to_string());
     let hits = outcome.and_then(|outcome| outcome.hits).map_or_else(|| "–".into(), |hits| hits.to_string());
     let memory = match &kept.picture {

@@ -114,7 +114,7 @@ fn build(generation: u64) -> Job {
         let (scene, settings) = (job.scene.clone(), job.settings.clone());
         let grid = settings.options(&scene).accelerator == Accelerator::Grid;
         let accelerator = if grid { Accelerator::Bvh } else { Accelerator::Grid };
-        let options = Settings { accelerator, ..settings }.options(&scene);
+        let options = settings.through(accelerator).options(&scene);
         let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).map_err(|e| e.to_string())?;
         answered(Built { generation, plan, data: Arc::new(data) })
     })

@@ -1,0 +1,90 @@
+//! Rays, and where a run's rays come from.
+
+use glam::DVec3;
+use raystep_scenes::Camera;
+
+/// A ray in scene units: `origin + t * direction`. A hit counts if `t_min < t < t_max`: neither end does, as in DXR and
+/// Vulkan, so a ray with the `t_min` of an earlier hit finds what is behind that hit. t is compared as a
+/// [`CastHit`](crate::CastHit) has it, so this also holds where f32 cannot hold the exact t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: [f32; 3],
+    /// Direction; any length but 0.
+    pub direction: [f32; 3],
+    /// Hits count beyond this t, in multiples of the direction: 0 or more, and finite.
+    pub t_min: f32,
+    /// Hits count before this t, in multiples of the direction: at least `t_min`; infinite for a ray without an end.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray whose hits count at every t > 0.
+    #[must_use]
+    pub const fn new(origin: [f32; 3], direction: [f32; 3]) -> Self {
+        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The same in the coordinates of a scene's file, with f64's precision: a scene's offset (see [`raystep_scenes::Scene`]) is subtracted before the
+    /// numbers are rounded to f32.
+    #[must_use]
+    pub fn in_file(origin: [f64; 3], direction: [f64; 3], offset: DVec3) -> Self {
+        let origin = DVec3::from_array(origin) - offset;
+        Self::new(origin.as_vec3().to_array(), direction.map(|d| d as f32))
+    }
+
+    /// What is wrong with the ray in any scene: a component that is not finite, a direction of 0, an empty interval.
+    #[must_use]
+    pub fn fault(&self) -> Option<&'static str> {
+        if self.direction.iter().chain(&self.origin).any(|v| !v.is_finite()) {
+            Some("a component is not finite")
+        } else if self.direction == [0.0; 3] {
+            Some("its direction is 0")
+        } else if !self.t_min.is_finite() || self.t_min < 0.0 {
+            Some("its t_min is not a finite number from 0 on")
+        } else if self.t_max.is_nan() || self.t_max < self.t_min {
+            Some("its t_max is below its t_min, or not a number")
+        } else {
+            None
+        }
+    }
+
+    /// Whether the kernels must look up its interval. The t_max of a ray that ends at any hit is its initial t.
+    pub(crate) fn needs_interval(&self, any_hit: bool) -> bool {
+        self.t_min > 0.0 || (self.t_max < f32::INFINITY && !any_hit)
+    }
+
+    /// The same ray, with hits between two t only.
+    #[must_use]
+    pub const fn between(self, t_min: f32, t_max: f32) -> Self {
+        Self { t_min, t_max, ..self }
+    }
+}
+
+/// The source of rays.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RaySource {
+    /// One ray through the centre of each pixel.
+    Camera {
+        /// The camera.
+        camera: Camera,
+        /// Pixels per row.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// Input rays. They fill texels row by row; the last row may be partly unused.
+    Given(Vec<Ray>),
+}
+
+impl RaySource {
+    /// The same source with input rays that end at `t_max`, or earlier if they did: with 1, rays from a point to a
+    /// light. A camera's rays have no end.
+    #[must_use]
+    pub fn until(mut self, t_max: f32) -> Self {
+        if let Self::Given(rays) = &mut self {
+            rays.iter_mut().for_each(|ray| ray.t_max = ray.t_max.min(t_max));
+        }
+        self
+    }
+}
