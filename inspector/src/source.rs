@@ -23,7 +23,7 @@ pub enum Mark {
     Run,
     /// It did not run.
     NotRun,
-    /// The run's options omit it from the kernel (`@if`).
+    /// The run's options omit it from the kernel (`@if`), or nothing calls it with them.
     LeftOut,
 }
 
