@@ -63,7 +63,7 @@ const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
 /// and its keys.
 macro_rules! commands {
     ($($menu:ident { $($($(#[$about:meta])* $name:ident)? $([$of:expr])? $text:literal $(, $modifiers:ident $key:ident)*;)* })*) => {
-        /// A command. What has no further description is what its name in menus says.
+        /// A command: its name in menus, and what it does where that says more.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Command {
             /// Toggles a panel.
@@ -72,7 +72,7 @@ macro_rules! commands {
             Lesson(usize),
             /// Chooses an answer to the lesson's question, by its index.
             Choose(usize),
-            $($($(#[doc = concat!($text, ".")] $(#[$about])* $name,)?)*)*
+            $($($(#[doc = concat!("**", $text, "**")] $(#[$about])* $name,)?)*)*
         }
 
         /// Every command.
@@ -88,21 +88,29 @@ macro_rules! commands {
 #[rustfmt::skip]
 commands! {
     File {
+        /// Opens a scene from a dialog.
         OpenScene "Open scene…", CTRL O;
         CopyLink "Copy link to this view", CTRL_SHIFT C;
         PasteLink "Open link…", CTRL_SHIFT V;
+        /// Opens the export dialog.
         Export "Export…", CTRL E;
         ExportPasses "Export passes as CSV";
         /// Exports passes as a trace for Perfetto.
         ExportTrace "Export passes as trace JSON";
+        /// Exports the stream in view as EXR.
         ExportExr "Export stream as EXR";
+        /// Exports the stream in view as npy.
         ExportNpy "Export stream as npy";
+        /// Exports the ray's history as CSV.
         ExportRay "Export ray as CSV";
         ExportView "Export stream view as PNG";
+        /// Exports the ray's walk as SVG.
         ExportWalk "Export walk as SVG";
         ExportDataflow "Export data flow as SVG";
+        /// Opens a session from a dialog.
         OpenSession "Open session…", CTRL_SHIFT O;
         SaveSession "Save session…", CTRL S;
+        /// Closes the window.
         Quit "Quit", CTRL Q;
     }
     Step {
@@ -120,28 +128,43 @@ commands! {
         NextBranch "Next branch of the ray", NONE F7;
         /// To the previous condition that the ray reached in this pass.
         PreviousBranch "Previous branch of the ray", SHIFT F7;
+        /// Shows which rays took the branch in view.
         MaskBranch "Show the rays that took this branch", CTRL F7;
         /// To the end of the schedule's current iteration.
         IterationEnd "End of this iteration", CTRL F11;
+        /// To the start of the schedule's current iteration.
         IterationStart "Start of this iteration", CTRL_SHIFT F11;
+        /// To the start of the run.
         Start "Go to start", NONE Home;
+        /// To the end of the run.
         End "Go to end", NONE End;
+        /// Forwards to where a watch fires.
         RunToWatch "Run to watch", NONE F5;
+        /// Backwards to where a watch fires.
         RunBackToWatch "Run back to watch", SHIFT F5;
+        /// Toggles a watch on the selected ray's state and hit.
         ToggleWatch "Watch the selected ray's state and hit", NONE F9;
+        /// Adds a bookmark at the current place, or removes it.
         ToggleBookmark "Bookmark this pass", CTRL M;
         NextBookmark "Next bookmark", CTRL_SHIFT ArrowDown;
         PreviousBookmark "Previous bookmark", CTRL_SHIFT ArrowUp;
+        /// Starts or stops automatic stepping.
         Play "Play", NONE Space;
         /// Cancels work in progress.
         Cancel "Cancel", NONE Escape;
     }
     Ray {
+        /// Selects a pixel by its coordinates.
         GoToPixel "Go to pixel…", CTRL G;
+        /// Traces a ray entered as text.
         TypeRay "Enter a ray…";
+        /// Selects the pixel to the left.
         NudgeLeft "Pixel to the left", NONE ArrowLeft;
+        /// Selects the pixel to the right.
         NudgeRight "Pixel to the right", NONE ArrowRight;
+        /// Selects the pixel above.
         NudgeUp "Pixel above", NONE ArrowUp;
+        /// Selects the pixel below.
         NudgeDown "Pixel below", NONE ArrowDown;
         /// Edits a component of the selected ray's texel.
         EditTexel "Edit texel…";
@@ -161,12 +184,17 @@ commands! {
         OffsetDown "Offset down", SHIFT O;
         /// Takes the range from the values.
         Normalise "Normalise range", NONE N;
+        /// Resets exposure, offset and range.
         ResetRange "Reset range", NONE R;
+        /// Fits the picture to its panel.
         Fit "Fit to panel", NONE F;
+        /// Frames the selected ray's walk in the 3D view.
         FrameWalk "Frame walk in 3D";
         /// Shows the ray's walk through the other structure as well, in the unfolded walk.
         SecondWalk "Unfold grid and BVH walks together";
+        /// Shows a copy of the current stream in a new tab.
         Pin "Pin this stream", NONE P;
+        /// Toggles the magnifier of stream views.
         Magnifier "Magnifier", NONE M;
         NextSlice "Next layer of the grid", NONE PageUp;
         PreviousSlice "Previous layer of the grid", NONE PageDown;
@@ -175,18 +203,22 @@ commands! {
         Theme "Toggle light/dark theme";
         /// The default layout of three panels.
         SimpleLayout "Simple layout";
+        /// The layout with all panels for daily use.
         FullLayout "Full layout", CTRL L;
         LargerText "Larger text", CTRL Plus, CTRL Equals;
         SmallerText "Smaller text", CTRL Minus;
         NormalText "Normal text size", CTRL Num0;
+        /// Shows or hides the words beside the toolbar's icons.
         ToolbarWords "Toolbar words";
         /// Gives a panel the whole window, or restores the layout.
         Maximise "Maximise panel", NONE F12;
         /// Moves keyboard focus to the next panel.
         NextPanel "Next panel", NONE F6;
+        /// Moves keyboard focus to the previous panel.
         PreviousPanel "Previous panel", SHIFT F6;
         /// Shows the next tab beside the panel with keyboard focus.
         NextTab "Next tab", CTRL PageDown;
+        /// Shows the previous tab beside the panel with keyboard focus.
         PreviousTab "Previous tab", CTRL PageUp;
         [Command::Show(PaneKind::Passes)] "Passes", CTRL Num1;
         [Command::Show(PaneKind::Stream)] "Stream", CTRL Num2;
@@ -219,15 +251,19 @@ commands! {
         Judge "Judge hits";
         /// Times every choice of structure, schedule and rules, and judges its hits.
         Measure "Measure choices";
+        /// Keeps this run beside others.
         KeepRun "Keep this run", NONE K;
         /// Runs kept runs that have no results.
         RunKept "Run kept runs again";
+        /// Shows the next kept run in stream views.
         NextRun "Flip to the next kept run", NONE Period;
+        /// Shows the previous kept run in stream views.
         PreviousRun "Flip to the previous kept run", NONE Comma;
         /// Selects the next ray in which the compared kept runs differ.
         NextDifferingRay "Next differing ray", NONE D;
     }
     Help {
+        /// Opens the palette.
         Palette "Commands…", CTRL P;
         Help "Keyboard shortcuts", SHIFT Questionmark, NONE Questionmark;
         [Command::Lesson(0)] "Lesson: how one ray finds its triangle";

@@ -121,7 +121,7 @@ fn ray_name(history: &Trace) -> String {
     format!("ray-{x}-{y}")
 }
 
-/// A ray's life as rows of CSV, as `trace --format csv` writes it.
+/// A ray's history as rows of CSV, as `trace --format csv` writes it.
 ///
 /// # Errors
 /// [`ExportError::Csv`].
@@ -131,7 +131,7 @@ pub fn ray_csv(history: &Trace) -> Result<Export, ExportError> {
     Ok(Export::new(&ray_name(history), "csv", bytes, counted(history.rows.len(), "row")))
 }
 
-/// A ray's life as `trace --format json` writes it.
+/// A ray's history as `trace --format json` writes it.
 ///
 /// # Errors
 /// [`ExportError::Json`].

@@ -16,7 +16,7 @@ pub const MOST_RECENT: usize = 10;
 pub const TEXT_SIZES: [f32; 2] = [0.5, 3.0];
 /// Largest file that is read or written, bytes.
 pub const MOST_BYTES: usize = 1 << 20;
-const KIND: FileKind = FileKind { name: "the file of settings", version: VERSION, most_bytes: MOST_BYTES };
+const KIND: FileKind = FileKind { name: "the settings file", version: VERSION, most_bytes: MOST_BYTES };
 
 /// What the user has done, and whether the line that explains it was dismissed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

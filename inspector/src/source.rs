@@ -23,7 +23,7 @@ pub enum Mark {
     Run,
     /// It did not run.
     NotRun,
-    /// The run's options omit it from the kernel (`@if`).
+    /// The run's options omit it from the kernel (`@if`), or nothing calls it with them.
     LeftOut,
 }
 
@@ -38,12 +38,14 @@ pub struct Line {
     pub mark: Mark,
 }
 
-/// A kernel's own files, including their options.
+/// A kernel's own files, including their options. In a plan that has a variant of it, functions that the variant does
+/// not call are left out as well.
 #[must_use]
-pub fn kernel_file(kernel: Kernel, features: &Features) -> Vec<Line> {
+pub fn kernel_files(kernel: Kernel, variant: Option<&Variant>, features: &Features) -> Vec<Line> {
     let text = own_source(kernel, features);
+    let marks = marks::marks(kernel.info().name, &text, variant.map(|variant| variant.source.as_str()), features);
     let mut lines = lines(&text);
-    for (line, mark) in lines.iter_mut().zip(marks::marks(kernel.info().name, &text, features)) {
+    for (line, mark) in lines.iter_mut().zip(marks) {
         line.mark = mark;
     }
     lines
@@ -60,7 +62,8 @@ pub fn composed(variant: &Variant) -> Vec<Line> {
 #[must_use]
 pub fn in_composed(variant: &Variant, features: &Features) -> Vec<Option<usize>> {
     let text = own_source(variant.kernel, features);
-    functions::in_composed(&text, &marks::marks(variant.kernel.info().name, &text, features), &variant.source)
+    let marks = marks::marks(variant.kernel.info().name, &text, Some(&variant.source), features);
+    functions::in_composed(&text, &marks, &variant.source)
 }
 
 /// The lines of a function, from its head to its closing brace.

@@ -265,7 +265,8 @@ pub fn modules(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Vec<p
 }
 
 /// The WGSL that belongs to a kernel alone, before its options are decided: its file, and below it the modules named
-/// after the kernel (`KERNEL_…`) that it imports from, with those chosen for these options.
+/// after the kernel (`KERNEL_…`) that it imports from, with those chosen for these options, each below a line with its
+/// name.
 #[must_use]
 pub fn own_source(kernel: Kernel, features: &Features) -> String {
     let root = kernel.info().name;
@@ -273,8 +274,8 @@ pub fn own_source(kernel: Kernel, features: &Features) -> String {
     let mut modules = (kernel.program().modules)(features);
     modules.retain(|(name, _)| name.strip_prefix(root).is_some_and(|rest| rest.starts_with('_')));
     while let Some(next) = modules.iter().position(|(name, _)| text.contains(&format!("import package::{name}::"))) {
-        text.push('\n');
-        text.push_str(&modules.remove(next).1);
+        let (name, source) = modules.remove(next);
+        text += &format!("\n// ---- {name}\n{source}");
     }
     text
 }

@@ -104,7 +104,7 @@ pub(crate) use job;
 /// The answer of a [`Job`].
 ///
 /// # Errors
-/// None: it is the job's last line.
+/// Never: the type is that of a [`Job`]'s last line.
 pub fn answered(answer: impl std::any::Any + Send) -> Result<Box<dyn std::any::Any + Send>, String> {
     Ok(Box::new(answer))
 }

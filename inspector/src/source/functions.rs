@@ -1,5 +1,6 @@
-//! Where the functions of a source are, and which lines of a kernel's own file are which lines of its composed source.
+//! Where the functions of a source are, and which lines of a kernel's own files are which lines of its composed source.
 
+use std::collections::HashSet;
 use std::ops::Range;
 
 use super::Mark;
@@ -37,7 +38,14 @@ fn functions(text: &str) -> Vec<Function> {
     found
 }
 
-/// For every line of a kernel's own file, the line of the composed source that it became; `None` for lines outside of
+/// The lines of the functions of a kernel's own files that are not in the composed source: nothing calls them.
+pub(super) fn dropped(own: &str, composed: &str) -> Vec<Range<usize>> {
+    let kept: HashSet<String> = functions(composed).into_iter().map(|function| function.name).collect();
+    let is_dropped = |function: &Function| !kept.contains(&function.name);
+    functions(own).into_iter().filter(is_dropped).map(|function| function.lines).collect()
+}
+
+/// For every line of a kernel's own files, the line of the composed source that it became; `None` for lines outside of
 /// functions, and for those that were left out.
 pub(super) fn in_composed(own: &str, marks: &[Mark], composed: &str) -> Vec<Option<usize>> {
     let own_lines: Vec<&str> = own.split('\n').collect();

@@ -110,11 +110,31 @@ fn the_listing_shows_the_branch_that_decided_with_its_values() {
     stage.key(Modifiers::SHIFT, Key::F7);
     stage.settle();
     assert_eq!(branch(&stage), first);
-    // The same in the kernel's own file, with what the plan omits.
+    // The same in the kernel's own files, with what the plan omits.
     assert!(!stage.reads("@if("));
     stage.click(Role::Button, "file");
     stage.settle();
     assert!(stage.reads("@if(") && stage.reads("▸ "), "{}", stage.read_out());
+}
+
+#[test]
+fn a_maximised_stream_stays_when_rays_of_a_branch_are_shown_over_it() {
+    let mut stage = stage(Settings { device: DeviceKind::Cpu, ..Settings::default() });
+    let in_view = |stage: &Stage| stage.harness.state().panes_in_view();
+    stage.perform(Command::MaskBranch);
+    stage.click(Role::Button, "Remove mask");
+    stage.settle();
+    stage.perform(Command::Maximise);
+    if in_view(&stage) != [PaneKind::Stream] {
+        stage.perform(Command::Show(PaneKind::Stream));
+    }
+    assert_eq!(in_view(&stage), [PaneKind::Stream]);
+    stage.perform(Command::MaskBranch);
+    assert_eq!(in_view(&stage), [PaneKind::Stream]);
+    stage.get(Role::Button, "Remove mask");
+    // Another branch is seen in the kernel's source.
+    stage.perform(Command::NextBranch);
+    assert_eq!(in_view(&stage), [PaneKind::Kernel]);
 }
 
 #[test]

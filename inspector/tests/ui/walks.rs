@@ -156,7 +156,7 @@ fn the_walk_through_the_other_structure_is_shown_without_a_second_run_and_with_o
     // The drawing has both.
     stage.perform(Command::ExportWalk);
     let file = stage.desk.lock().expect("not poisoned").saved.pop().expect("a file");
-    assert!(String::from_utf8(file.bytes).expect("text").contains("B bvh: "));
+    assert!(String::from_utf8(file.bytes).expect("text").contains("The same ray through the bvh"));
     stage.perform(Command::Compare);
     stage.perform(Command::Show(PaneKind::Walk2d));
     stage.settle();

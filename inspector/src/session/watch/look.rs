@@ -13,6 +13,7 @@ use raystep_lab::text::counted;
 
 use super::{Fired, Watch};
 use crate::settings::traces_rays;
+use crate::walk::AXES;
 
 /// The data that watches examine at a place of a run.
 pub(super) struct Look {
@@ -191,7 +192,7 @@ fn backwards(before: &BTreeMap<Stream, StreamData>, now: &BTreeMap<Stream, Strea
     let (first, count) = first_and_count(rays, |ray| walks(ray) && (0..3).any(|axis| is_less(axis, ray)))?;
     let axis = (0..3).find(|&axis| is_less(axis, first))?;
     let (from, to) = (tmax_before.get_f32(axis, first), tmax.get_f32(axis, first));
-    Some((first, count, format!("tmax.{} from {from} to {to}", ["x", "y", "z"][axis])))
+    Some((first, count, format!("tmax.{} from {from} to {to}", AXES[axis])))
 }
 
 fn more_steps(before: &[u32], now: &[u32], most: u32) -> Option<Found> {

@@ -61,9 +61,10 @@ impl Desk {
                 return true;
             }
             _ => {
-                // An export changes nothing that is seen.
-                let is_export = matches!(command, Command::ExportWalk | Command::ExportDataflow);
-                if let Some(kind) = shown_by(command).filter(|_| !is_export)
+                // An export changes nothing that is seen, and rays of a branch are seen over a stream.
+                use Command::{ExportDataflow, ExportWalk, MaskBranch};
+                let is_elsewhere = matches!(command, ExportWalk | ExportDataflow | MaskBranch);
+                if let Some(kind) = shown_by(command).filter(|_| !is_elsewhere)
                     && self.kind_of(now) != Some(kind)
                 {
                     self.maximise_kind(kind);

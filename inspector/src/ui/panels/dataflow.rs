@@ -4,7 +4,7 @@
 
 mod paint;
 
-use egui::{Pos2, Rect, Sense, Ui, Vec2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, vec2};
 use raystep_kernels::{Kernel, Plan};
 use raystep_lab::text::counted;
 
@@ -13,7 +13,7 @@ use crate::dataflow::{DataFlow, NodeKind};
 use crate::session::Model;
 use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, Panel};
-use crate::ui::svg;
+use crate::ui::svg::{self, Titles};
 use paint::{LEAST, Paint, access_color};
 
 /// Distance in points within which the cursor selects an edge.
@@ -96,19 +96,34 @@ impl Panel for Dataflow {
 
 /// The graph as an SVG drawing, with what each kernel worked on.
 fn drawing(flow: &DataFlow, last: Option<Kernel>, rays: &[(Kernel, u64)]) -> String {
-    svg::drawing(flow.size[0] + 24.0, false, |ui| {
+    svg::drawing(flow.size[0] + 24.0, false, |ui, titles| {
         let (rect, _) = ui.allocate_exact_size(Vec2::from(flow.size), Sense::hover());
         let place = |[x, y]: [f32; 2]| rect.min + vec2(x, y) * rect.size();
         Paint { ui, rect, flow, place: &place, last, next: None, rays, touched: None }.all();
+        add_titles(titles, ui.painter(), flow, &place);
         ui.horizontal(|ui| legend(ui, flow));
     })
+}
+
+/// What edges and nodes are, for a viewer of the drawing.
+fn add_titles(titles: &Titles, painter: &Painter, flow: &DataFlow, place: &dyn Fn([f32; 2]) -> Pos2) {
+    for edge in &flow.edges {
+        let [kernel, data] = [edge.kernel, edge.data].map(|node| &flow.nodes[node].label);
+        let stroke = Stroke::new(2.0 * TOUCH, Color32::BLACK);
+        let line = Shape::line_segment([place(edge.at_kernel), place(edge.at_data)], stroke);
+        titles.add(painter, line, format!("{kernel}: {} {data}", edge.access.verb()));
+    }
+    for node in &flow.nodes {
+        let rect = Rect::from_two_pos(place(node.min), place(node.max));
+        titles.add(painter, Shape::rect_filled(rect, 0.0, Color32::BLACK), format!("{}: {}", node.label, node.about));
+    }
 }
 
 /// The colours of edges.
 fn legend(ui: &mut Ui, flow: &DataFlow) {
     for access in flow.accesses() {
         let (rect, _) = ui.allocate_exact_size(vec2(14.0, 10.0), Sense::hover());
-        ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.5, access_color(access, ui)));
+        ui.painter().hline(rect.x_range(), rect.center().y, Stroke::new(2.5, access_color(access, ui)));
         ui.small(access.verb());
     }
 }
@@ -271,14 +286,27 @@ mod tests {
         let text = drawing(&flow, Some(last), &rays).replace(">\n", ">").replace("\n<", "<");
         for node in &flow.nodes {
             assert!(text.contains(&format!(">{}</text>", node.label)), "{}", node.label);
+            let title = format!("<title>{}: {}</title>", node.label, node.about);
+            assert!(text.contains(&title), "{title}");
         }
         assert!(text.contains(">4096 rays</text>") && text.contains(">77 rays</text>"), "{text}");
-        // Edges of other kernels are faded: a line, and a head or two.
-        let faded = |text: &str| text.matches("<line").count() - text.matches("stroke=\"#d4d4d4\"").count();
+        for edge in &flow.edges {
+            let [kernel, data] = [edge.kernel, edge.data].map(|node| &flow.nodes[node].label);
+            let title = format!("<title>{kernel}: {} {data}</title><line ", edge.access.verb());
+            assert!(text.contains(&title), "{title}");
+        }
+        // The frame of the current kernel is twice as wide as the others.
+        let framed = |text: &str| text.matches("stroke-width=\"2\"").count();
+        assert_eq!((framed(&text), framed(&drawing(&flow, None, &[]))), (1, 0), "one kernel is the current one");
+        // Edges of other kernels are faded.
+        let lit = |text: &str| {
+            let lines = text.split_once(" opacity=\"0\">").expect("titles").0.matches("<line").count();
+            lines - text.matches("stroke=\"#d4d4d4\"").count()
+        };
         let own = flow.of(last).count();
         let legend = flow.accesses().count();
-        assert_eq!(faded(&text), own + legend);
-        assert_eq!(faded(&drawing(&flow, None, &[])), flow.edges.len() + legend);
+        assert_eq!(lit(&text), own + legend);
+        assert_eq!(lit(&drawing(&flow, None, &[])), flow.edges.len() + legend);
     }
 
     #[test]

@@ -30,7 +30,7 @@ use run::{OneRay, PassKey, Runs};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct Look {
-    /// Show the composed source instead of the kernel's own file.
+    /// Show the composed source instead of the kernel's own files.
     composed: bool,
 }
 
@@ -197,9 +197,9 @@ impl KernelView {
             Some(variant) if shown.composed => (source::composed(variant), None),
             Some(variant) => {
                 let placed = source::in_composed(variant, features);
-                (source::kernel_file(shown.kernel, features), Some(placed))
+                (source::kernel_files(shown.kernel, Some(variant), features), Some(placed))
             }
-            None => (source::kernel_file(shown.kernel, features), Some(Vec::new())),
+            None => (source::kernel_files(shown.kernel, None, features), Some(Vec::new())),
         };
         // The line of the composed source that a line is.
         let there = |line: usize| match &placed {
@@ -279,7 +279,7 @@ impl KernelView {
         ui.horizontal_wrapped(|ui| {
             let all = "the source given to the device: options resolved, shared functions included";
             ui.selectable_value(&mut self.look.composed, true, "composed").on_hover_text(all);
-            let own = "the kernel's own file, including its options (@if) and what they omit";
+            let own = "the kernel's own files, including their options (@if) and what they omit";
             ui.selectable_value(&mut self.look.composed, false, "file").on_hover_text(own);
             if ui.button("Copy").on_hover_text("copy the whole source to the clipboard").clicked() {
                 ui.ctx().copy_text(self.listing.text());

@@ -173,7 +173,7 @@ impl Panel for StreamView {
                 if let Some(texture) = self.picture.texture() {
                     cx.model.ask(Request::Job(
                         EXPORTING,
-                        png(cx.canvas, texture, self.title().unwrap_or_else(|| "stream".into())),
+                        png(cx.canvas, texture, self.title().unwrap_or_else(|| "Stream".into())),
                     ));
                 }
             }

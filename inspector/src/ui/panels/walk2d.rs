@@ -10,7 +10,7 @@ mod progress;
 mod second;
 mod strip;
 
-use egui::{Rect, Sense, vec2};
+use egui::{Rect, Sense, Shape, vec2};
 use raystep_kernels::Accelerator;
 use raystep_kernels::export::trace::{Trace, TraceRow};
 use raystep_kernels::scene_data::SceneData;
@@ -23,6 +23,7 @@ use crate::session::request::Request;
 use crate::session::{Model, Target};
 use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
 use crate::ui::state::Picked;
+use crate::ui::svg::Titles;
 use crate::ui::units::{self, Scale};
 use crate::walk::{Projected, Spacing, Strip, Structure, WalkGeometry};
 use beside::Beside;
@@ -108,9 +109,9 @@ impl Panel for Walk2d {
         if let Some(found) = &found {
             Beside::update(&mut self.beside, &history, whole, found);
         }
-        let beside = self.beside.as_ref().zip(found.as_ref());
+        let beside = self.beside.as_ref().filter(|_| found.is_some());
         let first = cx.model.opened.as_ref().map_or(String::new(), |opened| opened.plan.accelerator.to_string());
-        if let Some((beside, _)) = beside {
+        if let Some(beside) = beside {
             beside.differences(ui, cx);
         }
         let size = ui.available_size().max(vec2(32.0, 32.0));
@@ -128,12 +129,16 @@ impl Panel for Walk2d {
             hides_next,
             spacing,
             cursor,
+            titles: None,
         };
-        let names = beside.map(|(_, found)| [first.as_str(), found.name.as_str()]);
-        let under = self.paint(ui.painter(), rect, whole, names, &scene);
+        let painter = ui.painter().with_clip_rect(rect);
+        let under = match beside {
+            Some(beside) => beside.draw(&painter, rect, &first, &scene),
+            None => paint(&painter, rect, whole, &scene).map(|under| (0, under)),
+        };
         let mut what = self.walked.walk.as_ref().map_or_else(|| "No pass has processed this ray yet.".into(), describe);
-        if let Some((beside, found)) = beside {
-            let [a, b] = beside.headings([&first, &found.name]);
+        if let Some(beside) = beside {
+            let [a, b] = beside.headings(&first);
             what += &format!("; {a}; {b}");
         }
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
@@ -153,9 +158,7 @@ impl Panel for Walk2d {
         }
         self.update(cx.model);
         let shown = self.walked.history.as_ref().zip(cx.model.opened.as_ref());
-        let drawing =
-            shown.and_then(|(history, opened)| self.drawing(history, &opened.data, opened.plan.accelerator.name()));
-        cx.asks.files.extend(drawing);
+        cx.asks.files.extend(shown.and_then(|(history, opened)| self.drawing(history, &opened.data)));
         self.walked.history.is_some()
     }
 }
@@ -212,9 +215,18 @@ struct Scene<'a> {
     hides_next: bool,
     spacing: Spacing,
     cursor: Option<egui::Pos2>,
+    /// Takes what hovering would tell, for a drawing in a file.
+    titles: Option<&'a Titles>,
 }
 
 impl Scene<'_> {
+    /// What hovering over an area tells.
+    fn title(&self, painter: &egui::Painter, area: impl Into<Shape>, text: impl FnOnce() -> String) {
+        if let Some(titles) = self.titles {
+            titles.add(painter, area.into(), text());
+        }
+    }
+
     /// A t in the units shown.
     fn t(&self, t: f64) -> String {
         number(t * self.unit)
@@ -242,31 +254,6 @@ impl Walk2d {
         }
     }
 
-    /// Paints the walk; with names, both walks. Describes the item under the cursor, and tells in which walk it is.
-    fn paint(
-        &self,
-        painter: &egui::Painter,
-        rect: Rect,
-        whole: &Whole,
-        names: Option<[&str; 2]>,
-        scene: &Scene<'_>,
-    ) -> Option<(usize, Under)> {
-        if let Some((beside, names)) = self.beside.as_ref().zip(names) {
-            return beside.draw(&painter.with_clip_rect(rect), rect, names, scene);
-        }
-        // The strip is all about what comes next.
-        let (upper, lower) = if scene.hides_next { (Some(rect), None) } else { split(rect, whole) };
-        let mut under = None;
-        if let Some(upper) = upper {
-            under = picture::draw(&painter.with_clip_rect(upper), upper, &whole.picture, scene);
-        }
-        if let Some(lower) = lower {
-            let painter = painter.with_clip_rect(lower);
-            under = strip::draw(&painter, lower, &whole.strip, scene).or(under);
-        }
-        under.map(|under| (0, under))
-    }
-
     /// Whether the walk through the other structure is to be shown.
     fn is_beside(&self, cx: &Context<'_>) -> bool {
         self.look.beside.unwrap_or(cx.other.is_some())
@@ -274,7 +261,8 @@ impl Walk2d {
 
     /// The walk through the other structure, if it is to be shown; says why there is none.
     fn second_walk(&mut self, ui: &mut egui::Ui, pixel: [u32; 2], cx: &mut Context<'_>) -> Option<Found> {
-        if !self.is_beside(cx) {
+        // It is whole: while a lesson asks, it would tell what comes next.
+        if !self.is_beside(cx) || cx.display.hides_next {
             self.beside = None;
             return None;
         }
@@ -326,6 +314,16 @@ impl Walk2d {
             }
         });
     }
+}
+
+/// Paints the walk; describes the item under the cursor.
+fn paint(painter: &egui::Painter, rect: Rect, whole: &Whole, scene: &Scene<'_>) -> Option<Under> {
+    // The strip is all about what comes next.
+    let (upper, lower) = if scene.hides_next { (Some(rect), None) } else { split(rect, whole) };
+    let clipped = |rect| painter.with_clip_rect(rect);
+    let in_picture = upper.and_then(|upper| picture::draw(&clipped(upper), upper, &whole.picture, scene));
+    let in_strip = lower.and_then(|lower| strip::draw(&clipped(lower), lower, &whole.strip, scene));
+    in_strip.or(in_picture)
 }
 
 /// The height that the strip needs.

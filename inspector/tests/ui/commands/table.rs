@@ -83,7 +83,7 @@ pub(super) fn row(command: Command) -> Row {
             assert!(rows > 10, "{rows}");
         }),
         C::ExportView => (nothing, |s, _| {
-            let picture = image::load_from_memory(&file(s, ".png")).expect("a PNG").to_rgba8();
+            let picture = image::load_from_memory(&file(s, "Stream.png")).expect("a PNG").to_rgba8();
             let colors: std::collections::HashSet<_> = picture.pixels().map(|p| p.0).collect();
             assert!(colors.len() > 2 && picture.width() > 100, "{} colours", colors.len());
         }),

@@ -59,6 +59,10 @@ fn the_walks_do_not_show_the_answer_while_it_is_asked_for() {
     begin(&mut stage, ASKING, 0);
     let tells = |stage: &Stage| stage.paints(": next") || stage.painted().iter().any(|text| text == "b");
     assert!(stage.paints("tmax z 0.089") && !tells(&stage), "{:?}", stage.painted());
+    // A second walk beside the first would unfold both.
+    stage.perform(Command::SecondWalk);
+    assert!(!tells(&stage) && !stage.reads("B bvh: "), "{:?}", stage.painted());
+    stage.perform(Command::SecondWalk);
     stage.key(Modifiers::NONE, Key::Num3);
     stage.settle();
     assert!(tells(&stage), "{:?}", stage.painted());

@@ -16,7 +16,7 @@ const fn send(from: Tag, when: &'static str, to: Tag) -> Transition {
     Transition { from, when, to }
 }
 
-/// Every list of live rays.
+/// Every list of live rays. With several steps per pass, both kernels share one list.
 pub const LISTS: [ListInfo; 2] = [
     ListInfo { name: "intersect_list", slots: ["intersect_list_even", "intersect_list_odd"] },
     ListInfo { name: "traverse_list", slots: ["traverse_list_even", "traverse_list_odd"] },

@@ -21,7 +21,7 @@ const WIDTH: f32 = 0.58;
 /// The smallest scale at which the names can be read.
 pub(super) const LEAST: Vec2 = vec2(WIDTH * SMALLEST / CHARACTER, SMALLEST / (LINES[2] * HEIGHT));
 
-/// Blue, orange, purple, green, as in the exported drawing: distinguishable with any colour vision.
+/// Blue, orange, purple, green: distinguishable with any colour vision.
 pub(super) fn access_color(access: Access, ui: &Ui) -> Color32 {
     let [r, g, b] = match (access, ui.visuals().dark_mode) {
         (Access::Read, false) => [42, 111, 187],

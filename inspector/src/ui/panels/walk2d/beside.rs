@@ -22,10 +22,9 @@ const HEADING: f32 = 14.0;
 
 /// The second walk, and both compared; made again when one of them changes.
 pub(super) struct Beside {
-    of: [Arc<Trace>; 2],
-    pub(super) whole: Whole,
-    /// The structure that it goes through.
-    pub(super) name: String,
+    first: Arc<Trace>,
+    pub(super) found: Found,
+    whole: Whole,
     now: Option<(Option<usize>, Option<WalkGeometry>, Progress)>,
     both: Both,
     strips: [Strip; 2],
@@ -35,16 +34,18 @@ pub(super) struct Beside {
 impl Beside {
     /// Of the first walk and the one found.
     pub(super) fn update(kept: &mut Option<Self>, history: &Arc<Trace>, first: &Whole, found: &Found) {
-        let is_known = |kept: &Self| Arc::ptr_eq(&kept.of[0], history) && Arc::ptr_eq(&kept.of[1], &found.history);
+        let is_known =
+            |kept: &Self| Arc::ptr_eq(&kept.first, history) && Arc::ptr_eq(&kept.found.history, &found.history);
         if !kept.as_ref().is_some_and(is_known) {
             let whole = Whole::of(&found.history, &found.data, usize::MAX);
             let both = Both::of([&first.walk, &whole.walk], [&first.strip, &whole.strip]);
             let strips = [first.strip.clone().over(both.t), whole.strip.clone().over(both.t)];
             let structures = [first.walk.structure, whole.walk.structure];
-            let of = [history.clone(), found.history.clone()];
-            *kept = Some(Self { of, whole, name: found.name.clone(), now: None, both, strips, structures });
+            let (first, found) = (history.clone(), found.clone());
+            *kept = Some(Self { first, found, whole, now: None, both, strips, structures });
         }
         let Some(kept) = kept else { return };
+        kept.found.clone_from(found);
         if kept.now.as_ref().is_none_or(|(row, ..)| *row != found.row) {
             let walk = found.row.map(|row| WalkGeometry::new(&found.history, &found.data, row));
             let progress = Progress::new(&kept.whole.walk, &kept.whole.picture, found.row);
@@ -52,14 +53,10 @@ impl Beside {
         }
     }
 
-    /// What each walk did, in words.
-    pub(super) fn headings(&self, names: [&str; 2]) -> [String; 2] {
+    /// What each walk did, in words. `first` is the structure of the first walk.
+    pub(super) fn headings(&self, first: &str) -> [String; 2] {
+        let names = [first, &self.found.name];
         [0, 1].map(|i| format!("{} {}: {}", SIDES[i], names[i], self.both.work[i].text(self.structures[i])))
-    }
-
-    /// The triangles that only one of them tested, each with the name of its side.
-    pub(super) fn only(&self) -> impl Iterator<Item = (&[u32], &'static str)> {
-        self.both.only.iter().map(Vec::as_slice).zip(SIDES)
     }
 
     /// The triangles that only one of them tested: a click picks one.
@@ -93,13 +90,7 @@ impl Beside {
     }
 
     /// Draws both; describes the item under the cursor, and tells in which of them it is.
-    pub(super) fn draw(
-        &self,
-        painter: &Painter,
-        rect: Rect,
-        names: [&str; 2],
-        scene: &Scene<'_>,
-    ) -> Option<(usize, Under)> {
+    pub(super) fn draw(&self, painter: &Painter, rect: Rect, name: &str, scene: &Scene<'_>) -> Option<(usize, Under)> {
         let first = &Scene { spacing: Spacing::ByT, ..*scene };
         let (body, scale) = strip::split_scale(rect);
         // A row of nodes needs less height than a row of cells with their bars.
@@ -128,7 +119,7 @@ impl Beside {
             let stroke = Stroke::new(1.0, color.gamma_multiply(0.8));
             painter.extend(egui::Shape::dashed_line(&line, stroke, 2.0, 3.0));
         }
-        let (mut under, headings) = (None, self.headings(names));
+        let (mut under, headings) = (None, self.headings(name));
         for (i, (rect, scene)) in [(upper, first), (lower, &second)].into_iter().enumerate() {
             let heading = rect.intersect(Rect::from_min_size(rect.min, egui::vec2(rect.width(), HEADING)));
             let lanes = Rect::from_min_max(heading.left_bottom(), rect.max);

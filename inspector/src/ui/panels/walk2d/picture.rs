@@ -1,6 +1,6 @@
 //! The walk seen along one axis, as in the paper's Figure 3.
 
-use crate::walk::AXES;
+use egui::epaint::{CircleShape, RectShape};
 use egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use glam::{DVec2, Vec2Swizzles as _};
 use raystep_lab::text::counted;
@@ -10,13 +10,17 @@ use super::progress::{chosen, row_of};
 use super::{Scene, Under};
 use crate::draw::stream::Colors;
 use crate::ui::state::Picked;
-use crate::walk::{Outcome, Projected, Square, Structure};
+use crate::walk::{AXES, Outcome, Projected, Square, Structure};
 
 /// Most squares and triangles painted, the first ones: a ray that tests all triangles of a large scene would become a
 /// grey area.
 const MOST: usize = 2000;
 /// Squares smaller than this have no letters.
 const ROOM_FOR_LETTER: f32 = 13.0;
+
+/// Height of the line above the picture, and the margin around it.
+const NOTE: f32 = 15.0;
+const MARGIN: f32 = 3.0;
 
 /// Transform from traced units to points in the panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,11 +73,19 @@ fn square_at(squares: &[Square], p: DVec2) -> Option<&Square> {
     inside.min_by(|a, b| area(a).total_cmp(&area(b)))
 }
 
+/// The height of a rectangle that the picture fills, if it has this width and at most that height; `None` if the picture
+/// is empty.
+pub(super) fn height(picture: &Projected, width: f32, most: f32) -> Option<f32> {
+    let edges = vec2(2.0 * MARGIN, NOTE + 2.0 * MARGIN);
+    let map = Map::fit(picture, Rect::from_min_size(Pos2::ZERO, vec2(width, most) - edges))?;
+    Some(map.rect(picture.min, picture.max).height() + edges.y)
+}
+
 /// Draws it; describes the item under the cursor.
 pub(super) fn draw(painter: &egui::Painter, rect: Rect, picture: &Projected, scene: &Scene<'_>) -> Option<Under> {
     let visuals = scene.visuals;
-    let (note_rect, rest) = rect.split_top_bottom_at_y(rect.top() + 15.0);
-    let map = Map::fit(picture, rest.shrink(3.0))?;
+    let (note_rect, rest) = rect.split_top_bottom_at_y(rect.top() + NOTE);
+    let map = Map::fit(picture, rest.shrink(MARGIN))?;
     let [a, b] = picture.axes.map(|axis| AXES[axis]);
     let [right, up] = if map.is_turned { [b, a] } else { [a, b] };
     let dropped = AXES[3 - picture.axes[0] - picture.axes[1]];
@@ -84,6 +96,7 @@ pub(super) fn draw(painter: &egui::Painter, rect: Rect, picture: &Projected, sce
     lines(&painter, &map, picture, visuals);
     squares(&painter, &map, picture, scene);
     triangles(&painter, &map, picture, scene);
+    titles(&painter, &map, picture, scene);
     ray(&painter, &map, picture, scene);
     painter.rect_stroke(frame, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Inside);
 
@@ -120,6 +133,31 @@ fn words(scene: &Scene<'_>, square: &Square, visit: usize) -> String {
         text += &format!("\n{} visits overlap here", square.visits.len());
     }
     text
+}
+
+/// Titles of squares and triangles, smaller ones over larger ones.
+fn titles(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scene<'_>) {
+    if scene.titles.is_none() {
+        return;
+    }
+    let squares = picture.squares.iter().take(MOST).filter_map(|square| {
+        let outline = map.rect(square.min, square.max);
+        let text = words(scene, square, *square.visits.first()?);
+        Some((outline.area(), Shape::from(RectShape::filled(outline, 0.0, Color32::BLACK)), text))
+    });
+    let triangles = picture.triangles.iter().take(MOST).filter_map(|triangle| {
+        let [a, b, c] = triangle.corners.map(|corner| map.place(corner));
+        let area = 0.5 * (b - a).dot((c - a).rot90()).abs();
+        // Also one that is seen edge-on has a title.
+        let shape = Shape::convex_polygon(vec![a, b, c], Color32::BLACK, Stroke::new(2.0, Color32::BLACK));
+        let text = format!("triangle {}: {}", scene.walk.tested.get(triangle.test)?.triangle, triangle.outcome.name());
+        Some((area, shape, text))
+    });
+    let mut all: Vec<(f32, Shape, String)> = squares.chain(triangles).collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (_, shape, text) in all {
+        scene.title(painter, shape, || text);
+    }
 }
 
 fn lines(painter: &egui::Painter, map: &Map, picture: &Projected, visuals: &egui::Visuals) {
@@ -227,6 +265,9 @@ fn triangles(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Sc
 
 fn ray(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scene<'_>) {
     let color = ray_color(scene.visuals);
+    let title = |at: Pos2, radius: f32, text: String| {
+        scene.title(painter, CircleShape::filled(at, radius, Color32::BLACK), || text);
+    };
     let [from, to] = picture.ray.map(|p| map.place(p));
     let flat = |now: &crate::walk::WalkGeometry| {
         let p = now.current_point();
@@ -248,13 +289,16 @@ fn ray(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scene<'_
     for crossing in scene.walk.crossings.iter().take(crossed.min(MOST)).filter(|c| picture.axes.contains(&c.axis)) {
         let p = DVec2::new(crossing.point[picture.axes[0]], crossing.point[picture.axes[1]]);
         painter.circle(map.place(p), 2.5, scene.visuals.panel_fill, Stroke::new(1.3, color));
+        title(map.place(p), 2.5, format!("crosses a plane of {}", AXES[crossing.axis]));
     }
     if let Some(at) = at {
         painter.circle_filled(at, 3.6, color);
+        title(at, 3.6, "current position".into());
     }
     if let Some(hit) = scene.now.and_then(|now| now.hit) {
         let p = DVec2::new(hit.point[picture.axes[0]], hit.point[picture.axes[1]]);
         painter.circle_filled(map.place(p), 4.2, outcome_color(scene.visuals, Outcome::Nearest));
+        title(map.place(p), 4.2, "nearest hit".into());
     }
 }
 
@@ -265,7 +309,7 @@ pub(super) fn in_order(i: usize, count: usize) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// As on the exported drawing.
+/// Misses are orange, hits green, whether nearest or not.
 pub(super) fn outcome_color(visuals: &egui::Visuals, outcome: Outcome) -> Color32 {
     match (outcome, visuals.dark_mode) {
         (Outcome::Missed, true) => Color32::from_rgb(0xf2, 0x99, 0x4a),

@@ -6,8 +6,7 @@ mod dots;
 mod nodes;
 mod words;
 
-pub(super) use words::note_words;
-
+use egui::epaint::{CircleShape, RectShape};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::super::picked;
@@ -89,7 +88,9 @@ impl Pen<'_> {
         self.x(self.strip.place(t, self.scene.spacing))
     }
 
-    fn is_over(&self, rect: Rect) -> bool {
+    /// Whether the cursor is over it; `text` is what it then tells.
+    fn is_over(&self, rect: Rect, text: impl FnOnce() -> String) -> bool {
+        self.scene.title(self.painter, RectShape::filled(rect, 0.0, Color32::BLACK), text);
         self.scene.cursor.is_some_and(|at| rect.contains(at))
     }
 
@@ -159,7 +160,11 @@ pub(super) fn axis(painter: &Painter, body: Rect, rect: Rect, strip: &Strip, sce
     let Some(now) = scene.now else { return };
     let inside = |t: &f64| (strip.t[0]..=strip.t[1]).contains(t);
     if let Some(hit) = now.hit.map(|hit| hit.t).filter(inside) {
-        painter.circle_filled(pos2(x_of(hit), y), 4.0, outcome_color(visuals, Outcome::Nearest));
+        let at = pos2(x_of(hit), y);
+        painter.circle_filled(at, 4.0, outcome_color(visuals, Outcome::Nearest));
+        scene.title(painter, CircleShape::filled(at, 4.0, Color32::BLACK), || {
+            format!("nearest hit, t {}", scene.t(hit))
+        });
     }
     if inside(&now.t) {
         painter.circle_filled(pos2(x_of(now.t), y), 3.0, ray_color(visuals));

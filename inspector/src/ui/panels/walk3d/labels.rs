@@ -12,7 +12,7 @@ use crate::draw::scene3d::Marked;
 use crate::orbit::Orbit;
 use crate::ui::state::Picked;
 use crate::ui::units::Scale;
-use crate::walk::{Crossing, Outcome, Structure, TestedTriangle, WalkGeometry};
+use crate::walk::{AXES, Crossing, Outcome, Structure, TestedTriangle, WalkGeometry};
 
 /// The subject of a label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +20,7 @@ enum About {
     /// What was picked.
     Picked,
     /// The ray's current cell or node.
-    LabelRect,
+    Place,
     /// A plane that the ray may cross next, of this axis.
     Axis(usize),
     /// A triangle, and the result of its test.
@@ -63,12 +63,12 @@ fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>, style: LabelSty
     match walk.structure {
         Structure::Grid => {
             if let Some(cell) = walk.current_cell() {
-                add(cell.bounds.center(), cell.name(), About::LabelRect);
+                add(cell.bounds.center(), cell.name(), About::Place);
             }
         }
         Structure::Tree => {
             if let (Some(node), Some(bounds)) = (walk.current_node, walk.current_box) {
-                add(bounds.center(), format!("node {node}"), About::LabelRect);
+                add(bounds.center(), format!("node {node}"), About::Place);
             }
         }
         Structure::Nothing => {}
@@ -76,7 +76,7 @@ fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>, style: LabelSty
     let next = if walk.is_over { Vec::new() } else { walk.next_crossings() };
     let leaves = walk.current_cell().filter(|_| !hides_next).map(|cell| cell.exit_axis);
     let tmax = |crossing: &Crossing| {
-        let name = ["x", "y", "z"][crossing.axis];
+        let name = AXES[crossing.axis];
         (crossing.point, format!("tmax {name} {}", number(crossing.t)), About::Axis(crossing.axis))
     };
     for (at, text, about) in next.iter().filter(|crossing| leaves == Some(crossing.axis)).map(tmax) {
@@ -205,7 +205,7 @@ fn color(visuals: &egui::Visuals, about: About) -> Color32 {
     };
     match about {
         About::Picked => picked::color(visuals),
-        About::LabelRect => pick([255, 214, 90], [140, 95, 0]),
+        About::Place => pick([255, 214, 90], [140, 95, 0]),
         About::Axis(0) => pick([255, 130, 130], [190, 40, 40]),
         About::Axis(1) => pick([130, 220, 110], [40, 125, 30]),
         About::Axis(_) => pick([130, 175, 255], [40, 90, 205]),

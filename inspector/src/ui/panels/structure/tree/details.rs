@@ -8,6 +8,7 @@ use raystep_lab::text::counted;
 use crate::ui::pane::Context;
 use crate::ui::state::Picked;
 use crate::ui::units::{Scale, Units};
+use crate::walk::AXES;
 
 /// Most triangles shown of a leaf.
 const MOST_CHIPS: usize = 64;
@@ -35,7 +36,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, nodes: &Nodes, data: &Scen
     let unit = data.units.scene_units_per_stream_unit();
     egui::Grid::new("box").num_columns(4).show(ui, |ui| {
         ui.label("box").on_hover_text("in scene units; grown by the bound on rounding errors");
-        ["x", "y", "z"].into_iter().for_each(|axis| drop(ui.strong(axis)));
+        AXES.into_iter().for_each(|axis| drop(ui.strong(axis)));
         ui.end_row();
         let size = [0, 1, 2].map(|axis| f64::from(node.max[axis]) - f64::from(node.min[axis]));
         let scale = Scale::new(Units::Scene, unit, data.units.offset.to_array(), unit);

@@ -8,9 +8,8 @@ use super::super::progress::row_of;
 use super::dots::Note;
 use super::words::{cell_words, leap_words};
 use super::{MOST, Pen, picked};
-use crate::walk::{Entry, Outcome, StripCell};
+use crate::walk::{AXES, Entry, Outcome, StripCell};
 
-const AXES: [&str; 3] = ["x", "y", "z"];
 /// Height of a line of numbers.
 const LINE: f32 = 12.5;
 /// Height of the space for labels of tests.
@@ -99,8 +98,10 @@ impl Pen<'_> {
                 self.scene.visuals,
             );
         }
-        let row = row_of(self.scene.walk, cell.visit).filter(|_| self.is_over(above.union(column)))?;
-        Some(Under { text: cell_words(cell, self.scene), row, what })
+        let words = || cell_words(cell, self.scene);
+        let is_over = self.is_over(above.union(column), words);
+        let row = row_of(self.scene.walk, cell.visit).filter(|_| is_over)?;
+        Some(Under { text: words(), row, what })
     }
 
     /// tmax per axis as numbers, the smallest in the ray's colour.
@@ -169,8 +170,10 @@ impl Pen<'_> {
             self.text(gap.center() - vec2(0.0, 4.0), Align2::CENTER_BOTTOM, name, color);
         }
         let over = gap.expand2(vec2((8.0 - gap.width()).max(0.0) * 0.5, 0.0));
-        let row = row_of(self.scene.walk, cell.visit + 1).filter(|_| self.is_over(over))?;
-        Some(Under { text: leap_words(cell, self.scene), row, what: None })
+        let words = || leap_words(cell, self.scene);
+        let is_over = self.is_over(over, words);
+        let row = row_of(self.scene.walk, cell.visit + 1).filter(|_| is_over)?;
+        Some(Under { text: words(), row, what: None })
     }
 
     /// Dots in the order of the tests: their t often lies outside of the cell.

@@ -1,5 +1,6 @@
 //! Tests of triangles: dots, and labels with t and the result where there is room for them.
 
+use egui::epaint::CircleShape;
 use egui::{Color32, FontId, Pos2, Rect, Stroke, vec2};
 
 use super::super::Under;
@@ -82,8 +83,11 @@ impl Pen<'_> {
             let text = note_words(tested, rank < 4, self.scene);
             self.notes.push(Note { rank, at, text, color: outcome_color(visuals, test.outcome) });
         }
-        let is_over = self.scene.cursor.is_some_and(|cursor| cursor.distance(at) <= radius.max(4.0));
-        is_over.then(|| Under { text: test_words(tested, self.scene), row, what })
+        let (words, reach) = (|| test_words(tested, self.scene), radius.max(4.0));
+        // In a file the dot alone: what lies beneath it has a title too.
+        self.scene.title(self.painter, CircleShape::filled(at, radius, Color32::BLACK), words);
+        let is_over = self.scene.cursor.is_some_and(|cursor| cursor.distance(at) <= reach);
+        is_over.then(|| Under { text: words(), row, what })
     }
 
     /// Places and paints the labels; those without room are left out.

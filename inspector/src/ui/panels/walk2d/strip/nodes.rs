@@ -42,9 +42,9 @@ impl Pen<'_> {
             if line >= 12.0 {
                 self.name(node.node, t, bar, has_come);
             }
-            if self.is_over(bar) {
-                let row = row_of(self.scene.walk, node.visit);
-                under = row.map(|row| Under { text: node_words(node, t, self.scene), row, what });
+            let words = || node_words(node, t, self.scene);
+            if self.is_over(bar, words) {
+                under = row_of(self.scene.walk, node.visit).map(|row| Under { text: words(), row, what });
             }
             let radius = (line * 0.25).clamp(1.0, 3.5);
             let y = bar.center().y;

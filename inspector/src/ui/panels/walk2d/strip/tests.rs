@@ -28,6 +28,7 @@ fn in_a_frame<T>(whole: &Whole, row: Option<usize>, show: impl Fn(&Painter, &Sce
             hides_next: false,
             spacing: Spacing::Equal,
             cursor: None,
+            titles: None,
         };
         result = Some(show(ui.painter(), &scene));
     });
@@ -45,7 +46,7 @@ fn a_cell_is_told_in_numbers() {
     let [x, y, z] = cell.cell;
     let tmax = number(cell.tmax[cell.exit_axis].expect("a tmax"));
     assert!(text.contains(&format!("cell {x},{y},{z}, t {}", number(cell.t[0]))), "{text}");
-    assert!(text.contains(&format!("{} {tmax}", ["x", "y", "z"][cell.exit_axis])), "{text}");
+    assert!(text.contains(&format!("{} {tmax}", crate::walk::AXES[cell.exit_axis])), "{text}");
     assert!(text.contains(&format!("{} tested", cell.tests.len())), "{text}");
     // In other units, all numbers are others.
     let doubled = in_a_frame(&whole, None, |_, scene| cell_words(cell, &Scene { unit: 2.0, ..*scene }));

@@ -3,13 +3,13 @@
 use raystep_lab::text::counted;
 
 use super::super::Scene;
-use crate::walk::{Entry, Outcome, StripCell, StripNode, TestedTriangle};
+use crate::walk::{AXES, Entry, Outcome, StripCell, StripNode, TestedTriangle};
 
 /// Describes a cell.
 pub(super) fn cell_words(cell: &StripCell, scene: &Scene<'_>) -> String {
     let [from, to] = cell.t.map(|t| scene.t(t));
     let [tx, ty, tz] = cell.tmax.map(|t| t.map_or_else(|| "never".into(), |t| scene.t(t)));
-    let axis = ["x", "y", "z"][cell.exit_axis];
+    let axis = AXES[cell.exit_axis];
     let on = match cell.next {
         Some(Entry::Leap { cells: [x, y, z] }) => format!(", then skips {x},{y},{z} cells"),
         Some(Entry::Wrap) => ", then wraps around at the grid's face into another row".into(),
@@ -61,7 +61,7 @@ pub(super) fn test_words(test: &TestedTriangle, scene: &Scene<'_>) -> String {
 }
 
 /// A test as a label.
-pub(in super::super) fn note_words(test: &TestedTriangle, is_long: bool, scene: &Scene<'_>) -> String {
+pub(super) fn note_words(test: &TestedTriangle, is_long: bool, scene: &Scene<'_>) -> String {
     let t = test.t.filter(|_| test.outcome.is_hit()).map_or_else(String::new, |t| format!(" t {}", scene.t(t)));
     match (test.outcome, is_long) {
         (Outcome::Nearest, _) => format!("{}: hit{t}", test.triangle),
