@@ -1,4 +1,4 @@
-//! Bits on their path through textures and buffers: streams are textures of floats and of words, and must keep both.
+//! Bits on their way through textures and buffers: streams are textures of floats and of words, and must keep both.
 
 use std::sync::Arc;
 
