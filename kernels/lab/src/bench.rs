@@ -201,10 +201,14 @@ fn different(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<Configuration> {
 
 /// A configuration in the notes of a benchmark.
 fn in_words(configuration: &Configuration) -> String {
-    let Configuration { grid, mapping, .. } = *configuration;
-    let grid = grid.filter(|size| *size != GridSize::Auto).map(|size| format!(" grid={}", grid_text(size)));
-    let mapping = (mapping != Mapping::Compute).then(|| format!(" {mapping}"));
-    format!("{configuration}{}{}", grid.unwrap_or_default(), mapping.unwrap_or_default())
+    let mut words = configuration.to_string();
+    if let Some(raystep_kernels::GridSize::Cells([x, y, z])) = configuration.grid {
+        words += &format!(" grid={x},{y},{z}");
+    }
+    if configuration.mapping != Mapping::Compute {
+        words += &format!(" {}", configuration.mapping);
+    }
+    words
 }
 
 /// In the command line's format.
