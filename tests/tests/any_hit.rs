@@ -75,7 +75,7 @@ fn what_lies_before_a_rays_end_is_found_and_what_lies_behind_is_not() {
         assert!(10 * (hits + free) > 6 * truth.len(), "{file}: {hits} rays hit, {free} do not, of {}", truth.len());
         for (name, device) in devices() {
             for (row, configuration) in EVERY.into_iter().enumerate() {
-                // Every way is tried on every other scene; in the full suite, on every scene.
+                // Every configuration is tried on every other scene; in the full suite, on every scene.
                 if (row + place) % 2 > 0 && !thorough() {
                     continue;
                 }

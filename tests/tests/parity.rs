@@ -69,7 +69,7 @@ fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
             continue;
         }
         for (row, configuration) in configurations(accelerator).enumerate() {
-            // Every way is tried on the few scenes and on half of the others; in the full suite, on every scene.
+            // Each is tried on the few scenes and on half of the others; in the full suite, on every scene.
             if !thorough() && (row + place) % 2 > 0 && configuration != STEPPED && !FEW.contains(&file.as_str()) {
                 continue;
             }
@@ -224,8 +224,8 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
     // The table of transitions has exactly those that occur.
     let listed: BTreeSet<_> = PROGRAM.transitions().map(|(kernel, t)| (t.from, kernel, t.to)).collect();
     let name = |tag| states::STATES.name(tag);
-    let named = |configurations: Vec<&(u32, Kernel, u32)>| {
-        configurations.iter().map(|w| format!("{} {} {}", name(w.0), w.1.name(), name(w.2))).collect::<Vec<_>>()
+    let named = |transitions: Vec<&(u32, Kernel, u32)>| {
+        transitions.iter().map(|w| format!("{} {} {}", name(w.0), w.1.name(), name(w.2))).collect::<Vec<_>>()
     };
     assert_eq!(named(sum.transitions.difference(&listed).collect()), [""; 0], "taken, but not listed");
     // A grid's box is larger than the scene by a margin, so in real scenes no ray leaves it with a kept hit: see the

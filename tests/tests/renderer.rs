@@ -15,7 +15,7 @@ use raystep_kernels::{
 use raystep_tests::configurations::{Configuration, STEPPED, stepped};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
 
-const WAYS: [Configuration; 5] = [
+const CONFIGURATIONS: [Configuration; 5] = [
     STEPPED,
     Configuration::new(Accelerator::Grid, ScheduleKind::First, 1),
     Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 1),
@@ -49,7 +49,7 @@ fn a_run_that_keeps_no_passes_sums_them_up_all_the_same() {
     }
     for (name, device) in devices() {
         for (configuration, count) in
-            WAYS.into_iter().flat_map(|configuration| [(configuration, 1), (configuration, 3)])
+            CONFIGURATIONS.into_iter().flat_map(|configuration| [(configuration, 1), (configuration, 3)])
         {
             let samples = Samples { count, ..Samples::default() };
             let kept = Options { samples, ..configuration.of(&options(&scene, 12, 10)) };
@@ -88,7 +88,7 @@ fn a_run_that_keeps_no_passes_sums_them_up_all_the_same() {
 fn a_run_stops_where_it_is_told_to_and_never_later() {
     let scene = scene("cornell-box.gltf");
     for (name, device) in devices() {
-        for configuration in WAYS {
+        for configuration in CONFIGURATIONS {
             let options = configuration.of(&options(&scene, 24, 20));
             block_on(gpu_of(&device), async {
                 let mut one_by_one = Renderer::new(&scene, &options, &device).await.expect("a renderer");
@@ -176,7 +176,7 @@ fn a_future_of_a_run_can_go_to_another_thread() {
 fn after_a_checkpoint_the_same_passes_follow() {
     let scene = scene("cornell-box.gltf");
     for (name, device) in devices() {
-        for configuration in WAYS {
+        for configuration in CONFIGURATIONS {
             let options = configuration.of(&options(&scene, 24, 20));
             block_on(gpu_of(&device), async {
                 let go_on = |_: &raystep_kernels::Progress| ControlFlow::Continue(());

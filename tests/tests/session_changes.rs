@@ -24,8 +24,8 @@ async fn new_session(configuration: Configuration, device: &Device) -> Session {
     session
 }
 
-async fn run_to(session: &mut Session, watch: Watch, configuration: Direction) -> Option<Fired> {
-    let fired = session.run_to_watch(&[watch], configuration, &mut go_on).await.expect("a run");
+async fn run_to(session: &mut Session, watch: Watch, direction: Direction) -> Option<Fired> {
+    let fired = session.run_to_watch(&[watch], direction, &mut go_on).await.expect("a run");
     if let Some(fired) = &fired {
         assert_eq!((fired.place, fired.watch), (session.place(), watch), "it stops elsewhere");
     }

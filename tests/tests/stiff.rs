@@ -71,7 +71,7 @@ fn rays(of: &[Triangle], distance: f64) -> Vec<Ray> {
 
 type Hits = [Vec<u32>; 4];
 
-/// The mean number of tests per ray by `way`, and the hits, which are compared with f64 unless they are those `judged` before.
+/// The mean number of tests per ray, and the hits, which are compared with f64 unless they are those `judged` before.
 fn tests_of(
     label: &str,
     scene: &Scene,

@@ -193,7 +193,9 @@ impl BenchArgs {
             file: self.rays_file.as_deref().map(|path| rays_file::read(path, None)).transpose()?.map(Arc::new),
             turns: Turns { seed: u64::from(self.seed), ..Turns::of(self.warmups as usize, self.repeats() as usize) },
             longest_run: Duration::MAX,
-            replay: self.replay,
+            until: None,
+            is_counted: |_| true,
+            is_replayed: if self.replay { |_| true } else { |_| false },
             seed: self.seed,
             tuning,
         })

@@ -179,7 +179,7 @@ fn devices(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(DeviceName,
     if args.device != Devices::Cpu {
         progress.stage("looking for a device");
         match device::choose(&DeviceArgs { device: DeviceKind::Gpu, adapter: args.adapter.clone() }) {
-            Ok(chosen) => devices.push((DeviceName { device: "gpu", adapter: chosen.name() }, chosen)),
+            Ok(chosen) => devices.push((DeviceName { kind: "gpu", adapter: chosen.name() }, chosen)),
             Err(error) if args.device == Devices::Gpu || args.adapter.is_some() => return Err(error),
             Err(error) => progress.say(format_args!("note: {}; using the CPU only", error.message())),
         }
@@ -188,7 +188,7 @@ fn devices(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(DeviceName,
         let twins = [("cpu_f32", Device::Cpu(Some(now_ns))), ("cpu_f64", Device::CpuF64(None))];
         devices.extend(twins.map(|(name, device)| {
             let reason = "CPU".to_owned();
-            (DeviceName { device: name, adapter: "cpu".into() }, Machine { device, reason })
+            (DeviceName { kind: name, adapter: "cpu".into() }, Machine { device, reason })
         }));
     }
     Ok(devices)

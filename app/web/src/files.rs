@@ -39,7 +39,7 @@ enum Place {
 }
 
 /// What a fetch tells the loader that waits for it.
-enum HistorySource {
+enum Fetching {
     Progress(u64, u64),
     Done(Result<Fetched, String>),
 }
@@ -201,10 +201,10 @@ impl Files {
         Ok((place, bytes))
     }
 
-    async fn fetch(&self, path: &str, told: &UnboundedSender<HistorySource>) -> Result<Fetched, String> {
+    async fn fetch(&self, path: &str, told: &UnboundedSender<Fetching>) -> Result<Fetched, String> {
         let sender = told.clone();
         let progress = Closure::<dyn Fn(f64, f64) -> bool>::new(move |done: f64, of: f64| {
-            sender.unbounded_send(HistorySource::Progress(done as u64, of as u64)).is_ok()
+            sender.unbounded_send(Fetching::Progress(done as u64, of as u64)).is_ok()
         });
         let progress = progress.as_ref().unchecked_ref();
         let (place, bytes) = self.scene_bytes(path, progress).await?;
@@ -227,15 +227,15 @@ impl Files {
         tasks::spawn(async move {
             let done = files.fetch(&fetched, &send).await;
             // Nobody waits any more if it was cancelled.
-            let _ = send.unbounded_send(HistorySource::Done(done));
+            let _ = send.unbounded_send(Fetching::Done(done));
         });
         Box::new(move |mut on_read| {
             Box::pin(async move {
                 loop {
                     match receive.recv().await {
-                        Ok(HistorySource::Progress(done, of)) if on_read(done, of) => {}
-                        Ok(HistorySource::Done(fetched)) => return read(&path, scene, &fetched?).map(Arc::new),
-                        Ok(HistorySource::Progress(..)) | Err(_) => return Err(format!("{path}: cancelled")),
+                        Ok(Fetching::Progress(done, of)) if on_read(done, of) => {}
+                        Ok(Fetching::Done(fetched)) => return read(&path, scene, &fetched?).map(Arc::new),
+                        Ok(Fetching::Progress(..)) | Err(_) => return Err(format!("{path}: cancelled")),
                     }
                 }
             })

@@ -15,7 +15,7 @@ mod table;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use measure::Bench;
 use prepare::Group;
@@ -53,8 +53,12 @@ pub struct Wanted {
     pub turns: Turns,
     /// Time limit of a run; a configuration that takes longer is left out.
     pub longest_run: Duration,
-    /// Whether counted runs submit exactly the passes that they need.
-    pub replay: bool,
+    /// The deadline: after it, nothing more is built, and no round begins that is not needed. `None` for no limit.
+    pub until: Option<Instant>,
+    /// Which configurations' work is counted, by a run of its own with the same time limit.
+    pub is_counted: fn(&Configuration) -> bool,
+    /// Which configurations' timed runs submit exactly the passes that they need.
+    pub is_replayed: fn(&Configuration) -> bool,
     /// Seed of rays.
     pub seed: u32,
     /// All other options. The rays in it are ignored.
@@ -81,6 +85,8 @@ pub struct Measured {
 pub struct Details {
     /// The run whose passes these are: one of its own, before the timed ones, since timing passes takes time.
     pub context: RunContext,
+    /// Cells of a uniform grid along x, y and z; `None` without one.
+    pub cells: Option<[i32; 3]>,
     /// Its passes.
     pub passes: Vec<Pass>,
     /// The parts of each of them, if they are drawn.
@@ -91,7 +97,7 @@ pub struct Details {
 
 impl Details {
     fn without_passes(context: RunContext) -> Self {
-        Self { context, passes: Vec::new(), parts: Vec::new(), shaders: BTreeMap::new() }
+        Self { context, cells: None, passes: Vec::new(), parts: Vec::new(), shaders: BTreeMap::new() }
     }
 }
 
@@ -195,13 +201,12 @@ fn different(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<Configuration> {
 
 /// A configuration in the notes of a benchmark.
 fn in_words(configuration: &Configuration) -> String {
-    let Configuration { accelerator, schedule, mapping, traversal, .. } = configuration;
-    let mut words = format!("{accelerator} {schedule}");
-    if *mapping != Mapping::Compute {
-        words += &format!(" {mapping}");
+    let mut words = configuration.to_string();
+    if let Some(raystep_kernels::GridSize::Cells([x, y, z])) = configuration.grid {
+        words += &format!(" grid={x},{y},{z}");
     }
-    if *traversal != Traversal::AmanatidesWoo {
-        words += &format!(" {traversal}");
+    if configuration.mapping != Mapping::Compute {
+        words += &format!(" {}", configuration.mapping);
     }
     words
 }

@@ -92,29 +92,23 @@ impl Configuration {
         self.schedule.is_stepped()
     }
 
-    /// Changes options to those of this configuration.
-    pub fn apply(self, options: &mut Options) {
-        options.accelerator = self.accelerator;
-        options.schedule = self.schedule;
-        options.steps_per_pass = self.steps;
-        options.skip = self.skip;
-        options.grid = self.grid.unwrap_or(options.grid);
-        options.numerics = self.numerics;
-        options.without = self.without;
-        options.traversal = self.traversal;
-        options.mapping = self.mapping;
-        options.contracted = self.contracted;
-        if self.is_padded {
-            options.keep = Keep::only(Item::RayPadding);
-        }
-    }
-
     /// `options` with this configuration.
     #[must_use]
     pub fn of(self, options: &Options) -> Options {
-        let mut options = options.clone();
-        self.apply(&mut options);
-        options
+        Options {
+            accelerator: self.accelerator,
+            schedule: self.schedule,
+            steps_per_pass: self.steps,
+            skip: self.skip,
+            grid: self.grid.unwrap_or(options.grid),
+            numerics: self.numerics,
+            without: self.without,
+            traversal: self.traversal,
+            mapping: self.mapping,
+            contracted: self.contracted,
+            keep: if self.is_padded { Keep::only(Item::RayPadding) } else { options.keep },
+            ..options.clone()
+        }
     }
 
     /// Its fields in CSV files, by the names of their columns.

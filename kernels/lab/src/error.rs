@@ -56,6 +56,9 @@ pub enum Error {
     /// A run took longer than it may.
     #[error("stopped: too slow, or endless")]
     GivenUp,
+    /// There was no time left for it.
+    #[error("the time was over")]
+    TimeOver,
     /// No scene has a ray of the kinds that were asked for.
     #[error("nothing to measure: no pixel has a ray of the requested kinds")]
     NoRays,

@@ -48,8 +48,11 @@ pub(crate) fn data(text: &str, shown: &str) -> String {
     format!("<data value=\"{}\">{}</data>", escaped(text), escaped(shown))
 }
 
-/// Columns that tables of a page do not show: the same in all rows, or of interest to programs only.
-const HIDDEN: &[&str] = columns![version seed is_quick interval_method interval_level clock is_last];
+/// Columns that tables of a page do not show: of interest to programs only, or shown by the cells of others.
+const HIDDEN: &[&str] = columns![
+    version seed is_quick interval_method interval_level min_ns max_ns clock ratio_to wrong_per_million is_last
+    is_lower_bound
+];
 
 /// A row's class in a table: marked as unexpected, or empty.
 pub(crate) type Class = &'static str;
@@ -82,16 +85,30 @@ pub(crate) fn table<N: AsRef<str>>(names: &[N], rows: &[(Class, Vec<String>)], c
     html + "</tr>\n</table></div>\n"
 }
 
-/// Rows of a CSV file as a table, without [hidden](HIDDEN) and empty columns; nothing without rows.
+/// Rows of a CSV file as a table, without [hidden](HIDDEN) and empty columns; nothing without rows. Columns that are the
+/// same in several rows are a sentence above the table.
 pub(crate) fn of_rows<'a>(rows: impl IntoIterator<Item = (Class, &'a Row)>) -> String {
     let rows: Vec<(Class, &Row)> = rows.into_iter().collect();
     let Some((_, first)) = rows.first() else { return String::new() };
     let is_shown =
         |c: &&str| !KEYS.contains(c) && !HIDDEN.contains(c) && rows.iter().any(|(_, row)| !row.get(c).is_empty());
-    let columns: Vec<&str> = first.columns().iter().copied().filter(is_shown).collect();
+    let differs = |c: &&str| rows.len() == 1 || rows.iter().any(|(_, row)| row.get(c) != first.get(c));
+    let (columns, same): (Vec<&str>, Vec<&str>) = first.columns().iter().copied().filter(is_shown).partition(differs);
     let names: Vec<String> = columns.iter().map(|c| name_of(c)).collect();
-    let cells = |(class, row): &(Class, &Row)| (*class, columns.iter().map(|c| cell(c, row.get(c))).collect());
-    table(&names, &rows.iter().map(cells).collect::<Vec<_>>(), "")
+    let cells = |(class, row): &(Class, &Row)| (*class, columns.iter().map(|c| cell_of(c, row)).collect());
+    let table = table(&names, &rows.iter().map(cells).collect::<Vec<_>>(), "");
+    let same: Vec<String> = same.iter().map(|c| format!("{} = {}", name_of(c), cell_of(c, first))).collect();
+    if same.is_empty() { table } else { format!("<p class=\"note\">In all rows: {}.</p>\n{table}", same.join("; ")) }
+}
+
+/// A field of a row: what failed is red, and the time of a stopped run is a lower bound.
+fn cell_of(column: &str, row: &Row) -> String {
+    let is_bound = || row.columns().contains(&"is_lower_bound") && row.get("is_lower_bound") == "true";
+    match (column, cell(column, row.get(column))) {
+        ("result", cell) if row.get(column) == "fail" => format!("<span class=\"fail\">{cell}</span>"),
+        ("median_ns" | "ns_per_ray", cell) if is_bound() => format!("≥ {cell}"),
+        (_, cell) => cell,
+    }
 }
 
 /// A part of a page that is shown when it is opened. Both are HTML.
@@ -118,6 +135,12 @@ pub(crate) fn figure(drawing: &str, caption: &str) -> String {
 fn name_of(column: &str) -> String {
     if let Some(column) = column.strip_suffix("_with") {
         return name_of(column) + " with";
+    }
+    match column.split_once('_') {
+        Some((of @ ("t" | "u" | "v"), "relative")) => return format!("{of}, relative"),
+        Some(("t", "ulp")) => return "t, ulp".into(),
+        Some((of @ ("u" | "v"), "ulp")) => return format!("{of}, ulp of 1"),
+        _ => {}
     }
     let bare = column.strip_suffix("_ns").or_else(|| column.strip_suffix("_s")).unwrap_or(column);
     let bare = bare.strip_suffix("_bytes").filter(|b| *b != "structure").unwrap_or(bare);
@@ -164,6 +187,34 @@ mod tests {
     fn a_cell_keeps_the_field_of_the_file() {
         assert_eq!(cell("median_ns", "120"), "<data value=\"120\">120 ns</data>");
         assert_eq!(cell("median_ns", ""), "");
+    }
+
+    const COLUMNS: &[&str] = columns![schema_version accelerator schedule ns_per_ray is_lower_bound u_ulp result];
+
+    fn row(accelerator: &str, is_lower_bound: bool, result: &str) -> Row {
+        let row = Row::new(COLUMNS).set("accelerator", accelerator).set("schedule", "fused").set("ns_per_ray", 20.0);
+        row.set("is_lower_bound", is_lower_bound).set("u_ulp", 0.5).set("result", result)
+    }
+
+    #[test]
+    fn what_is_the_same_in_several_rows_is_said_once() {
+        let [one, other] = [row("bvh", false, "pass"), row("grid", false, "pass")];
+        let html = of_rows([("", &one), ("odd", &other)]);
+        let same = "In all rows: schedule = fused; ns per ray = 20 ns; u, ulp of 1 = 0.5; result = pass.";
+        assert!(plain(&html).starts_with(same), "{html}");
+        assert!(html.contains("<tr><th class=\"l\">accelerator</th></tr>\n<tr class=\"\"><td"), "{html}");
+        let single = of_rows([("", &one)]);
+        assert!(single.contains("<th>ns per ray</th><th>u, ulp of 1</th>") && !single.contains("<p"), "{single}");
+        assert_eq!(of_rows([]), "");
+    }
+
+    #[test]
+    fn failures_are_red_and_stopped_runs_are_lower_bounds() {
+        let html = of_rows([("", &row("bvh", true, "fail"))]);
+        assert!(html.contains("<td>≥ <data value=\"20\">20 ns</data></td>"), "{html}");
+        assert!(html.contains("<span class=\"fail\"><data value=\"fail\">fail</data></span>"), "{html}");
+        let html = of_rows([("", &row("bvh", false, "pass"))]);
+        assert!(!html.contains('≥') && !html.contains("\"fail\""), "{html}");
     }
 
     #[test]

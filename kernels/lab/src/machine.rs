@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
+use std::time::Duration;
 
 use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::json::CounterSums;
@@ -94,14 +95,16 @@ impl Machine {
         }
     }
 
-    /// Sums of the counters of a run with these options, which are counted for it; `None` if such a run cannot count, or
-    /// fails.
-    pub async fn counts(&self, scene: &Scene, options: &Options) -> Option<CounterSums> {
+    /// Sums of the counters of a run with these options, which are counted for it; `None` if such a run cannot count,
+    /// fails, or takes longer than it may.
+    pub async fn counts(&self, scene: &Scene, options: &Options, longest: Duration) -> Option<CounterSums> {
         let options = Options { counters: true, timings: false, keep_passes: false, ..options.clone() };
         let (plan, data) = Plan::new(scene, &options, &self.limits()).ok()?;
         plan.counters()?;
         let mut renderer = Renderer::from_plan(plan, data, &options, &self.device).await.ok()?;
-        let counted = renderer.run_counting(false, |_| ControlFlow::Continue(())).await.ok()?;
+        let start = Instant::now();
+        let watch = |_: &_| if start.elapsed() > longest { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let counted = renderer.run_counting(false, watch).await.ok()?;
         counted.map(|counted| counted.sums)
     }
 

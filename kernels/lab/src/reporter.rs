@@ -4,7 +4,7 @@ use crate::Error;
 
 /// Receives progress and notes of a measurement, which may move from thread to thread.
 pub trait Reporter: Sync {
-    /// Receives what this one does not; nobody unless it is said.
+    /// The reporter that receives what this one does not; none by default.
     fn next(&self) -> Option<&dyn Reporter> {
         None
     }

@@ -1,8 +1,8 @@
 //! Extreme cases: scenes and rays that break ray tracers, traced in several configurations.
 //!
 //! [`CASES`] is the table of cases; a new case is one entry there. Every case is traced in every requested
-//! configuration, and each result is compared with f64 brute force and exact predicates at edges ([`crate::reference`]). The correct
-//! hits are computed once per case, since all of them trace the same f32 rays.
+//! configuration, and each result is compared with f64 brute force and exact predicates at edges
+//! ([`crate::reference`]). The correct hits are computed once per case, since all configurations trace the same f32 rays.
 //!
 //! | module | contents |
 //! |---|---|

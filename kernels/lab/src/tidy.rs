@@ -216,7 +216,9 @@ impl Row {
     /// Fills the columns that have the names of the value's fields.
     #[must_use]
     pub fn with(mut self, value: &impl Serialize) -> Self {
-        let Ok(Value::Object(fields)) = serde_json::to_value(value) else { return self };
+        let value = serde_json::to_value(value);
+        debug_assert!(matches!(value, Ok(Value::Object(_))), "no struct: {value:?}");
+        let Ok(Value::Object(fields)) = value else { return self };
         for (column, value) in fields {
             let Some(place) = self.position(&column) else { continue };
             self.fields[place] = match value {

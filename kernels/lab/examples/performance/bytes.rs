@@ -15,8 +15,9 @@ use raystep_lab::meter::Ended;
 use raystep_lab::tidy::{Row, TIMES, count, joined};
 use raystep_lab::{Size, Subject, columns};
 
-use crate::measure::{Section, Setup, two_scenes};
+use crate::measure::{Section, Setup};
 use crate::probe::{Job, Kernel, Stopwatch, buffer, layers, texture};
+use crate::sections::two_scenes;
 use crate::subjects::generated;
 
 const GROUPS: &[&[&str]] =
@@ -38,23 +39,23 @@ pub(crate) fn measure(section: &mut Section<'_>) -> Result<(), String> {
         section.notes.push("the CPU neither submits passes nor copies textures".into());
         return Ok(());
     };
-    section.time(vec![buffers(section, &watch)])?;
+    section.time(vec![buffers(section, &watch)]);
     for &size in setup.choose(&[[512, 512], [1920, 1080]][..], &[[256, 256], [512, 512]], &[[128, 128]]) {
-        section.time([2, 4, 8, 16].map(|layers| in_place(section, &watch, size, layers)).into())?;
-        section.time(empty(section, &watch, size)?)?;
+        section.time([2, 4, 8, 16].map(|layers| in_place(section, &watch, size, layers)).into());
+        section.time(empty(section, &watch, size)?);
         let mut jobs = Vec::new();
         for subject in two_scenes()? {
             for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
                 // At least one run of each size.
                 if section.is_over() && !jobs.is_empty() {
                     let (name, [width, height]) = (&subject.scene.name, size);
-                    section.notes.push(format!("{name} {accelerator} {width}x{height}: the section's time was over"));
+                    section.late(&format!("{name} {accelerator}, {width}x{height}"));
                 } else {
                     jobs.push(run(section, &subject, accelerator, size)?);
                 }
             }
         }
-        section.time(jobs)?;
+        section.time(jobs);
     }
     Ok(())
 }

@@ -9,6 +9,7 @@ mod bytes;
 mod measure;
 mod page;
 mod probe;
+mod sections;
 mod subjects;
 mod tdelta;
 

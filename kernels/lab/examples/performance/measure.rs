@@ -14,27 +14,20 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use raystep_kernels::export::json::AdapterInfo;
-use raystep_kernels::{
-    Accelerator, AdapterChoice, Device, Gpu, GridSize, Numerics, Options, Plan, RaySource, ScheduleKind, Skip,
-};
+use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, ScheduleKind};
 use raystep_lab::bench::{self, SEED, Wanted};
 use raystep_lab::configuration::Configuration;
 use raystep_lab::machine::now_ns;
 use raystep_lab::meter::{Meter, Turns};
-use raystep_lab::paper::{GRID, SECONDS};
 use raystep_lab::reporter::Reporter;
 use raystep_lab::tidy::{Row, TIMES, Table, count, joined};
 use raystep_lab::{Machine, RayKind, Size, Subject, block_on, columns};
 use serde_json::{Value, json};
 
-use crate::subjects::{Mesh, generated};
 use crate::{Adapter, MeasureArgs, bytes, tdelta};
 
 /// In the order in which they run: the largest scenes last.
 pub(crate) const SECTIONS: [&str; 7] = ["paper", "resolution", "steps", "bytes", "tdelta", "meshes", "triangles"];
-
-/// Triangles of the terrain that represents an ordinary scene.
-const TERRAIN: u64 = 20_000;
 
 const GROUPS: &[&[&str]] = &[
     columns![
@@ -128,6 +121,9 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), String> {
     let setup = Setup::open(args)?;
     std::fs::create_dir_all(&args.output).map_err(|e| format!("{}: {e}", args.output.display()))?;
     let (mut about, begin) = (setup.about(), Instant::now());
+    let word = |value: &Value| value.as_str().unwrap_or("none").to_owned();
+    let [backend, driver] = ["backend", "driver"].map(|key| word(&about["adapter"][key]));
+    eprintln!("{} ({backend}, {driver}), {} cores", word(&about["name"]), about["cores"]);
     for name in SECTIONS.into_iter().filter(|name| args.only.is_empty() || args.only.iter().any(|only| only == name)) {
         let start = Instant::now();
         let end = start + budget(&setup, name, begin.elapsed());
@@ -145,9 +141,12 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), String> {
         let mut file = Vec::new();
         section.table.write(&mut file).map_err(|e| e.to_string())?;
         write(&args.output.join(format!("{name}.csv")), &file)?;
-        about["seconds"][name] = start.elapsed().as_secs_f64().into();
-        let notes = section.notes.into_iter().map(|note| Value::from(format!("{name}: {note}")));
-        about["notes"].as_array_mut().into_iter().for_each(|all| all.extend(notes.clone()));
+        let seconds = start.elapsed().as_secs_f64();
+        eprintln!("{name}: {seconds:.1} s");
+        about["seconds"][name] = seconds.into();
+        if let Some(notes) = about["notes"].as_array_mut() {
+            notes.extend(section.notes.into_iter().map(|note| Value::from(format!("{name}: {note}"))));
+        }
         // Written after every section, so that an interruption loses nothing.
         write(&args.output.join("machine.json"), format!("{about:#}\n").as_bytes())?;
     }
@@ -202,19 +201,6 @@ impl Reporter for Lines {
     }
 }
 
-fn fused(accelerator: Accelerator) -> Configuration {
-    Configuration::new(accelerator, ScheduleKind::Fused, 1)
-}
-
-fn compact(accelerator: Accelerator, steps: u32) -> Configuration {
-    Configuration::new(accelerator, ScheduleKind::Compact, steps)
-}
-
-/// The paper's scene, and a larger one.
-pub(crate) fn two_scenes() -> Result<[Subject; 2], String> {
-    Ok([generated("cornell-box", None)?, generated("terrain", Some(TERRAIN))?])
-}
-
 impl Section<'_> {
     pub(crate) fn is_over(&self) -> bool {
         Instant::now() >= self.end
@@ -225,30 +211,54 @@ impl Section<'_> {
         Row::new(self.table.columns).set("section", self.name)
     }
 
-    /// Measures configurations on the same rays, interleaved. What cannot be measured becomes a note.
-    fn group(&mut self, subject: &Subject, kind: RayKind, size: Size, all: Vec<Configuration>) {
+    /// Notes that something was left out for want of time.
+    pub(crate) fn late(&mut self, what: &str) {
+        self.notes.push(format!("omitted: {what}: the section's time was over"));
+    }
+
+    /// Which configurations' work is counted: of one schedule only if the others take the same steps.
+    fn is_counted(&self) -> fn(&Configuration) -> bool {
+        match self.name {
+            "paper" => |_| true,
+            "meshes" => {
+                |one| one.schedule == ScheduleKind::Fused || (one.schedule, one.steps) == (ScheduleKind::Compact, 1)
+            }
+            _ => |_| false,
+        }
+    }
+
+    /// Which configurations' timed runs submit exactly the passes that they need: the paper's.
+    fn is_replayed(&self) -> fn(&Configuration) -> bool {
+        match self.name {
+            "paper" => |one| matches!(one.schedule, ScheduleKind::First | ScheduleKind::Second),
+            _ => |_| false,
+        }
+    }
+
+    /// Measures configurations on the same rays, interleaved. What cannot be measured becomes a note. Returns the new
+    /// rows.
+    pub(crate) fn group(&mut self, subject: &Subject, kind: RayKind, size: Size, all: Vec<Configuration>) -> &[Row] {
+        let (first, scene) = (self.table.rows.len(), &subject.scene);
+        // Scenes of the same name may differ in their triangles.
+        let triangles = scene.triangles.len();
         if self.is_over() {
-            let scene = &subject.scene;
-            let triangles = scene.triangles.len();
-            return self.notes.push(format!("{} {triangles} {kind} {size}: the section's time was over", scene.name));
+            self.late(&format!("{} of {triangles} triangles, {size} {kind}", scene.name));
+            return &[];
         }
         let setup = self.setup;
         let [each, longest] =
             if setup.is_quick { [0.6, 3.0] } else { setup.choose([0.4, 1.5], [2.0, 20.0], [0.6, 3.0]) };
-        let turns = Turns {
-            fewest: 1,
-            all: Some(self.end.saturating_duration_since(Instant::now())),
-            each: Some(Duration::from_secs_f64(each)),
-            ..Turns::of(1, setup.repeats())
-        };
+        let turns = Turns { fewest: 1, each: Some(Duration::from_secs_f64(each)), ..Turns::of(1, setup.repeats()) };
         let wanted = Wanted {
-            configurations: all.clone(),
+            configurations: all,
             sizes: vec![size],
             rays: vec![kind],
             file: None,
             turns,
             longest_run: Duration::from_secs_f64(longest),
-            replay: self.name == "paper",
+            until: Some(self.end),
+            is_counted: self.is_counted(),
+            is_replayed: self.is_replayed(),
             seed: SEED,
             tuning: Options::new(RaySource::Given(Vec::new())),
         };
@@ -258,136 +268,72 @@ impl Section<'_> {
                 for (of, details) in measured.rows.iter().zip(&measured.details) {
                     let threads: u64 = details.passes.iter().map(|pass| pass.threads_launched).sum();
                     let with_ray: u64 = details.passes.iter().map(|pass| u64::from(pass.rays_in)).sum();
+                    let cells = details.cells.map(|cells| cells.map(|n| n.to_string()).join("x"));
                     let row = self.row().with(of).set("threads_launched", threads).set("threads_with_ray", with_ray);
-                    let configuration = details.context.configuration.parse().ok().and_then(|i: usize| all.get(i));
-                    let cells = configuration.filter(|_| self.name == "paper").and_then(|one| cells(subject, *one));
                     self.table.rows.push(row.set("cells", cells));
                 }
-                self.notes.extend(measured.notes);
+                self.notes.extend(measured.notes.iter().map(|note| format!("{triangles} triangles: {note}")));
             }
-            Err(error) => self.notes.push(format!("{} {size} {kind}: {error}", subject.scene.name)),
-        }
-    }
-
-    /// The image size for sections that measure only one.
-    fn one_size(&self) -> Size {
-        let [width, height] = self.setup.choose([1920, 1080], [512, 512], [128, 128]);
-        Size { width, height }
-    }
-
-    fn paper(&mut self) -> Result<(), String> {
-        use Accelerator::{Bvh, Grid, Irregular, None};
-        use ScheduleKind::{First, Second};
-        let grid = Some(GRID);
-        let mut all = Vec::new();
-        for numerics in [Numerics::Paper, Numerics::Robust] {
-            let of = |accelerator, schedule| Configuration { numerics, ..Configuration::new(accelerator, schedule, 1) };
-            for grid in [GRID, GridSize::Auto].map(Some) {
-                all.extend([First, Second].map(|schedule| Configuration { grid, ..of(Grid, schedule) }));
-            }
-            all.push(of(None, Second));
-        }
-        for one in [compact(Grid, 1), compact(Grid, 8), fused(Grid)] {
-            all.extend([one, one.skipping(), Configuration { grid, ..one }]);
-        }
-        for accelerator in [Bvh, Irregular, None] {
-            all.extend([compact(accelerator, 1), compact(accelerator, 8), fused(accelerator)]);
-        }
-        let subject = generated("cornell-box", Option::None)?;
-        for (side, _) in SECONDS.into_iter().take(if self.setup.is_quick { 2 } else { SECONDS.len() }) {
-            self.group(&subject, RayKind::Primary, Size { width: side, height: side }, all.clone());
-        }
-        Ok(())
-    }
-
-    fn resolution(&mut self) -> Result<(), String> {
-        use Accelerator::{Bvh, Grid};
-        // From 0.25 to 8.3 million pixels.
-        const SIZES: [[u32; 2]; 7] =
-            [[640, 384], [960, 540], [1280, 720], [1920, 1080], [2560, 1440], [3200, 1800], [3840, 2160]];
-        const SMALL: [[u32; 2]; 4] = [[128, 96], [256, 192], [320, 240], [512, 384]];
-        for subject in &two_scenes()? {
-            for &[width, height] in self.setup.choose(&SIZES[..], &SIZES[..4], &SMALL[..]) {
-                let all = vec![fused(Bvh), fused(Grid), compact(Bvh, 8), compact(Grid, 8)];
-                self.group(subject, RayKind::Primary, Size { width, height }, all);
+            Err(error) => {
+                self.notes.push(format!("omitted: {} of {triangles} triangles, {size} {kind}: {error}", scene.name));
             }
         }
-        Ok(())
-    }
-
-    fn steps(&mut self) -> Result<(), String> {
-        let steps = |accelerator| [1, 2, 4, 8, 16, 32, 64].map(|steps| compact(accelerator, steps));
-        let of = |accelerator| [vec![fused(accelerator)], steps(accelerator).into()].concat();
-        for subject in &two_scenes()? {
-            let all = [of(Accelerator::Grid), of(Accelerator::Bvh)].concat();
-            self.group(subject, RayKind::Primary, self.one_size(), all);
-        }
-        Ok(())
-    }
-
-    /// By kind first: if time runs out, every scene has at least its primary rays.
-    fn meshes(&mut self, meshes: &[Mesh]) -> Result<(), String> {
-        use Accelerator::{Bvh, Grid, Irregular};
-        let of = |one: fn(Accelerator) -> Configuration| [Bvh, Irregular, Grid].map(one);
-        let mut all = Vec::new();
-        for eight_or_all in [of(fused), of(|accelerator| compact(accelerator, 8))] {
-            all.extend(eight_or_all);
-            all.push(eight_or_all[2].skipping());
-        }
-        all.extend(of(|accelerator| compact(accelerator, 1)));
-        all.extend(of(|accelerator| Configuration::new(accelerator, ScheduleKind::Second, 1)));
-        let mut subjects = vec![generated("cornell-box", None)?];
-        for mesh in meshes {
-            subjects.push(mesh.read()?);
-        }
-        for &kind in RayKind::ALL {
-            subjects.iter().for_each(|subject| self.group(subject, kind, self.one_size(), all.clone()));
-        }
-        Ok(())
-    }
-
-    fn triangles(&mut self) -> Result<(), String> {
-        use Accelerator::{Bvh, Grid, Irregular};
-        const COUNTS: [u64; 14] =
-            [2, 8, 18, 32, 72, 128, 512, 2_048, 8_192, 32_768, 131_072, 524_288, 2_000_000, 10_000_000];
-        /// A run without an accelerator is skipped if it is expected to take longer than this.
-        const MOST_NS: f64 = 0.5e9;
-        /// Most triangles for which the host builds an irregular grid: it takes some 5 s for a million.
-        const MOST_IRREGULAR: u64 = 600_000;
-        let fast = if self.setup.is_quick { (131_072, 512) } else { (10_000_000, 1024) };
-        let (most, side) = self.setup.choose(fast, (2_000_000, 256), (8_192, 128));
-        // The last time without an accelerator, per scene: it is proportional to triangles from a few hundred up.
-        let mut last = [None::<(f64, f64)>; 2];
-        for count in COUNTS.into_iter().filter(|&count| count <= most) {
-            for (scene, last) in ["terrain", "soup"].into_iter().zip(&mut last) {
-                if self.is_over() {
-                    self.notes.push(format!("{scene} of {count} triangles: the section's time was over"));
-                    continue;
-                }
-                let subject = generated(scene, Some(count))?;
-                let triangles = subject.scene.triangles.len() as f64;
-                let expected_ns = last.map_or(0.0, |(before, ns)| ns * triangles / before);
-                let of_grid = |one: Configuration| Configuration { skip: Skip::Auto, ..one };
-                let mut all = vec![of_grid(fused(Grid)), fused(Bvh), of_grid(compact(Grid, 8)), compact(Bvh, 8)];
-                all.extend((count <= MOST_IRREGULAR).then(|| fused(Irregular)));
-                if expected_ns < MOST_NS {
-                    all.push(fused(Accelerator::None));
-                } else {
-                    let seconds = expected_ns / 1e9;
-                    self.notes.push(format!("{scene} of {count} triangles, none: {seconds:.1} s were expected"));
-                }
-                self.group(&subject, RayKind::Primary, Size { width: side, height: side }, all);
-                let none = self.table.rows.last().filter(|row| row.get("accelerator") == "none");
-                *last = none.and_then(|row| row.number("median_ns")).map(|ns| (triangles, ns)).or(*last);
-            }
-        }
-        Ok(())
+        &self.table.rows[first..]
     }
 }
 
-/// Cells of the grid that is built, along x, y and z.
-fn cells(subject: &Subject, one: Configuration) -> Option<String> {
-    let options = one.of(&Options::new(subject.camera_rays(Size { width: 1, height: 1 })));
-    let (plan, data) = Plan::new(&subject.scene, &options, &raystep_kernels::Limits::CPU).ok()?;
-    plan.features.grid.then(|| data.grid.cells.map(|n| n.to_string()).join("x"))
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::Accelerator;
+
+    use super::*;
+    use crate::subjects::generated;
+
+    const SIZE: Size = Size { width: 8, height: 8 };
+
+    fn setup() -> Setup {
+        let machine = Machine { device: Device::Cpu(Some(now_ns)), reason: String::new() };
+        Setup { meter: Meter::new(machine), is_fast: false, is_quick: true }
+    }
+
+    fn section<'a>(setup: &'a Setup, name: &'static str, time: Duration) -> Section<'a> {
+        Section { setup, name, end: Instant::now() + time, table: Table::new(COLUMNS), notes: Vec::new() }
+    }
+
+    /// With these steps a pass.
+    fn grid(schedule: ScheduleKind, steps: u32) -> Configuration {
+        Configuration::new(Accelerator::Grid, schedule, steps)
+    }
+
+    #[test]
+    fn a_group_returns_its_own_rows_and_counts_what_its_section_asks_for() {
+        let (setup, subject) = (setup(), generated("cornell-box", None).expect("a scene"));
+        let mut meshes = section(&setup, "meshes", Duration::from_secs(600));
+        let all = [grid(ScheduleKind::Fused, 1), grid(ScheduleKind::Compact, 8), grid(ScheduleKind::Compact, 1)];
+        for kind in [RayKind::Primary, RayKind::Random] {
+            let rows = meshes.group(&subject, kind, SIZE, all.to_vec());
+            assert_eq!((rows.len(), rows.iter().all(|row| row.get("rays_kind") == kind.name())), (3, true), "{rows:?}");
+            let counted: Vec<bool> = rows.iter().map(|row| row.number("tests_per_ray").is_some()).collect();
+            assert_eq!(counted, [true, false, true]);
+            assert!(rows.iter().all(|row| row.get("cells").split('x').count() == 3), "{rows:?}");
+        }
+        assert_eq!((meshes.table.rows.len(), meshes.notes), (6, Vec::new()));
+    }
+
+    #[test]
+    fn a_section_whose_time_is_over_measures_nothing_and_says_so() {
+        let (setup, subject) = (setup(), generated("cornell-box", None).expect("a scene"));
+        let mut late = section(&setup, "steps", Duration::ZERO);
+        assert_eq!(late.group(&subject, RayKind::Primary, SIZE, vec![grid(ScheduleKind::Fused, 1)]), []);
+        assert_eq!(late.notes, ["omitted: cornell-box of 26 triangles, 8x8 primary: the section's time was over"]);
+    }
+
+    #[test]
+    fn only_the_papers_schedules_are_replayed_and_only_in_its_tables() {
+        let setup = setup();
+        let [paper, meshes] = ["paper", "meshes"].map(|name| section(&setup, name, Duration::ZERO).is_replayed());
+        let all = [ScheduleKind::First, ScheduleKind::Second, ScheduleKind::Compact, ScheduleKind::Fused];
+        assert_eq!(all.map(|schedule| paper(&grid(schedule, 1))), [true, true, false, false]);
+        assert_eq!(all.map(|schedule| meshes(&grid(schedule, 1))), [false; 4]);
+    }
 }

@@ -152,9 +152,9 @@ fn mray_per_s(row: &Row) -> Option<f64> {
     Some(row.number("rays")? / row.number("median_ns").filter(|&ns| ns > 0.0)? * 1e3)
 }
 
-/// One column divided by another.
+/// One column divided by another; unknown if that is zero.
 fn ratio(row: &Row, of: &str, to: &str) -> Option<f64> {
-    Some(row.number(of)? / row.number(to)?)
+    Some(row.number(of)? / row.number(to)?).filter(|ratio| ratio.is_finite())
 }
 
 fn percent(share: f64) -> String {
@@ -201,6 +201,21 @@ fn line(name: String, color: usize, is_dashed: bool, points: Vec<(f64, f64)>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_have_few_digits_and_unknown_ones_are_dashes() {
+        let row = Row::new(COLUMNS).set("accelerator", "grid").set("skip", "on").set("schedule", "compact");
+        let row = row.set("steps_per_pass", 8).set("rays", 2_000_000).set("median_ns", 4e6).set("tests_per_ray", 0.0);
+        let row = row.set("repeated_per_ray", 0.0).set("cells_per_ray", 5.0);
+        assert_eq!((name(&row).as_str(), mray_per_s(&row)), ("grid with skipping, compact K=8", Some(500.0)));
+        let shares = ["tests_per_ray", "cells_per_ray"].map(|to| ratio(&row, "repeated_per_ray", to));
+        assert_eq!(shares.map(|share| or_dash(share, percent)), ["–", "0 %"], "nothing is a share of nothing");
+        assert_eq!(or_dash(ratio(&row, "rays", "hits"), digits), "–");
+        assert_eq!([0.0732, 1.0].map(percent), ["7.32 %", "100 %"]);
+        let one = [vec!["a".to_owned(), digits(66_450.0)]];
+        assert_eq!(table(&["", "n"], &one), "|  | n |\n| --- | ---: |\n| a | 66,450 |\n\n");
+        assert_eq!(table(&["", "n"], &[]), "");
+    }
 
     #[test]
     fn prose_stays_and_blocks_are_made_anew() {

@@ -42,8 +42,9 @@ impl Baseline {
             }
             if then.rays != row.rays {
                 note(format!("{at} has {} rays for {name}, but now there are {}", then.rays, row.rays));
-            } else if then.scene_hash == row.scene_hash && then.hits_hash != row.hits_hash {
-                note(format!("{name}: other hits than in {at} ({} and {} rays hit something)", row.hits, then.hits));
+            } else if row.hits.is_some() && then.scene_hash == row.scene_hash && then.hits_hash != row.hits_hash {
+                let [hits, before] = [row.hits, then.hits].map(Option::unwrap_or_default);
+                note(format!("{name}: other hits than in {at} ({hits} and {before} rays hit something)"));
             }
         }
         let is_gone = |then: &&SummaryRow| !rows.iter().any(|row| row.is_same_configuration(then));
@@ -106,6 +107,7 @@ mod tests {
             configuration: (*id).into(),
             accelerator: (*id).into(),
             median_ns: Some(ns as f64),
+            hits: Some(1),
             hits_hash: "x".into(),
             ..SummaryRow::default()
         };

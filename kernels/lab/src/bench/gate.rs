@@ -152,16 +152,19 @@ pub fn changed(now: &SummaryRow, then: &SummaryRow) -> Vec<String> {
     if now.rays != then.rays {
         changed.push(format!("{} rays, before {}", now.rays, then.rays));
     }
+    fn known<T: ToString>(count: Option<T>) -> String {
+        count.map_or_else(|| "unknown".to_owned(), |count| count.to_string())
+    }
     if now.hits_hash != then.hits_hash {
+        let [hits, before] = [now.hits, then.hits].map(known);
         changed.push(match now.hits == then.hits {
-            true => format!("other hits, of as many rays ({})", now.hits),
-            false => format!("other hits: of {} rays, before of {}", now.hits, then.hits),
+            true => format!("other hits, of as many rays ({hits})"),
+            false => format!("other hits: of {hits} rays, before of {before}"),
         });
     }
     if now.passes != then.passes {
         changed.push(format!("{} passes, before {}", now.passes, then.passes));
     }
-    let known = |count: Option<f64>| count.map_or("unknown".to_owned(), |count| count.to_string());
     for (name, now, then) in
         [("tests", now.tests_per_ray, then.tests_per_ray), ("cells", now.cells_per_ray, then.cells_per_ray)]
     {
@@ -305,14 +308,20 @@ mod tests {
 
     #[test]
     fn every_change_is_named() {
-        let now = SummaryRow { adapter: "cpu".into(), hits_hash: "a".into(), rays: 9, ..SummaryRow::default() };
+        let now = SummaryRow {
+            adapter: "cpu".into(),
+            hits: Some(0),
+            hits_hash: "a".into(),
+            rays: 9,
+            ..SummaryRow::default()
+        };
         assert_eq!(changed(&now, &now), Vec::<String>::new());
         let then = SummaryRow {
             adapter: "x".into(),
             clock: "host".into(),
             scene_hash: "s".into(),
             rays: 8,
-            hits: 3,
+            hits: Some(3),
             hits_hash: "b".into(),
             passes: 2,
             tests_per_ray: Some(1.5),

@@ -1,14 +1,18 @@
 //! Builds configurations and times them in interleaved runs.
 
-use std::collections::BTreeMap;
+#[cfg(test)]
+mod tests;
 
-use raystep_kernels::RaySource;
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use raystep_kernels::{RaySource, RenderError};
 
 use super::prepare::{Builder, Extent, Group, Ready, options};
 use super::runs::{RunRow, pairs};
 use super::{Measured, SCHEMA_VERSION, SummaryRow, Wanted, in_words};
 use crate::configuration::Configuration;
-use crate::meter::{Meter, Time, in_turn};
+use crate::meter::{Ended, Meter, Time, Turns, in_turn};
 use crate::reporter::Reporter;
 use crate::subject::Size;
 use crate::{Error, Machine};
@@ -91,16 +95,18 @@ impl<'a> Bench<'a> {
         rays: RaySource,
         configurations: &[Configuration],
     ) -> Result<(), Error> {
-        let mut options = options(self.wanted, configurations, rays, group.ends_early);
+        let base = options(self.wanted, configurations, rays, group.ends_early);
         let mut of_group = Vec::new();
         for configuration in configurations {
             let what = format!("{}, {}", group.name, in_words(configuration));
-            configuration.apply(&mut options);
             let (reporter, mut notes) = (self.reporter, Vec::new());
             let builder = Builder { wanted: self.wanted, meter: self.meter, extent: self.extent };
             let ids = [self.measured.run_id.clone(), self.configurations.to_string()];
             let stage = |name: &str| reporter.stage(&format!("{what}: {name}"));
-            let built = builder.build(ids, &group, &mut options, stage, |note| notes.push(note.to_owned()));
+            let built = match self.time_left() {
+                Some(Duration::ZERO) => Err(Error::TimeOver),
+                _ => builder.build(ids, &group, configuration, &base, stage, |note| notes.push(note.to_owned())),
+            };
             notes.into_iter().for_each(|note| self.note(note));
             match built {
                 Ok(ready) => of_group.push(ready),
@@ -131,18 +137,30 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
+    /// The time until everything is to end; `None` without a limit.
+    fn time_left(&self) -> Option<Duration> {
+        self.wanted.until.map(|until| until.saturating_duration_since(Instant::now()))
+    }
+
     /// Times everything that is built, interleaved, and drops it.
     fn measure(&mut self) -> Result<(), Error> {
         let mut batch: Vec<(Ready, Vec<u64>)> =
             std::mem::take(&mut self.batch).into_iter().map(|ready| (ready, Vec::new())).collect();
-        let (turns, longest) = (self.wanted.turns, self.wanted.longest_run);
-        let of = ((turns.warmups + turns.repeats) * batch.len()) as u64;
-        let mut done = 0;
+        let longest = self.wanted.longest_run;
+        let limits = [self.wanted.turns.all, self.time_left()];
+        let turns = Turns { all: limits.into_iter().flatten().min(), ..self.wanted.turns };
+        let most = turns.warmups + turns.repeats;
+        let (mut done, mut of) = (0, (most * batch.len()) as u64);
         let times = in_turn(&mut batch, turns, |(ready, fixed_work)| {
             self.reporter.part("measuring", done, of);
             done += 1;
             fixed_work.push(self.meter.fixed_work_ns());
-            self.machine().wait(self.meter.run_within(longest, &mut ready.renderer))
+            let ended = self.machine().wait(self.meter.run_within(longest, &mut ready.renderer))?;
+            if ended == Ended::GivenUp {
+                // It runs no more.
+                of -= most.saturating_sub(fixed_work.len()) as u64;
+            }
+            Ok::<_, RenderError>(ended)
         })?;
         let first = self.measured.rows.len();
         let mut groups = Vec::new();
@@ -153,34 +171,39 @@ impl<'a> Bench<'a> {
             };
             let runs: Vec<RunRow> = times.runs.iter().zip(fixed_work).map(row).collect();
             ready.row.set_times(&runs, u64::from(self.wanted.seed));
-            ready.set_hits(self.machine())?;
-            groups.push(ready.group.clone());
-            self.finish_one(ready);
+            if times.is_given_up {
+                let runs = runs.len();
+                self.note(format!("{}: stopped after {runs} timed runs: too slow, or endless", ready.row.name()));
+            } else {
+                ready.set_hits(self.machine())?;
+            }
+            self.check(&ready.row);
+            groups.push(ready.group);
+            self.measured.details.push(ready.details);
+            self.measured.rows.push(ready.row);
             self.measured.runs.extend(runs);
         }
         set_ratios(&mut self.measured.rows[first..], &groups, &self.measured.runs, self.wanted.seed);
         Ok(())
     }
 
-    /// Adds the row of a measured configuration, and compares its hits with its group's.
-    fn finish_one(&mut self, ready: Ready) {
-        let Ready { group, row, details, .. } = ready;
-        let name = |row: &SummaryRow| format!("{} {} {} {}", row.accelerator, row.schedule, row.mapping, row.traversal);
+    /// Notes what is odd about a measured row: invalid times, or other hits than those of the same rays by the same
+    /// rules. The paper's may miss what robust ones hit, and a run that was stopped has no hits.
+    fn check(&mut self, row: &SummaryRow) {
+        let name = row.name();
         if row.invalid_runs > 0 {
-            let (invalid, repeats) = (row.invalid_runs, self.wanted.turns.repeats);
-            self.note(format!("{group}, {}: {invalid} of {repeats} times were invalid and do not count", name(&row)));
+            let (invalid, runs) = (row.invalid_runs, row.runs + row.invalid_runs);
+            self.note(format!("{name}: {invalid} of {runs} times were invalid and do not count"));
         }
-        fn rays_of(r: &SummaryRow) -> (&str, &str, Option<Size>) {
-            (&r.scene_hash, &r.rays_kind, r.size())
+        fn rays_of(r: &SummaryRow) -> ([&str; 3], Option<Size>) {
+            ([&r.scene_hash, &r.rays_kind, &r.numerics], r.size())
         }
-        let same_rays = |other: &&SummaryRow| rays_of(other) == rays_of(&row);
-        let other = self.measured.rows.iter().find(same_rays).filter(|r| r.hits_hash != row.hits_hash);
-        if let Some(other) = other {
-            let (one, two, hits, others) = (name(&row), name(other), row.hits, other.hits);
-            self.note(format!("{group}: {one} and {two} have different hits ({hits} and {others} rays hit something)"));
+        let is_comparable = |other: &&SummaryRow| rays_of(other) == rays_of(row) && other.hits.is_some();
+        let other = self.measured.rows.iter().find(is_comparable);
+        if let Some((hits, other)) = row.hits.zip(other).filter(|(_, other)| other.hits_hash != row.hits_hash) {
+            let (others, other) = (other.hits.unwrap_or_default(), other.name());
+            self.note(format!("{name} and {other} have different hits ({hits} and {others} rays hit something)"));
         }
-        self.measured.details.push(details);
-        self.measured.rows.push(row);
     }
 
     /// Measures what remains.

@@ -1,6 +1,6 @@
 //! Builds configurations: everything that is done before they are timed.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use raystep_kernels::export::csv::{DrawnPart, RunContext};
 use raystep_kernels::export::json::{CounterSums, hit_count};
@@ -45,10 +45,14 @@ impl Ready {
     /// Fills in the hits of its last run.
     pub(super) fn set_hits(&mut self, machine: &Machine) -> Result<(), RenderError> {
         let hits = machine.wait(self.renderer.hits())?;
-        (self.row.hits, self.row.hits_hash) = (hit_count(&hits), Hash::of_hits(&hits, self.is_any_hit).to_string());
+        (self.row.hits, self.row.hits_hash) =
+            (Some(hit_count(&hits)), Hash::of_hits(&hits, self.is_any_hit).to_string());
         Ok(())
     }
 }
+
+/// A structure that takes longer to build takes far longer than to compose kernels.
+const QUICK: Duration = Duration::from_secs(1);
 
 /// What is done beside building.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,18 +82,28 @@ impl<'a> Builder<'a> {
         &self,
         [run_id, configuration]: [String; 2],
         group: &Group<'_>,
-        options: &mut Options,
+        one: &Configuration,
+        base: &Options,
         stage: impl Fn(&str),
         mut note: impl FnMut(&str),
     ) -> Result<Ready, Error> {
         let (subject, machine) = (group.subject, self.machine());
         stage("building");
-        (options.counters, options.timings, options.keep_passes) = (false, true, true);
+        let mut options = Options { counters: false, timings: true, keep_passes: true, ..one.of(base) };
         machine.forget_kernels();
-        let start = Instant::now();
-        let (plan, data) = machine.wait(Plan::on(&subject.scene, options, &machine.device))?;
-        let build_s = start.elapsed().as_secs_f64();
-        if misses_all(&subject.scene, options, &plan) {
+        let plan = || {
+            let start = Instant::now();
+            let planned = machine.wait(Plan::on(&subject.scene, &options, &machine.device))?;
+            Ok::<_, RenderError>((planned, start.elapsed()))
+        };
+        let mut planned = plan()?;
+        if planned.1 < QUICK {
+            // Most of it may be composing the kernels, which are kept. Two plans need twice the memory.
+            drop(planned);
+            planned = plan()?;
+        }
+        let ((plan, data), building) = planned;
+        if misses_all(&subject.scene, &options, &plan) {
             note(MISSES_ALL);
         }
         if options.accelerator == Accelerator::Auto {
@@ -97,25 +111,28 @@ impl<'a> Builder<'a> {
             note(&format!("{}: auto is {accelerator}: {accelerator_because}", subject.scene.name));
         }
         stage("compiling kernels and timing passes");
-        let context = machine.run_context(run_id.clone(), &subject.scene, options, &plan);
+        let context = machine.run_context(run_id.clone(), &subject.scene, &options, &plan);
         let (width_px, height_px) = group.size.map(|size| (size.width, size.height)).unzip();
         let context = RunContext { configuration: configuration.clone(), width_px, height_px, ..context };
         let clock = context.timer.map_or("", |timer| timer.name()).to_owned();
+        let cells = plan.features.grid.then_some(data.grid.cells);
         let (details, start_s) = match self.extent {
             Extent::Full => {
-                let compiling = Renderer::from_plan(plan.clone(), data.clone(), options, &machine.device);
+                let compiling = Renderer::from_plan(plan.clone(), data.clone(), &options, &machine.device);
                 self.time_passes(context, compiling)?
             }
             Extent::Brief => (Details::without_passes(context), 0.0),
         };
         stage("counting");
         let counts = match self.extent {
-            Extent::Full => machine.wait(machine.counts(&subject.scene, options)),
-            Extent::Brief => None,
+            Extent::Full if (self.wanted.is_counted)(one) => {
+                machine.wait(machine.counts(&subject.scene, &options, self.wanted.longest_run))
+            }
+            _ => None,
         };
         (options.timings, options.keep_passes) = (times_every_pass(machine), false);
-        let mut renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device))?;
-        if self.wanted.replay {
+        let mut renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device))?;
+        if (self.wanted.is_replayed)(one) {
             renderer.foresee(&details.passes);
         }
 
@@ -146,7 +163,7 @@ impl<'a> Builder<'a> {
             width_px,
             height_px,
             rays: plan.rays,
-            build_s,
+            build_s: building.as_secs_f64(),
             start_s,
             clock,
             cells_per_ray: per_ray(|sums| Some(sums.cells_visited)),
@@ -159,6 +176,7 @@ impl<'a> Builder<'a> {
             ..SummaryRow::default()
         };
         let (bytes, is_any_hit) = (plan.bytes(), options.any_hit);
+        let details = Details { cells, ..details };
         Ok(Ready { group: group.name.clone(), row, details, renderer, bytes, is_any_hit })
     }
 
@@ -185,7 +203,7 @@ impl<'a> Builder<'a> {
         let passes = renderer.passes().to_vec();
         let parts = passes.iter().zip(renderer.draws()).map(|(p, draws)| DrawnPart::of(renderer.plan(), p, draws));
         let parts = parts.collect();
-        Ok((Details { context, passes, parts, shaders }, start_s))
+        Ok((Details { passes, parts, shaders, ..Details::without_passes(context) }, start_s))
     }
 }
 

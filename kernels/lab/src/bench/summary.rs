@@ -71,7 +71,7 @@ csv_row! {
         pub repeated_per_ray: Option<f64>,
         pub structure_bytes: u64,
         pub bytes_per_triangle: Option<f64>,
-        pub hits: u64,
+        pub hits: Option<u64>,
         pub hits_hash: String,
         pub baseline_ratio: Option<f64>,
         /// Earlier files lack it.
@@ -266,10 +266,17 @@ mod tests {
 
         let mut reader = ::csv::ReaderBuilder::new().flexible(false).from_reader(file.as_slice());
         let names = reader.headers().expect("names").clone();
-        assert_eq!(names.iter().collect::<Vec<_>>(), SummaryRow::COLUMNS);
+        let expected = "schema_version run_id configuration build scene scene_hash triangles accelerator schedule numerics \
+                        grid skip steps_per_pass keep_all rays_kind seed adapter width_px height_px rays build_s start_s \
+                        clock runs invalid_runs median_ns low_ns high_ns min_ns max_ns interval_method interval_level \
+                        median_wall_ns fixed_work_ns rays_per_s time_ratio time_ratio_low time_ratio_high ratio_to passes \
+                        useful_steps_per_thread cells_per_ray tests_per_ray repeated_per_ray structure_bytes \
+                        bytes_per_triangle hits hits_hash baseline_ratio mapping traversal";
+        assert_eq!(names.iter().collect::<Vec<_>>().join(" "), expected);
+        assert_eq!(SummaryRow::COLUMNS.join(" "), expected);
         let first = reader.records().next().expect("a row").expect("as many fields as names");
         let value = |name: &str| &first[names.iter().position(|n| n == name).expect(name)];
-        for name in ["low_ns", "median_wall_ns", "cells_per_ray", "baseline_ratio", "steps_per_pass"] {
+        for name in ["low_ns", "median_wall_ns", "cells_per_ray", "hits", "baseline_ratio", "steps_per_pass"] {
             assert_eq!(value(name), "", "unknown is empty: {name}");
         }
         assert_eq!((value("scene_hash"), value("median_ns")), ("fnv1a64:0000000000000012", "1500.5"));

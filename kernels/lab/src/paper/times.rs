@@ -62,7 +62,9 @@ pub fn times(
         file: None,
         turns: Turns { seed: u64::from(SEED), ..Turns::of(1, repeats as usize) },
         longest_run: Duration::MAX,
-        replay: true,
+        until: None,
+        is_counted: |_| true,
+        is_replayed: |_| true,
         seed: SEED,
         tuning,
     };

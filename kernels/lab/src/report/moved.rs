@@ -4,7 +4,7 @@
 //! it is measured against f64 with the same f32 inputs, and predicted for each ray by the bound in `crate::reference`.
 //! A result with a small one is right for a scene close to the given one: its backward error is small. The *forward
 //! error* is measured against the scene before it was moved or scaled, and so includes the rounding of every coordinate
-//! to f32, off by up to half a unit in the last transform, h. A plane with the normal n through vertices c is hit where
+//! to f32, off by up to half a unit in the last place, h. A plane with the normal n through vertices c is hit where
 //! (o + t·d − c)·n = 0. To first order, with vertex weights that add up to 1, rounding changes t by
 //!
 //! ```text
@@ -15,7 +15,7 @@
 //! vertex of the hit triangle: t is a mean of the vertices' depths, each rounded, and errors of their weights change it
 //! only as far as the depths differ.
 //!
-//! Errors of t are converted to distances along the ray, relative to the scene's extent, so that all of them are
+//! Errors of t are converted to distances along the ray, relative to the scene's extent, so that all transforms are
 //! comparable. Rays are judged by strata: in any direction, and at corners, at middles of edges and along edges of the
 //! moved scene.
 
@@ -60,7 +60,7 @@ pub(super) const COLUMNS: &[&str] = &joined::<{ count(MOVED) }>(MOVED);
 /// Columns of the section `scaled`.
 pub(super) const SCALED_COLUMNS: &[&str] = &joined::<{ count(SCALED) }>(SCALED);
 
-/// What rays are aimed at, a stratum each. Those in any direction come first, and are traced again in every transform.
+/// What rays are aimed at, a stratum each. Those in any direction come first, and are traced again after every transform.
 const STRATA: [Aim<'static>; 4] = [Aim::Anywhere, Aim::Corners, Aim::Middles, Aim::Along];
 
 /// How the scene is changed.

@@ -81,28 +81,28 @@ impl Tally {
     fn add(&mut self, operation: &Operation, inputs: Inputs, result: u32) {
         self.values += 1;
         let float = f32::from_bits(result);
-        let wrong = |wanted: String| {
+        let mistake = |wanted: String| {
             Some(format!("{} = {}, not {wanted}", shown(operation, inputs), either(operation, result)))
         };
         let wrong = match operation.judge {
             Judge::Bits(exact) if exact(inputs) == result => None,
-            Judge::Bits(exact) => wrong(either(operation, exact(inputs))),
+            Judge::Bits(exact) => mistake(either(operation, exact(inputs))),
             Judge::Float(exact) if exact(inputs) == float => None,
-            Judge::Float(exact) => wrong(format!("{:e}", exact(inputs))),
+            Judge::Float(exact) => mistake(format!("{:e}", exact(inputs))),
             Judge::Ulps(most, exact) => {
                 let off = ulps(f64::from(float), exact(inputs));
                 let worst = self.worst.map_or(0.0, |[worst, _]| worst).max(off);
                 self.worst = Some([worst, most]);
                 // A tie is exactly half a unit off.
                 let wanted = || format!("{:e}: off by {off:.2} ulp, of {most} allowed", exact(inputs));
-                if off <= most { None } else { wrong(wanted()) }
+                if off <= most { None } else { mistake(wanted()) }
             }
             Judge::Near(exact) => {
                 let [exact, most] = exact(inputs);
                 let wanted = || format!("{exact:e} by up to {most:e}");
-                if (f64::from(float) - exact).abs() <= most { None } else { wrong(wanted()) }
+                if (f64::from(float) - exact).abs() <= most { None } else { mistake(wanted()) }
             }
-            Judge::OneOf(all) => self.name(expression(operation), all(inputs), result).and_then(wrong),
+            Judge::OneOf(all) => self.name(expression(operation), all(inputs), result).and_then(mistake),
         };
         self.wrong.extend(wrong.filter(|_| self.wrong.len() < MOST_SHOWN));
     }

@@ -38,7 +38,7 @@ pub(super) fn cases() -> Vec<Step> {
 }
 
 fn device_name(bench: &Bench) -> DeviceName {
-    DeviceName { device: "gpu", adapter: bench.machine.name() }
+    DeviceName { kind: "gpu", adapter: bench.machine.name() }
 }
 
 fn of_case(bench: &mut Bench, case: &'static Case) -> Found {

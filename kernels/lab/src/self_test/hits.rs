@@ -45,24 +45,24 @@ const PLACES: [(&str, Make); 2] = [
     }),
 ];
 
-fn check_of(way: Configuration) -> &'static str {
-    STRUCTURES.iter().find(|(accelerator, ..)| *accelerator == way.accelerator).map_or(BRUTE_FORCE, |(_, name, _)| name)
+fn check_of(one: Configuration) -> &'static str {
+    STRUCTURES.iter().find(|(accelerator, ..)| *accelerator == one.accelerator).map_or(BRUTE_FORCE, |(_, name, _)| name)
 }
 
 /// A step a configuration in every place, the one that the others are compared with first.
 pub(super) fn steps() -> Vec<Step> {
-    let all = EVERY.into_iter().flat_map(|way| (0..PLACES.len()).map(move |place| (way, place)));
-    let step = |(way, place): (Configuration, usize)| {
-        let checks = if way == EVERY[0] { vec![check_of(way), BRUTE_FORCE] } else { vec![check_of(way)] };
-        Step::new(Group::Hits, format!("{way}, {}", PLACES[place].0), &checks, move |bench| trace(bench, way, place))
+    let all = EVERY.into_iter().flat_map(|one| (0..PLACES.len()).map(move |place| (one, place)));
+    let step = |(one, place): (Configuration, usize)| {
+        let checks = if one == EVERY[0] { vec![check_of(one), BRUTE_FORCE] } else { vec![check_of(one)] };
+        Step::new(Group::Hits, format!("{one}, {}", PLACES[place].0), &checks, move |bench| trace(bench, one, place))
     };
     all.map(step).collect()
 }
 
 /// Hits, and if wanted their verdicts.
-fn run(bench: &Bench, way: Configuration, place: usize, is_judged: bool) -> Result<(Bits, Option<Report>), Error> {
+fn run(bench: &Bench, one: Configuration, place: usize, is_judged: bool) -> Result<(Bits, Option<Report>), Error> {
     let (scene, rays) = PLACES[place].1()?;
-    let options = way.of(&Options { shade: false, ..Options::new(RaySource::Given(rays)) });
+    let options = one.of(&Options { shade: false, ..Options::new(RaySource::Given(rays)) });
     bench.machine.wait(async {
         let mut renderer = Renderer::new(&scene, &options, &bench.machine.device).await?;
         renderer.run(|_| ControlFlow::Continue(())).await?;
@@ -71,13 +71,13 @@ fn run(bench: &Bench, way: Configuration, place: usize, is_judged: bool) -> Resu
     })
 }
 
-fn trace(bench: &mut Bench, way: Configuration, place: usize) -> Found {
+fn trace(bench: &mut Bench, one: Configuration, place: usize) -> Found {
     bench.hits.resize(PLACES.len(), None);
-    let (bits, mut report) = run(bench, way, place, way == EVERY[0])?;
+    let (bits, mut report) = run(bench, one, place, one == EVERY[0])?;
     let base = match bench.hits[place].take() {
         Some(base) => base,
         // It has run, unless this is another process.
-        None if way == EVERY[0] => bits.clone(),
+        None if one == EVERY[0] => bits.clone(),
         None => run(bench, EVERY[0], place, false)?.0,
     };
     let (name, rays) = (PLACES[place].0, bits.rays.len());
@@ -86,19 +86,19 @@ fn trace(bench: &mut Bench, way: Configuration, place: usize) -> Found {
         let of = |[triangle, t, ..]: [u32; 4]| format!("triangle {triangle} at t {:e}", f32::from_bits(t));
         let (here, there) = (of(bits.rays[ray]), of(base.rays[ray]));
         let count = differing.len();
-        format!("{way}, {name}: {count} of {rays} hits differ from {}, first ray {ray}: {here}, not {there}", EVERY[0])
+        format!("{one}, {name}: {count} of {rays} hits differ from {}, first ray {ray}: {here}, not {there}", EVERY[0])
     };
-    let agrees = Finding::new(Group::Hits, check_of(way), Verdict::Right, "")
+    let agrees = Finding::new(Group::Hits, check_of(one), Verdict::Right, "")
         .counting(&[("runs", 1), ("hits", rays as u64)])
         .wrong_by(differing.first().map(difference).into_iter().collect());
     // The same bits are as right as those that were judged.
     if report.is_none() && !differing.is_empty() {
-        report = run(bench, way, place, true)?.1;
+        report = run(bench, one, place, true)?.1;
     }
     let right = report.map(|report| {
         let mut wrong = Vec::new();
         if report.errors() > 0 {
-            wrong.push(format!("{way}, {name}: {report}"));
+            wrong.push(format!("{one}, {name}: {report}"));
             wrong.extend(report.mistakes.iter().map(|mistake| format!("{mistake:?}")));
         }
         Finding::new(Group::Hits, BRUTE_FORCE, Verdict::Right, "")

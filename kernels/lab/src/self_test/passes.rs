@@ -66,7 +66,7 @@ pub(super) fn checks_of_drawing() -> Vec<Check> {
 fn traced() -> Vec<Traced> {
     use raystep_kernels::Accelerator::{Bvh, Grid, Irregular, None};
     use raystep_kernels::ScheduleKind::{Compact, Fused, Second};
-    let of = |place: Place| move |way: Configuration| Traced::new(place, way);
+    let of = |place: Place| move |one: Configuration| Traced::new(place, one);
     let mut all: Vec<Traced> = COVERING.into_iter().map(of(Place::Room)).collect();
     // A fused kernel that does not shade generates its rays itself.
     all.extend(
@@ -80,7 +80,7 @@ fn traced() -> Vec<Traced> {
     // Few iterations a dispatch, so that everything that can continue in the next one does.
     let in_parts =
         [Grid, Irregular, Bvh, None].map(|structure| [several(structure), Configuration::new(structure, Fused, 1)]);
-    all.extend(in_parts.into_iter().flatten().chain([STEPPED]).map(|way| of(Place::Room)(way).in_parts()));
+    all.extend(in_parts.into_iter().flatten().chain([STEPPED]).map(|one| of(Place::Room)(one).in_parts()));
     all.extend(
         [Configuration::new(Irregular, Second, 1), several(Irregular), Configuration::new(Irregular, Fused, 1)]
             .map(of(Place::Knot)),
@@ -114,7 +114,7 @@ fn drawn() -> Vec<Traced> {
         (Configuration::new(Irregular, First, 1), swapped),
         (Configuration::new(Grid, Second, 1).dda(), depths),
     ];
-    all.map(|(way, how)| Traced::new(Place::Room, way).drawn(how)).into()
+    all.map(|(one, how)| Traced::new(Place::Room, one).drawn(how)).into()
 }
 
 pub(super) fn drawing() -> Vec<Step> {

@@ -1,4 +1,4 @@
-//! Bits on their path through textures and buffers: streams are textures of floats and of words, and must keep both.
+//! Bits on their way through textures and buffers: streams are textures of floats and of words, and must keep both.
 
 use std::sync::Arc;
 
@@ -93,7 +93,7 @@ fn run(bench: &mut Bench) -> Found {
         let (given, read) = all.first()?;
         Some(format!("{name}: {given:#010x} came back as {read:#010x}, and {} others changed", all.len() - 1))
     });
-    let share = |is: fn(u32) -> bool, verb: &str| {
+    let changes = |is: fn(u32) -> bool, verb: &str| {
         let differs = |path: &usize| *path != PATH_OF_WORDS && !changed(is, *path).is_empty();
         let paths: Vec<&str> = (0..PATHS.len()).filter(differs).map(|path| PATHS[path]).collect();
         if paths.is_empty() { "all kept".to_owned() } else { format!("{verb} when {}", paths.join(", ")) }
@@ -102,8 +102,8 @@ fn run(bench: &mut Bench) -> Found {
     let normal = found(NORMAL, Verdict::Right, "every bit is kept".into());
     let all = vec![
         normal.counting(&[("values", (PATHS.len() * patterns.len()) as u64)]).wrong_by(wrong.collect()),
-        found(SUBNORMAL, Verdict::Information, share(is_subnormal, "flushed")),
-        found(NOT_FINITE, Verdict::Information, share(|bits| !f32::from_bits(bits).is_finite(), "changed")),
+        found(SUBNORMAL, Verdict::Information, changes(is_subnormal, "flushed")),
+        found(NOT_FINITE, Verdict::Information, changes(|bits| !f32::from_bits(bits).is_finite(), "changed")),
     ];
     Ok((all, Vec::new()))
 }

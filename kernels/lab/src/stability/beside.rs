@@ -18,9 +18,9 @@ pub(super) fn walks(
     reporter: &dyn Reporter,
 ) -> Result<Vec<drift::Walked>, Error> {
     let mut all = Vec::new();
-    for (device, machine) in devices.iter().filter(|(device, _)| device.device != "cpu_f64") {
+    for (device, machine) in devices.iter().filter(|(device, _)| device.kind != "cpu_f64") {
         for rules in drift::RULES {
-            reporter.stage(&format!("tMax along a walk, {}: {}", device.device, rules.name));
+            reporter.stage(&format!("tMax along a walk, {}: {}", device.kind, rules.name));
             let walking = drift::walk(rules, if quick { WALKING / 8 } else { WALKING }, &machine.device);
             all.push(drift::Walked { device: device.clone(), rules, samples: machine.wait(walking)? });
         }
@@ -38,9 +38,9 @@ pub(super) fn pipelines(
 ) -> Result<Vec<probe::Row>, Error> {
     let mut comparison = probe::Comparison::new(if quick { PROBED / 8 } else { PROBED })?;
     let mut rows = Vec::new();
-    for (device, machine) in devices.iter().filter(|(device, _)| device.device != "cpu_f64") {
+    for (device, machine) in devices.iter().filter(|(device, _)| device.kind != "cpu_f64") {
         for pipeline in comparison.pipelines() {
-            reporter.stage(&format!("pipelines, {}: {}", device.device, pipeline.name));
+            reporter.stage(&format!("pipelines, {}: {}", device.kind, pipeline.name));
             rows.push(machine.wait(comparison.run(run_id, device, &pipeline, &machine.device))?);
         }
     }
@@ -53,7 +53,7 @@ pub(super) fn in_words(walked: &drift::Walked) -> String {
     let bound = if walked.is_bounded() { format!(", bound {}", drift::BOUND) } else { String::new() };
     format!(
         "{} {}: error at most {:.1} units of 2^-24 over {last} cells{bound}",
-        walked.device.device,
+        walked.device.kind,
         walked.rules.name,
         walked.largest(),
     )

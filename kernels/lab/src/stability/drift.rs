@@ -186,7 +186,7 @@ pub(super) fn table(run_id: &str, all: &[Walked]) -> tidy::Table {
         for sample in &walked.samples {
             let row = tidy::Row::new(COLUMNS)
                 .set("run_id", run_id)
-                .set("configuration", format!("long-walk/{}/{name}", walked.device.device))
+                .set("configuration", format!("long-walk/{}/{name}", walked.device.kind))
                 .with(&walked.device)
                 .configured(&configuration)
                 .set("cells_visited", sample.cells)
@@ -206,7 +206,7 @@ mod tests {
 
     fn walked(rules: Rules) -> Walked {
         let samples = pollster::block_on(walk(rules, 16, &Device::Cpu(None))).expect("a walk");
-        Walked { device: DeviceName { device: "cpu_f32", adapter: String::new() }, rules, samples }
+        Walked { device: DeviceName { kind: "cpu_f32", adapter: String::new() }, rules, samples }
     }
 
     #[test]

@@ -116,7 +116,7 @@ fn section(page: &mut String, outcome: &Outcome) {
 fn walks(page: &mut String, walks: &[drift::Walked]) {
     let row = |walked: &drift::Walked| {
         let bound = if walked.is_bounded() { drift::BOUND.to_string() } else { String::new() };
-        let (device, rules) = (walked.device.device.to_owned(), escaped(walked.rules.name));
+        let (device, rules) = (walked.device.kind.to_owned(), escaped(walked.rules.name));
         let cells = walked.samples.last()?.cells.to_string();
         Some((mark(walked.is_as_expected()), vec![device, rules, cells, format!("{:.4}", walked.largest()), bound]))
     };

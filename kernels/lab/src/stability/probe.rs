@@ -146,7 +146,7 @@ impl Comparison {
     ) -> Result<Row, Error> {
         let bits = run(pipeline, &self.workloads, device).await?;
         let (base_name, base) = self.bases[usize::from(pipeline.is_camera)]
-            .get_or_insert_with(|| (format!("{}: {}", name.device, pipeline.name), bits.clone()));
+            .get_or_insert_with(|| (format!("{}: {}", name.kind, pipeline.name), bits.clone()));
         Ok(Row::new(run_id, name, pipeline, base_name, bits.difference(base)))
     }
 }
@@ -226,7 +226,7 @@ impl Row {
         let short = |value: f64| format!("{value:.3}").parse::<f64>().unwrap_or(value);
         let fields = tidy::Row::new(COLUMNS)
             .set("run_id", run_id)
-            .set("configuration", format!("pipelines/{}/{}", device.device, pipeline.name))
+            .set("configuration", format!("pipelines/{}/{}", device.kind, pipeline.name))
             .with(device)
             .set("pipeline", &*pipeline.name)
             .set("compared_with", compared_with)

@@ -109,7 +109,7 @@ fn one(wanted: &Wanted, case: &'static Case, devices: &[(DeviceName, Machine)]) 
             for configuration in configurations(accelerator) {
                 // In f64, fused or contracted runs would add nothing to the stepped ones.
                 let is_stepped = configuration.is_stepped() && !configuration.contracted;
-                if !is_stepped && device.device == "cpu_f64" {
+                if !is_stepped && device.kind == "cpu_f64" {
                     continue;
                 }
                 let run = machine.wait(run(case, &workload, configuration, &machine.device, &mut judge))?;
@@ -262,7 +262,7 @@ mod tests {
             cost: Some(Arc::new(Start::new(stiff, Kept::default(), |_, _| Ok(())))),
             run_id: "1-2".into(),
         };
-        let devices = [(DeviceName { device: "cpu_f32", adapter: "cpu".into() }, machine)];
+        let devices = [(DeviceName { kind: "cpu_f32", adapter: "cpu".into() }, machine)];
         let report = measure(&wanted, &devices, &Silent).expect("no error");
         let files: BTreeMap<&str, Vec<u8>> = report.files().expect("memory").into_iter().collect();
         assert_eq!(files.keys().copied().collect::<BTreeSet<_>>(), BTreeSet::from(FILES));

@@ -31,7 +31,8 @@ pub enum Expected {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct DeviceName {
     /// `gpu`, `cpu_f32` or `cpu_f64`.
-    pub device: &'static str,
+    #[serde(rename = "device")]
+    pub kind: &'static str,
     /// The adapter's name.
     pub adapter: String,
 }
@@ -79,7 +80,7 @@ impl Row {
         let expected = Expected::of(case, &configuration, device);
         let Configuration { accelerator, schedule, numerics, .. } = configuration;
         let triangle_test = triangle_test(&configuration);
-        let id = [case.name, device.device, accelerator.name(), schedule.name(), numerics.name(), triangle_test];
+        let id = [case.name, device.kind, accelerator.name(), schedule.name(), numerics.name(), triangle_test];
         let mut fields = tidy::Row::new(COLUMNS)
             .set("run_id", run_id)
             .set("configuration", id.join("/"))
@@ -108,7 +109,7 @@ impl Row {
                 .set(&format!("{name}_relative"), short(largest.relative))
                 .set(&format!("{name}_ulp"), short(largest.ulp));
         }
-        Self { case: case.name, configuration, device: device.device, expected, passed, has_errors, fields }
+        Self { case: case.name, configuration, device: device.kind, expected, passed, has_errors, fields }
     }
 
     /// Whether it is as expected.
@@ -139,9 +140,7 @@ impl Expected {
         match configuration.numerics {
             Numerics::Robust => Self::Pass,
             // In f64 the paper's numerics may succeed if only rounding breaks them.
-            Numerics::Paper
-                if device.device != "cpu_f64" && case.paper.fails_on.contains(&configuration.accelerator) =>
-            {
+            Numerics::Paper if device.kind != "cpu_f64" && case.paper.fails_on.contains(&configuration.accelerator) => {
                 Self::Fail
             }
             Numerics::Paper => Self::Any,
@@ -181,7 +180,7 @@ mod tests {
         let usual = Configuration::usual(Accelerator::Grid, ScheduleKind::Compact);
         let configuration = Configuration { numerics, ..usual };
         let traced = Traced { case, scene_hash: Hash::default(), triangles: 1280 };
-        Row::new("1-2", traced, configuration, &DeviceName { device, adapter: "a, \"b\"".into() }, &run)
+        Row::new("1-2", traced, configuration, &DeviceName { kind: device, adapter: "a, \"b\"".into() }, &run)
     }
 
     #[test]

@@ -146,7 +146,8 @@ const COLUMNS: &[Column] = &[
     text("ratio_to", "the configuration that ratios are relative to"),
     number(
         "build_s",
-        "seconds for planning, mostly for building the structure: in grid.csv the median of several, elsewhere of one",
+        "seconds for planning, mostly for building the structure: in grid.csv the median of several, elsewhere of one. In a \
+         benchmark, kernels were composed before if it took less than a second",
     ),
     number(
         "start_s",
@@ -224,7 +225,7 @@ const COLUMNS: &[Column] = &[
     number("useful_steps_per_thread", "rays worked on divided by threads launched, over all passes"),
     number("bytes_per_triangle", "structure_bytes, plus the bytes of packed triangles, divided by triangles"),
     count("structure_bytes", "bytes of the grid or BVH"),
-    count("hits", "rays that hit something"),
+    count("hits", "rays that hit something; empty for configurations that were stopped"),
     text("hits_hash", "hash of all hits: equal hashes mean equal bits"),
     // Extreme cases.
     text("case", "name of the case"),

@@ -108,7 +108,9 @@ pub(super) fn work(machines: &[Measured]) -> String {
 pub(super) fn machine(machine: &Measured) -> String {
     let about = &machine.about;
     let word = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
-    let runs: Vec<u64> = machine.rows.iter().filter_map(|row| row.get("runs").parse().ok()).collect();
+    let runs = machine.rows.iter().filter_map(|row| row.get("runs").parse().ok());
+    // One without a valid time is not measured.
+    let runs: Vec<u64> = runs.filter(|&runs| runs > 0).collect();
     let invalid: u64 = machine.rows.iter().filter_map(|row| row.get("invalid_runs").parse::<u64>().ok()).sum();
     let clock = match about["timestamp_period_ns"].as_f64() {
         Some(period) => format!("timestamps of {} each", time(period)),
@@ -123,7 +125,7 @@ pub(super) fn machine(machine: &Measured) -> String {
     let seconds = about["seconds"].as_object().into_iter().flatten().filter_map(|(_, seconds)| seconds.as_f64());
     text += &format!(
         "{processor}, {} cores; {clock}; raystep {version}.\n`performance measure {arguments}`, {} s: {} measurements with {} \
-         to {} runs each, {} notes in `machine.json` on what was omitted, {invalid} invalid times not counted.",
+         to {} runs each, {} notes in `machine.json`, {invalid} invalid times not counted.",
         about["cores"],
         digits(seconds.sum::<f64>().round()),
         runs.len(),
@@ -151,7 +153,10 @@ pub(super) fn machine(machine: &Measured) -> String {
 
 /// Whether configurations that must find the same hits did so.
 fn agreement(machine: &Measured) -> String {
-    let is_traced = |row: &&Row| !["bytes", "tdelta"].contains(&row.get("section")) && row.get("numerics") == "robust";
+    let is_traced = |row: &&Row| {
+        let is_probe = ["bytes", "tdelta"].contains(&row.get("section"));
+        !is_probe && row.get("numerics") == "robust" && !row.get("hits").is_empty()
+    };
     let key = |row: &Row| {
         ["section", "scene", "triangles", "rays_kind", "width_px", "height_px"].map(|column| row.get(column).to_owned())
     };

@@ -173,7 +173,7 @@ pub(super) fn steps(machine: &Measured, folder: &Path) -> Result<String, String>
 
     let mut series = Vec::new();
     for (i, &group) in groups.iter().enumerate() {
-        // Blue, vermilion, green, purple.
+        // Vermilion and blue, purple and green.
         let (color, name) = ([1, 0, 3, 2][i % 4], group.join(", "));
         let compact: Vec<&Row> = of(group).filter(|row| row.get("schedule") == "compact").collect();
         let points = curve(&compact, "steps_per_pass");

@@ -1,5 +1,7 @@
 //! The rows of the choices: how they are compared, which is recommended, and which are on the front.
 
+use std::time::Duration;
+
 use raystep_kernels::Ray;
 use raystep_kernels::export::structure::structure_bytes;
 
@@ -141,7 +143,7 @@ fn front(rows: &[Row]) -> Vec<bool> {
 async fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -> Row {
     let Measured { configuration, built, times, judged } = m;
     let plan = built.renderer.plan();
-    let sums = work.machine().counts(&work.subject.scene, &options(*configuration, rays)).await;
+    let sums = work.machine().counts(&work.subject.scene, &options(*configuration, rays), Duration::MAX).await;
     let per_ray = |sum: u64| (plan.rays > 0).then(|| sum as f64 / plan.rays as f64);
     let row = work
         .row(COLUMNS)

@@ -63,7 +63,7 @@ impl Place {
 #[derive(Clone, Debug)]
 pub(super) struct Traced {
     place: Place,
-    way: Configuration,
+    configuration: Configuration,
     is_shaded: bool,
     samples: u32,
     is_contracted: bool,
@@ -73,8 +73,8 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    pub(super) fn new(place: Place, way: Configuration) -> Self {
-        Self { place, way, is_shaded: true, samples: 1, is_contracted: false, how: None, turns: None }
+    pub(super) fn new(place: Place, configuration: Configuration) -> Self {
+        Self { place, configuration, is_shaded: true, samples: 1, is_contracted: false, how: None, turns: None }
     }
 
     pub(super) fn unshaded(self) -> Self {
@@ -103,7 +103,7 @@ impl Traced {
 
     /// What is special about it, in words.
     pub(super) fn name(&self) -> String {
-        let mut name = format!("{}, {}", self.way, self.place.name());
+        let mut name = format!("{}, {}", self.configuration, self.place.name());
         let samples = format!(", {} samples", self.samples);
         let how = self.how.map(|how| format!(", {}", raystep_kernels::options::mapping::Mapping::Fragment(how)));
         for (is_so, words) in [
@@ -143,7 +143,7 @@ impl Traced {
             contracted: self.is_contracted,
             grid: self.place.grid(),
             samples: Samples { count: self.samples, sampler, seed: 5, first: 0 },
-            ..self.way.of(&Options::new(rays))
+            ..self.configuration.of(&Options::new(rays))
         };
         Ok((
             scene,
