@@ -40,6 +40,18 @@ tar --exclude=./target --exclude=./.git -cf - . | tar -xf - -C target/example
     cmp cpu.png gpu.png
 )
 
+step "the option of docs/adding-an-option.md"
+(
+    cd target/example
+    sed -n '/^```diff/,/^```/p' docs/adding-an-option.md | sed '1d;$d' | patch -p1
+    for device in cpu gpu; do
+        CARGO_TARGET_DIR=../example-build cargo run --quiet --locked -- \
+            render scenes/cornell-box.gltf -o "$device.png" --device "$device" --unlit --passes-csv "$device.csv"
+        head -n 1 "$device.csv" | grep ",unlit"
+    done
+    cmp cpu.png gpu.png
+)
+
 step "the measurements of docs/performance.md, in short"
 cargo run --quiet --locked -p raystep-lab --example performance -- \
     measure --adapter software --quick -o target/performance

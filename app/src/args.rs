@@ -116,7 +116,7 @@ impl RunArgs {
         if choices.mapping != Mapping::Compute && self.device.device == DeviceKind::Cpu {
             return Err(Error::usage(NO_GPU));
         }
-        choices::check(&choices)
+        choices::check(&choices, |name| self.tracing.has(name) || view.samples.has(name))
     }
 
     /// Where passes run.

@@ -103,3 +103,13 @@ fn is_scene(argument: &OsString) -> bool {
         || ending == "raystep-session"
         || is_known(path) && Cli::command().find_subcommand(argument).is_none()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_option_that_another_names_is_there() {
+        Cli::command().debug_assert();
+    }
+}

@@ -199,7 +199,7 @@ fn what_would_have_no_effect_is_refused() {
     let bench = ["bench", &file, "-o", "out", "--sizes", "8x8", "--device", "cpu", "--repeats", "1"];
     place.fails(
         2,
-        "accelerator bvh, none has no such grid",
+        "accelerator bvh has no such grid",
         &[&bench[..], &["--skip", "on", "--accelerators", "bvh,none"]].concat(),
     );
     place.ok(&[&bench[..], &["--skip", "on", "--accelerators", "bvh,grid"]].concat());

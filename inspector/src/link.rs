@@ -249,7 +249,7 @@ impl Link {
         add("size", (self.size != default.size).then(|| format!("{width}x{height}")));
         // What a reader has from the keys before this one.
         let mut known = default.choices;
-        for row in linked().filter(|row| (row.applies)(&self.choices)) {
+        for row in linked() {
             let value = row.get(&self.choices);
             if value != row.get(&known) && row.set(&mut known, &value.to_string()).is_ok() {
                 add(row.name, Some(value.to_string()));

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use raystep_kernels::options::Choices;
-use raystep_kernels::options::mapping::{Fragment, Mapping};
-use raystep_kernels::options::rows::{MOST_STEPS, ROWS, Refusal, Row, Values};
+use raystep_kernels::options::mapping::Mapping;
+use raystep_kernels::options::rows::{MOST_STEPS, Row, Values};
 use raystep_kernels::program::Program;
 use raystep_kernels::{Accelerator, Device, Gpu, Options, RaySource, Samples, ScheduleKind, Traversal, programs};
 use raystep_scenes::{Camera, Projection, Scene};
@@ -160,7 +160,7 @@ impl From<&Link> for Settings {
             _ => None,
         };
         Self {
-            choices: link.choices,
+            choices: possible(link.choices),
             size: link.size,
             view,
             ray,
@@ -176,6 +176,14 @@ impl From<&Link> for Settings {
             ..Self::default()
         }
     }
+}
+
+/// The choices that go together, with a schedule that can be stepped.
+fn possible(mut choices: Choices) -> Choices {
+    if !choices.schedule.is_stepped() {
+        choices.schedule = ScheduleKind::Compact;
+    }
+    choices.settled(None)
 }
 
 impl Settings {
@@ -215,7 +223,7 @@ impl Settings {
     /// The same through another structure.
     #[must_use]
     pub fn through(mut self, accelerator: Accelerator) -> Self {
-        self.choices.accelerator = accelerator;
+        self.choices = Choices { accelerator, ..self.choices }.settled(Row::named("accelerator"));
         self
     }
 
@@ -225,15 +233,7 @@ impl Settings {
     /// What would be right, if the option has no such value.
     pub fn choose(&mut self, row: &Row, value: &str) -> Result<(), String> {
         row.set(&mut self.choices, value)?;
-        let mut usual = Choices::stepped();
-        if self.choices.mapping != Mapping::Compute {
-            usual.mapping = Mapping::Fragment(Fragment::default());
-        }
-        for other in ROWS.iter().filter(|other| other.name != row.name) {
-            if let Some(Refusal::Impossible(_)) = (other.refused)(&self.choices) {
-                other.set(&mut self.choices, &other.get(&usual).to_string())?;
-            }
-        }
+        self.choices = self.choices.settled(Some(row));
         if self.choices.mapping != Mapping::Compute {
             self.device = DeviceKind::Gpu;
         }
@@ -247,8 +247,8 @@ impl Settings {
         let Values::Names(names) = row.values else { return Vec::new() };
         let is_offered = |name: &&str| {
             let mut chosen = self.clone();
-            let is_chosen = chosen.choose(row, name).is_ok() && (row.refused)(&chosen.choices).is_none();
-            is_chosen && chosen.choices.schedule.is_stepped()
+            let is_chosen = chosen.choose(row, name).is_ok();
+            is_chosen && chosen.choices == chosen.choices.settled(None) && chosen.choices.schedule.is_stepped()
         };
         names().into_iter().filter(is_offered).collect()
     }
@@ -275,14 +275,12 @@ impl Settings {
 
     /// The choices of the run: a single ray has no pixel to distribute samples over, and a file may hold anything.
     fn taken(&self) -> Choices {
-        let mut choices = self.choices;
+        let mut choices = possible(self.choices);
         if self.ray.is_some() {
             choices.samples = Samples::default();
         }
-        if !choices.schedule.is_stepped() {
-            choices.schedule = ScheduleKind::Compact;
-        }
-        choices.steps_per_pass = choices.steps_per_pass.clamp(1, MOST_STEPS);
+        let is_compact = choices.schedule == ScheduleKind::Compact;
+        choices.steps_per_pass = if is_compact { choices.steps_per_pass.clamp(1, MOST_STEPS) } else { 1 };
         choices
     }
 

@@ -84,7 +84,13 @@ fn assert_once(name: &str, text: &str) {
 }
 
 /// The WGSL of a kernel with these options, validated; `changed` are modules with other texts.
-fn composed(kernel: Kernel, name: &str, features: &Features, is_on: &[&str], changed: &BTreeMap<&str, String>) -> String {
+fn composed(
+    kernel: Kernel,
+    name: &str,
+    features: &Features,
+    is_on: &[&str],
+    changed: &BTreeMap<&str, String>,
+) -> String {
     let lists = live::lists(&[INTERSECT, TRAVERSE_GRID], features);
     let modules = modules(kernel, features, &lists);
     let source = |name: &str| match changed.get(name) {
@@ -138,7 +144,11 @@ fn the_diff_of_an_option_applies_to_few_files_and_its_kernel_is_valid() {
 fn the_diff_of_a_program_is_what_the_sources_have() {
     let files = documented("adding-a-program.md");
     let outside: Vec<&String> = files.keys().filter(|name| !name.contains("/programs/sort/")).collect();
-    assert_eq!(outside, ["kernels/src/options/mod.rs", "kernels/src/programs/mod.rs"], "a name, and a line of the registry");
+    assert_eq!(
+        outside,
+        ["kernels/src/options/mod.rs", "kernels/src/programs/mod.rs"],
+        "a name, and a line of the registry"
+    );
     for (name, hunks) in &files {
         match is_new(hunks) {
             true => assert_eq!(source(name), hunks[0].new, "{name}"),

@@ -1,5 +1,6 @@
 //! The options that are rows of [`ROWS`], as options of commands.
 
+use std::fmt;
 use std::marker::PhantomData;
 
 use clap::builder::{ArgPredicate, PossibleValuesParser, TypedValueParser as _};
@@ -13,23 +14,23 @@ use serde::{Serialize, Serializer};
 use super::whole;
 use crate::error::Error;
 
-/// A set of rows that commands have together.
-pub(crate) trait Set {
-    /// The heading in `--help`.
-    const HEADING: &'static str;
-    /// Whether the set has a row.
+/// Rows that commands have together.
+pub(crate) trait Group {
+    /// Their heading in `--help`, if they have one of their own.
+    const HEADING: Option<&'static str>;
+    /// Whether a row is one of them.
     fn has(name: &str) -> bool;
 }
 
-macro_rules! sets {
-    ($($(#[$doc:meta])* $name:ident, $heading:literal: |$row:ident| $has:expr;)*) => {
+macro_rules! groups {
+    ($($(#[$doc:meta])* $name:ident, $heading:expr => |$row:ident| $has:expr;)*) => {
         $(
             $(#[$doc])*
             #[derive(Clone, Copy, Debug)]
             pub(crate) struct $name;
 
-            impl Set for $name {
-                const HEADING: &'static str = $heading;
+            impl Group for $name {
+                const HEADING: Option<&'static str> = $heading;
                 fn has($row: &str) -> bool {
                     $has
                 }
@@ -38,43 +39,42 @@ macro_rules! sets {
     };
 }
 
-sets! {
+groups! {
     /// What runs, and on how many elements without a scene.
-    What, "Options": |row| matches!(row, "program" | "elements");
+    What, None => |row| matches!(row, "program" | "elements");
     /// What a program without a scene works on.
-    Size, "Options": |row| matches!(row, "elements" | "seed");
+    Amount, None => |row| matches!(row, "elements" | "seed");
     /// Samples per pixel.
-    Sampling, "Scene and view": |row| matches!(row, "spp" | "sampler" | "seed");
+    Sampling, Some("Scene and view") => |row| matches!(row, "spp" | "sampler" | "seed");
     /// Everything about tracing.
-    Tracing, "Tracing": |row| !What::has(row) && !Sampling::has(row);
-    /// The same without what only rays of a camera have.
-    Casting, "Tracing": |row| Tuning::has(row) || matches!(row, "accelerator" | "schedule");
-    /// The same without what `raystep bench` combines itself.
-    Tuning, "Tracing": |row| {
-        Tracing::has(row)
-            && !matches!(row, "accelerator" | "schedule" | "mapping" | "targets" | "update" | "cull" | "until" | "traversal")
-    };
+    Tracing, Some("Tracing") => |row| !What::has(row) && !Sampling::has(row);
+    /// What rays of a file have.
+    Casting, Some("Tracing") => |row| Tuning::has(row) || matches!(row, "accelerator" | "schedule");
+    /// What `raystep bench` does not combine itself.
+    Tuning, Some("Tracing") => |row| matches!(row, "numerics" | "grid" | "skip" | "steps-per-pass" | "build" | "keep-all");
 }
 
-/// The rows of a set.
-pub(crate) fn rows<S: Set>() -> impl Iterator<Item = &'static Row> {
+/// The rows of a group.
+pub(crate) fn rows<S: Group>() -> impl Iterator<Item = &'static Row> {
     ROWS.iter().filter(|row| S::has(row.name))
 }
 
-/// The options of a set, with their values.
-#[derive(Clone, Debug)]
+/// The options of a group, with their values.
+#[derive(Clone)]
 pub(crate) struct ChoiceArgs<S> {
     /// The values, and the defaults of all other options.
     pub(crate) values: Choices,
     /// The options that were given.
     given: Vec<&'static str>,
-    set: PhantomData<S>,
+    group: PhantomData<S>,
 }
 
-impl<S: Set> ChoiceArgs<S> {
-    /// The options with these values, as if all of them had been given.
+impl<S: Group> ChoiceArgs<S> {
+    /// The options that a link sets.
     pub(crate) fn of(values: Choices) -> Self {
-        Self { values, given: rows::<S>().map(|row| row.name).collect(), set: PhantomData }
+        let usual = Choices::stepped();
+        let given = rows::<S>().filter(|row| row.get(&values) != row.get(&usual)).map(|row| row.name).collect();
+        Self { values, given, group: PhantomData }
     }
 
     /// Whether an option was given.
@@ -97,7 +97,7 @@ impl<S: Set> ChoiceArgs<S> {
         for row in ROWS {
             let refused: Vec<_> = each.clone().map(|choices| (row.refused)(&choices)).collect();
             let fault = refused.iter().flatten().find(|why| matches!(why, Refusal::Impossible(_)));
-            let is_idle = refused.iter().all(Option::is_some);
+            let is_idle = self.has(row.name) && refused.iter().all(Option::is_some);
             if let Some(why) = fault.or_else(|| refused.iter().flatten().next().filter(|_| is_idle)) {
                 return Err(Error::usage(why));
             }
@@ -110,14 +110,14 @@ impl<S: Set> ChoiceArgs<S> {
         Options::new(rays).chosen(&self.values)
     }
 
-    /// The words that give every value that is not the default's.
+    /// The words that give these values: those that were given, and those that are not the defaults.
     pub(crate) fn words(&self) -> Vec<String> {
         let default = Choices::default();
         let mut words = Vec::new();
         for row in rows::<S>() {
             match row.get(&self.values) {
                 Value::Nothing | Value::Flag(false) => {}
-                value if value == row.get(&default) => {}
+                value if value == row.get(&default) && !self.has(row.name) => {}
                 Value::Flag(true) => words.push(format!("--{}", row.name)),
                 value => words.extend([format!("--{}", row.name), value.to_string()]),
             }
@@ -127,15 +127,15 @@ impl<S: Set> ChoiceArgs<S> {
 }
 
 /// As members of an object.
-impl<S: Set> Serialize for ChoiceArgs<S> {
+impl<S: Group> Serialize for ChoiceArgs<S> {
     fn serialize<T: Serializer>(&self, serializer: T) -> Result<T::Ok, T::Error> {
         serializer.collect_map(rows::<S>().filter_map(|row| Some((row.key(), row.recorded(&self.values)?))))
     }
 }
 
-impl<S: Set> FromArgMatches for ChoiceArgs<S> {
+impl<S: Group> FromArgMatches for ChoiceArgs<S> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut args = Self { values: Choices::default(), given: Vec::new(), set: PhantomData };
+        let mut args = Self { values: Choices::default(), given: Vec::new(), group: PhantomData };
         args.update_from_arg_matches(matches)?;
         Ok(args)
     }
@@ -158,9 +158,12 @@ impl<S: Set> FromArgMatches for ChoiceArgs<S> {
     }
 }
 
-impl<S: Set> Args for ChoiceArgs<S> {
+impl<S: Group> Args for ChoiceArgs<S> {
     fn augment_args(command: Command) -> Command {
-        command.args(rows::<S>().map(|row| arg(row).help_heading(S::HEADING)))
+        command.args(rows::<S>().map(|row| match S::HEADING {
+            Some(heading) => arg(row).help_heading(heading),
+            None => arg(row),
+        }))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -168,10 +171,23 @@ impl<S: Set> Args for ChoiceArgs<S> {
     }
 }
 
-/// Refuses what would have no effect, and what does not go together.
-pub(crate) fn check(choices: &Choices) -> Result<(), Error> {
-    let refused = ROWS.iter().find_map(|row| (row.refused)(choices));
-    refused.map_or(Ok(()), |why| Err(Error::usage(why)))
+/// As its values: whether they were given does not matter.
+impl<S> fmt::Debug for ChoiceArgs<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.values.fmt(f)
+    }
+}
+
+/// Refuses what does not go together, and options that were given and would have no effect.
+pub(crate) fn check(choices: &Choices, is_given: impl Fn(&str) -> bool) -> Result<(), Error> {
+    for row in ROWS {
+        match (row.refused)(choices) {
+            Some(Refusal::Idle(_)) if !is_given(row.name) => {}
+            Some(why) => return Err(Error::usage(why)),
+            None => {}
+        }
+    }
+    Ok(())
 }
 
 /// The option of a row.
@@ -192,6 +208,8 @@ fn arg(row: &'static Row) -> Arg {
             arg.value_name("auto|N|NX,NY,NZ").allow_hyphen_values(true).value_parser(parser)
         }
     };
+    // Fragment programs append to no lists of live rays.
+    let arg = if row.name == "schedule" { arg.default_value_if("mapping", "fragment", "second") } else { arg };
     // Where the default depends on others, the help says it.
     if row.help.contains("[default") { arg } else { arg.default_value(row.get(&Choices::default()).to_string()) }
 }
@@ -201,6 +219,9 @@ pub(crate) fn with_linked(own: &[&'static str]) -> Vec<&'static str> {
     let linked = rows::<Tracing>().chain(rows::<Sampling>()).filter(|row| row.is_linked);
     own.iter().copied().chain(linked.map(|row| row.name)).collect()
 }
+
+// Defaults are those of the paper where passes are stepped or recorded, and the fastest where only an image or hits are
+// asked for.
 
 /// The value for the fastest schedule.
 const AUTO: &str = "auto";

@@ -97,7 +97,7 @@ fn is_standard(path: &Path) -> bool {
 }
 
 pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
-    choices::check(&args.tracing.values)?;
+    choices::check(&args.tracing.values, |name| args.tracing.has(name))?;
     if args.any_hit && args.tracing.values.numerics == Numerics::Paper {
         return Err(Error::usage("--any-hit: the paper's rules find closest hits only; use --numerics robust"));
     }

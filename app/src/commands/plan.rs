@@ -45,7 +45,7 @@ pub(crate) struct PlanArgs {
     #[arg(long)]
     json: bool,
     /// Also measure what each item that the scene does not need would cost: memory and, on a GPU, run time and start-up
-    #[arg(long, conflicts_with = "keep_all")]
+    #[arg(long, conflicts_with = "keep-all")]
     measure: bool,
     /// About how long to measure on a GPU; what does not fit is not measured [default: 25]
     #[arg(long, value_name = "N", default_value_t = ALONE_SECONDS, hide_default_value = true, requires = "measure",

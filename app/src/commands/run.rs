@@ -4,15 +4,15 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use raystep_kernels::export::npy;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::plan::Plan;
-use raystep_kernels::programs::registered;
+use raystep_kernels::programs::{Alone, registered};
 use raystep_kernels::{Options, RaySource};
 use raystep_scenes::{Camera, Scene};
 
-use crate::args::choices::{ChoiceArgs, Size};
+use crate::args::choices::{Amount, ChoiceArgs};
 use crate::args::{DeviceArgs, QuietArgs};
 use crate::device;
 use crate::error::Error;
@@ -25,18 +25,18 @@ use crate::terminal::{Progress, print};
 /// sort puts random keys in ascending order. Its passes are a network of comparisons that does not depend on the keys:
 /// 136 passes for 65,536 keys. 'raystep inspect cornell-box --program sort' shows them one by one.
 #[derive(Args, Debug)]
-#[command(after_help = "\
+#[command(mut_arg("seed", |seed| seed.help("Seed of the keys")), after_help = "\
 Examples:
   raystep run sort --elements 65536 --check
   raystep run sort --elements 1000000 --device gpu --passes-csv passes.csv
   raystep run sort --seed 7 -o keys.npy
   raystep inspect cornell-box --program sort --elements 1024")]
 pub(crate) struct RunProgramArgs {
-    /// The program: sort sorts random keys
-    #[arg(value_parser = PossibleValuesParser::new(alone()).try_map(|name| name.parse::<ProgramName>()))]
-    program: ProgramName,
+    /// The program
+    #[arg(value_parser = PossibleValuesParser::new(alone().map(named)).try_map(|name| parse(&name)))]
+    program: Runs,
     #[command(flatten)]
-    size: ChoiceArgs<Size>,
+    size: ChoiceArgs<Amount>,
     /// Compare with the same computation on the host, and fail if a result differs
     #[arg(long)]
     check: bool,
@@ -54,12 +54,7 @@ pub(crate) struct RunProgramArgs {
 }
 
 pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
-    let Some(alone) = &registered(args.program).alone else {
-        return Err(Error::usage(format!(
-            "program {} needs a scene: use 'raystep inspect' or 'raystep plan'",
-            args.program
-        )));
-    };
+    let Runs { name, alone } = args.program;
     let output = args.output.as_deref().map(Target::new).transpose()?;
     let passes = args.passes_csv.as_deref().map(Target::new).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
@@ -68,7 +63,7 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
     watch.lap("device");
     let scene = Scene { name: "none".into(), ..Scene::default() };
     let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 1, height: 1 };
-    let options = Options { program: args.program, timings: passes.is_some(), ..args.size.options(rays) };
+    let options = Options { program: name, timings: passes.is_some(), ..args.size.options(rays) };
     let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;
     watch.lap("plan");
     let session = Session { scene_path: PathBuf::new(), scene, inputs: Vec::new(), options, chosen, plan, data, watch };
@@ -110,7 +105,22 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
     }
 }
 
-/// The programs that need no scene.
-fn alone() -> impl Iterator<Item = &'static str> {
-    ProgramName::ALL.iter().filter(|name| registered(**name).alone.is_some()).map(|name| name.name())
+/// A program that needs no scene.
+#[derive(Clone, Copy, Debug)]
+struct Runs {
+    name: ProgramName,
+    alone: &'static Alone,
+}
+
+/// All of them.
+fn alone() -> impl Iterator<Item = Runs> {
+    ProgramName::ALL.iter().filter_map(|&name| Some(Runs { name, alone: registered(name).alone.as_ref()? }))
+}
+
+fn named(runs: Runs) -> PossibleValue {
+    PossibleValue::new(runs.name.name()).help(registered(runs.name).program.summary)
+}
+
+fn parse(name: &str) -> Result<Runs, &'static str> {
+    alone().find(|runs| runs.name.name() == name).ok_or("expected a program that needs no scene")
 }

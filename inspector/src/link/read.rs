@@ -5,7 +5,6 @@ use std::str::FromStr;
 use percent_encoding::percent_decode_str;
 use raystep_kernels::options::Choices;
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::options::rows::Refusal;
 use raystep_kernels::{Stream, programs};
 
 use super::error::start;
@@ -95,20 +94,14 @@ impl Pairs {
 
 fn choices(pairs: &Pairs, mut choices: Choices) -> Result<Choices, LinkError> {
     for row in linked() {
-        pairs.take(row.name, |value| row.set(&mut choices, value).map_err(without_dashes))?;
+        pairs.take(row.name, |value| row.set(&mut choices, value))?;
     }
-    for row in linked() {
-        if let Some(Refusal::Impossible(why)) = (row.refused)(&choices) {
-            let value = row.get(&choices).to_string();
-            return Err(LinkError::Value { key: row.name, value, wanted: without_dashes(why) });
+    match choices.mapping.fragment().and_then(|how| how.fault()) {
+        None => Ok(choices),
+        Some(fault) => {
+            Err(LinkError::Value { key: "mapping", value: "fragment".into(), wanted: fault.replace("--", "") })
         }
     }
-    Ok(choices)
-}
-
-/// A sentence about options, as one about keys.
-fn without_dashes(why: String) -> String {
-    why.replace("--", "")
 }
 
 fn camera(pairs: &Pairs) -> Result<LinkCamera, LinkError> {

@@ -374,7 +374,7 @@ impl<W: Write> PassesCsv<W> {
         let since_start_ns = begin_ns.and_then(|begin_ns| self.since_start_ns(run, begin_ns));
         let threads = part.map_or(pass.threads_launched, |(_, part)| part.fragments_drawn);
         let option = |name: &str| rows::Row::named(name).map_or_else(String::new, |row| recorded(row, run));
-        let mut row = vec![
+        let first: [String; FIRST_COLUMNS.len()] = [
             SCHEMA_VERSION.to_string(),
             run.run_id.clone(),
             run.configuration.clone(),
@@ -415,7 +415,7 @@ impl<W: Write> PassesCsv<W> {
             option("traversal"),
             loops(pass),
         ];
-        row.extend(later_options().map(|option| recorded(option, run)));
+        let row = first.into_iter().chain(later_options().map(|option| recorded(option, run)));
         Ok(self.writer.write_record(row)?)
     }
 

@@ -203,6 +203,11 @@ impl Fragment {
         all.filter(|how| how.fault().is_none())
     }
 
+    /// The choice that is at fault if some do not go together.
+    pub(super) fn faulty(&self) -> &'static str {
+        if self.update == Update::Swap && self.cull != Cull::None { "update" } else { "until" }
+    }
+
     /// Why these choices do not go together.
     #[must_use]
     pub fn fault(&self) -> Option<&'static str> {

@@ -15,15 +15,15 @@ pub struct Row {
     pub help: &'static str,
     /// Its label in a panel, and what it does in a few words; `None` if panels do not offer it as it is.
     pub panel: Option<(&'static str, &'static str)>,
-    /// Where it comes into question besides its own value; panels show it only there.
+    /// Where it has a meaning; panels show it only there.
     pub applies: fn(&Choices) -> bool,
-    /// Why a run that chose this value is refused, in a sentence for the command line.
+    /// Why this value is refused, in a sentence for the command line.
     pub refused: fn(&Choices) -> Option<Refusal>,
     /// Its value, for a link or a panel.
     get: Get,
     /// Chooses a value, and what goes with it.
     set: Set,
-    /// Its value in JSON and tables; `None` if another option's includes it.
+    /// Its value in JSON and tables; `None` if they do not have it, or another option's value includes it.
     recorded: Option<Get>,
     /// Whether it is a column of `passes.csv`.
     pub is_column: bool,
@@ -161,7 +161,7 @@ impl Row {
         self.name.replace('-', "_")
     }
 
-    /// Its value there; `None` if another option's includes it.
+    /// Its value there; `None` if it is not there.
     #[must_use]
     pub fn recorded(&self, choices: &Choices) -> Option<Value> {
         Some((self.recorded?)(choices))

@@ -39,19 +39,25 @@ macro_rules! fragment {
             Values::Names(names!($type)),
             |c| c.mapping.fragment().map_or(Value::Nothing, |how| text(how.$field)),
             |c, value| {
-                let Mapping::Fragment(how) = &mut c.mapping else {
-                    return Err(
-                        concat!("--", $name, " is for fragment programs: omit it, or add --mapping fragment").into()
-                    );
-                };
-                parse(value, &mut how.$field)?;
-                let implies: fn(&mut Fragment) = $implies;
-                implies(how);
+                let mut choice = $type::default();
+                parse(value, &mut choice)?;
+                if let Mapping::Fragment(how) = &mut c.mapping {
+                    how.$field = choice;
+                    let implies: fn(&mut Fragment) = $implies;
+                    implies(how);
+                }
                 Ok(())
             },
             $help,
         )
         .applies(|c| c.mapping != Mapping::Compute)
+        .refused(|c| {
+            let Some(how) = c.mapping.fragment() else {
+                let why = concat!("--", $name, " is for fragment programs: omit it, or add --mapping fragment");
+                return Some(Refusal::Idle(why.into()));
+            };
+            how.fault().filter(|_| how.faulty() == $name).map(impossible)
+        })
         .in_tables(None)
     };
 }
@@ -122,7 +128,11 @@ pub static ROWS: &[Row] = &[
         "how kernels run: as compute shaders, or as fragment programs that draw into streams, as on GPUs before 2006",
     )
     .column()
-    .in_tables(Some(|c| text(c.mapping))),
+    .in_tables(Some(|c| text(c.mapping)))
+    .refused(|c| {
+        let is_drawn = c.mapping != Mapping::Compute && c.program != ProgramName::ClosestHit;
+        is_drawn.then(|| impossible("--mapping fragment traces rays: no other program can be drawn"))
+    }),
     fragment!(
         "targets",
         Targets,
@@ -144,8 +154,7 @@ pub static ROWS: &[Row] = &[
         "How a kernel reads a stream that it also writes: from a copy made before (copy), or from one of two textures \
          that take turns (swap) [default: copy]"
     )
-    .panel("update", "how a kernel reads a stream that it also writes")
-    .refused(|c| c.mapping.fragment().filter(|how| how.update == Update::Swap)?.fault().map(impossible)),
+    .panel("update", "how a kernel reads a stream that it also writes"),
     fragment!(
         "cull",
         Cull,
@@ -168,8 +177,7 @@ pub static ROWS: &[Row] = &[
         "What ends the loops of the schedule: occlusion queries (query), or the numbers of rays in each state, counted \
          by a compute shader (count) [default: query; count with --cull none]"
     )
-    .panel("until", "what ends the loops of the schedule")
-    .refused(|c| c.mapping.fragment().filter(|how| how.update != Update::Swap)?.fault().map(impossible)),
+    .panel("until", "what ends the loops of the schedule"),
     named!(
         "schedule",
         ScheduleKind,
@@ -231,7 +239,7 @@ pub static ROWS: &[Row] = &[
     .applies(has_grid)
     .refused(|c| match (c.skip, c.numerics) {
         (Skip::On, Numerics::Paper) if has_grid(c) => {
-            Some(impossible("--skip on: the paper's rules visit every cell; use --numerics robust"))
+            Some(Refusal::Idle("--skip on: the paper's rules visit every cell; use --numerics robust".into()))
         }
         (Skip::On, _) => idle_without_grid("--skip on", c),
         _ => None,
@@ -306,10 +314,29 @@ pub static ROWS: &[Row] = &[
     )
     .in_tables(Some(|c| if c.samples.count > 1 { text(c.samples.sampler) } else { Value::Nothing }))
     .refused(|c| if c.samples.sampler == Sampler::Random { idle_for_one_sample("--sampler random", c) } else { None }),
-    whole!("seed", 0, u32::MAX, samples.seed, "Seed of the samples, or of the keys to sort; the same seed gives the same result")
+    whole!("seed", 0, u32::MAX, samples.seed, "Seed of the samples; the same seed gives the same image")
         .in_tables(Some(|c| if c.samples.count > 1 { Value::Number(c.samples.seed) } else { Value::Nothing }))
         .refused(|c| if c.samples.seed != 0 { idle_for_one_sample("--seed", c) } else { None }),
 ];
+
+impl Choices {
+    /// The same without what does not go together: an option that a row refuses has its usual value instead, but for the
+    /// one that was chosen last.
+    #[must_use]
+    pub fn settled(mut self, chosen: Option<&Row>) -> Self {
+        let mut usual = Self::stepped();
+        if self.mapping != Mapping::Compute {
+            (usual.mapping, usual.schedule) = (Mapping::Fragment(Fragment::default()), ScheduleKind::Second);
+        }
+        for row in ROWS.iter().filter(|row| chosen.is_none_or(|chosen| chosen.name != row.name)) {
+            if let Some(Refusal::Impossible(_)) = (row.refused)(&self) {
+                // A row has its usual value.
+                _ = row.set(&mut self, &row.get(&usual).to_string());
+            }
+        }
+        self
+    }
+}
 
 impl Row {
     /// The row of this name.

@@ -4,7 +4,6 @@ use super::absent;
 use super::allocated::Allocated;
 use super::check::PlanError;
 use super::{Limits, Plan, PlannedSet, bound_by, variants};
-use crate::options::mapping::Mapping;
 use crate::options::{Accelerator, Options};
 use crate::program::Program;
 use crate::program::schedule::Schedule;
@@ -26,9 +25,6 @@ impl Over<'_> {
     /// Plans the run; `data` is what its kernels read.
     pub(crate) fn plan(self, data: &SceneData, options: &Options, limits: &Limits) -> Result<Plan, PlanError> {
         let Self { program, schedule, given, accelerator } = self;
-        if options.mapping != Mapping::Compute {
-            return Err(PlanError::Refused("--mapping fragment traces rays: no other program can be drawn".into()));
-        }
         let too_many = |elements: &str, count| PlanError::TooMany {
             elements: elements.to_owned(),
             count,

@@ -7,7 +7,7 @@ pub mod sort;
 use raystep_scenes::Scene;
 
 use crate::options::{Options, ProgramName};
-use crate::plan::{Limits, Plan, PlanError};
+use crate::plan::{Limits, Plan, PlanError, check_choices};
 use crate::program::Program;
 use crate::scene_data::SceneData;
 use crate::tables::stream::{Stream, StreamData};
@@ -28,6 +28,7 @@ pub struct Registered {
 }
 
 /// A program that needs no scene.
+#[derive(Debug)]
 pub struct Alone {
     /// The stream of its results.
     pub results: Stream,
@@ -76,6 +77,7 @@ impl Plan {
     /// # Errors
     /// If the scene or the options do not fit `limits`, with the numbers.
     pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
+        check_choices(options, limits)?;
         (registered(options.program).plan)(scene, options, limits)
     }
 
@@ -86,6 +88,7 @@ impl Plan {
         limits: &Limits,
         built: Built,
     ) -> Result<(Self, SceneData), PlanError> {
+        check_choices(options, limits)?;
         closest_hit::plan::plan(scene, options, limits, Some(built))
     }
 }

@@ -81,33 +81,35 @@ impl Panel for Options {
 fn option(ui: &mut Ui, draft: &mut Settings, row: &Row, name: &str, about: &str) {
     let mut value = row.get(&draft.choices).to_string();
     let before = value.clone();
-    if let Values::Switch = row.values {
-        let mut is_on = value == "true";
-        ui.checkbox(&mut is_on, name).on_hover_text(about);
-        value = is_on.to_string();
-    } else {
-        let label = ui.label(name).on_hover_text(about);
-        match row.values {
-            Values::Switch => {}
-            Values::Names(_) => {
-                let combo = ComboBox::from_id_salt(name).selected_text(value.clone());
-                let offered = draft.offered(row);
-                let response = combo.show_ui(ui, |ui| {
-                    for name in offered {
-                        ui.selectable_value(&mut value, name.into(), name);
-                    }
-                });
-                response.response.labelled_by(label.id);
-            }
-            Values::Whole(least, most) => {
-                let mut number = value.parse().unwrap_or(least);
-                ui.add(DragValue::new(&mut number).range(least..=most)).labelled_by(label.id);
-                value = number.to_string();
-            }
-            Values::Cells => value = cells(ui, draft.choices.grid, label.id).to_string(),
+    let label = |ui: &mut Ui| ui.label(name).on_hover_text(about).id;
+    match row.values {
+        Values::Switch => {
+            let mut is_on = value == "true";
+            ui.checkbox(&mut is_on, name).on_hover_text(about);
+            value = is_on.to_string();
         }
-        ui.end_row();
+        Values::Names(_) => {
+            let label = label(ui);
+            let combo = ComboBox::from_id_salt(name).selected_text(value.clone());
+            let response = combo.show_ui(ui, |ui| {
+                for name in draft.offered(row) {
+                    ui.selectable_value(&mut value, name.into(), name);
+                }
+            });
+            response.response.labelled_by(label);
+        }
+        Values::Whole(least, most) => {
+            let label = label(ui);
+            let mut number = value.parse().unwrap_or(least);
+            ui.add(DragValue::new(&mut number).range(least..=most)).labelled_by(label);
+            value = number.to_string();
+        }
+        Values::Cells => {
+            let label = label(ui);
+            value = cells(ui, draft.choices.grid, label).to_string();
+        }
     }
+    ui.end_row();
     if value != before {
         // What a control offers can be chosen.
         _ = draft.choose(row, &value);

@@ -40,7 +40,52 @@ fn names_are_distinct_and_the_default_is_refused_nowhere() {
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), ROWS.len());
-    for choices in [Choices::default(), Choices::stepped()] {
-        assert!(ROWS.iter().all(|row| (row.refused)(&choices).is_none()));
+    for &schedule in ScheduleKind::ALL {
+        let choices = Choices { schedule, ..Choices::default() };
+        assert_eq!(choices.settled(None), choices);
+    }
+}
+
+#[test]
+fn what_does_not_go_together_gives_way_to_what_is_chosen() {
+    let chosen = |values: &[(&str, &str)]| {
+        values.iter().fold(Choices::stepped(), |mut choices, (name, value)| {
+            let row = Row::named(name).expect("a row");
+            row.set(&mut choices, value).expect("a value");
+            choices.settled(Some(row))
+        })
+    };
+    let dda = chosen(&[("numerics", "paper"), ("traversal", "3d-dda")]);
+    assert_eq!((dda.numerics, dda.traversal), (Numerics::Paper, Traversal::Dda3d));
+    let bvh = chosen(&[("numerics", "paper"), ("traversal", "3d-dda"), ("accelerator", "bvh")]);
+    assert_eq!((bvh.accelerator, bvh.traversal), (Accelerator::Bvh, Traversal::AmanatidesWoo));
+    let drawn = chosen(&[("spp", "4"), ("mapping", "fragment"), ("update", "swap")]);
+    let swap = Fragment::of(None, Some(Update::Swap), None, None);
+    assert_eq!((drawn.samples.count, drawn.schedule), (1, ScheduleKind::Second));
+    assert_eq!(drawn.mapping, Mapping::Fragment(swap));
+    let early = chosen(&[("mapping", "fragment"), ("update", "swap"), ("cull", "early-z")]);
+    assert_eq!(early.mapping.fragment().map(|how| (how.update, how.cull)), Some((Update::Copy, Cull::EarlyZ)));
+    let compact = Choices { mapping: Mapping::Fragment(Fragment::default()), ..Choices::stepped() };
+    assert_eq!(compact.settled(None).schedule, ScheduleKind::Second);
+}
+
+/// As the command line and links choose them, one after the other.
+#[test]
+fn every_mapping_is_reached_by_its_rows() {
+    for how in Fragment::all() {
+        let mut choices = Choices::default();
+        let values = [how.update.name(), how.cull.name(), how.until.name(), how.targets.name()];
+        for (name, value) in
+            ["mapping", "update", "cull", "until", "targets"].into_iter().zip(["fragment"].into_iter().chain(values))
+        {
+            Row::named(name).expect("a row").set(&mut choices, value).expect("a value");
+        }
+        assert_eq!(choices.mapping, Mapping::Fragment(how));
+        let implied = Fragment::of(None, Some(how.update), None, None);
+        let mut fewer = Choices::default();
+        for (name, value) in [("mapping", "fragment"), ("update", how.update.name())] {
+            Row::named(name).expect("a row").set(&mut fewer, value).expect("a value");
+        }
+        assert_eq!(fewer.mapping, Mapping::Fragment(implied), "what goes with an update is the same everywhere");
     }
 }

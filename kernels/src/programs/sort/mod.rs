@@ -68,10 +68,11 @@ pub(super) const REGISTERED: Registered = Registered {
 /// Compares and exchanges.
 pub const EXCHANGE: Kernel = Kernel::at(&PROGRAM, 0);
 
-/// The schedule for this many keys: stage s has s + 1 steps, counted from 0. The kernel's parameter is 32 s + step.
+/// The schedule for this many keys: stage s has s + 1 steps, counted from 0. The kernel's parameter is 32 s + step. A single
+/// key is looked at once, so that it is in a stream.
 #[must_use]
 pub fn schedule(keys: u32) -> Schedule {
-    let stages = keys.max(1).next_power_of_two().trailing_zeros();
+    let stages = keys.max(2).next_power_of_two().trailing_zeros();
     let step = Step::RunBy(EXCHANGE, Counted { first: 0, by: &[1, 32] });
     let stage = Step::Repeat(Counted { first: 1, by: &[1] }, vec![step]);
     Schedule { steps: vec![Step::Repeat(Counted::always(stages), vec![stage])] }

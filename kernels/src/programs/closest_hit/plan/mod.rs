@@ -15,8 +15,8 @@ use crate::options::mapping::Until;
 use crate::options::{Options, RaySource, ScheduleKind};
 use crate::plan::allocated::Allocated;
 use crate::plan::{
-    DrawnPlan, Limits, Plan, PlanError, bound_by, check_choices, check_rays, check_samples, check_scene, check_texels,
-    image_size, variants,
+    DrawnPlan, Limits, Plan, PlanError, bound_by, check_rays, check_samples, check_scene, check_texels, image_size,
+    variants,
 };
 use crate::scene_data::SceneData;
 use crate::shared::scene::SceneInfo;
@@ -36,7 +36,6 @@ pub(in crate::programs) fn plan(
     let units = Units::of(scene);
     let (width, height, rays) = image_size(options, limits)?;
     check_scene(scene, units)?;
-    check_choices(options, limits)?;
     check_rays(options, units)?;
     check_samples(options)?;
     let given = matches!(options.rays, RaySource::Given(_));
