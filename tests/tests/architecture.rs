@@ -18,7 +18,7 @@ const STOPS: &[Stop] = &[
     Stop::at(&[("raystep::scene_file", "read")], "bytes of the scene's file"),
     Stop::at(&[("raystep_scenes::load", "load")], "triangles, lights, camera"),
     Stop::at(&[("raystep_kernels::options", "Options")], "what the user asks for"),
-    Stop::at(&[("raystep_kernels::plan", "Plan::new")], "what this run needs"),
+    Stop::at(&[("raystep_kernels::programs", "Plan::new")], "what this run needs"),
     Stop::at(&[("raystep_kernels::shader", "Variant::new")], "WGSL and its bindings"),
     Stop::at(&[("raystep_kernels::scene_data", "SceneData::new")], "what buffers hold"),
     Stop::at(&[("raystep_kernels::renderer", "Renderer::from_plan")], "an executor, with streams"),
