@@ -177,8 +177,8 @@ fn a_renamed_stop_and_a_new_arrow_are_seen() {
         *text = change(text);
         modules_of(&sources)
     };
-    let renamed = changed("kernels/src/plan/mod.rs", &|text| text.replace("pub fn new(", "pub fn make("));
-    assert_eq!(missing(&renamed), ["raystep_kernels::plan: Plan::new"]);
+    let renamed = changed("kernels/src/programs/mod.rs", &|text| text.replace("pub fn new(", "pub fn make("));
+    assert_eq!(missing(&renamed), ["raystep_kernels::programs: Plan::new"]);
     let before = drawn(&modules_of(&sources));
     let arrow =
         changed("kernels/src/structures/grid.rs", &|text| format!("{text}\nuse crate::tables::stream::Stream;"));
