@@ -5,6 +5,7 @@ pub mod keep;
 pub mod mapping;
 pub mod reasons;
 pub mod samples;
+pub mod scene_data;
 
 use glam::DVec3;
 use raystep_scenes::Camera;
@@ -14,6 +15,7 @@ use crate::numbers::named::named;
 use keep::Keep;
 use mapping::Mapping;
 use samples::Samples;
+use scene_data::SceneDataKind;
 
 /// The program to run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -303,6 +305,8 @@ pub struct Options {
     pub schedule: ScheduleKind,
     /// `--mapping`, and the choices of the fragment mapping
     pub mapping: Mapping,
+    /// `--scene-data`
+    pub scene_data: SceneDataKind,
     /// `--numerics`
     pub numerics: Numerics,
     /// `--traversal`
@@ -353,6 +357,7 @@ impl Options {
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             mapping: Mapping::default(),
+            scene_data: SceneDataKind::default(),
             numerics: Numerics::default(),
             traversal: Traversal::default(),
             without: None,

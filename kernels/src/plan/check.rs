@@ -7,9 +7,11 @@ use crate::fragment::TEXEL_BYTES as DRAWN_BYTES;
 use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
 use crate::options::samples::Samples;
+use crate::options::scene_data::{self, SceneDataKind};
 use crate::options::{Accelerator, Options, Ray, RaySource, mapping};
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
+use crate::shared::address::list_side;
 use crate::structures::bvh::BvhError;
 use crate::structures::grid::GridError;
 use crate::tables::elements::folded_width;
@@ -41,6 +43,35 @@ pub enum PlanError {
         /// The limit.
         limit: u64,
     },
+    /// A list is longer than the largest texture that the device has.
+    #[error(
+        "{name} has {words} words of 32 bits and needs a texture of {side}x{side} texels, but this device has none larger \
+         than {most}x{most}: use --scene-data buffers"
+    )]
+    ListSize {
+        /// The list.
+        name: &'static str,
+        /// Its words.
+        words: u64,
+        /// Texels along each side.
+        side: u64,
+        /// Most of them.
+        most: u32,
+    },
+    /// A kernel binds more than the device allows a shader.
+    #[error("kernel {kernel} binds {count} {kind}, but this device allows a shader {most}: {name} is one too many")]
+    Bindings {
+        /// The kernel.
+        kernel: &'static str,
+        /// Of what.
+        kind: &'static str,
+        /// Number of bindings.
+        count: usize,
+        /// Most of them.
+        most: u32,
+        /// The first that does not fit.
+        name: String,
+    },
     /// This machine does not have enough memory.
     #[error(transparent)]
     OutOfMemory(#[from] SceneDataError),
@@ -69,7 +100,7 @@ pub enum PlanError {
         "--traversal 3d-dda walks through a uniform grid with the paper's rules: add --accelerator grid --numerics paper"
     )]
     NoTraversal,
-    /// Kernels cannot be mapped to fragment programs in such a run.
+    /// Kernels cannot be mapped to fragment programs, or read lists from textures, in such a run.
     #[error("{0}")]
     Mapping(&'static str),
     /// The program builds grids only.
@@ -253,9 +284,9 @@ pub(crate) fn why_untraceable(ray: &Ray, units: Units) -> Option<&'static str> {
 const TEXEL_BYTES: u64 = 8;
 
 /// Rejects textures that cannot be bound before they are converted.
-pub(super) fn check_texels(scene: &Scene, limits: &Limits) -> Result<(), PlanError> {
+pub(super) fn check_texels(scene: &Scene, scene_data: SceneDataKind, limits: &Limits) -> Result<(), PlanError> {
     let texels: u64 = scene.textures.iter().map(|t| t.texels.len() as u64).sum();
-    check_buffer("texels", texels * TEXEL_BYTES, limits)
+    check_list("texels", texels * TEXEL_BYTES, scene_data, limits)
 }
 
 pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
@@ -271,6 +302,13 @@ pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
     Err(PlanError::Samples { count, reason })
 }
 
+/// Whether kernels can read lists from textures, if they are to.
+pub(super) fn check_scene_data(options: &Options, limits: &Limits) -> Result<(), PlanError> {
+    // What draws nothing is the CPU.
+    let is_wrong = options.scene_data == SceneDataKind::Textures && limits.color_bytes == 0;
+    if is_wrong { Err(PlanError::Mapping(scene_data::NO_GPU)) } else { Ok(()) }
+}
+
 /// Whether the kernels of a run can be fragment programs, if they are to be.
 pub(super) fn check_mapping(options: &Options, limits: &Limits) -> Result<(), PlanError> {
     let Some(how) = options.mapping.fragment() else { return Ok(()) };
@@ -282,6 +320,23 @@ pub(super) fn check_mapping(options: &Options, limits: &Limits) -> Result<(), Pl
         mapping::fault_of(options.schedule).or(how.fault())
     };
     fault.map_or(Ok(()), |fault| Err(PlanError::Mapping(fault)))
+}
+
+/// Rejects a list of scene data that is too long.
+pub(super) fn check_list(
+    name: &'static str,
+    bytes: u64,
+    scene_data: SceneDataKind,
+    limits: &Limits,
+) -> Result<(), PlanError> {
+    let words = bytes.div_ceil(4);
+    match scene_data {
+        SceneDataKind::Buffers => check_buffer(name, bytes, limits),
+        SceneDataKind::Textures if words > limits.list_words(scene_data) => {
+            Err(PlanError::ListSize { name, words, side: list_side(words), most: limits.image_side })
+        }
+        SceneDataKind::Textures => Ok(()),
+    }
 }
 
 pub(super) fn check_buffer(name: &'static str, bytes: u64, limits: &Limits) -> Result<(), PlanError> {

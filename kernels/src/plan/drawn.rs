@@ -4,6 +4,7 @@ use super::{Limits, Planned};
 use crate::fragment::{DrawnKernel, Shader, TEXEL_BYTES, depths, reader};
 use crate::options::features::Features;
 use crate::options::mapping::{Cull, Fragment, Update};
+use crate::options::scene_data::SceneDataKind;
 use crate::program::Kernel;
 use crate::shader::{ShaderError, Variant};
 use crate::tables::elements::Size;
@@ -39,7 +40,13 @@ impl DrawnPlan {
         limits: &Limits,
     ) -> Result<Self, ShaderError> {
         let most_targets = (u64::from(limits.color_bytes) / TEXEL_BYTES) as usize;
-        let drawn = |variant: &Variant| DrawnKernel::new(variant, how, most_targets);
+        let drawn = |variant: &Variant| {
+            let drawn = DrawnKernel::new(variant, how, most_targets)?;
+            match features.scene_data {
+                SceneDataKind::Buffers => Ok(drawn),
+                SceneDataKind::Textures => drawn.in_textures(),
+            }
+        };
         let kernels = variants.iter().filter(|variant| variant.kernel.role() != Role::Count).map(drawn);
         let kernels = kernels.collect::<Result<Vec<_>, _>>()?;
         let program = variants[0].kernel.program();

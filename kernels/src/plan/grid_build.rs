@@ -2,7 +2,7 @@
 
 use raystep_scenes::Scene;
 
-use super::check::{PlanError, check_buffer, check_rays, check_scene};
+use super::check::{PlanError, check_list, check_rays, check_scene, check_scene_data};
 use super::decide;
 use super::over::Over;
 use super::resolve::{self, ChosenGrid};
@@ -29,10 +29,11 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
     check_scene(scene, units)?;
     // The growth of cells depends on where rays begin.
     check_rays(options, units)?;
-    check_buffer("vertices", 36 * scene.triangles.len() as u64, limits)?;
+    check_scene_data(options, limits)?;
+    check_list("vertices", 36 * scene.triangles.len() as u64, options.scene_data, limits)?;
     let vertices = traced_vertices(scene, units);
     let is_grown = options.without != Some(Rule::CellGrowth);
-    let most_words = limits.storage_bytes / 4;
+    let most_words = limits.list_words(options.scene_data);
     let origins = origins(options, units);
     if options.accelerator == Accelerator::Irregular {
         let Site { vertices, aside, extent, layout, .. } = Site::new(&vertices, origins, is_grown, most_words)?;
@@ -93,7 +94,14 @@ pub(crate) fn of(
     };
     let is_uniform = what.kind() == Kind::Uniform;
     let skip = matches!(what, What::Uniform { leaps: true, .. });
-    let features = Features { grid: is_uniform, irregular: !is_uniform, skip, robust: true, ..Features::default() };
+    let features = Features {
+        grid: is_uniform,
+        irregular: !is_uniform,
+        skip,
+        robust: true,
+        scene_data: options.scene_data,
+        ..Features::default()
+    };
     let data = SceneData { features, units, grid, growth, build, vertices, ..SceneData::default() };
 
     let cells: u64 = build.cells.iter().map(|&n| u64::from(n)).product();

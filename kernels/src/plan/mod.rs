@@ -5,6 +5,7 @@
 
 mod again;
 mod allocated;
+mod budget;
 mod check;
 mod decide;
 pub(crate) mod display;
@@ -43,9 +44,10 @@ pub use crate::numbers::bytes::Bytes;
 pub use crate::options::reasons::Because;
 pub use crate::tables::elements::{folded_width as given_width, tiled};
 use allocated::Allocated;
+use budget::check_bindings;
 pub(crate) use check::{FARTHEST, why_untraceable};
 pub use check::{MAX_TEXELS, PlanError};
-use check::{check_mapping, check_rays, check_samples, check_scene, check_texels, image_size};
+use check::{check_mapping, check_rays, check_samples, check_scene, check_scene_data, check_texels, image_size};
 use decide::left_out;
 pub use display::PlanText;
 pub use drawn::DrawnPlan;
@@ -196,6 +198,7 @@ impl Plan {
         let (width, height, rays) = image_size(options, limits)?;
         check_scene(scene, units)?;
         check_mapping(options, limits)?;
+        check_scene_data(options, limits)?;
         check_rays(options, units)?;
         check_samples(options)?;
         if options.accelerator == Accelerator::Irregular && options.numerics == Numerics::Paper {
@@ -228,9 +231,10 @@ impl Plan {
         let variants = variants(program, &schedule, &features)?;
         let drawn =
             options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, &features, limits)).transpose()?;
+        check_bindings(&variants, drawn.as_ref(), features.scene_data, limits)?;
         let bound = bound_by(&variants);
         if bound.contains("texels") {
-            check_texels(scene, limits)?;
+            check_texels(scene, options.scene_data, limits)?;
         }
         let info = SceneInfo {
             triangles: triangles as u32,
@@ -284,6 +288,7 @@ impl Plan {
         let variants = variants(program, &schedule, &self.features)?;
         let how = self.drawn.as_ref().map(|drawn| drawn.how);
         let drawn = how.map(|how| DrawnPlan::new(how, &variants, &self.features, limits)).transpose()?;
+        check_bindings(&variants, drawn.as_ref(), self.features.scene_data, limits)?;
         let bound = bound_by(&variants);
         let Allocated { sets, streams, buffers } =
             Allocated::new(program, &bound, data, self.size(), false, limits, drawn.as_ref())?;

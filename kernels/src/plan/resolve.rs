@@ -2,7 +2,7 @@
 
 use raystep_scenes::Scene;
 
-use super::check::{PlanError, check_buffer};
+use super::check::{PlanError, check_buffer, check_list};
 use super::decide::features;
 use super::limits::Limits;
 use crate::numbers::units::Units;
@@ -110,7 +110,7 @@ pub(super) fn resolve(
                 let bounds = grid::bounds(&vertices);
                 (vertices, origins, Extent { bounds, reach: grid::reach(bounds, origins) })
             });
-            let most_words = limits.storage_bytes / 4;
+            let most_words = limits.list_words(options.scene_data);
             let site = Site { options, vertices, origins: *origins, reach: extent.reach, most_words };
             match built.take() {
                 Some(built) => Ok(Some(adopt(features, built))),
@@ -153,13 +153,13 @@ fn check_sizes(
         ("vertex_colors", 36, features.vertex_colors),
     ] {
         if is_used && (name == corners.0 || options.shade) {
-            check_buffer(name, triangles * bytes, limits)?;
+            check_list(name, triangles * bytes, options.scene_data, limits)?;
         }
     }
     if let GridSize::Cells(cells) = options.grid
         && features.grid
     {
-        check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
+        check_list("grid_cells", 4 * (grid::check_cells(cells)? + 1), options.scene_data, limits)?;
     }
     if features.live_lists {
         check_buffer(LIVE_RAYS, live_bytes(programs::named(options.program), texels), limits)?;

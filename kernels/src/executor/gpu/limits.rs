@@ -25,6 +25,9 @@ impl Limits {
                 Loops::EndAfter(turns) => (turns / SHARE_OF_LIMIT).max(1),
             },
             storage_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+            storage_buffers: limits.max_storage_buffers_per_shader_stage,
+            storage_textures: limits.max_storage_textures_per_shader_stage,
+            sampled_textures: limits.max_sampled_textures_per_shader_stage,
             color_bytes: limits.max_color_attachment_bytes_per_sample,
             // Rows of workgroups in an indirect dispatch, times the rays of a row.
             rays: u64::from(groups.min(65_535)) * u64::from(LIST_GROUPS * LIST_SIDE * LIST_SIDE),

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::streams::StreamTextures;
 use crate::executor::gpu::GpuError;
+use crate::executor::gpu::uploaded::AllUploaded;
 use crate::fragment::Shader;
 use crate::shader::{Binding, Resource};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
@@ -28,7 +29,7 @@ pub(super) struct Group {
 pub(super) struct Bindable<'a> {
     pub(super) device: &'a wgpu::Device,
     pub(super) streams: &'a StreamTextures,
-    pub(super) buffers: &'a [(&'static str, wgpu::Buffer)],
+    pub(super) buffers: &'a AllUploaded,
     pub(super) sent: &'a wgpu::Buffer,
     /// Number of states that it counts.
     pub(super) states: u64,
@@ -105,7 +106,7 @@ impl Bound {
                         }),
                         (None, _) => {
                             let found = with.buffers.iter().find(|(name, _)| *name == binding.name);
-                            found.map(|(_, buffer)| buffer.as_entire_binding()).ok_or_else(missing)?
+                            found.map(|(_, uploaded)| uploaded.binding()).ok_or_else(missing)?
                         }
                     };
                     entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
@@ -122,7 +123,7 @@ impl Bound {
 fn binding_type(resource: &Resource) -> wgpu::BindingType {
     let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
     match resource {
-        Resource::ReadStream(_) | Resource::WriteStream { .. } => wgpu::BindingType::Texture {
+        Resource::ReadStream(_) | Resource::WriteStream { .. } | Resource::List => wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Uint,
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
