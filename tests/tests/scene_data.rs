@@ -1,14 +1,17 @@
 //! Lists in textures give the results of lists in buffers, and kernels bind no more than core WebGPU allows.
 
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
 use raystep_kernels::fragment::Shader;
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
+use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Until, Update};
 use raystep_kernels::options::scene_data::SceneDataKind;
 use raystep_kernels::plan::DrawnPlan;
 use raystep_kernels::shader::{Binding, Resource};
 use raystep_kernels::{
-    Accelerator, Device, Keep, Limits, Loops, Numerics, Options, Plan, PlanError, Renderer, Samples, ScheduleKind,
-    Stream,
+    Accelerator, AdapterChoice, Device, Gpu, Keep, Limits, Loops, Numerics, Options, Plan, PlanError, Renderer,
+    Samples, ScheduleKind, Stream,
 };
 use raystep_tests::{block_on, differences, gpu, options, scene, streams_of, thorough};
 
@@ -17,15 +20,25 @@ const STRUCTURES: [Accelerator; 4] = [Accelerator::Grid, Accelerator::Irregular,
 /// Runs passes with lists in buffers and in textures side by side, the latter with changed shaders; returns the number of
 /// passes, or what differs.
 fn compare(name: &str, options: &Options, change: impl FnOnce(&mut DrawnPlan)) -> Result<usize, String> {
+    compare_on(&gpu(), name, options, change)
+}
+
+/// The same with the lists in textures on another device.
+fn compare_on(
+    other: &Arc<Gpu>,
+    name: &str,
+    options: &Options,
+    change: impl FnOnce(&mut DrawnPlan),
+) -> Result<usize, String> {
     let (gpu, scene) = (gpu(), scene(name));
-    let device = Device::Gpu(gpu.clone());
     block_on(Some(&gpu), async {
-        let mut wanted = Renderer::new(&scene, options, &device).await.expect("a renderer");
+        let mut wanted = Renderer::new(&scene, options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
         let options = Options { scene_data: SceneDataKind::Textures, ..options.clone() };
-        let (mut plan, data) = Plan::new(&scene, &options, &Limits::from(&*gpu)).map_err(|e| e.to_string())?;
+        let (mut plan, data) = Plan::new(&scene, &options, &Limits::from(&**other)).map_err(|e| e.to_string())?;
         if let Some(drawn) = &mut plan.drawn {
             change(drawn);
         }
+        let device = Device::Gpu(other.clone());
         let mut found = Renderer::from_plan(plan, data, &options, &device).await.map_err(|e| e.to_string())?;
         let mut passes = 0;
         loop {
@@ -248,4 +261,63 @@ fn a_kernel_that_binds_too_much_is_refused_with_the_name_of_what_does_not_fit() 
     // What WebGL 2 has is enough.
     let webgl = Limits { sampled_textures: 16, ..few };
     assert!(Plan::new(&scene, &textures, &webgl).is_ok());
+}
+
+/// A device of OpenGL with no more than WebGL 2 has: it cannot compute, and has no storage buffers.
+fn opengl() -> Arc<Gpu> {
+    let gpu = pollster::block_on(Gpu::new(&AdapterChoice::Named(", OpenGL".into())));
+    let gpu = gpu.expect("an adapter of OpenGL: see tests/run.sh");
+    let limits = gpu.device.limits();
+    assert_eq!((limits.max_storage_buffers_per_shader_stage, limits.max_storage_textures_per_shader_stage), (0, 0));
+    assert!(!gpu.computes && limits.max_compute_workgroups_per_dimension == 0);
+    gpu
+}
+
+/// The paper's machine on OpenGL: draws, copies, occlusion queries, and the scene in textures.
+#[test]
+fn opengl_leaves_the_bits_of_vulkan_after_every_pass() {
+    let gl = opengl();
+    for accelerator in STRUCTURES {
+        for schedule in [ScheduleKind::First, ScheduleKind::Second] {
+            let mapping = Mapping::Fragment(Fragment::default());
+            let options = Options { accelerator, schedule, mapping, ..options(&scene("cornell-box.gltf"), 20, 16) };
+            let passes = compare_on(&gl, "cornell-box.gltf", &options, |_| {});
+            let passes = passes.unwrap_or_else(|e| panic!("{accelerator} {schedule}: {e}"));
+            assert!(passes > 10, "{accelerator} {schedule}: {passes} passes");
+        }
+    }
+}
+
+/// Passes are submitted in batches, and the image is the same; what needs compute shaders is refused.
+#[test]
+fn opengl_renders_the_image_of_vulkan() {
+    let gl = opengl();
+    let scene = scene("textures.gltf");
+    let base = Options { schedule: ScheduleKind::Second, keep_passes: false, ..options(&scene, 40, 32) };
+    let drawn = Options {
+        mapping: Mapping::Fragment(Fragment::of(Some(Targets::Many), None, Some(Cull::EarlyZ), None)),
+        scene_data: SceneDataKind::Textures,
+        ..base.clone()
+    };
+    let image = |options: &Options, gpu: &Arc<Gpu>| {
+        let image = async {
+            let mut renderer = Renderer::new(&scene, options, &Device::Gpu(gpu.clone())).await?;
+            renderer.run(|_| ControlFlow::Continue(())).await?;
+            renderer.image().await
+        };
+        block_on(Some(gpu), image)
+    };
+    let wanted = image(&base, &gpu()).expect("an image");
+    assert_eq!(image(&drawn, &gl).expect("an image").pixels, wanted.pixels);
+    for refused in [
+        base.clone(),
+        Options { scene_data: SceneDataKind::Buffers, ..drawn.clone() },
+        Options {
+            mapping: Mapping::Fragment(Fragment { until: Until::Count, ..Fragment::default() }),
+            ..drawn.clone()
+        },
+    ] {
+        let error = image(&refused, &gl).expect_err("no compute shaders").to_string();
+        assert!(error.contains("--mapping fragment --scene-data textures"), "{error}");
+    }
 }

@@ -6,6 +6,7 @@ use super::limits::Limits;
 use crate::fragment::TEXEL_BYTES as DRAWN_BYTES;
 use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
+use crate::options::mapping::Until;
 use crate::options::samples::Samples;
 use crate::options::scene_data::{self, SceneDataKind};
 use crate::options::{Accelerator, Options, Ray, RaySource, mapping};
@@ -302,8 +303,13 @@ pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
     Err(PlanError::Samples { count, reason })
 }
 
-/// Whether kernels can read lists from textures, if they are to.
+/// Whether kernels can read lists from textures, if they are to, and can be compute shaders, if some are.
 pub(super) fn check_scene_data(options: &Options, limits: &Limits) -> Result<(), PlanError> {
+    let only_draws = options.scene_data == SceneDataKind::Textures
+        && options.mapping.fragment().is_some_and(|how| how.until == Until::Query);
+    if !limits.computes() && !only_draws {
+        return Err(PlanError::Mapping(mapping::ONLY_DRAWS));
+    }
     // What draws nothing is the CPU.
     let is_wrong = options.scene_data == SceneDataKind::Textures && limits.color_bytes == 0;
     if is_wrong { Err(PlanError::Mapping(scene_data::NO_GPU)) } else { Ok(()) }

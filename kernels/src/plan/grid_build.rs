@@ -2,7 +2,7 @@
 
 use raystep_scenes::Scene;
 
-use super::check::{PlanError, check_list, check_rays, check_scene, check_scene_data};
+use super::check::{PlanError, check_list, check_rays, check_scene};
 use super::decide;
 use super::over::Over;
 use super::resolve::{self, ChosenGrid};
@@ -29,7 +29,6 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
     check_scene(scene, units)?;
     // The growth of cells depends on where rays begin.
     check_rays(options, units)?;
-    check_scene_data(options, limits)?;
     check_list("vertices", 36 * scene.triangles.len() as u64, options.scene_data, limits)?;
     let vertices = traced_vertices(scene, units);
     let is_grown = options.without != Some(Rule::CellGrowth);

@@ -30,7 +30,7 @@ pub struct Limits {
     pub image_side: u32,
     /// Most bytes of one storage buffer.
     pub storage_bytes: u64,
-    /// Most storage buffers that a shader binds.
+    /// Most storage buffers that a shader binds; 0 without compute shaders.
     pub storage_buffers: u32,
     /// Most textures that a shader binds to write them.
     pub storage_textures: u32,
@@ -64,6 +64,12 @@ impl Limits {
         turns: u32::MAX,
         is_gpu: false,
     };
+
+    /// Whether it has compute shaders, or is the CPU.
+    #[must_use]
+    pub fn computes(&self) -> bool {
+        self.storage_buffers > 0
+    }
 
     /// Most 32-bit words of one list of scene data.
     #[must_use]

@@ -186,6 +186,7 @@ impl Plan {
         limits: &Limits,
         built: Option<Built>,
     ) -> Result<(Self, SceneData), PlanError> {
+        check_scene_data(options, limits)?;
         if options.program != ProgramName::ClosestHit && options.mapping.fragment().is_some() {
             return Err(PlanError::Mapping("--mapping fragment traces rays: no other program can be drawn"));
         }
@@ -198,7 +199,6 @@ impl Plan {
         let (width, height, rays) = image_size(options, limits)?;
         check_scene(scene, units)?;
         check_mapping(options, limits)?;
-        check_scene_data(options, limits)?;
         check_rays(options, units)?;
         check_samples(options)?;
         if options.accelerator == Accelerator::Irregular && options.numerics == Numerics::Paper {

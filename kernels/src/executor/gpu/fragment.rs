@@ -13,7 +13,7 @@ use std::sync::Arc;
 use super::snapshot::Copies;
 use super::timers::Timers;
 use super::uploaded::{Uploaded, upload_scene, upload_size, upload_view};
-use super::{Gpu, GpuError};
+use super::{Gpu, GpuError, MOST_PASSES};
 use crate::executor::sizes::Sizes;
 use crate::options::Options;
 use crate::options::mapping::{Fragment, Until};
@@ -63,7 +63,7 @@ impl FragmentExecutor {
         let buffers = upload_scene(&gpu, plan, data, |name: &str| beside.and_then(|other| other.uploaded(name)));
         let streams = StreamTextures::new(&gpu.device, plan, drawn);
         let is_counted = drawn.how.until == Until::Count;
-        let results = Results::new(&gpu.device, plan, options.count_fragments && is_counted)?;
+        let results = Results::new(&gpu.device, plan, drawn.counter.is_some(), options.count_fragments && is_counted)?;
         let pipelines = Pipelines::new(&gpu.device, plan, drawn);
         let timers = Timers::of_draws(&gpu, plan, options.timings);
         let mut executor = Self {
@@ -85,6 +85,11 @@ impl FragmentExecutor {
         upload_size(&executor.gpu.queue, &executor.plan, &executor.buffers);
         executor.gpu.pop_scopes(scopes).await?;
         Ok(executor)
+    }
+
+    /// Most passes per submission. The host counts rays at the end of one.
+    pub(crate) fn most_passes(&self) -> usize {
+        if self.counts_each && self.results.sent.is_none() { 1 } else { MOST_PASSES }
     }
 
     /// Whether the device can still run passes.

@@ -30,7 +30,7 @@ pub(super) struct Bindable<'a> {
     pub(super) device: &'a wgpu::Device,
     pub(super) streams: &'a StreamTextures,
     pub(super) buffers: &'a AllUploaded,
-    pub(super) sent: &'a wgpu::Buffer,
+    pub(super) sent: Option<&'a wgpu::Buffer>,
     /// Number of states that it counts.
     pub(super) states: u64,
     /// The pass's slot in `sent`.
@@ -100,7 +100,7 @@ impl Bound {
                     let resource = match (held, &binding.resource) {
                         (Some((textures, index)), _) => wgpu::BindingResource::TextureView(textures.view(*index)),
                         (None, Resource::Live { .. }) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                            buffer: with.sent,
+                            buffer: with.sent.ok_or_else(missing)?,
                             offset: 0,
                             size: std::num::NonZeroU64::new(4 * with.states),
                         }),
