@@ -255,7 +255,7 @@ fn a_kernel_that_binds_too_much_is_refused_with_the_name_of_what_does_not_fit() 
         Options { scene_data: SceneDataKind::Textures, mapping: Mapping::Fragment(Fragment::default()), ..options };
     let few = Limits { sampled_textures: 8, storage_buffers: 0, storage_textures: 0, ..core() };
     let (kernel, kind, most, _) = refused(&textures, &few);
-    assert_eq!((kernel, kind, most), ("shade", "textures", 8));
+    assert_eq!((kernel, kind, most), ("intersect", "textures", 8));
     let message = Plan::new(&scene, &textures, &few).expect_err("too many").to_string();
     assert!(message.contains("this device allows a shader 8: "), "{message}");
     // What WebGL 2 has is enough.
