@@ -1,7 +1,8 @@
 #!/bin/sh
 # Checks for every change, requiring only Rust: formatting, lints as errors, tests, documentation of libraries.
 # tests/full.sh adds long tests, the library with every combination of features, and the documentation of the program.
-# Installs Mesa's software Vulkan if there is no Vulkan driver, so that GPU code is tested too.
+# Installs Mesa's software Vulkan if there is no Vulkan driver, and its OpenGL if there is no EGL, so that GPU code is tested
+# too.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -24,6 +25,22 @@ if [ "$(uname)" = Linux ] && ! has_vulkan; then
         $as_root pacman -S --noconfirm --needed vulkan-icd-loader vulkan-swrast
     else
         echo "install a Vulkan driver first, e.g. Mesa's lavapipe (package mesa-vulkan-drivers)" >&2
+        exit 1
+    fi
+fi
+if [ "$(uname)" = Linux ] && ! ldconfig -p 2>/dev/null | grep -q libEGL.so.1; then
+    step "software OpenGL"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    if command -v apt-get >/dev/null; then
+        $as_root apt-get update -qq
+        DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq libegl1 libgl1-mesa-dri >/dev/null
+    elif command -v dnf >/dev/null; then
+        $as_root dnf install -y -q mesa-libEGL mesa-dri-drivers
+    elif command -v pacman >/dev/null; then
+        $as_root pacman -S --noconfirm --needed mesa
+    else
+        echo "install EGL and an OpenGL driver first, e.g. Mesa's" >&2
         exit 1
     fi
 fi

@@ -8,7 +8,8 @@ use std::str::FromStr;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use raystep_kernels::Choices;
-use raystep_kernels::options::mapping::{Mapping, NO_GPU};
+use raystep_kernels::options::mapping::{self, Mapping};
+use raystep_kernels::options::scene_data;
 use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
 
@@ -113,15 +114,16 @@ impl RunArgs {
     /// Refuses options that would have no effect, or do not go together.
     pub(crate) fn check(&self, view: &ViewArgs) -> Result<(), Error> {
         let choices = self.choices(view);
-        if choices.mapping != Mapping::Compute && self.device.device == DeviceKind::Cpu {
-            return Err(Error::usage(NO_GPU));
+        if self.device.device == DeviceKind::Cpu && choices.needs_gpu() {
+            let is_drawn = choices.mapping != Mapping::Compute;
+            return Err(Error::usage(if is_drawn { mapping::NO_GPU } else { scene_data::NO_GPU }));
         }
         choices::check(&choices, |name| self.tracing.has(name) || view.samples.has(name))
     }
 
     /// Where passes run.
     pub(crate) fn device(&self) -> DeviceArgs {
-        self.device.drawing(self.tracing.values.mapping != Mapping::Compute)
+        self.device.if_needed(self.tracing.values.needs_gpu())
     }
 }
 
@@ -140,10 +142,10 @@ pub(crate) struct DeviceArgs {
 }
 
 impl DeviceArgs {
-    /// Where passes run: fragment programs need a GPU, if only one in software.
-    pub(crate) fn drawing(&self, draws: bool) -> Self {
+    /// Where passes run: some need a GPU, if only one in software.
+    pub(crate) fn if_needed(&self, needs_gpu: bool) -> Self {
         let mut device = self.clone();
-        if draws && device.device == DeviceKind::Auto && device.adapter.is_none() {
+        if needs_gpu && device.device == DeviceKind::Auto && device.adapter.is_none() {
             device.device = DeviceKind::Gpu;
         }
         device

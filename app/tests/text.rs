@@ -334,7 +334,11 @@ fn info_and_render_say_that_there_is_no_adapter() {
     let without = |arguments: &[&str]| {
         let arguments: Vec<_> = arguments.iter().map(std::ffi::OsStr::new).collect();
         outcome(
-            place.command(&arguments).env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent"),
+            place
+                .command(&arguments)
+                .env("VK_DRIVER_FILES", "/nonexistent")
+                .env("VK_ICD_FILENAMES", "/nonexistent")
+                .env("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent"),
         )
     };
     if !cfg!(target_os = "linux") {

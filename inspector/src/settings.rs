@@ -166,10 +166,8 @@ impl From<&Link> for Settings {
             ray,
             device: match link.device {
                 // An adapter's name is the name of a GPU.
-                // Fragment programs are drawn, if only by software.
-                LinkDevice::Auto if link.adapter.is_none() && link.choices.mapping == Mapping::Compute => {
-                    DeviceKind::Auto
-                }
+                // What needs a GPU runs on one, if only in software.
+                LinkDevice::Auto if link.adapter.is_none() && !link.choices.needs_gpu() => DeviceKind::Auto,
                 LinkDevice::Auto | LinkDevice::Gpu => DeviceKind::Gpu,
                 LinkDevice::Cpu => DeviceKind::Cpu,
             },
@@ -234,7 +232,7 @@ impl Settings {
     pub fn choose(&mut self, row: &Row, value: &str) -> Result<(), String> {
         row.set(&mut self.choices, value)?;
         self.choices = self.choices.settled(Some(row));
-        if self.choices.mapping != Mapping::Compute {
+        if self.choices.needs_gpu() {
             self.device = DeviceKind::Gpu;
         }
         Ok(())

@@ -19,7 +19,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::options::mapping::{Fragment, Targets};
 use crate::program::Kernel;
-use crate::shader::{Binding, Resource, ShaderError, Variant};
+use crate::shader::{Binding, Resource, ShaderError, Variant, in_textures};
 use crate::tables::stream::{STATE_TAG, Stream};
 use uses::Uses;
 
@@ -123,6 +123,17 @@ impl DrawnKernel {
         let read: BTreeSet<Stream> = draws.iter().flat_map(Draw::reads).collect();
         let updates = written.into_iter().filter(|stream| read.contains(stream)).collect();
         Ok(Self { kernel, updates, draws })
+    }
+
+    /// The same with the lists of scene data in textures: no draw binds a storage buffer.
+    ///
+    /// # Errors
+    /// As for [`Variant::in_textures`].
+    pub fn in_textures(mut self) -> Result<Self, ShaderError> {
+        for Draw { shader, .. } in &mut self.draws {
+            (shader.source, shader.bindings) = in_textures(self.kernel, &shader.source, &shader.bindings)?;
+        }
+        Ok(self)
     }
 }
 

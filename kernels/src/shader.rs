@@ -3,6 +3,9 @@
 //! [`compose`](crate::compose) resolves `import` and `@if`; naga parses and validates the result and tells what every
 //! entry point reads and writes, including through the functions it calls. The WGSL is the only list of bindings.
 
+mod blocks;
+mod lists;
+
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
@@ -14,6 +17,8 @@ use crate::options::features::Features;
 use crate::program::live::{self, LiveList};
 use crate::program::{self, Kernel};
 use crate::tables::stream::{Stream, Texel};
+pub(crate) use blocks::rewritten;
+pub(crate) use lists::in_textures;
 
 /// What a global is bound to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,6 +36,8 @@ pub enum Resource {
     Uniform,
     /// A read-only storage buffer.
     Storage,
+    /// The same contents in a texture, see [`Variant::in_textures`].
+    List,
     /// Counters of the passes and lists of live rays.
     Live {
         /// Declared `read_write`, else `read`.

@@ -140,7 +140,7 @@ fn every_fragment_program_is_valid_and_within_core_limits() {
     let mut seen = HashSet::new();
     let mut check = |name: &str, shader: &fragment::Shader| {
         let count = |f: fn(&Resource) -> bool| shader.bindings.iter().filter(|b| f(&b.resource)).count();
-        let textures = count(|r| matches!(r, Resource::ReadStream(_)));
+        let textures = count(|r| matches!(r, Resource::ReadStream(_) | Resource::List));
         let buffers = count(|r| matches!(r, Resource::Storage | Resource::Live { .. }));
         assert!(textures <= 16 && buffers <= 8, "{name} binds {textures} textures, {buffers} buffers");
         if seen.insert(shader.source.clone()) {
@@ -160,6 +160,11 @@ fn every_fragment_program_is_valid_and_within_core_limits() {
                 let drawn =
                     DrawnKernel::new(&variant, how, CORE_TARGETS).unwrap_or_else(|e| panic!("{features:?}: {e}"));
                 drawn.draws.iter().for_each(|draw| check(kernel.name(), &draw.shader));
+                // Lists do not depend on what a fragment does with its colours.
+                if how == Fragment::of(None, None, None, Some(Until::Count)) {
+                    let drawn = drawn.in_textures().unwrap_or_else(|e| panic!("{features:?}: {e}"));
+                    drawn.draws.iter().for_each(|draw| check(kernel.name(), &draw.shader));
+                }
             }
         }
     }
@@ -185,6 +190,17 @@ fn every_variant_is_valid_and_within_core_limits() {
             }
             if seen.insert(variant.source.clone()) {
                 keep(&format!("{:04}-{}", seen.len(), variant.label()), &variant.source);
+                match variant.in_textures() {
+                    Err(e) => failures.push(format!("{features:?}: {e}")),
+                    Ok(textured) => {
+                        let is_texture = |r: &Resource| matches!(r, Resource::ReadStream(_) | Resource::List);
+                        let textures = textured.bindings.iter().filter(|b| is_texture(&b.resource)).count();
+                        if textures > 16 {
+                            failures.push(format!("{} binds {textures} textures for reading", kernel.name()));
+                        }
+                        keep(&format!("{:04}-{}-lists", seen.len(), variant.label()), &textured.source);
+                    }
+                }
             }
         }
     };

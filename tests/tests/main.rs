@@ -23,6 +23,7 @@ mod plan;
 mod programs;
 mod renderer;
 mod samples;
+mod scene_data;
 mod schedules;
 mod self_test;
 mod session;

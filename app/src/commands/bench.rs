@@ -203,7 +203,7 @@ impl BenchArgs {
 
     /// Where passes run: fragment programs need a GPU, if only one in software.
     pub(super) fn device(&self) -> DeviceArgs {
-        self.device.drawing(self.mappings.iter().any(|&mapping| mapping != Mapping::Compute))
+        self.device.if_needed(self.mappings.iter().any(|&mapping| mapping != Mapping::Compute))
     }
 
     fn repeats(&self) -> u32 {

@@ -90,6 +90,8 @@ struct AboutAdapter {
     #[serde(flatten)]
     info: AdapterInfo,
     is_usable: bool,
+    /// Whether it runs kernels only as fragment programs, with the scene in textures.
+    only_draws: bool,
     has_timestamps: bool,
     /// Time of some work by its clock and by the host's; `null` if it has no clock.
     clock: Option<AboutClock>,
@@ -126,6 +128,7 @@ impl AboutAdapter {
         Self {
             info: AdapterInfo::from(adapter),
             is_usable: adapter.is_usable,
+            only_draws: adapter.only_draws,
             has_timestamps: adapter.has_timestamps,
             clock: clock(adapter),
             image_side_px: raystep_kernels::Limits::of_adapter(limits, Loops::Unlimited).image_side,
@@ -151,10 +154,10 @@ impl AboutDevices {
             line(format!("  kind        {}", a.info.kind));
             line(format!(
                 "  usable      {}",
-                if a.is_usable {
-                    "yes"
-                } else {
-                    "no: it lacks compute shaders, core WebGPU limits or read-write r32 textures"
+                match (a.is_usable, a.only_draws) {
+                    (true, _) => "yes",
+                    (_, true) => "with --adapter, --mapping fragment and --scene-data textures",
+                    _ => "no: it lacks compute shaders, core WebGPU limits or read-write r32 textures",
                 }
             ));
             line(format!("  timestamps  {}", a.timestamps()));

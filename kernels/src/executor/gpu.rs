@@ -25,6 +25,7 @@ mod repeat;
 mod rounding;
 mod snapshot;
 mod timers;
+mod uploaded;
 
 use crate::executor::sizes::Sizes;
 use crate::program::Kernel;
@@ -33,7 +34,6 @@ use std::sync::Arc;
 
 pub use adapters::{AdapterSummary, adapters};
 use books::Books;
-use buffers::{scene_buffers, upload_size, upload_view};
 pub use clock_check::ClockCheck;
 pub use device::{AdapterChoice, Gpu, GpuSource};
 pub use error::GpuError;
@@ -46,6 +46,7 @@ use repeat::Repeater;
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use timers::Timers;
+use uploaded::{Uploaded, upload_scene, upload_size, upload_view};
 
 use crate::options::Accelerator;
 use crate::plan::Plan;
@@ -60,7 +61,7 @@ pub struct GpuExecutor {
     plan: Arc<Plan>,
     sizes: Sizes,
     streams: Vec<(Stream, wgpu::Texture)>,
-    buffers: Vec<(&'static str, wgpu::Buffer)>,
+    buffers: Vec<(&'static str, Uploaded)>,
     pipelines: Pipelines,
     books: Books,
     fill: Fill,
@@ -107,7 +108,7 @@ impl GpuExecutor {
         let sizes = Sizes::new(plan);
         let streams = plan.streams.iter().filter_map(|s| Some((s.what, stream_texture(device, plan, &sizes, s.what)?)));
         let streams: Vec<_> = streams.collect();
-        let buffers = scene_buffers(device, plan, data, |name: &str| other.and_then(|other| other.buffer(name)));
+        let buffers = upload_scene(&gpu, plan, data, |name: &str| other.and_then(|other| other.uploaded(name)));
         let books = Books::new(device, plan);
         let bindable = Bindable { device, streams: &streams, buffers: &buffers };
         let pipelines = Pipelines::new(&gpu, plan, data, &bindable)?;
@@ -145,7 +146,7 @@ impl GpuExecutor {
 
     /// Uploads what depends on the camera.
     pub(crate) fn set_view(&self, data: &SceneData) {
-        upload_view(&self.gpu.queue, &self.plan, &self.buffers, data);
+        upload_view(&self.gpu, &self.plan, &self.buffers, data);
     }
 
     /// The device.
@@ -160,8 +161,8 @@ impl GpuExecutor {
         self.streams.iter().find(|(s, _)| *s == stream).map(|(_, t)| t)
     }
 
-    /// A buffer of scene data, by name. Not public: unchecked shaders take indices from it that were checked only once.
-    pub(crate) fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
+    /// Scene data, by name. Not public: unchecked shaders take indices from it that were checked only once.
+    fn uploaded(&self, name: &str) -> Option<&Uploaded> {
         self.buffers.iter().find(|(n, _)| *n == name).map(|(_, b)| b)
     }
 
@@ -171,7 +172,7 @@ impl GpuExecutor {
         let bytes =
             |t: &wgpu::Texture| 4 * u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
         let streams = self.streams.iter().map(|(s, t)| (s.name(), bytes(t)));
-        let buffers = self.buffers.iter().map(|(n, b)| (*n, b.size()));
+        let buffers = self.buffers.iter().map(|(n, b)| (*n, b.bytes()));
         let kept = self.repeater.iter().flat_map(Repeater::allocated);
         streams.chain(buffers).chain(self.books.allocated()).chain(self.fill.allocated()).chain(kept).collect()
     }

@@ -35,6 +35,7 @@
 //! | `bytes_copied` | bytes that the part copies |
 //! | `traversal` | how rays walk through a uniform grid: `amanatides-woo` or `3d-dda` |
 //! | `loops` | turns of the schedule's loops that the pass is in, from 0, outermost loop first, separated by spaces: see [`Pass::loops`] |
+//! | `scene_data` | where kernels read the lists of the scene: `buffers` or `textures`; like this, options that come later are columns by their rows |
 
 mod drawn;
 

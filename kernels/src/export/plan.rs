@@ -12,7 +12,7 @@ use crate::plan::{DrawnPlan, Plan, Planned, Structure};
 use crate::program::Kernel;
 use crate::program::schedule::{Count, Step};
 use crate::scene_data::SceneData;
-use crate::shader::{Resource, Variant};
+use crate::shader::Variant;
 use crate::tables::stream::Stream;
 
 /// A plan, for `raystep plan --json`.
@@ -220,11 +220,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         let info = variant.kernel.info();
         let bindings = variant.bindings.iter().map(|b| BindingSummary {
             name: b.name.clone(),
-            kind: match b.resource {
-                Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
-                Resource::Uniform | Resource::Launch => "uniform",
-                Resource::Storage | Resource::Live { .. } => "buffer",
-            },
+            kind: plan.kind_of(b),
             reads: b.reads,
             writes: b.writes,
         });

@@ -10,6 +10,7 @@ use naga::{Block, Expression, Function, GlobalVariable, Handle, ImageQuery, Lite
 use super::uses::{self, Uses};
 use super::{BODY, input, is_written, value};
 use crate::program::Kernel;
+use crate::shader::rewritten;
 use crate::tables::stream::Stream;
 
 /// The variables that an entry point's text declares.
@@ -96,41 +97,22 @@ impl Variables {
 
     /// The block with stores to variables in place of those to streams.
     fn stores(&self, kernel: Kernel, module: &Module, function: &mut Function, block: &Block) -> Result<Block, String> {
-        let mut rewritten = Block::with_capacity(block.len());
-        for (statement, &span) in block.span_iter() {
-            let mut inner = |block: &Block| self.stores(kernel, module, function, block);
-            let statement = match statement {
-                Statement::Block(block) => Statement::Block(inner(block)?),
-                Statement::If { condition, accept, reject } => {
-                    Statement::If { condition: *condition, accept: inner(accept)?, reject: inner(reject)? }
-                }
-                Statement::Switch { selector, cases } => {
-                    let mut cases = cases.clone();
-                    for case in &mut cases {
-                        case.body = inner(&case.body)?;
-                    }
-                    Statement::Switch { selector: *selector, cases }
-                }
-                Statement::Loop { body, continuing, break_if } => {
-                    Statement::Loop { body: inner(body)?, continuing: inner(continuing)?, break_if: *break_if }
-                }
-                Statement::ImageStore { image, array_index, value, .. } => {
-                    let stream =
-                        uses::stream_of(kernel, module, function, *image).ok_or("it writes what is no stream")?;
-                    let layer = uses::layer(module, function, *array_index)?;
-                    if let Some(&flag) = self.written.get(&stream) {
-                        let mut append = |expression| function.expressions.append(expression, Span::UNDEFINED);
-                        let pointer = append(Expression::GlobalVariable(flag));
-                        let value = append(Expression::Literal(Literal::Bool(true)));
-                        rewritten.push(Statement::Store { pointer, value }, span);
-                    }
-                    *function.expressions.get_mut(*image) = self.value(stream, layer)?;
-                    Statement::Store { pointer: *image, value: *value }
-                }
-                other => other.clone(),
+        rewritten(block, &mut |rewritten, statement, span| {
+            let Statement::ImageStore { image, array_index, value, .. } = statement else {
+                rewritten.push(statement.clone(), span);
+                return Ok(());
             };
-            rewritten.push(statement, span);
-        }
-        Ok(rewritten)
+            let stream = uses::stream_of(kernel, module, function, *image).ok_or("it writes what is no stream")?;
+            let layer = uses::layer(module, function, *array_index)?;
+            if let Some(&flag) = self.written.get(&stream) {
+                let mut append = |expression| function.expressions.append(expression, Span::UNDEFINED);
+                let pointer = append(Expression::GlobalVariable(flag));
+                let value = append(Expression::Literal(Literal::Bool(true)));
+                rewritten.push(Statement::Store { pointer, value }, span);
+            }
+            *function.expressions.get_mut(*image) = self.value(stream, layer)?;
+            rewritten.push(Statement::Store { pointer: *image, value: *value }, span);
+            Ok(())
+        })
     }
 }

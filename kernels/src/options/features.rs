@@ -1,12 +1,13 @@
 //! The options of the kernels, decided when their WGSL is composed.
 
+use super::scene_data::SceneDataKind;
 use crate::shared::grid_walk::WalkRules;
 use crate::shared::samples::Sampler;
 use crate::shared::triangle::TriangleRules;
 
 macro_rules! features {
     ($($name:ident: $doc:literal,)*) => {
-        /// One flag for every option named in an `@if` of the WGSL; the twins branch on them too. And two numbers.
+        /// One flag for every option named in an `@if` of the WGSL; the twins branch on them too. And two numbers, and where the lists are.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
         pub struct Features {
             $(#[doc = $doc] pub $name: bool,)*
@@ -14,6 +15,8 @@ macro_rules! features {
             pub stack: u32,
             /// Loop iterations after which a thread leaves the rest to the next dispatch; 0 if no thread needs so many.
             pub turns: u32,
+            /// Where the lists of scene data are on the device; the WGSL that is composed does not depend on it.
+            pub scene_data: SceneDataKind,
         }
 
         impl Features {

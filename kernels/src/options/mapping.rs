@@ -166,6 +166,10 @@ named!(Until, "query, count", Query "query", Count "count");
 /// Why fragment programs cannot run on the CPU.
 pub const NO_GPU: &str = "--mapping fragment draws on a GPU: use --device gpu, which may be a software driver";
 
+/// What an adapter without compute shaders can run.
+pub const ONLY_DRAWS: &str = "this adapter has no compute shaders and no storage buffers: use --mapping fragment \
+                              --scene-data textures --schedule second, without --until count";
+
 /// Why fragment programs cannot average samples.
 pub const ONE_SAMPLE: &str =
     "--mapping fragment takes one sample per pixel: a mean of samples does not fit a texel with four components";

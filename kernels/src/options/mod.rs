@@ -9,6 +9,7 @@ pub mod reasons;
 pub mod row;
 pub mod rows;
 pub mod samples;
+pub mod scene_data;
 
 pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
@@ -17,6 +18,7 @@ use keep::Keep;
 use mapping::Mapping;
 pub use rays::{Ray, RaySource};
 use samples::Samples;
+use scene_data::SceneDataKind;
 
 /// The program to run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -212,6 +214,8 @@ pub struct Options {
     pub schedule: ScheduleKind,
     /// `--mapping`, and the choices of the fragment mapping
     pub mapping: Mapping,
+    /// `--scene-data`
+    pub scene_data: SceneDataKind,
     /// `--numerics`
     pub numerics: Numerics,
     /// `--traversal`
@@ -262,6 +266,7 @@ impl Options {
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             mapping: Mapping::default(),
+            scene_data: SceneDataKind::default(),
             numerics: Numerics::default(),
             traversal: Traversal::default(),
             without: None,
@@ -314,6 +319,7 @@ choices! {
     elements: u32,
     accelerator: Accelerator,
     mapping: Mapping,
+    scene_data: SceneDataKind,
     schedule: ScheduleKind,
     numerics: Numerics,
     traversal: Traversal,
@@ -333,6 +339,12 @@ impl Default for Choices {
 }
 
 impl Choices {
+    /// Whether only a GPU can run it, if only one in software.
+    #[must_use]
+    pub fn needs_gpu(&self) -> bool {
+        self.mapping != Mapping::Compute || self.scene_data == SceneDataKind::Textures
+    }
+
     /// The default, where every step of a ray is a pass: what links and windows start from.
     #[must_use]
     pub fn stepped() -> Self {

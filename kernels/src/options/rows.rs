@@ -8,6 +8,7 @@ use super::keep::Keep;
 use super::mapping::{Cull, Fragment, Mapping, MappingName, ONE_SAMPLE, Targets, Until, Update, fault_of};
 pub use super::row::{Refusal, Row, Value, Values};
 use super::samples::Samples;
+use super::scene_data::SceneDataKind;
 use super::{
     Accelerator, BuiltBy, Choices, GridSize, MOST_ELEMENTS, Numerics, ParseOptionError, ProgramName, ScheduleKind,
     Skip, Traversal,
@@ -178,6 +179,15 @@ pub static ROWS: &[Row] = &[
          by a compute shader (count) [default: query; count with --cull none]"
     )
     .panel("until", "what ends the loops of the schedule"),
+    named!(
+        "scene-data",
+        SceneDataKind,
+        scene_data,
+        "Where kernels on a GPU read the lists of a scene: in storage buffers (buffers), or in square textures, as in \
+         Mølhave's paper (textures); with --mapping fragment, kernels then need no storage buffer, and run on OpenGL ES 3"
+    )
+    .column()
+    .panel("scene data", "where kernels read the lists of a scene: in storage buffers, or in textures as in the paper"),
     named!(
         "schedule",
         ScheduleKind,

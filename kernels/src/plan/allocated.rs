@@ -2,12 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use super::check::check_buffer;
+use super::check::check_list;
 use super::{DrawnPlan, Limits, PlanError, Planned, PlannedSet};
+use crate::options::scene_data::SceneDataKind;
 use crate::program::Program;
 use crate::program::live::{LIVE_RAYS, live_bytes};
 use crate::scene_data::SceneData;
 use crate::shader::LAUNCH;
+use crate::shared::address::list_side;
 use crate::tables::elements::{Count, Elements, Size};
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, fill_bytes, given_bytes};
 use crate::tables::stream::Stream;
@@ -88,9 +90,12 @@ fn planned_buffers(
 ) -> Result<Vec<Planned<&'static str>>, PlanError> {
     let mut buffers = Vec::new();
     for info in program.buffers.iter().filter(|b| bound.contains(b.name)) {
-        let bytes = info.contents(data).len() as u64;
+        let mut bytes = info.contents(data).len() as u64;
         if !info.is_uniform {
-            check_buffer(info.name, bytes, limits)?;
+            check_list(info.name, bytes, data.features.scene_data, limits)?;
+            if data.features.scene_data == SceneDataKind::Textures {
+                bytes = 4 * list_side(bytes / 4).pow(2);
+            }
         }
         buffers.push(Planned { what: info.name, bytes });
     }

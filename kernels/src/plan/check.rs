@@ -6,12 +6,14 @@ use super::limits::Limits;
 use crate::fragment::TEXEL_BYTES as DRAWN_BYTES;
 use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
-use crate::options::mapping::{self, Mapping};
+use crate::options::mapping::{self, Mapping, Until};
 use crate::options::rows::ROWS;
 use crate::options::samples::Samples;
+use crate::options::scene_data::{self, SceneDataKind};
 use crate::options::{Accelerator, Options, Ray, RaySource};
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
+use crate::shared::address::list_side;
 use crate::structures::bvh::BvhError;
 use crate::structures::grid::GridError;
 use crate::tables::elements::folded_width;
@@ -42,6 +44,35 @@ pub enum PlanError {
         bytes: u64,
         /// The limit.
         limit: u64,
+    },
+    /// A list is longer than the largest texture that the device has.
+    #[error(
+        "{name} has {words} words of 32 bits and needs a texture of {side}x{side} texels, but this device has none larger \
+         than {most}x{most}: use --scene-data buffers"
+    )]
+    ListSize {
+        /// The list.
+        name: &'static str,
+        /// Its words.
+        words: u64,
+        /// Texels along each side.
+        side: u64,
+        /// Most of them.
+        most: u32,
+    },
+    /// A kernel binds more than the device allows a shader.
+    #[error("kernel {kernel} binds {count} {kind}, but this device allows a shader {most}: {name} is one too many")]
+    Bindings {
+        /// The kernel.
+        kernel: &'static str,
+        /// Of what.
+        kind: &'static str,
+        /// Number of bindings.
+        count: usize,
+        /// Most of them.
+        most: u32,
+        /// The first that does not fit.
+        name: String,
     },
     /// This machine does not have enough memory.
     #[error(transparent)]
@@ -247,9 +278,9 @@ pub(crate) fn why_untraceable(ray: &Ray, units: Units) -> Option<&'static str> {
 const TEXEL_BYTES: u64 = 8;
 
 /// Rejects textures that cannot be bound before they are converted.
-pub(crate) fn check_texels(scene: &Scene, limits: &Limits) -> Result<(), PlanError> {
+pub(crate) fn check_texels(scene: &Scene, scene_data: SceneDataKind, limits: &Limits) -> Result<(), PlanError> {
     let texels: u64 = scene.textures.iter().map(|t| t.texels.len() as u64).sum();
-    check_buffer("texels", texels * TEXEL_BYTES, limits)
+    check_list("texels", texels * TEXEL_BYTES, scene_data, limits)
 }
 
 pub(crate) fn check_samples(options: &Options) -> Result<(), PlanError> {
@@ -270,10 +301,40 @@ pub(crate) fn check_choices(options: &Options, limits: &Limits) -> Result<(), Pl
     if options.mapping != Mapping::Compute && u64::from(limits.color_bytes) < DRAWN_BYTES {
         return Err(PlanError::Refused(mapping::NO_GPU.into()));
     }
+    check_scene_data(options, limits)?;
     let choices = options.choices();
     match ROWS.iter().find_map(|row| (row.refused)(&choices)?.impossible()) {
         Some(why) => Err(PlanError::Refused(why)),
         None => Ok(()),
+    }
+}
+
+/// Whether kernels can read lists from textures, if they are to, and can be compute shaders, if some are.
+fn check_scene_data(options: &Options, limits: &Limits) -> Result<(), PlanError> {
+    let only_draws = options.scene_data == SceneDataKind::Textures
+        && options.mapping.fragment().is_some_and(|how| how.until == Until::Query);
+    if !limits.computes() && !only_draws {
+        return Err(PlanError::Refused(mapping::ONLY_DRAWS.into()));
+    }
+    // What draws nothing is the CPU.
+    let is_wrong = options.scene_data == SceneDataKind::Textures && limits.color_bytes == 0;
+    if is_wrong { Err(PlanError::Refused(scene_data::NO_GPU.into())) } else { Ok(()) }
+}
+
+/// Rejects a list of scene data that is too long.
+pub(crate) fn check_list(
+    name: &'static str,
+    bytes: u64,
+    scene_data: SceneDataKind,
+    limits: &Limits,
+) -> Result<(), PlanError> {
+    let words = bytes.div_ceil(4);
+    match scene_data {
+        SceneDataKind::Buffers => check_buffer(name, bytes, limits),
+        SceneDataKind::Textures if words > limits.list_words(scene_data) => {
+            Err(PlanError::ListSize { name, words, side: list_side(words), most: limits.image_side })
+        }
+        SceneDataKind::Textures => Ok(()),
     }
 }
 

@@ -8,8 +8,10 @@ use super::structure::Structure;
 use crate::fragment::depth_of;
 use crate::numbers::bytes::Bytes;
 use crate::options::mapping::{Fragment, Update};
+use crate::options::scene_data::SceneDataKind;
 use crate::program::Program;
-use crate::shader::Resource;
+use crate::shader::{Binding, Resource};
+use crate::shared::address::list_side;
 use crate::tables::stream::Stream;
 
 impl fmt::Display for Plan {
@@ -69,6 +71,22 @@ impl Plan {
         Ok(())
     }
 
+    /// Whether its lists of scene data are in textures.
+    fn has_textures(&self) -> bool {
+        self.features.scene_data == SceneDataKind::Textures
+    }
+
+    /// What a binding of one of its variants is on the device.
+    pub(crate) fn kind_of(&self, binding: &Binding) -> &'static str {
+        match binding.resource {
+            Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
+            Resource::Uniform | Resource::Launch => "uniform",
+            Resource::Storage if self.has_textures() => "texture",
+            Resource::Storage | Resource::Live { .. } => "buffer",
+            Resource::List => "texture",
+        }
+    }
+
     /// The draws of each kernel, if they are drawn.
     fn write_draws(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(drawn) = &self.drawn else { return Ok(()) };
@@ -113,12 +131,7 @@ impl Plan {
                     (false, true) => "writes ",
                     _ => "reads  ",
                 };
-                let kind = match binding.resource {
-                    Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
-                    Resource::Uniform | Resource::Launch => "uniform",
-                    Resource::Storage | Resource::Live { .. } => "buffer",
-                };
-                writeln!(f, "    {access} {kind:<7} {}", binding.name)?;
+                writeln!(f, "    {access} {:<7} {}", self.kind_of(binding), binding.name)?;
             }
         }
         self.write_draws(f)?;
@@ -134,9 +147,14 @@ impl Plan {
                 info.unit
             )?;
         }
-        writeln!(f, "\nbuffers")?;
+        writeln!(f, "\nbuffers{}", if self.has_textures() { ", and lists in textures" } else { "" })?;
         for b in &self.buffers {
-            writeln!(f, "  {:<19} {:>10}  {}", b.what, Bytes(b.bytes).to_string(), element(self.program, b.what))?;
+            write!(f, "  {:<19} {:>10}  {}", b.what, Bytes(b.bytes).to_string(), element(self.program, b.what))?;
+            if self.has_textures() && self.program.buffer(b.what).is_some_and(|info| !info.is_uniform) {
+                let side = list_side(b.bytes / 4);
+                write!(f, "; {side} x {side} texels")?;
+            }
+            writeln!(f)?;
         }
         writeln!(f, "  {:<19} {:>10}", "total", Bytes(self.bytes()).to_string())?;
         write!(f, "{}", Omitted(&self.left_out))

@@ -4,6 +4,7 @@ use super::{Limits, Planned};
 use crate::fragment::{DrawnKernel, Shader, TEXEL_BYTES, depths, reader};
 use crate::options::features::Features;
 use crate::options::mapping::{Cull, Fragment, Update};
+use crate::options::scene_data::SceneDataKind;
 use crate::program::Kernel;
 use crate::shader::{ShaderError, Variant};
 use crate::tables::elements::Size;
@@ -20,8 +21,8 @@ pub struct DrawnPlan {
     pub kernels: Vec<DrawnKernel>,
     /// The draw that turns states into depths, before the draws of each kernel.
     pub depths: Option<Shader>,
-    /// The compute shader that counts the rays in each state.
-    pub counter: Shader,
+    /// The compute shader that counts the rays in each state; without compute shaders, the host does.
+    pub counter: Option<Shader>,
 }
 
 /// Bytes of a texel's depth.
@@ -39,13 +40,20 @@ impl DrawnPlan {
         limits: &Limits,
     ) -> Result<Self, ShaderError> {
         let most_targets = (u64::from(limits.color_bytes) / TEXEL_BYTES) as usize;
-        let drawn = |variant: &Variant| DrawnKernel::new(variant, how, most_targets);
+        let drawn = |variant: &Variant| {
+            let drawn = DrawnKernel::new(variant, how, most_targets)?;
+            match features.scene_data {
+                SceneDataKind::Buffers => Ok(drawn),
+                SceneDataKind::Textures => drawn.in_textures(),
+            }
+        };
         let kernels = variants.iter().filter(|variant| variant.kernel.role() != Role::Count).map(drawn);
         let kernels = kernels.collect::<Result<Vec<_>, _>>()?;
         let program = variants[0].kernel.program();
         let counter = program.kernels().find(|kernel| kernel.role() == Role::Count);
         let missing = || ShaderError::Invalid { kernel: program.name, message: "no kernel counts its rays".into() };
-        let counter = reader(&Variant::new(counter.ok_or_else(missing)?, features, &[])?)?;
+        let counter = Variant::new(counter.ok_or_else(missing)?, features, &[])?;
+        let counter = limits.computes().then(|| reader(&counter)).transpose()?;
         let all: Vec<Kernel> = kernels.iter().map(|drawn| drawn.kernel).collect();
         let state = program.state_stream().ok_or_else(missing)?;
         let depths = (how.cull == Cull::EarlyZ).then(|| depths(state, &all));
@@ -85,7 +93,8 @@ impl DrawnPlan {
         let slots = COUNT_SLOTS * COUNT_SLOT_BYTES;
         let queries = COUNT_SLOTS * QUERY_BYTES;
         let depth = self.depths.as_ref().map(|_| ("depth", DEPTH_BYTES * size.texels()));
-        let all = [("sent", slots), ("sent_copy", slots), ("queries", queries), ("queries_copy", queries)];
-        all.into_iter().chain(depth).map(|(what, bytes)| Planned { what, bytes }).collect()
+        let sent = self.counter.as_ref().map(|_| [("sent", slots), ("sent_copy", slots)]);
+        let all = [("queries", queries), ("queries_copy", queries)];
+        sent.into_iter().flatten().chain(all).chain(depth).map(|(what, bytes)| Planned { what, bytes }).collect()
     }
 }

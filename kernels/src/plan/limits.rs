@@ -1,5 +1,7 @@
 //! Limits of an executor.
 
+use crate::options::scene_data::SceneDataKind;
+
 /// How an adapter handles a loop with many iterations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Loops {
@@ -24,10 +26,16 @@ impl Loops {
 /// Limits of an executor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Largest image side in pixels.
+    /// Largest image side in pixels, and largest side of the texture of a list.
     pub image_side: u32,
     /// Most bytes of one storage buffer.
     pub storage_bytes: u64,
+    /// Most storage buffers that a shader binds; 0 without compute shaders.
+    pub storage_buffers: u32,
+    /// Most textures that a shader binds to write them.
+    pub storage_textures: u32,
+    /// Most textures that a shader binds only to read them.
+    pub sampled_textures: u32,
     /// Most rays.
     pub rays: u64,
     /// Most bytes per texel of all the streams that a fragment program writes; 0 if nothing is drawn.
@@ -48,9 +56,27 @@ impl Limits {
     pub const CPU: Self = Self {
         image_side: 32_768,
         storage_bytes: 1 << 32,
+        storage_buffers: u32::MAX,
+        storage_textures: u32::MAX,
+        sampled_textures: u32::MAX,
         rays: 1 << 26,
         color_bytes: 0,
         turns: u32::MAX,
         is_gpu: false,
     };
+
+    /// Whether it has compute shaders, or is the CPU.
+    #[must_use]
+    pub fn computes(&self) -> bool {
+        self.storage_buffers > 0
+    }
+
+    /// Most 32-bit words of one list of scene data.
+    #[must_use]
+    pub fn list_words(&self, scene_data: SceneDataKind) -> u64 {
+        match scene_data {
+            SceneDataKind::Buffers => self.storage_bytes / 4,
+            SceneDataKind::Textures => u64::from(self.image_side).pow(2),
+        }
+    }
 }

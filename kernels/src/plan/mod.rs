@@ -6,6 +6,7 @@
 mod absent;
 mod again;
 pub(crate) mod allocated;
+mod budget;
 mod check;
 pub(crate) mod display;
 pub mod drawn;
@@ -33,9 +34,10 @@ pub use crate::options::reasons::Because;
 pub use crate::tables::elements::{folded_width as given_width, tiled};
 pub(crate) use absent::absent;
 use allocated::Allocated;
+pub(crate) use budget::check_bindings;
 pub(crate) use check::{
-    FARTHEST, check_buffer, check_choices, check_rays, check_samples, check_scene, check_texels, image_size,
-    why_untraceable,
+    FARTHEST, check_buffer, check_choices, check_list, check_rays, check_samples, check_scene, check_texels,
+    image_size, why_untraceable,
 };
 pub use check::{MAX_TEXELS, PlanError};
 pub use display::PlanText;
@@ -175,6 +177,7 @@ impl Plan {
         let variants = variants(program, &schedule, &self.features)?;
         let how = self.drawn.as_ref().map(|drawn| drawn.how);
         let drawn = how.map(|how| DrawnPlan::new(how, &variants, &self.features, limits)).transpose()?;
+        check_bindings(&variants, drawn.as_ref(), self.features.scene_data, limits)?;
         let bound = bound_by(&variants);
         let Allocated { sets, streams, buffers } =
             Allocated::new(program, &bound, data, self.size(), false, limits, drawn.as_ref())?;

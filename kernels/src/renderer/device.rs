@@ -180,7 +180,7 @@ impl Executor {
             #[cfg(feature = "gpu")]
             Self::Gpu(_) => MOST_PASSES,
             #[cfg(feature = "gpu")]
-            Self::Fragment(_) => MOST_PASSES,
+            Self::Fragment(e) => e.most_passes(),
             Self::Cpu(_) | Self::CpuF64(_) => 1,
         }
     }

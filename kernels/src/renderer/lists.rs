@@ -103,7 +103,7 @@ impl Plan {
         let limits = device.limits();
         let is_for_device = match (options.build, options.accelerator) {
             (BuiltBy::Auto, Accelerator::Irregular) => {
-                device.is_hardware() && scene.triangles.len() >= LEAST_FOR_DEVICE
+                device.is_hardware() && limits.computes() && scene.triangles.len() >= LEAST_FOR_DEVICE
             }
             (BuiltBy::Device, accelerator) => matches!(accelerator, Accelerator::Grid | Accelerator::Irregular),
             _ => false,

@@ -1,5 +1,6 @@
 //! Functions that several kernels share: one WGSL function for each, with its twin beside it.
 
+pub mod address;
 pub mod build;
 pub mod bvh_walk;
 pub mod camera;

@@ -5,6 +5,7 @@ use std::mem::offset_of;
 use super::books::{Place, blocks_a_dispatch, counted_anew, counts_after, groups, read_sent};
 use super::rounding::Runs;
 use super::timers::read_times;
+use super::uploaded::buffer;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::gpu::readback::Readback;
 use crate::executor::sizes::Sizes;
@@ -192,7 +193,7 @@ impl GpuExecutor {
         let size = self.launched_over(kernel);
         let rows = size.height.div_ceil(side);
         let a_band = (self.rays_a_dispatch / u64::from(size.width * side)).clamp(1, u64::from(rows)) as u32;
-        let scene = self.buffer("scene").ok_or(GpuError::Missing("scene"))?;
+        let scene = buffer(&self.buffers, "scene").ok_or(GpuError::Missing("scene"))?;
         for first in (0..rows).step_by(a_band as usize) {
             let last = first + a_band >= rows;
             let timestamp_writes =

@@ -1,56 +1,6 @@
-//! Buffers of scene data, and those of the executors themselves.
-
-use std::mem::offset_of;
+//! Buffers of the executors themselves.
 
 use crate::plan::Plan;
-use crate::scene_data::SceneData;
-use crate::shared::scene::SceneInfo;
-
-/// The buffers of scene data that a plan has, with their contents; those that another run has `uploaded` are shared.
-pub(super) fn scene_buffers<'a>(
-    device: &wgpu::Device,
-    plan: &Plan,
-    data: &SceneData,
-    uploaded: impl Fn(&str) -> Option<&'a wgpu::Buffer>,
-) -> Vec<(&'static str, wgpu::Buffer)> {
-    let mut buffers = Vec::new();
-    for planned in &plan.buffers {
-        let Some(info) = plan.program.buffer(planned.what) else { continue };
-        // Two runs may look at the scene from different places.
-        if let Some(uploaded) = uploaded(planned.what).filter(|_| !info.is_of_view) {
-            buffers.push((planned.what, uploaded.clone()));
-            continue;
-        }
-        let contents = info.contents(data);
-        let kind = if info.is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
-        let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        buffers.push((planned.what, filled_buffer(device, &plan.label(planned.what), contents, usage)));
-    }
-    buffers
-}
-
-/// Uploads what depends on the camera.
-pub(super) fn upload_view(
-    queue: &wgpu::Queue,
-    plan: &Plan,
-    buffers: &[(&'static str, wgpu::Buffer)],
-    data: &SceneData,
-) {
-    for (name, buffer) in buffers {
-        if let Some(info) = plan.program.buffer(name).filter(|info| info.is_of_view) {
-            queue.write_buffer(buffer, 0, info.contents(data));
-        }
-    }
-    upload_size(queue, plan, buffers);
-}
-
-/// Uploads the size of the streams, which differs from the data's if runs of several sizes share them.
-pub(super) fn upload_size(queue: &wgpu::Queue, plan: &Plan, buffers: &[(&'static str, wgpu::Buffer)]) {
-    if let Some((_, scene)) = buffers.iter().find(|(name, _)| *name == "scene") {
-        let size = [plan.width, plan.height];
-        queue.write_buffer(scene, offset_of!(SceneInfo, size) as u64, bytemuck::bytes_of(&size));
-    }
-}
 
 /// A buffer of the executor's own, of the size that the plan has for it; `None` if the run needs none.
 pub(super) fn own_buffer(

@@ -6,7 +6,8 @@ use std::sync::{Mutex, PoisonError};
 
 use super::books::is_dynamic;
 use super::stream_format;
-use crate::shader::{Binding, Resource, Variant};
+use crate::options::scene_data::SceneDataKind;
+use crate::shader::{Binding, Resource, ShaderError, Variant};
 use crate::tables::kernel::Role;
 use crate::tables::stream::Texel;
 
@@ -24,6 +25,7 @@ struct Key {
     source: String,
     bindings: Vec<Binding>,
     is_proved: bool,
+    scene_data: SceneDataKind,
 }
 
 /// All pipelines compiled on a device.
@@ -35,19 +37,31 @@ const MOST: usize = 256;
 
 impl Pipelines {
     /// The pipeline of a variant, compiled without bounds checks if that is proved safe.
-    pub(super) fn get(&self, device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compiled {
-        let key = Key { source: variant.source.clone(), bindings: variant.bindings.clone(), is_proved };
+    ///
+    /// # Errors
+    /// If its lists cannot be in textures, which is a bug.
+    pub(super) fn get(
+        &self,
+        device: &wgpu::Device,
+        variant: &Variant,
+        is_proved: bool,
+        scene_data: SceneDataKind,
+    ) -> Result<Compiled, ShaderError> {
+        let key = Key { source: variant.source.clone(), bindings: variant.bindings.clone(), is_proved, scene_data };
         let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(compiled) = kept().get(&key) {
-            return compiled.clone();
+            return Ok(compiled.clone());
         }
-        let compiled = compile(device, variant, is_proved);
+        let compiled = match scene_data {
+            SceneDataKind::Buffers => compile(device, variant, is_proved),
+            SceneDataKind::Textures => compile(device, &variant.in_textures()?, is_proved),
+        };
         let mut kept = kept();
         if kept.len() >= MOST {
             kept.clear();
         }
         kept.insert(key, compiled.clone());
-        compiled
+        Ok(compiled)
     }
 
     /// Drops all pipelines: one of them may be what the device refused.
@@ -101,7 +115,8 @@ fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> w
     //   compares text and bindings with those compiled here.
     // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, and bound under the names in
     //   the shader. Nobody else has access to them, and the executor later writes only `first_row` and `size` of `scene`,
-    //   the size of its own streams.
+    //   the size of its own streams. Where they are textures, `Variant::in_textures` replaced nothing but loads, and the
+    //   texel `get_address(i, k)` of each of a list's n words is in the texture of k by k texels, as k * k >= n.
     // - No index comes from a stream: walks that resume are not proved.
     // - Indices that come from buffers, by `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
     //   children of nodes, and triangles. Distances and cells are looked up by cell.
@@ -137,6 +152,11 @@ fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
             },
             format: stream_format(stream),
             view_dimension: wgpu::TextureViewDimension::D2Array,
+        },
+        Resource::List => wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Uint,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
         },
         Resource::Uniform => buffer_type(wgpu::BufferBindingType::Uniform, false),
         Resource::Launch => buffer_type(wgpu::BufferBindingType::Uniform, true),

@@ -4,7 +4,7 @@ use std::future::poll_fn;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::task::Poll;
 
-use super::adapters::{instance, is_usable, lacks, named, rank, told};
+use super::adapters::{DRAWING, drawing_limits, enumerate, is_usable, lacks, named, only_draws, told};
 use super::buffers::filled_buffer;
 use super::clock_check::Clock;
 use super::compiled::Pipelines;
@@ -27,7 +27,7 @@ pub struct Gpu {
     pub timestamp_period_ns: Option<f64>,
     /// How it handles long loops.
     pub loops: Loops,
-    /// Whether kernels can run on it; otherwise it only draws.
+    /// Whether kernels can run on it as compute shaders; otherwise it only draws.
     pub computes: bool,
     /// The device's instance and adapter: a window needs them to show what is drawn on it.
     pub source: Option<GpuSource>,
@@ -74,17 +74,24 @@ impl Gpu {
     /// # Errors
     /// As for [`new`](Self::new).
     pub async fn with_features(choice: &AdapterChoice, optional: wgpu::Features) -> Result<Arc<Self>, GpuError> {
-        let instance = instance();
-        let mut adapters = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
-        adapters.sort_by_key(|a| rank(&a.get_info()));
-        let names = adapters.iter().map(told).collect::<Vec<_>>().join(", ");
+        let (mut instance, adapters) = enumerate(wgpu::Backends::PRIMARY).await;
+        let mut names: Vec<String> = adapters.iter().map(told).collect();
         let adapter = match choice {
             AdapterChoice::Best => adapters.into_iter().find(is_usable),
             AdapterChoice::Named(name) => {
                 let wanted = name.to_lowercase();
-                adapters.into_iter().find(|a| a.get_info().name.to_lowercase().contains(&wanted))
+                let is_wanted = |a: &wgpu::Adapter| named(a.get_info()).name.to_lowercase().contains(&wanted);
+                let mut found = adapters.into_iter().find(is_wanted);
+                if found.is_none() {
+                    let drawing;
+                    (instance, drawing) = enumerate(DRAWING).await;
+                    names.extend(drawing.iter().map(told));
+                    found = drawing.into_iter().find(is_wanted);
+                }
+                found
             }
         };
+        let names = names.join(", ");
         let Some(adapter) = adapter else {
             let there = if names.is_empty() { "there are none".into() } else { format!("there are: {names}") };
             return Err(GpuError::NoAdapter(match choice {
@@ -99,13 +106,18 @@ impl Gpu {
         if !lacks.is_empty() {
             return Err(refused(format!("it lacks {}", lacks.join(" and "))));
         }
+        let only_draws = only_draws(&adapter);
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("raystep"),
-            required_features: adapter.features() & optional,
-            required_limits: adapter.limits(),
+            required_features: if only_draws { wgpu::Features::empty() } else { adapter.features() & optional },
+            required_limits: if only_draws { drawing_limits(&adapter) } else { adapter.limits() },
             ..Default::default()
         };
         let (device, queue) = adapter.request_device(&descriptor).await.map_err(|e| refused(e.to_string()))?;
+        if only_draws {
+            let trouble = listen(&device);
+            return Ok(Self::opened(device, queue, info, Some(GpuSource { instance, adapter }), None, trouble));
+        }
         Self::from_device(device, queue, info, Some(GpuSource { instance, adapter })).await
     }
 
@@ -148,7 +160,8 @@ impl Gpu {
             queue,
             info,
             timestamp_period_ns,
-            loops: loops.unwrap_or(Loops::Unlimited),
+            // It cannot be asked, and may be one of those with the lowest limit that is known.
+            loops: loops.unwrap_or(Loops::EndAfter(65_535)),
             computes: loops.is_some(),
             source,
             trouble,

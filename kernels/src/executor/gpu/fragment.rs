@@ -10,10 +10,10 @@ mod streams;
 
 use std::sync::Arc;
 
-use super::buffers::{scene_buffers, upload_size, upload_view};
 use super::snapshot::Copies;
 use super::timers::Timers;
-use super::{Gpu, GpuError};
+use super::uploaded::{Uploaded, upload_scene, upload_size, upload_view};
+use super::{Gpu, GpuError, MOST_PASSES};
 use crate::executor::sizes::Sizes;
 use crate::options::Options;
 use crate::options::mapping::{Fragment, Until};
@@ -34,7 +34,7 @@ pub struct FragmentExecutor {
     /// Whether rays are counted after every pass, rather than at the end of a batch.
     counts_each: bool,
     streams: StreamTextures,
-    buffers: Vec<(&'static str, wgpu::Buffer)>,
+    buffers: Vec<(&'static str, Uploaded)>,
     pipelines: Pipelines,
     results: Results,
     timers: Option<Timers>,
@@ -60,10 +60,10 @@ impl FragmentExecutor {
         gpu.health()?;
         let drawn = plan.drawn.as_ref().ok_or(GpuError::Missing("fragment"))?;
         let scopes = gpu.push_scopes();
-        let buffers = scene_buffers(&gpu.device, plan, data, |name: &str| beside.and_then(|other| other.buffer(name)));
+        let buffers = upload_scene(&gpu, plan, data, |name: &str| beside.and_then(|other| other.uploaded(name)));
         let streams = StreamTextures::new(&gpu.device, plan, drawn);
         let is_counted = drawn.how.until == Until::Count;
-        let results = Results::new(&gpu.device, plan, options.count_fragments && is_counted)?;
+        let results = Results::new(&gpu.device, plan, drawn.counter.is_some(), options.count_fragments && is_counted)?;
         let pipelines = Pipelines::new(&gpu.device, plan, drawn);
         let timers = Timers::of_draws(&gpu, plan, options.timings);
         let mut executor = Self {
@@ -87,6 +87,11 @@ impl FragmentExecutor {
         Ok(executor)
     }
 
+    /// Most passes per submission. The host counts rays at the end of one.
+    pub(crate) fn most_passes(&self) -> usize {
+        if self.counts_each && self.results.sent.is_none() { 1 } else { MOST_PASSES }
+    }
+
     /// Whether the device can still run passes.
     pub(crate) fn health(&self) -> Result<(), GpuError> {
         self.gpu.health()
@@ -98,13 +103,13 @@ impl FragmentExecutor {
         &self.gpu
     }
 
-    fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
+    fn uploaded(&self, name: &str) -> Option<&Uploaded> {
         self.buffers.iter().find(|(n, _)| *n == name).map(|(_, b)| b)
     }
 
     /// Uploads what depends on the camera.
     pub(crate) fn set_view(&self, data: &SceneData) {
-        upload_view(&self.gpu.queue, &self.plan, &self.buffers, data);
+        upload_view(&self.gpu, &self.plan, &self.buffers, data);
     }
 
     /// Sets the initial contents of some streams from now on: input rays.
@@ -153,7 +158,7 @@ impl FragmentExecutor {
     /// Names and sizes in bytes of everything that is allocated on the device.
     #[must_use]
     pub fn allocated(&self) -> Vec<(&'static str, u64)> {
-        let buffers = self.buffers.iter().map(|(name, buffer)| (*name, buffer.size()));
+        let buffers = self.buffers.iter().map(|(name, uploaded)| (*name, uploaded.bytes()));
         let depth = self.pipelines.depth_bytes().map(|bytes| ("depth", bytes));
         self.streams.allocated().chain(buffers).chain(self.results.allocated()).chain(depth).collect()
     }

@@ -17,7 +17,9 @@ impl Limits {
     #[must_use]
     pub fn of_adapter(limits: &wgpu::Limits, loops: Loops) -> Self {
         let groups = limits.max_compute_workgroups_per_dimension;
-        let side = limits.max_texture_dimension_2d.min(groups.saturating_mul(WORKGROUP));
+        let most = limits.max_texture_dimension_2d;
+        // Without compute shaders, what is drawn has no workgroups.
+        let side = if groups == 0 { most } else { most.min(groups.saturating_mul(WORKGROUP)) };
         Self {
             image_side: side,
             turns: match loops {
@@ -25,9 +27,15 @@ impl Limits {
                 Loops::EndAfter(turns) => (turns / SHARE_OF_LIMIT).max(1),
             },
             storage_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+            storage_buffers: limits.max_storage_buffers_per_shader_stage,
+            storage_textures: limits.max_storage_textures_per_shader_stage,
+            sampled_textures: limits.max_sampled_textures_per_shader_stage,
             color_bytes: limits.max_color_attachment_bytes_per_sample,
             // Rows of workgroups in an indirect dispatch, times the rays of a row.
-            rays: u64::from(groups.min(65_535)) * u64::from(LIST_GROUPS * LIST_SIDE * LIST_SIDE),
+            rays: match groups {
+                0 => u64::from(side).pow(2).min(u32::MAX.into()),
+                groups => u64::from(groups.min(65_535)) * u64::from(LIST_GROUPS * LIST_SIDE * LIST_SIDE),
+            },
             is_gpu: true,
         }
     }

@@ -5,6 +5,7 @@ use std::collections::hash_map::Entry;
 
 use super::books::{Books, Place, is_dynamic};
 use super::compiled::Compiled;
+use super::uploaded::AllUploaded;
 use super::{Gpu, GpuError};
 use crate::plan::Plan;
 use crate::program::{Kernel, live};
@@ -39,7 +40,7 @@ struct Bound {
 pub(super) struct Bindable<'a> {
     pub(super) device: &'a wgpu::Device,
     pub(super) streams: &'a [(Stream, wgpu::Texture)],
-    pub(super) buffers: &'a [(&'static str, wgpu::Buffer)],
+    pub(super) buffers: &'a AllUploaded,
 }
 
 pub(super) struct Pipelines(Vec<KernelPipeline>);
@@ -47,10 +48,12 @@ pub(super) struct Pipelines(Vec<KernelPipeline>);
 impl Pipelines {
     pub(super) fn new(gpu: &Gpu, plan: &Plan, data: &SceneData, bindable: &Bindable<'_>) -> Result<Self, GpuError> {
         let pipeline = |variant: &Variant| {
-            let compiled = gpu.compiled.get(&gpu.device, variant, is_proved(plan, variant, data));
+            let is_proved = is_proved(plan, variant, data);
+            let compiled = gpu.compiled.get(&gpu.device, variant, is_proved, plan.features.scene_data);
+            let compiled = compiled.map_err(|error| GpuError::Refused(error.to_string()))?;
             let (kernel, label, bindings) = (variant.kernel, variant.label(), variant.bindings.clone());
             let writes = variant.written_streams().collect();
-            KernelPipeline {
+            Ok(KernelPipeline {
                 kernel,
                 label,
                 compiled,
@@ -58,9 +61,9 @@ impl Pipelines {
                 bindings,
                 writes,
                 bound: None,
-            }
+            })
         };
-        let mut pipelines = Self(plan.variants.iter().map(pipeline).collect());
+        let mut pipelines = Self(plan.variants.iter().map(pipeline).collect::<Result<_, GpuError>>()?);
         pipelines.bind(bindable, |_| true)?;
         Ok(pipelines)
     }
@@ -122,7 +125,7 @@ impl Bound {
                     let buffer = || with.buffers.iter().find(|(n, _)| *n == binding.name);
                     resources.push(match view {
                         Some(view) => wgpu::BindingResource::TextureView(view),
-                        None => buffer().map(|(_, b)| b.as_entire_binding()).ok_or_else(missing)?,
+                        None => buffer().map(|(_, b)| b.binding()).ok_or_else(missing)?,
                     });
                 }
                 groups.push(bind_group(with.device, label, layout, &bindings, resources));

@@ -9,7 +9,7 @@ use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, Rule};
 use crate::plan::over::Over;
-use crate::plan::{Limits, Plan, PlanError, check_buffer, check_rays, check_scene};
+use crate::plan::{Limits, Plan, PlanError, check_list, check_rays, check_scene};
 use crate::programs::closest_hit::plan::features::features;
 use crate::programs::closest_hit::plan::resolve::{self, ChosenGrid};
 use crate::scene_data::{SceneData, origins, traced_vertices};
@@ -32,10 +32,10 @@ pub(in crate::programs) fn plan(
     check_scene(scene, units)?;
     // The growth of cells depends on where rays begin.
     check_rays(options, units)?;
-    check_buffer("vertices", 36 * scene.triangles.len() as u64, limits)?;
+    check_list("vertices", 36 * scene.triangles.len() as u64, options.scene_data, limits)?;
     let vertices = traced_vertices(scene, units);
     let is_grown = options.without != Some(Rule::CellGrowth);
-    let most_words = limits.storage_bytes / 4;
+    let most_words = limits.list_words(options.scene_data);
     let origins = origins(options, units);
     if options.accelerator == Accelerator::Irregular {
         let Site { vertices, aside, extent, layout, .. } = Site::new(&vertices, origins, is_grown, most_words)?;
@@ -96,7 +96,14 @@ pub(crate) fn of(
     };
     let is_uniform = what.kind() == Kind::Uniform;
     let skip = matches!(what, What::Uniform { leaps: true, .. });
-    let features = Features { grid: is_uniform, irregular: !is_uniform, skip, robust: true, ..Features::default() };
+    let features = Features {
+        grid: is_uniform,
+        irregular: !is_uniform,
+        skip,
+        robust: true,
+        scene_data: options.scene_data,
+        ..Features::default()
+    };
     let data = SceneData { features, units, grid, growth, build, vertices, ..SceneData::default() };
 
     let cells: u64 = build.cells.iter().map(|&n| u64::from(n)).product();

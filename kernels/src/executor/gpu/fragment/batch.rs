@@ -15,6 +15,8 @@ use crate::options::mapping::{Until, Update};
 use crate::program::Kernel;
 use crate::program::schedule::Call;
 use crate::tables::sizes::COUNT_SLOT_BYTES;
+use crate::tables::state::StateCounts;
+use crate::tables::stream::STATE_TAG;
 
 impl FragmentExecutor {
     /// Submits passes, at most [`MOST_PASSES`], and resolves to what each of them did.
@@ -34,7 +36,9 @@ impl FragmentExecutor {
         let count = passes.len() as u32;
         let sent_bytes = u64::from(count) * COUNT_SLOT_BYTES;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        encoder.clear_buffer(&self.results.sent, 0, Some(sent_bytes));
+        if let Some([sent, _]) = &self.results.sent {
+            encoder.clear_buffer(sent, 0, Some(sent_bytes));
+        }
         let mut parts = Parts::new(self.timers.as_ref().map(|timers| timers.each_pass));
         let mut encoded = Vec::with_capacity(passes.len());
         for (slot, &kernel) in (0..).zip(&passes) {
@@ -45,7 +49,9 @@ impl FragmentExecutor {
             recorded?;
             encoded.push(encode_ns);
         }
-        encoder.copy_buffer_to_buffer(&self.results.sent, 0, &self.results.sent_copy, 0, sent_bytes);
+        if let Some([sent, copy]) = &self.results.sent {
+            encoder.copy_buffer_to_buffer(sent, 0, copy, 0, sent_bytes);
+        }
         let is_queried = self.how.until == Until::Query;
         let query_bytes = if is_queried { self.results.occlusion.encode_read(&mut encoder, count) } else { 0 };
         let time_bytes = self.timers.as_ref().map_or(0, |timers| timers.encode_read(&mut encoder, parts.stamps()));
@@ -53,14 +59,18 @@ impl FragmentExecutor {
         let statistics = statistics.map(|s| (s.copy.clone(), s.encode_read(&mut encoder, parts.statistics())));
         self.gpu.submit([encoder.finish()]);
         let read = |buffer: &wgpu::Buffer, bytes| Readback::start(&self.gpu, buffer.clone(), bytes);
-        let sent = read(&self.results.sent_copy, sent_bytes);
+        let sent = self.results.sent.as_ref().map(|[_, copy]| read(copy, sent_bytes));
         let queries = is_queried.then(|| read(&self.results.occlusion.copy, query_bytes));
         let times = self.timers.as_ref().map(|timers| (timers.ticks, read(&timers.copy, time_bytes)));
         let statistics = statistics.map(|(copy, bytes)| (read(&copy, bytes), bytes));
         self.gpu.pop_scopes(scopes).await?;
 
         let states = self.plan.program.states.0.len();
-        let sent = sent.finish(sent_bytes, |bytes| read_sent(bytes, states)).await?;
+        let sent = match sent {
+            Some(sent) => sent.finish(sent_bytes, |bytes| read_sent(bytes, states)).await?,
+            // Only the last is asked for.
+            None => vec![self.counted_by_host().await?; passes.len()],
+        };
         let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
         self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
         let mut active = Vec::new();
@@ -107,6 +117,17 @@ impl FragmentExecutor {
         Ok(passes.iter().enumerate().map(result).collect())
     }
 
+    /// The rays in each state, from the states themselves.
+    async fn counted_by_host(&self) -> Result<StateCounts, GpuError> {
+        let program = self.plan.program;
+        let mut counts = StateCounts::none(program.states);
+        let state = program.state_stream().ok_or(GpuError::Missing("fragment"))?;
+        if let Some(state) = self.read(state).await? {
+            state.layer(STATE_TAG).iter().for_each(|&tag| counts.add(tag, 1));
+        }
+        Ok(counts)
+    }
+
     /// A pass of a kernel: copies, the depths, its draws, and a count of its rays.
     fn encode(
         &mut self,
@@ -134,8 +155,15 @@ impl FragmentExecutor {
             let (from, to) = (textures.current(), textures.other());
             encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
         }
-        let with =
-            Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, states, slot, copied: &copied };
+        let with = Bindable {
+            device: &gpu.device,
+            streams,
+            buffers,
+            sent: results.sent.as_ref().map(|[sent, _]| sent),
+            states,
+            slot,
+            copied: &copied,
+        };
         let statistics = results.statistics.as_ref();
         let draws = pipelines.drawn[index].draws.len();
         if pipelines.has_depth() {
@@ -161,8 +189,15 @@ impl FragmentExecutor {
             }
         }
         if self.counts_each || is_last {
-            let with =
-                Bindable { device: &gpu.device, streams, buffers, sent: &results.sent, states, slot, copied: &[] };
+            let with = Bindable {
+                device: &gpu.device,
+                streams,
+                buffers,
+                sent: results.sent.as_ref().map(|[sent, _]| sent),
+                states,
+                slot,
+                copied: &[],
+            };
             pipelines.count(encoder, &with)?;
         }
         Ok(())

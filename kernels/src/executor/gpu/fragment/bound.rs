@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::streams::StreamTextures;
 use crate::executor::gpu::GpuError;
+use crate::executor::gpu::uploaded::AllUploaded;
 use crate::fragment::Shader;
 use crate::shader::{Binding, Resource};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
@@ -28,8 +29,8 @@ pub(super) struct Group {
 pub(super) struct Bindable<'a> {
     pub(super) device: &'a wgpu::Device,
     pub(super) streams: &'a StreamTextures,
-    pub(super) buffers: &'a [(&'static str, wgpu::Buffer)],
-    pub(super) sent: &'a wgpu::Buffer,
+    pub(super) buffers: &'a AllUploaded,
+    pub(super) sent: Option<&'a wgpu::Buffer>,
     /// Number of states that it counts.
     pub(super) states: u64,
     /// The pass's slot in `sent`.
@@ -99,13 +100,13 @@ impl Bound {
                     let resource = match (held, &binding.resource) {
                         (Some((textures, index)), _) => wgpu::BindingResource::TextureView(textures.view(*index)),
                         (None, Resource::Live { .. }) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                            buffer: with.sent,
+                            buffer: with.sent.ok_or_else(missing)?,
                             offset: 0,
                             size: std::num::NonZeroU64::new(4 * with.states),
                         }),
                         (None, _) => {
                             let found = with.buffers.iter().find(|(name, _)| *name == binding.name);
-                            found.map(|(_, buffer)| buffer.as_entire_binding()).ok_or_else(missing)?
+                            found.map(|(_, uploaded)| uploaded.binding()).ok_or_else(missing)?
                         }
                     };
                     entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
@@ -122,7 +123,7 @@ impl Bound {
 fn binding_type(resource: &Resource) -> wgpu::BindingType {
     let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
     match resource {
-        Resource::ReadStream(_) | Resource::WriteStream { .. } => wgpu::BindingType::Texture {
+        Resource::ReadStream(_) | Resource::WriteStream { .. } | Resource::List => wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Uint,
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,

@@ -68,7 +68,7 @@ struct Counter {
 pub(super) struct Pipelines {
     pub(super) drawn: Vec<Drawn>,
     depth: Option<Depth>,
-    counter: Counter,
+    counter: Option<Counter>,
     update: Update,
 }
 
@@ -140,19 +140,22 @@ impl Pipelines {
             let pipeline = pipeline(device, &quad, "depth", shader, &bound, 0, 0.0, Some(state));
             Depth { view: texture.create_view(&Default::default()), texture, pipeline, bound }
         });
-        let bound = Bound::new(device, &drawn.counter, wgpu::ShaderStages::COMPUTE);
-        let label = plan.label("count");
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(&label),
-            layout: Some(&bound.layout(device, &label)),
-            module: &module(device, &label, &drawn.counter.source),
-            entry_point: Some(ENTRY),
-            compilation_options: Default::default(),
-            cache: None,
+        let counter = drawn.counter.as_ref().map(|shader| {
+            let bound = Bound::new(device, shader, wgpu::ShaderStages::COMPUTE);
+            let label = plan.label("count");
+            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(&label),
+                layout: Some(&bound.layout(device, &label)),
+                module: &module(device, &label, &shader.source),
+                entry_point: Some(ENTRY),
+                compilation_options: Default::default(),
+                cache: None,
+            });
+            let side = crate::shared::constants::LIST_SIDE;
+            let groups = [plan.width, plan.height].map(|length| length.div_ceil(side));
+            Counter { pipeline, bound, groups }
         });
-        let side = crate::shared::constants::LIST_SIDE;
-        let groups = [plan.width, plan.height].map(|length| length.div_ceil(side));
-        Self { drawn: kernels, depth, counter: Counter { pipeline, bound, groups }, update: drawn.how.update }
+        Self { drawn: kernels, depth, counter, update: drawn.how.update }
     }
 
     pub(super) fn depth_bytes(&self) -> Option<u64> {
@@ -241,7 +244,7 @@ impl Pipelines {
 
     /// Counts the rays in each state.
     pub(super) fn count(&mut self, encoder: &mut wgpu::CommandEncoder, with: &Bindable<'_>) -> Result<(), GpuError> {
-        let Counter { pipeline, bound, groups: [x, y] } = &mut self.counter;
+        let Some(Counter { pipeline, bound, groups: [x, y] }) = &mut self.counter else { return Ok(()) };
         let groups = bound.groups(with, "count")?;
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("count"), timestamp_writes: None });

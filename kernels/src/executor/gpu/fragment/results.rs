@@ -7,8 +7,8 @@ use crate::plan::drawn::QUERY_BYTES;
 
 /// Buffers with a slot for each pass of a batch, and queries.
 pub(super) struct Results {
-    pub(super) sent: wgpu::Buffer,
-    pub(super) sent_copy: wgpu::Buffer,
+    /// Rays in each state, and where they are read; `None` if the host counts them.
+    pub(super) sent: Option<[wgpu::Buffer; 2]>,
     /// One a pass: whether its last draw wrote any fragment.
     pub(super) occlusion: Queries,
     /// One a draw: how many fragments it ran.
@@ -36,8 +36,13 @@ const TO_RESOLVE: wgpu::BufferUsages = wgpu::BufferUsages::QUERY_RESOLVE.union(w
 const TO_READ: wgpu::BufferUsages = wgpu::BufferUsages::COPY_DST.union(wgpu::BufferUsages::MAP_READ);
 
 impl Results {
-    /// `counts_fragments`: if the device can.
-    pub(super) fn new(device: &wgpu::Device, plan: &Plan, counts_fragments: bool) -> Result<Self, GpuError> {
+    /// `is_counted`: whether the device counts rays. `counts_fragments`: if the device can.
+    pub(super) fn new(
+        device: &wgpu::Device,
+        plan: &Plan,
+        is_counted: bool,
+        counts_fragments: bool,
+    ) -> Result<Self, GpuError> {
         use wgpu::BufferUsages as U;
         let can_count = device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY);
         let planned = |name, usage| own_buffer(device, plan, name, usage).ok_or(GpuError::Missing(name));
@@ -56,9 +61,14 @@ impl Results {
                 copy: buffer("statistics, copy", TO_READ),
             }
         };
+        let sent = || {
+            Ok::<_, GpuError>([
+                planned("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST)?,
+                planned("sent_copy", TO_READ)?,
+            ])
+        };
         Ok(Self {
-            sent: planned("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST)?,
-            sent_copy: planned("sent_copy", TO_READ)?,
+            sent: is_counted.then(sent).transpose()?,
             occlusion: Queries {
                 set: set("queries", wgpu::QueryType::Occlusion, MOST_PASSES as u32),
                 resolved: planned("queries", TO_RESOLVE)?,
@@ -70,10 +80,9 @@ impl Results {
 
     /// Names and sizes in bytes.
     pub(super) fn allocated(&self) -> impl Iterator<Item = (&'static str, u64)> {
-        let Self { sent, sent_copy, occlusion: Queries { resolved, copy, .. }, .. } = self;
-        [("sent", sent), ("sent_copy", sent_copy), ("queries", resolved), ("queries_copy", copy)]
-            .map(|(name, buffer)| (name, buffer.size()))
-            .into_iter()
+        let Self { sent, occlusion: Queries { resolved, copy, .. }, .. } = self;
+        let sent = sent.iter().flat_map(|[sent, copy]| [("sent", sent), ("sent_copy", copy)]);
+        sent.chain([("queries", resolved), ("queries_copy", copy)]).map(|(name, buffer)| (name, buffer.size()))
     }
 }
 

@@ -56,6 +56,7 @@ pub(in crate::programs) fn features(
         skip: false,
         stack: 0,
         live_lists: options.schedule == ScheduleKind::Compact,
+        scene_data: options.scene_data,
         fragments: options.mapping.fragment().is_some(),
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
         intervals: has_intervals(&options.rays, any_hit),

@@ -15,8 +15,8 @@ use crate::options::mapping::Until;
 use crate::options::{Options, RaySource, ScheduleKind};
 use crate::plan::allocated::Allocated;
 use crate::plan::{
-    DrawnPlan, Limits, Plan, PlanError, bound_by, check_rays, check_samples, check_scene, check_texels, image_size,
-    variants,
+    DrawnPlan, Limits, Plan, PlanError, bound_by, check_bindings, check_rays, check_samples, check_scene, check_texels,
+    image_size, variants,
 };
 use crate::scene_data::SceneData;
 use crate::shared::scene::SceneInfo;
@@ -59,9 +59,10 @@ pub(in crate::programs) fn plan(
     let schedule = schedule::of(options, &features);
     let variants = variants(&PROGRAM, &schedule, &features)?;
     let drawn = options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, &features, limits)).transpose()?;
+    check_bindings(&variants, drawn.as_ref(), features.scene_data, limits)?;
     let bound = bound_by(&variants);
     if bound.contains("texels") {
-        check_texels(scene, limits)?;
+        check_texels(scene, options.scene_data, limits)?;
     }
     let info = SceneInfo {
         triangles: triangles as u32,

@@ -6,7 +6,7 @@ use super::features::features;
 use crate::numbers::units::Units;
 use crate::options::features::{Features, StructureKind};
 use crate::options::{Accelerator, GridSize, MOST_LISTED, MOST_LISTED_IN_ONE_LEVEL, Options, Rule, ScheduleKind, Skip};
-use crate::plan::{Limits, PlanError, check_buffer};
+use crate::plan::{Limits, PlanError, check_buffer, check_list};
 use crate::program::live::{LIVE_RAYS, live_bytes};
 use crate::programs::closest_hit::PROGRAM;
 use crate::scene_data::{bvh_growth, origins, traced_vertices};
@@ -109,7 +109,7 @@ pub(super) fn resolve(
                 let bounds = grid::bounds(&vertices);
                 (vertices, origins, Extent { bounds, reach: grid::reach(bounds, origins) })
             });
-            let most_words = limits.storage_bytes / 4;
+            let most_words = limits.list_words(options.scene_data);
             let site = Site { options, vertices, origins: *origins, reach: extent.reach, most_words };
             match built.take() {
                 Some(built) => Ok(Some(adopt(features, built))),
@@ -152,13 +152,13 @@ fn check_sizes(
         ("vertex_colors", 36, features.vertex_colors),
     ] {
         if is_used && (name == corners.0 || options.shade) {
-            check_buffer(name, triangles * bytes, limits)?;
+            check_list(name, triangles * bytes, options.scene_data, limits)?;
         }
     }
     if let GridSize::Cells(cells) = options.grid
         && features.grid
     {
-        check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
+        check_list("grid_cells", 4 * (grid::check_cells(cells)? + 1), options.scene_data, limits)?;
     }
     if features.live_lists {
         check_buffer(LIVE_RAYS, live_bytes(&PROGRAM, texels), limits)?;
