@@ -130,9 +130,9 @@ commands! {
         PreviousBranch "Previous branch of the ray", SHIFT F7;
         /// Shows which rays took the branch in view.
         MaskBranch "Show the rays that took this branch", CTRL F7;
-        /// To the end of the schedule's current iteration.
+        /// To the end of the current turn of the innermost loop: an iteration of the walk, a stage of a sort.
         IterationEnd "End of this iteration", CTRL F11;
-        /// To the start of the schedule's current iteration.
+        /// To the start of the current turn of the innermost loop: an iteration of the walk, a stage of a sort.
         IterationStart "Start of this iteration", CTRL_SHIFT F11;
         /// To the start of the run.
         Start "Go to start", NONE Home;

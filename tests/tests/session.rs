@@ -4,9 +4,10 @@ use std::ops::ControlFlow;
 
 use raystep_inspector::{Session, Target, go_on};
 use raystep_kernels::export::trace::{Rays, trace};
+use raystep_kernels::options::ProgramName;
 use raystep_kernels::options::mapping::{Fragment, Mapping, Update};
 use raystep_kernels::programs::closest_hit::{kernels, streams};
-use raystep_kernels::{Accelerator, Device, Options, RenderError, ScheduleKind, StreamData};
+use raystep_kernels::{Accelerator, Device, Options, RenderError, Samples, ScheduleKind, StreamData};
 use raystep_scenes::Scene;
 use raystep_tests::configurations::{Configuration, STEPPED, stepped};
 use raystep_tests::sessions::{go, streams};
@@ -212,6 +213,31 @@ fn turns_of_the_loop_begin_and_end() {
             // The same forwards, now that the passes are known.
             for &end in &ends[1..] {
                 assert_eq!(go(&mut session, Target::IterationEnd).await, end, "{schedule}");
+            }
+        });
+    }
+}
+
+#[test]
+fn turns_of_counted_loops_and_of_samples_begin_and_end() {
+    let scene = scene("cornell-box.gltf");
+    let sort = Options { program: ProgramName::Sort, elements: 40, ..options(&scene, 16, 16) };
+    let samples = Samples { count: 3, ..Samples::default() };
+    let samples = Options { schedule: ScheduleKind::Fused, samples, ..options(&scene, 16, 16) };
+    // A stage of a sort has a step more than the one before it. A sample takes three passes.
+    for (options, expected) in [(sort, vec![1, 3, 6, 10, 15, 21]), (samples, vec![3, 6, 9])] {
+        block_on(None, async {
+            let mut session = Session::new(&scene, &options, &Device::Cpu(None)).await.expect("a session");
+            let which = format!("{} {}", options.program, options.schedule);
+            for known in ["not yet known", "known"] {
+                go(&mut session, Target::Start).await;
+                for &end in &expected {
+                    assert_eq!(go(&mut session, Target::IterationEnd).await, end, "{which}, {known}");
+                }
+                assert_eq!(go(&mut session, Target::IterationEnd).await, expected[expected.len() - 1], "{which}");
+            }
+            for &start in expected.iter().rev().skip(1).chain(&[0]) {
+                assert_eq!(go(&mut session, Target::IterationStart).await, start, "{which}");
             }
         });
     }

@@ -16,10 +16,10 @@ pub enum Target {
     NextOf(Kernel),
     /// After the previous pass of a kernel.
     PreviousOf(Kernel),
-    /// Before the first pass of the iteration of the schedule's loop that the last pass belongs to. Passes before the
-    /// loop, and those after it, count as one iteration.
+    /// Before the first pass of the turn that the last pass belongs to: of the innermost loop whose turns may have several
+    /// passes. Passes before a loop, and those after it, count as one turn.
     IterationStart,
-    /// After the last pass of the iteration that the next pass belongs to.
+    /// After the last pass of the turn that the next pass belongs to.
     IterationEnd,
     /// After this many passes in total.
     Pass(usize),
@@ -29,16 +29,22 @@ pub enum Target {
     End,
 }
 
-/// The iteration that a pass belongs to, and whether it is part of the loop.
-fn turn(kernel: Kernel, iteration: u32) -> (u32, bool) {
-    (iteration, kernel.is_walk())
-}
-
-fn turn_of(pass: &Pass) -> (u32, bool) {
-    turn(pass.kernel, pass.iteration)
-}
+/// The turns that a pass belongs to, and whether it is part of the walk.
+type Turn = (Vec<u32>, bool);
 
 impl Session {
+    fn turn(&self, kernel: Kernel, loops: &[u32]) -> Turn {
+        (self.renderer.plan().schedule.turns_of_several_passes(kernel, loops).to_vec(), kernel.is_walk())
+    }
+
+    fn turn_of(&self, pass: &Pass) -> Turn {
+        self.turn(pass.kernel, &pass.loops)
+    }
+
+    fn next_turn(&self) -> Option<Turn> {
+        self.renderer.next_pass().map(|(kernel, loops)| self.turn(kernel, &loops))
+    }
+
     /// Goes to `target`, or as near as the run allows; returns the place reached.
     ///
     /// # Errors
@@ -62,8 +68,8 @@ impl Session {
             }
             Target::IterationStart => {
                 let passes = self.passes();
-                let Some(this) = passes.last().map(turn_of) else { return Ok(here) };
-                let place = passes.iter().rposition(|p| turn_of(p) != this).map_or(0, |i| i + 1);
+                let Some(this) = passes.last().map(|p| self.turn_of(p)) else { return Ok(here) };
+                let place = passes.iter().rposition(|p| self.turn_of(p) != this).map_or(0, |i| i + 1);
                 self.go(place, &mut guide).await?;
             }
         }
@@ -89,13 +95,12 @@ impl Session {
 
     async fn go_to_end_of_turn(&mut self, guide: &mut Guide<'_>) -> Result<(), RenderError> {
         let here = self.place();
-        let next = self.renderer.next_pass().map(|(kernel, iteration)| turn(kernel, iteration));
-        let Some(this) = next else { return Ok(()) };
-        if let Some(passes) = self.known()[here..].iter().position(|p| turn_of(p) != this) {
+        let Some(this) = self.next_turn() else { return Ok(()) };
+        if let Some(passes) = self.known()[here..].iter().position(|p| self.turn_of(p) != this) {
             return self.go(here + passes, guide).await;
         }
         self.go(self.known().len(), guide).await?;
-        while self.renderer.next_pass().map(|(kernel, iteration)| turn(kernel, iteration)) == Some(this) {
+        while self.next_turn().as_ref() == Some(&this) {
             self.go(self.place() + 1, guide).await?;
             guide.check(self.place())?;
         }

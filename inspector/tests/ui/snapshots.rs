@@ -7,9 +7,11 @@ use egui::Theme;
 use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
+use raystep_kernels::{Choices, Samples, ScheduleKind};
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};
+use crate::ui::timeline::{into_turn, sort};
 
 fn open(stage: &mut Stage) {
     let settings = Settings { size: [64, 64], device: DeviceKind::Cpu, ..Settings::default() };
@@ -33,6 +35,25 @@ fn every_panel_alone() {
         stage.snapshot(&format!("panel-{}", format!("{kind:?}").to_lowercase()));
         stage.perform(Command::EndCompare);
         stage.perform(Command::Show(kind));
+    }
+}
+
+#[test]
+fn turns_of_loops() {
+    let mut stage = Stage::new(Plan { size: [600.0, 400.0], ..Plan::default() });
+    let samples = Samples { count: 4, ..Samples::default() };
+    let choices = Choices { schedule: ScheduleKind::Second, samples, ..Choices::stepped() };
+    let samples = Settings { size: [64, 64], device: DeviceKind::Cpu, choices, ..Settings::default() };
+    for (settings, turns, kind, name) in [
+        (sort(DeviceKind::Cpu), 3, PaneKind::Timeline, "loops-of-sort"),
+        (sort(DeviceKind::Cpu), 3, PaneKind::Passes, "loops-in-passes"),
+        (samples, 30, PaneKind::Timeline, "loops-of-samples"),
+    ] {
+        stage.open(CORNELL, settings, Arrival { place: Some(usize::MAX), ..Arrival::default() });
+        stage.close_panels();
+        stage.perform(Command::Show(kind));
+        into_turn(&mut stage, turns);
+        stage.snapshot(name);
     }
 }
 

@@ -17,6 +17,19 @@ fn settings(device: DeviceKind) -> Settings {
     Settings { size: [64, 64], device, ..Settings::default() }
 }
 
+/// 21 passes in six stages.
+pub(crate) fn sort(device: DeviceKind) -> Settings {
+    let choices = Choices { program: raystep_kernels::options::ProgramName::Sort, elements: 64, ..Choices::stepped() };
+    Settings { choices, device, ..Settings::default() }
+}
+
+/// To the second pass of a turn after so many.
+pub(crate) fn into_turn(stage: &mut Stage, turns: usize) {
+    stage.perform(Command::Start);
+    (0..turns).for_each(|_| stage.perform(Command::IterationEnd));
+    (0..2).for_each(|_| stage.perform(Command::NextPass));
+}
+
 /// The full layout, at a place.
 fn stage(settings: Settings, place: usize) -> Stage {
     let mut stage = Stage::new(Plan::default());
@@ -250,6 +263,51 @@ fn a_bookmark_is_a_flag_that_returns_is_renamed_kept_and_deleted() {
     s.click(Role::Button, "Delete");
     s.settle();
     assert!(s.find(Role::Button, is_flag).is_none());
+}
+
+#[test]
+fn a_turn_of_a_loop_is_named_and_clicks_go_to_its_first_pass_and_its_end() {
+    let mut s = stage(sort(DeviceKind::Cpu), usize::MAX);
+    into_turn(&mut s, 3);
+    let rect = timeline(&s);
+    assert!(name(&s).contains("pass 7: exchange, stage 3, step 1, processed"), "{}", name(&s));
+    // Passes 10 to 14 of 21, in the band on top.
+    let at = pos2(rect.left() + 40.0 + 12.5 / 21.0 * (rect.width() - 46.0), rect.top() + 6.0);
+    hover(&mut s, at);
+    for text in ["stage 4", "passes 10–14"] {
+        assert!(s.painted().iter().any(|painted| painted == text), "no {text}: {:?}", s.painted());
+    }
+    assert!(s.paints("µs on the device"), "{:?}", s.painted());
+    s.click_at(at);
+    s.settle();
+    assert_eq!(s.place(), 11, "its first pass");
+    let band = s.painted().into_iter().filter(|text| text.starts_with("stage ")).collect::<Vec<_>>();
+    assert_eq!(band, ["stage 0", "stage 1", "stage 2", "stage 3", "stage 5", "stage 4"], "the current one last");
+    s.event(Event::PointerMoved(at));
+    // A frame of the harness is a quarter of a second, and the time between two clicks at most 0.3 seconds.
+    for _ in 0..2 {
+        let click = |pressed| Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        s.harness.input_mut().events.extend([true, false].map(click));
+        s.frame();
+    }
+    s.event(Event::PointerGone);
+    s.settle();
+    assert_eq!(s.place(), 15, "its end");
+    // The band below: its steps are passes.
+    s.click_at(at + egui::vec2(0.0, 14.0));
+    s.settle();
+    assert_eq!(s.place(), 13);
+    s.perform(Command::IterationEnd);
+    assert_eq!(s.place(), 15, "of the stage");
+    // A run with one turn has no bands.
+    let choices = Choices { schedule: raystep_kernels::ScheduleKind::Fused, ..Choices::stepped() };
+    s.open(CORNELL, Settings { choices, ..settings(DeviceKind::Cpu) }, Arrival::picture());
+    assert!(!name(&s).contains("iteration"), "{}", name(&s));
 }
 
 #[test]

@@ -414,7 +414,7 @@ impl<W: Write> PassesCsv<W> {
             known(part.and_then(|(_, part)| part.time.fragments)),
             known(part.map(|(_, part)| part.bytes_copied)),
             option("traversal"),
-            loops(pass),
+            pass.loops_text(),
         ];
         let row = first.into_iter().chain(later_options().map(|option| recorded(option, run)));
         Ok(self.writer.write_record(row)?)
@@ -431,11 +431,6 @@ impl<W: Write> PassesCsv<W> {
 
 fn recorded(option: &rows::Row, run: &RunContext) -> String {
     option.recorded(&run.choices).map_or_else(String::new, |value| value.to_string())
-}
-
-fn loops(pass: &Pass) -> String {
-    let turns: Vec<String> = pass.loops.iter().map(u32::to_string).collect();
-    turns.join(" ")
 }
 
 #[cfg(test)]

@@ -268,7 +268,7 @@ fn steps(all: &[Step]) -> Vec<StepSummary> {
             Step::Run(kernel) => StepSummary::Run(kernel.name()),
             Step::RunBy(kernel, Count { first, by }) => StepSummary::RunBy { kernel: kernel.name(), first: *first, by },
             Step::RunUntilIdle(kernel) => StepSummary::RunUntilIdle(kernel.name()),
-            Step::Repeat(Count { first, by }, body) => {
+            Step::Repeat(_, Count { first, by }, body) => {
                 StepSummary::Repeat { times: *first, more: by, steps: steps(body) }
             }
             Step::LoopWhileActive(kernels, body) => {

@@ -150,9 +150,7 @@ impl Plan {
             Step::Run(_) | Step::RunBy(..) => runs_once(step),
             // Shading that runs as long as the ray with the most work is not part of the walk.
             Step::RunUntilIdle(kernel) => kernel.is_walk(),
-            Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) | Step::Repeat(_, body) => {
-                body.iter().all(runs_once)
-            }
+            looped => looped.body().unwrap_or_default().iter().all(runs_once),
         };
         self.program.course().is_some() && !self.features.samples && self.schedule.steps.iter().all(is_the_same_for_all)
     }

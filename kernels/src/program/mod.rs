@@ -6,6 +6,7 @@ pub mod check;
 pub mod instance;
 pub mod kernel;
 pub mod live;
+pub mod loops;
 pub mod ray_state;
 pub mod results;
 pub mod rounding;

@@ -18,8 +18,8 @@ pub enum Step {
     LoopWhileActive(Vec<Kernel>, Vec<Step>),
     /// Run the steps, and repeat them while a set has elements.
     RepeatWhileAny(&'static Elements, Vec<Step>),
-    /// Run the steps so many times, which may depend on the turns of the loops that it is in.
-    Repeat(Count, Vec<Step>),
+    /// Run the steps so many times, which may depend on the turns of the loops that it is in; and what a turn is called.
+    Repeat(&'static str, Count, Vec<Step>),
 }
 
 /// A number that counts with the turns of loops: a kernel's `launch.parameter`, or how often a loop runs.
@@ -92,10 +92,8 @@ impl Schedule {
                             kernels.push(*k);
                         }
                     }
-                    Step::Repeat(Count { first: 0, by: [] }, _) => {}
-                    Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) | Step::Repeat(_, body) => {
-                        collect(body, kernels);
-                    }
+                    Step::Repeat(_, Count { first: 0, by: [] }, _) => {}
+                    looped => collect(looped.body().unwrap_or_default(), kernels),
                 }
             }
         }
@@ -121,7 +119,7 @@ impl Schedule {
                         turns.pop();
                         TIMES.saturating_mul(once)
                     }
-                    Step::Repeat(times, body) => (0..times.at(turns)).fold(0u64, |sum, turn| {
+                    Step::Repeat(_, times, body) => (0..times.at(turns)).fold(0u64, |sum, turn| {
                         turns.push(At { step: 0, turn });
                         let once = of(body, turns);
                         turns.pop();
@@ -238,7 +236,7 @@ impl Cursor {
                         at.step += 1;
                     }
                 }
-                Step::Repeat(times, _) if times.at(&self.path[1..]) == 0 => self.pass_step(),
+                Step::Repeat(_, times, _) if times.at(&self.path[1..]) == 0 => self.pass_step(),
                 Step::RepeatWhileAny(..) | Step::Repeat(..) => self.path.push(At::default()),
             }
         }
@@ -254,7 +252,7 @@ impl Cursor {
         let Some(At { turn, .. }) = self.path.pop() else { return };
         let goes_on = match of {
             Step::RepeatWhileAny(counted, _) => counts.of(counted) > 0,
-            Step::Repeat(times, _) => turn + 1 < times.at(&self.path[1..]),
+            Step::Repeat(_, times, _) => turn + 1 < times.at(&self.path[1..]),
             Step::LoopWhileActive(kernels, _) => kernels.iter().any(|k| k.live(&counts.in_state) > 0),
             _ => false,
         };
@@ -275,7 +273,7 @@ impl Cursor {
         loop {
             let (steps, parent) = ahead.steps(schedule);
             match (ahead.path.last().and_then(|at| steps.get(at.step)), parent) {
-                (Some(Step::Repeat(times, _)), _) if times.at(&ahead.path[1..]) == 0 => ahead.pass_step(),
+                (Some(Step::Repeat(_, times, _)), _) if times.at(&ahead.path[1..]) == 0 => ahead.pass_step(),
                 (Some(_), _) | (None, None) => return false,
                 (None, Some(Step::RepeatWhileAny(..))) => return true,
                 (None, Some(of)) => ahead.end_turn(of, &Population::default()),
@@ -375,8 +373,7 @@ impl Cursor {
         for (depth, at) in self.path.iter().enumerate() {
             match steps.get(at.step)? {
                 step if step.is_walk() => return Some(depth),
-                Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) | Step::Repeat(_, body) => steps = body,
-                _ => return None,
+                step => steps = step.body()?,
             }
         }
         None
@@ -387,9 +384,7 @@ impl Cursor {
         let (mut steps, mut parent) = (schedule.steps.as_slice(), None);
         for at in &self.path[..self.path.len() - 1] {
             let step = &steps[at.step];
-            let (Step::LoopWhileActive(_, body) | Step::RepeatWhileAny(_, body) | Step::Repeat(_, body)) = step else {
-                break;
-            };
+            let Some(body) = step.body() else { break };
             (steps, parent) = (body, Some(step));
         }
         (steps, parent)

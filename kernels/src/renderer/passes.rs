@@ -27,15 +27,15 @@ impl Renderer {
         self.next_pass().map(|(kernel, _)| kernel)
     }
 
-    /// Kernel and iteration of the pass that [`step`](Self::step) would run; see [`Pass::iteration`].
+    /// Kernel and turns of the pass that [`step`](Self::step) would run; see [`Pass::loops`].
     #[must_use]
-    pub fn next_pass(&self) -> Option<(Kernel, u32)> {
+    pub fn next_pass(&self) -> Option<(Kernel, Vec<u32>)> {
         let mut cursor = self.cursor.clone();
         if self.is_over_bound() {
             cursor.leave_walk(&self.plan.schedule);
         }
         let kernel = cursor.next(&self.plan.schedule, self.scheduled())?;
-        Some((kernel, cursor.iteration))
+        Some((kernel, cursor.loops()))
     }
 
     /// Runs to the end. `progress` is called between batches of passes and may stop the run.

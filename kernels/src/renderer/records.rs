@@ -74,6 +74,13 @@ impl Pass {
         Call { kernel: self.kernel, parameter: self.parameter }
     }
 
+    /// Its [`loops`](Self::loops) as in `passes.csv`: separated by spaces.
+    #[must_use]
+    pub fn loops_text(&self) -> String {
+        let turns: Vec<String> = self.loops.iter().map(u32::to_string).collect();
+        turns.join(" ")
+    }
+
     /// What its duration is less than, in nanoseconds, if the device's clock is too coarse to tell how long it took.
     #[must_use]
     pub fn below_ns(&self) -> Option<u64> {

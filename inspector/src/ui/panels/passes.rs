@@ -53,12 +53,18 @@ impl Panel for Passes {
                 "elements that the pass works on: triangles, spans, references, cells or blocks",
             ),
         };
-        let heads = [
+        let mut heads = vec![
             Head::number("pass", "index in the run"),
             Head::text("kernel", "kernel"),
             Head::number(unit.name(), &about_times),
             rays,
         ];
+        if cx.model.opened.as_ref().is_some_and(|opened| opened.plan.schedule.has_counted_loops()) {
+            heads.push(Head::text(
+                "loops",
+                "turns of the schedule's loops that the pass is in, from 0, outermost first",
+            ));
+        }
         let history = history.map(|history| (history.pixel, history.rows.len()));
         let bookmarks = &cx.bookmarks.list;
         let marked: Vec<usize> = bookmarks.iter().map(|bookmark| bookmark.place).collect();
@@ -142,7 +148,8 @@ impl Rows for List<'_> {
                 (None, Some(below)) => format!("< {}", self.unit.text_above(below)),
                 (None, None) => String::new(),
             },
-            (Some(pass), _) => pass.rays_in.to_string(),
+            (Some(pass), 3) => pass.rays_in.to_string(),
+            (Some(pass), _) => pass.loops_text(),
         }
     }
 

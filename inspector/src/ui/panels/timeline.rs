@@ -1,9 +1,10 @@
-//! The passes as a scrubber: rays in each state, by pass or by time on the device; the selected ray's events, bookmarks
-//! and thumbnails. Dragging goes through the passes, and the pictures follow.
+//! The passes as a scrubber: rays in each state, by pass or by time on the device; the turns of loops, the selected ray's
+//! events, bookmarks and thumbnails. Dragging goes through the passes, and the pictures follow.
 //!
 //! Touches: selection, display, asks, bookmarks.
 
 mod axis;
+mod bands;
 mod columns;
 mod flags;
 mod height;
@@ -12,6 +13,7 @@ mod strip;
 mod ticks;
 
 use axis::{Axis, Scale};
+use bands::Bands;
 use columns::Columns;
 use egui::{EventFilter, FontId, Key, Modifiers, Rect, Response, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use flags::Flags;
@@ -54,6 +56,7 @@ pub(in crate::ui) struct Timeline {
     /// The inputs of the axis, and how often they have changed.
     known: Option<(u64, u64, usize, Look)>,
     version: u64,
+    bands: Bands,
     columns: Columns,
     ticks: Ticks,
     flags: Flags,
@@ -62,6 +65,7 @@ pub(in crate::ui) struct Timeline {
 /// Where the parts of the panel are.
 struct Lanes {
     events: Rect,
+    bands: Rect,
     field: Rect,
     strip: Option<Rect>,
 }
@@ -83,12 +87,13 @@ impl Panel for Timeline {
         let known = (cx.model.generation, cx.model.edition, passes.len(), look);
         if self.known != Some(known) {
             self.axis = Axis::new(passes, look.scale, look.is_walk_only);
+            self.bands = Bands::new(passes);
             (self.known, self.version) = (Some(known), self.version + 1);
         }
         let size = ui.available_size().max(vec2(LEFT + RIGHT + 40.0, 40.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let has_flags = !cx.bookmarks.list.is_empty();
-        let lanes = lanes(rect, has_flags, has_events(cx), cx.display.thumbs.shown().next().is_some());
+        let lanes = lanes(rect, has_flags, has_events(cx), &self.bands, cx.display.thumbs.shown().next().is_some());
         let axis = &self.axis;
         let (left, width) = (lanes.field.left(), f64::from(lanes.field.width().max(1.0)));
         let at = |part: f64| left + (part * width) as f32;
@@ -98,7 +103,7 @@ impl Panel for Timeline {
         let ticks = self.ticks.of(cx.model.history.as_ref(), run);
         let thumbs = lanes.strip.map(|lane| strip::placed(lane, &cx.display.thumbs, middle)).unwrap_or_default();
 
-        // A mark or a thumbnail is met, or the pass under the cursor.
+        // A mark, a thumbnail or a turn is met, or the pass under the cursor.
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
         let is_drag = response.dragged() || response.drag_stopped();
         let tick = pointer
@@ -107,12 +112,16 @@ impl Panel for Timeline {
         let thumb = pointer
             .filter(|_| !is_drag)
             .and_then(|pos| thumbs.iter().find(|(rect, _)| rect.contains(pos)).map(|(_, place)| *place));
-        let under =
-            pointer.map(|pos| tick.map(|tick| tick.place).or(thumb).unwrap_or_else(|| axis.place_at(part(pos.x))));
+        let turn = pointer
+            .filter(|_| !is_drag)
+            .and_then(|pos| self.bands.at(lanes.bands, pos, axis.pass(axis.at(part(pos.x)))));
+        let met = tick.map(|tick| tick.place).or(thumb).or(turn.map(|(_, [first, _])| first + 1));
+        let under = pointer.map(|pos| met.unwrap_or_else(|| axis.place_at(part(pos.x))));
         let is_held = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down());
-        match under {
-            Some(place) if is_held => cx.asks.scrub.hold(place),
-            Some(place) if response.clicked() || response.drag_stopped() => cx.asks.scrub.go(place),
+        match (under, turn) {
+            (_, Some((_, [_, end]))) if response.double_clicked() => cx.asks.scrub.go(end),
+            (Some(place), _) if is_held => cx.asks.scrub.hold(place),
+            (Some(place), _) if response.clicked() || response.drag_stopped() => cx.asks.scrub.go(place),
             _ => {}
         }
         keys(ui, &response, cx, axis);
@@ -124,6 +133,8 @@ impl Panel for Timeline {
         let height = columns::height(passes, axis, look.is_walk_only, look.is_log);
         self.columns.paint(&painter, lanes.field, (passes, axis, height), look.is_walk_only, self.version);
         columns::marks(ui, &painter, lanes.field, height);
+        let schedule = cx.model.opened.as_ref().map(|opened| &opened.plan.schedule);
+        schedule.into_iter().for_each(|of| self.bands.paint(ui, lanes.bands, (passes, axis), of, shown));
         feet(ui, lanes.field, axis, look.scale);
         let colors = [ui.visuals().text_color(), ui.visuals().selection.stroke.color];
         ticks::paint(&painter, lanes.events, ticks, shown, colors, middle);
@@ -136,8 +147,9 @@ impl Panel for Timeline {
             painter.rect_stroke(rect, 2.0, Stroke::new(2.0, colors[1]), egui::StrokeKind::Inside);
         }
         if let Some((pos, place)) = pointer.zip(under).filter(|_| !egui::Popup::is_any_open(ui.ctx())) {
-            let text = event_at(cx, ticks, tick, place);
-            inset::show(ui, cx, pos2(pos.x, rect.top() - 2.0), place, text.as_deref());
+            let turn = turn.zip(schedule).map(|(turn, of)| Bands::about(turn, passes, of)).unwrap_or_default();
+            let event = event_at(cx, ticks, tick, place).filter(|_| turn.is_empty());
+            inset::show(ui, cx, pos2(pos.x, rect.top() - 2.0), place, &turn, event.as_deref());
         }
         let text = self.text(cx, shown, look);
         let value = Some(shown as f64);
@@ -203,7 +215,9 @@ impl Timeline {
         let known = cx.model.passes.len();
         let mut text = format!("after {place} of {known} known passes");
         if let Some(pass) = place.checked_sub(1).and_then(|last| cx.model.passes.get(last)) {
-            text += &format!("; pass {}: {}, processed {}", pass.index, pass.kernel.name(), pass.rays_in);
+            let turns = cx.model.opened.as_ref().map(|opened| self.bands.words(pass, &opened.plan.schedule));
+            let turns = turns.unwrap_or_default();
+            text += &format!("; pass {}: {}{turns}, processed {}", pass.index, pass.kernel.name(), pass.rays_in);
             text += &inset::states(pass).map_or_else(String::new, |states| format!(", {states}"));
         }
         if !cx.bookmarks.list.is_empty() {
@@ -219,17 +233,19 @@ fn has_events(cx: &Context<'_>) -> bool {
     cx.model.history.as_ref().is_some_and(|history| !history.rows.is_empty())
 }
 
-fn lanes(rect: Rect, has_flags: bool, has_events: bool, has_thumbs: bool) -> Lanes {
+fn lanes(rect: Rect, has_flags: bool, has_events: bool, bands: &Bands, has_thumbs: bool) -> Lanes {
     let top = rect.top() + if has_flags { flags::LANE } else { 2.0 };
-    let below = top + if has_events { EVENTS } else { 0.0 };
+    let above = top + if has_events { EVENTS } else { 0.0 };
     let foot = rect.bottom() - FOOT;
+    let below = above + bands.height(foot - above);
     let strip = (has_thumbs && foot - below > ROOM_FOR_STRIP).then(|| (0.4 * (foot - below)).min(64.0));
     let bottom = (foot - strip.map_or(0.0, |height| height + 2.0)).max(below + 8.0);
     let (left, right) = (rect.left() + LEFT, rect.right() - RIGHT);
     let lane = |top: f32, bottom: f32| Rect::from_min_max(pos2(left, top), pos2(right, bottom));
     // Marks of the first pass are cut off at the field's edge otherwise.
-    let events = lane(top, below).expand2(vec2(RIGHT, 0.0));
-    Lanes { events, field: lane(below, bottom), strip: strip.map(|height| lane(foot - height, foot)) }
+    let events = lane(top, above).expand2(vec2(RIGHT, 0.0));
+    let bands = lane(above, below);
+    Lanes { events, bands, field: lane(below, bottom), strip: strip.map(|height| lane(foot - height, foot)) }
 }
 
 /// The keys of a slider, while it has the focus.
@@ -335,10 +351,12 @@ mod tests {
     fn lanes_lie_in_the_panel_however_small_it_is() {
         for height in [40.0, 60.0, 90.0, 130.0, 400.0] {
             let rect = Rect::from_min_size(pos2(5.0, 7.0), vec2(300.0, height));
-            for bits in 0..8 {
-                let lanes = lanes(rect, bits & 1 > 0, bits & 2 > 0, bits & 4 > 0);
+            for bits in 0..16 {
+                let bands = if bits & 8 > 0 { bands::tests::stages(9) } else { Vec::new() };
+                let lanes = lanes(rect, bits & 1 > 0, bits & 2 > 0, &Bands::new(&bands), bits & 4 > 0);
                 assert!(lanes.field.height() >= 8.0 && rect.contains_rect(lanes.field), "{height}, {bits}");
-                assert!(lanes.events.bottom() <= lanes.field.top());
+                assert!(lanes.events.bottom() <= lanes.bands.top() && lanes.bands.bottom() <= lanes.field.top());
+                assert!(lanes.bands.is_positive() == (bits & 8 > 0) || height < 60.0, "{height}, {bits}");
                 if let Some(strip) = lanes.strip {
                     assert!(strip.top() > lanes.field.bottom() && strip.bottom() <= rect.bottom(), "{height}, {bits}");
                     assert!(height >= ROOM_FOR_STRIP);

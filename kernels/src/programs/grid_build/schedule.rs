@@ -81,7 +81,7 @@ pub fn of(kind: Kind, cells: u32) -> Schedule {
             SORTED[digit as usize % 2].map(|kernel| Step::RunBy(kernel, Count { first: digit, by: &[2] }));
         [vec![count], run(&TALLIED), vec![scatter]].concat()
     };
-    steps.push(Step::Repeat(Count::always(digits / 2), [sort(0), sort(1)].concat()));
+    steps.push(Step::Repeat("digit pair", Count::always(digits / 2), [sort(0), sort(1)].concat()));
     if !digits.is_multiple_of(2) {
         steps.extend(sort(digits - 1));
     }
@@ -144,11 +144,11 @@ mod tests {
     #[test]
     fn counted_loops_run_so_often_one_in_the_other_and_all_is_known_ahead() {
         let by = |kernel, first, by| Step::RunBy(kernel, Count { first, by });
-        let inner = Step::Repeat(Count::always(3), vec![by(FIND_BOUNDS, 10, &[2]), Step::Run(CHECK_BLOCKS)]);
-        let never = Step::Repeat(Count::always(0), vec![Step::Run(FIND_HALVES)]);
+        let inner = Step::Repeat("inner", Count::always(3), vec![by(FIND_BOUNDS, 10, &[2]), Step::Run(CHECK_BLOCKS)]);
+        let never = Step::Repeat("never", Count::always(0), vec![Step::Run(FIND_HALVES)]);
         let steps = vec![
             by(SCAN_SPANS, 7, &[5]),
-            Step::Repeat(Count::always(2), vec![inner, never, by(ADD_SPANS, 0, &[1])]),
+            Step::Repeat("outer", Count::always(2), vec![inner, never, by(ADD_SPANS, 0, &[1])]),
             Step::Run(TEST_SPANS),
         ];
         let schedule = Schedule { steps };
@@ -165,8 +165,10 @@ mod tests {
         // Nothing is known beyond the end of a loop whose condition is counted.
         let open = Schedule { steps: vec![Step::RepeatWhileAny(&LEFT, schedule.steps.clone())] };
         assert_eq!(Cursor::start().guess(&open, &Population::default(), usize::MAX).len(), expected.len());
-        let last =
-            vec![Step::RepeatWhileAny(&LEFT, vec![Step::Repeat(Count::always(2), vec![Step::Run(FIND_BOUNDS)])])];
+        let last = vec![Step::RepeatWhileAny(
+            &LEFT,
+            vec![Step::Repeat("last", Count::always(2), vec![Step::Run(FIND_BOUNDS)])],
+        )];
         assert_eq!(Cursor::start().guess(&Schedule { steps: last }, &Population::default(), usize::MAX).len(), 2);
         assert!(!schedule.kernels().contains(&FIND_HALVES), "what never runs is not compiled");
     }

@@ -74,8 +74,8 @@ pub const EXCHANGE: Kernel = Kernel::at(&PROGRAM, 0);
 pub fn schedule(keys: u32) -> Schedule {
     let stages = keys.max(2).next_power_of_two().trailing_zeros();
     let step = Step::RunBy(EXCHANGE, Counted { first: 0, by: &[1, 32] });
-    let stage = Step::Repeat(Counted { first: 1, by: &[1] }, vec![step]);
-    Schedule { steps: vec![Step::Repeat(Counted::always(stages), vec![stage])] }
+    let stage = Step::Repeat("step", Counted { first: 1, by: &[1] }, vec![step]);
+    Schedule { steps: vec![Step::Repeat("stage", Counted::always(stages), vec![stage])] }
 }
 
 /// Keys to sort: numbers below 2³², the same for the same seed (the hash `pcg`; Jarzynski and Olano 2020).

@@ -13,8 +13,8 @@ const PICTURE: f32 = 96.0;
 /// Width of its texts.
 const WIDTH: f32 = 300.0;
 
-/// Shows it above `at`.
-pub(super) fn show(ui: &Ui, cx: &Context<'_>, at: Pos2, place: usize, event: Option<&str>) {
+/// Shows it above `at`; about a turn instead of a pass if there are lines about one.
+pub(super) fn show(ui: &Ui, cx: &Context<'_>, at: Pos2, place: usize, turn: &[String], event: Option<&str>) {
     let area = Area::new(ui.scope_id().with("inset")).order(Order::Tooltip).interactable(false).fade_in(false);
     area.pivot(Align2::CENTER_BOTTOM).fixed_pos(at).constrain(true).show(ui.ctx(), |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
@@ -23,7 +23,13 @@ pub(super) fn show(ui: &Ui, cx: &Context<'_>, at: Pos2, place: usize, event: Opt
                 picture(ui, cx, place);
                 ui.vertical(|ui| {
                     ui.set_max_width(WIDTH);
-                    about(ui, cx, place);
+                    match turn {
+                        [] => about(ui, cx, place),
+                        [name, more @ ..] => {
+                            ui.strong(name);
+                            more.iter().for_each(|line| _ = ui.label(line));
+                        }
+                    }
                     if let Some(event) = event {
                         ui.label(event);
                     }
