@@ -224,8 +224,8 @@ fn turns_of_counted_loops_and_of_samples_begin_and_end() {
     let sort = Options { program: ProgramName::Sort, elements: 40, ..options(&scene, 16, 16) };
     let samples = Samples { count: 3, ..Samples::default() };
     let samples = Options { schedule: ScheduleKind::Fused, samples, ..options(&scene, 16, 16) };
-    // A stage of a sort has a step more than the one before it. A sample takes three passes.
-    for (options, expected) in [(sort, vec![1, 3, 6, 10, 15, 21]), (samples, vec![3, 6, 9])] {
+    // A stage of a sort has a step more than the one before it. A sample is generated, traced, shaded and added.
+    for (options, expected) in [(sort, vec![1, 3, 6, 10, 15, 21]), (samples, vec![4, 8, 12])] {
         block_on(None, async {
             let mut session = Session::new(&scene, &options, &Device::Cpu(None)).await.expect("a session");
             let which = format!("{} {}", options.program, options.schedule);

@@ -331,6 +331,9 @@ fn event_at(cx: &Context<'_>, ticks: &[Tick], tick: Option<Tick>, place: usize) 
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::Pass;
+    use raystep_kernels::programs::sort;
+
     use super::*;
 
     #[test]
@@ -352,8 +355,10 @@ mod tests {
         for height in [40.0, 60.0, 90.0, 130.0, 400.0] {
             let rect = Rect::from_min_size(pos2(5.0, 7.0), vec2(300.0, height));
             for bits in 0..16 {
-                let bands = if bits & 8 > 0 { bands::tests::stages(9) } else { Vec::new() };
-                let lanes = lanes(rect, bits & 1 > 0, bits & 2 > 0, &Bands::new(&bands), bits & 4 > 0);
+                let turns = if bits & 8 > 0 { 2 } else { 0 };
+                let turn = |turn| Pass { loops: vec![turn; 2], ..Pass::of(sort::EXCHANGE) };
+                let bands = Bands::new(&(0..turns).map(turn).collect::<Vec<_>>());
+                let lanes = lanes(rect, bits & 1 > 0, bits & 2 > 0, &bands, bits & 4 > 0);
                 assert!(lanes.field.height() >= 8.0 && rect.contains_rect(lanes.field), "{height}, {bits}");
                 assert!(lanes.events.bottom() <= lanes.bands.top() && lanes.bands.bottom() <= lanes.field.top());
                 assert!(lanes.bands.is_positive() == (bits & 8 > 0) || height < 60.0, "{height}, {bits}");

@@ -167,7 +167,7 @@ fn segments(turns: &[Turn], x: impl Fn(usize) -> f32) -> Vec<Segment> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use raystep_kernels::programs::sort;
 
     use super::super::axis::Scale;
@@ -179,7 +179,7 @@ pub(super) mod tests {
     }
 
     /// The first stages of a sort.
-    pub(in super::super) fn stages(count: u32) -> Vec<Pass> {
+    fn stages(count: u32) -> Vec<Pass> {
         passes((0..count).flat_map(|stage| (0..=stage).map(move |step| vec![stage, step])))
     }
 
