@@ -48,5 +48,5 @@ fn both_walks_are_measured_side_by_side() {
     assert_eq!(ways, [["grid", "amanatides-woo"], ["grid", "3d-dda"], ["bvh", "amanatides-woo"]]);
     assert_eq!(rows[0].2, rows[1].2, "the same hits");
     let passes = String::from_utf8(place.read("out/passes.csv")).expect("text");
-    assert!(passes.lines().any(|line| line.ends_with(",3d-dda,")), "{passes}");
+    assert!(passes.lines().any(|line| line.contains(",3d-dda,")), "{passes}");
 }

@@ -62,7 +62,7 @@ pub(crate) fn of_run(error: &RenderError) -> PyErr {
     use raystep_kernels::PlanError as Plan;
     let message = error.to_string();
     match error {
-        RenderError::Plan(Plan::Ray { .. } | Plan::ImageSize { .. } | Plan::Grid(_)) => OptionError::new_err(message),
+        RenderError::Plan(Plan::Ray { .. } | Plan::ImageSize { .. } | Plan::Grid(_) | Plan::Refused(_)) => OptionError::new_err(message),
         RenderError::Plan(_) => SceneError::new_err(message),
         _ => DeviceError::new_err(message),
     }
