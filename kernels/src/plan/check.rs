@@ -94,7 +94,7 @@ pub enum PlanError {
         /// Most of them.
         most: u32,
     },
-    /// An option does not go together with the others, see [`Row::refused`](crate::options::rows::Row::refused).
+    /// An option does not go together with the others, as its [row](crate::options::rows::Row) says.
     #[error("{0}")]
     Refused(String),
     /// The program builds grids only.

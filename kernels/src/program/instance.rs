@@ -56,7 +56,7 @@ pub struct Renamed {
 }
 
 impl Renamed {
-    /// The states of a kernel, by pairs of a name in its [`Home`] and one in a program with these states; a state that no
+    /// The states of a kernel, by pairs of a name in its [`Home`](super::Home) and one in a program with these states; a state that no
     /// pair names has the same name in both. `None` if one of the two does not have it.
     #[must_use]
     pub fn new(kernel: &KernelInfo, states: States, names: &[(&str, &str)]) -> Option<Self> {
@@ -138,7 +138,7 @@ impl Kernel {
         let name = self.bound(self.info().list?);
         self.program.lists.iter().position(|list| list.name == name)
     }
-    /// The stream of the program that is bound to one of the kernel's [`Home`].
+    /// The stream of the program that is bound to one of the kernel's [`Home`](super::Home).
     #[must_use]
     pub fn stream(self, own: Stream) -> Option<Stream> {
         self.program.stream(self.bound(own.name()))
