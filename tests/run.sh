@@ -12,56 +12,37 @@ has_vulkan() {
     ls /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json /usr/local/share/vulkan/icd.d/*.json 2>/dev/null | grep -q . ||
         [ -n "${VK_DRIVER_FILES:-}" ] || [ -n "${VK_ICD_FILENAMES:-}" ]
 }
+# Installs what is named $1: the packages $2 of apt, $3 of dnf, or $4 of pacman.
+packages() {
+    step "$1"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    if command -v apt-get >/dev/null; then
+        $as_root apt-get update -qq
+        DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq $2 >/dev/null
+    elif command -v dnf >/dev/null; then
+        $as_root dnf install -y -q $3
+    elif command -v pacman >/dev/null; then
+        $as_root pacman -S --noconfirm --needed $4
+    else
+        echo "install $1 first (in Debian: $2)" >&2
+        exit 1
+    fi
+}
 if [ "$(uname)" = Linux ] && ! has_vulkan; then
-    step "software Vulkan"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    if command -v apt-get >/dev/null; then
-        $as_root apt-get update -qq
-        DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq libvulkan1 mesa-vulkan-drivers >/dev/null
-    elif command -v dnf >/dev/null; then
-        $as_root dnf install -y -q vulkan-loader mesa-vulkan-drivers
-    elif command -v pacman >/dev/null; then
-        $as_root pacman -S --noconfirm --needed vulkan-icd-loader vulkan-swrast
-    else
-        echo "install a Vulkan driver first, e.g. Mesa's lavapipe (package mesa-vulkan-drivers)" >&2
-        exit 1
-    fi
+    packages "software Vulkan" "libvulkan1 mesa-vulkan-drivers" "vulkan-loader mesa-vulkan-drivers" \
+        "vulkan-icd-loader vulkan-swrast"
 fi
-if [ "$(uname)" = Linux ] && ! ldconfig -p 2>/dev/null | grep -q libEGL.so.1; then
-    step "software OpenGL"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    if command -v apt-get >/dev/null; then
-        $as_root apt-get update -qq
-        DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq libegl1 libgl1-mesa-dri >/dev/null
-    elif command -v dnf >/dev/null; then
-        $as_root dnf install -y -q mesa-libEGL mesa-dri-drivers
-    elif command -v pacman >/dev/null; then
-        $as_root pacman -S --noconfirm --needed mesa
-    else
-        echo "install EGL and an OpenGL driver first, e.g. Mesa's" >&2
-        exit 1
-    fi
+if [ "$(uname)" = Linux ] && ! PATH="$PATH:/sbin" ldconfig -p 2>/dev/null | grep -q libEGL.so.1; then
+    packages "software OpenGL" "libegl1 libgl1-mesa-dri" "mesa-libEGL mesa-dri-drivers" mesa
 fi
 if [ "$(uname)" = Linux ] && {
     ! command -v Xvfb || ! command -v openbox || ! command -v wmctrl
 } >/dev/null; then
-    step "a virtual display and a window manager"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    if command -v apt-get >/dev/null; then
-        $as_root apt-get update -qq
-        DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq \
-            openbox wmctrl xvfb libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2 >/dev/null
-    elif command -v dnf >/dev/null; then
-        $as_root dnf install -y -q openbox wmctrl xorg-x11-server-Xvfb libX11-xcb libXcursor libXi libxkbcommon-x11 libXrandr
-    elif command -v pacman >/dev/null; then
-        $as_root pacman -S --noconfirm --needed openbox wmctrl xorg-server-xvfb libxcursor libxi libxkbcommon-x11 libxrandr
-    else
-        echo "install Xvfb, openbox and wmctrl first, to test the window" >&2
-        exit 1
-    fi
+    packages "a virtual display and a window manager" \
+        "openbox wmctrl xvfb libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2" \
+        "openbox wmctrl xorg-x11-server-Xvfb libX11-xcb libXcursor libXi libxkbcommon-x11 libXrandr" \
+        "openbox wmctrl xorg-server-xvfb libxcursor libxi libxkbcommon-x11 libxrandr"
 fi
 # rustup's minimal profile lacks them.
 cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt

@@ -275,6 +275,7 @@ fn opengl() -> Arc<Gpu> {
 
 /// The paper's machine on OpenGL: draws, copies, occlusion queries, and the scene in textures.
 #[test]
+#[cfg_attr(not(target_os = "linux"), ignore = "needs the OpenGL of Mesa, or another one with EGL")]
 fn opengl_leaves_the_bits_of_vulkan_after_every_pass() {
     let gl = opengl();
     for accelerator in STRUCTURES {
@@ -290,6 +291,7 @@ fn opengl_leaves_the_bits_of_vulkan_after_every_pass() {
 
 /// Passes are submitted in batches, and the image is the same; what needs compute shaders is refused.
 #[test]
+#[cfg_attr(not(target_os = "linux"), ignore = "needs the OpenGL of Mesa, or another one with EGL")]
 fn opengl_renders_the_image_of_vulkan() {
     let gl = opengl();
     let scene = scene("textures.gltf");

@@ -10,6 +10,7 @@ pub mod row;
 pub mod rows;
 pub mod samples;
 pub mod scene_data;
+mod settled;
 
 pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;

@@ -14,13 +14,28 @@ impl Plan {
     /// If they do not fit `limits`.
     pub(crate) fn for_rays(&self, rays: u64, data: &SceneData, limits: &Limits) -> Result<Self, PlanError> {
         let (width, height) = given_size(rays, limits)?;
+        self.sized((width, height, rays), true, data, limits)
+    }
+
+    /// The same plan for another number of rays, which fill a texture of this width and height and are given by the caller
+    /// or not.
+    ///
+    /// # Errors
+    /// If they do not fit `limits`.
+    pub(crate) fn sized(
+        &self,
+        (width, height, rays): (u32, u32, u64),
+        given: bool,
+        data: &SceneData,
+        limits: &Limits,
+    ) -> Result<Self, PlanError> {
         let size = Size { width, height, count: rays as u32 };
         if self.features.live_lists {
             check_buffer(LIVE_RAYS, live_bytes(self.program, size.texels()), limits)?;
         }
         let bound = bound_by(&self.variants);
         let Allocated { sets, streams, buffers } =
-            Allocated::new(self.program, &bound, data, size, true, limits, self.drawn.as_ref())?;
+            Allocated::new(self.program, &bound, data, size, given, limits, self.drawn.as_ref())?;
         Ok(Self { sets, streams, buffers, width, height, rays, ..self.clone() })
     }
 

@@ -92,71 +92,85 @@ impl Kernel {
     pub const fn at(program: &'static Program, index: usize) -> Self {
         Self { program, index }
     }
+
     /// The facts about the kernel, the same for all instances but for states: see [`takes`](Self::takes).
     #[must_use]
     pub const fn info(self) -> &'static KernelInfo {
         &self.instance().kernel
     }
+
     /// Its row of the program's table.
     #[must_use]
     pub const fn instance(self) -> &'static Instance {
         &self.program.kernels[self.index]
     }
+
     /// Its index in the program.
     #[must_use]
     pub const fn index(self) -> usize {
         self.index
     }
+
     /// The program it belongs to.
     #[must_use]
     pub const fn program(self) -> &'static Program {
         self.program
     }
+
     /// Tags of the elements that it works on, in the program; empty if it works on all.
     #[must_use]
     pub fn takes(self) -> &'static [Tag] {
         self.instance().renamed.map_or(self.info().takes, |renamed| &renamed.takes)
     }
+
     /// The states it sends them to, in the program.
     #[must_use]
     pub fn sends(self) -> &'static [Transition] {
         self.instance().renamed.map_or(self.info().sends, |renamed| &renamed.sends)
     }
+
     /// How the host learns to which states it sent elements.
     #[must_use]
     pub fn counts(self) -> Counts {
         self.instance().renamed.map_or(self.info().counts, |renamed| renamed.counts)
     }
+
     /// The course of the elements that it is launched over; `None` if they have no states.
     #[must_use]
     pub fn course(self) -> Option<&'static Course> {
         self.program.course_of(self.instance().over)
     }
+
     /// The index of its list among the program's, if it has one.
     #[must_use]
     pub fn list(self) -> Option<usize> {
         let name = self.bound(self.info().list?);
         self.program.lists.iter().position(|list| list.name == name)
     }
+
     /// The stream of the program that is bound to one of the kernel's [`Home`](super::Home).
     #[must_use]
     pub fn stream(self, own: Stream) -> Option<Stream> {
         self.program.stream(self.bound(own.name()))
     }
+
     /// Whether its twin reads the program's streams as they are.
     pub(crate) fn is_at_home(self) -> bool {
         std::ptr::eq(self.info().home.streams, self.program.streams) && self.instance().binds.is_empty()
     }
+
     /// Its name in the program.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.instance().name
     }
+
     /// What is bound to a name in its WGSL: the name itself, unless the instance says otherwise.
     #[must_use]
     pub fn bound(self, name: &str) -> &str {
         self.instance().binds.iter().find(|(of, _)| *of == name).map_or(name, |&(_, bound)| bound)
     }
+
     /// The state in which it leaves every element that it works on, if there is only one.
     #[must_use]
     pub fn sends_all_to(self) -> Option<Tag> {
@@ -165,6 +179,7 @@ impl Kernel {
             Counts::Sent | Counts::Anew | Counts::None => None,
         }
     }
+
     /// Whether the elements in each state have to be recounted after a pass of it, in a run with these options.
     #[must_use]
     pub fn is_counted_anew(self, features: &Features) -> bool {
@@ -175,21 +190,25 @@ impl Kernel {
             Counts::Anew => true,
         }
     }
+
     /// Its role in a run.
     #[must_use]
     pub const fn role(self) -> Role {
         self.info().role
     }
+
     /// Whether it belongs to the walk, and so runs repeatedly.
     #[must_use]
     pub const fn is_walk(self) -> bool {
         self.info().role.is_walk()
     }
+
     /// Invocations of its workgroups along x and y.
     #[must_use]
     pub const fn workgroup(self) -> u32 {
         self.info().workgroup
     }
+
     /// Number of these elements it would work on.
     #[must_use]
     pub fn live(self, counts: &StateCounts) -> u32 {

@@ -2,13 +2,11 @@
 //! columns' names.
 
 mod of_kernels;
+mod of_options;
 mod of_passes;
 
-use std::sync::LazyLock;
-
-use raystep_kernels::options::rows::{ROWS, Row, Values};
-
 use of_kernels::OF_KERNELS;
+use of_options::OF_OPTIONS;
 use of_passes::OF_PASSES;
 
 /// What a column's fields are.
@@ -65,20 +63,6 @@ pub struct Column {
 pub fn column(name: &str) -> Option<&'static Column> {
     COLUMNS.iter().chain(OF_PASSES).chain(OF_KERNELS).chain(OF_OPTIONS.iter()).find(|column| column.name == name)
 }
-
-/// Options that are columns, those not described above.
-static OF_OPTIONS: LazyLock<Vec<Column>> = LazyLock::new(|| {
-    let column = |row: &Row| {
-        let kind = match row.values {
-            Values::Names(_) | Values::Cells => Kind::Text,
-            Values::Whole(..) => Kind::Integer,
-            Values::Switch => Kind::Boolean,
-        };
-        // Made once, for as long as the program runs.
-        Column { name: row.key().leak(), kind, what: row.help }
-    };
-    ROWS.iter().filter(|row| row.is_column).map(column).collect()
-});
 
 const fn text(name: &'static str, what: &'static str) -> Column {
     Column { name, kind: Kind::Text, what }

@@ -4,12 +4,9 @@ use raystep_scenes::Scene;
 
 use super::features::features;
 use crate::options::{Options, RaySource};
-use crate::plan::allocated::Allocated;
-use crate::plan::{Limits, Plan, PlanError, bound_by, check_buffer, check_rays, image_size};
-use crate::program::live::{LIVE_RAYS, live_bytes};
+use crate::plan::{Limits, Plan, PlanError, check_rays, image_size};
 use crate::scene_data::{SceneData, origins};
 use crate::structures::grid;
-use crate::tables::elements::Size;
 
 impl Plan {
     /// Whether the data of this plan serves another camera too, given options that differ only in their rays. A camera
@@ -36,14 +33,6 @@ impl Plan {
     /// # Errors
     /// If it does not fit `limits`.
     pub(crate) fn resized(&self, data: &SceneData, options: &Options, limits: &Limits) -> Result<Self, PlanError> {
-        let (width, height, rays) = image_size(options, limits)?;
-        let size = Size { width, height, count: rays as u32 };
-        if self.features.live_lists {
-            check_buffer(LIVE_RAYS, live_bytes(self.program, size.texels()), limits)?;
-        }
-        let bound = bound_by(&self.variants);
-        let Allocated { sets, streams, buffers } =
-            Allocated::new(self.program, &bound, data, size, false, limits, self.drawn.as_ref())?;
-        Ok(Self { sets, streams, buffers, width, height, rays, ..self.clone() })
+        self.sized(image_size(options, limits)?, false, data, limits)
     }
 }
