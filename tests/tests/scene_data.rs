@@ -105,14 +105,16 @@ fn a_wrong_address_is_seen() {
         mapping: Mapping::Fragment(Fragment::default()),
         ..options(&scene("cornell-box.gltf"), 20, 16)
     };
+    let mut swaps = 0;
     let swapped = |drawn: &mut DrawnPlan| {
         let draws = drawn.kernels.iter_mut().flat_map(|kernel| &mut kernel.draws);
         for shader in draws.map(|draw| &mut draw.shader) {
+            swaps += shader.source.matches(" % k), (").count();
             shader.source = shader.source.replace(" % k), (", " / k), (");
         }
     };
     let found = compare("cornell-box.gltf", &options, swapped).expect_err("a difference");
-    assert!(found.contains("differs") || found.contains("pass"), "{found}");
+    assert!(swaps > 0 && found.contains("differs after pass"), "{swaps}: {found}");
 }
 
 /// Grids are built from triangles in a texture.
@@ -163,18 +165,22 @@ fn check_draws(drawn: &DrawnPlan, which: &str) {
     }
 }
 
-/// How many plans fit, and the reasons why the others do not.
+/// How many plans fit.
 #[derive(Default)]
 struct Planned {
     fit: usize,
-    refused: Vec<String>,
 }
 
 impl Planned {
     fn add(&mut self, name: &str, options: &Options) {
         let which =
             format!("{} {name} {} {} {}", options.program, options.accelerator, options.schedule, options.mapping);
-        match Plan::new(&scene(name), options, &core()) {
+        let is_drawn = options.mapping != Mapping::Compute;
+        let has_faults = is_drawn && !matches!(options.schedule, ScheduleKind::First | ScheduleKind::Second);
+        let has_no_rules = options.accelerator == Accelerator::Irregular && options.numerics == Numerics::Paper;
+        let plan = Plan::new(&scene(name), options, &core());
+        assert_eq!(plan.is_err(), has_faults || has_no_rules, "{which}: {:?}", plan.err());
+        match plan {
             Ok((plan, _)) => {
                 self.fit += 1;
                 let is_textured = options.scene_data == SceneDataKind::Textures;
@@ -183,9 +189,8 @@ impl Planned {
                 }
             }
             // What cannot be drawn says so.
-            Err(error @ (PlanError::Refused(_) | PlanError::NotBuilt(_))) => {
+            Err(error @ PlanError::Refused(_)) => {
                 assert!(error.to_string().contains("use "), "{which}: {error}");
-                self.refused.push(which);
             }
             Err(error) => panic!("{which}: {error}"),
         }
@@ -227,11 +232,6 @@ fn every_plan_fits_core_limits_or_says_why_not() {
         }
     }
     assert!(all.fit > 300, "{} plans", all.fit);
-    assert!(
-        all.refused.iter().all(|which| which.contains("fragment") || which.contains("irregular")),
-        "{:?}",
-        all.refused
-    );
 }
 
 /// Where a device allows less, the error names the kernel and the binding that does not fit.

@@ -65,7 +65,7 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Error> {
     if let Some(note) = session.chosen.note_on_times().filter(|_| session.options.timings) {
         progress.say(format_args!("note: {note}"));
     }
-    let most_words = session.chosen.limits().storage_bytes / 4;
+    let most_words = session.chosen.limits().list_words(session.options.scene_data);
     let mut running = session.start(&progress)?;
 
     // One after the other: a device that waits in between lowers its clocks.

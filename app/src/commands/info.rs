@@ -157,7 +157,8 @@ impl AboutDevices {
                 match (a.is_usable, a.only_draws) {
                     (true, _) => "yes",
                     (_, true) => "with --adapter, --mapping fragment and --scene-data textures",
-                    _ => "no: it lacks compute shaders, core WebGPU limits or read-write r32 textures",
+                    _ =>
+                        "no: it lacks compute shaders and drawing into floats, core limits of WebGPU or WebGL 2, or read-write r32 textures",
                 }
             ));
             line(format!("  timestamps  {}", a.timestamps()));

@@ -2,10 +2,11 @@
 
 use raystep_inspector::link::{self, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
 use raystep_inspector::ray_text::GivenRay;
+use raystep_inspector::settings::Settings;
 use raystep_kernels::options::MOST_CELLS;
 use raystep_kernels::options::rows::{ROWS, Refusal, Row, Values};
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::{Accelerator, Choices, GridSize, programs};
+use raystep_kernels::{Accelerator, Choices, GridSize, ScheduleKind, programs};
 use raystep_lab::Hash;
 
 struct Random(fastrand::Rng);
@@ -234,4 +235,12 @@ fn no_text_panics() {
     }
     let long = "raystep:1?".to_owned() + &"深".repeat(100_000);
     assert!(long.parse::<Link>().expect_err("no pair").to_string().len() < 400);
+}
+
+/// Steps are of the compact schedule alone: a link of another must not have them, or a command would refuse it.
+#[test]
+fn steps_are_left_out_where_they_mean_nothing() {
+    let choices = Choices { schedule: ScheduleKind::Second, steps_per_pass: 8, ..Choices::stepped() };
+    let link = Settings { choices, ..Settings::default() }.link();
+    assert_eq!(link.to_string(), "raystep:1?schedule=second&device=gpu");
 }

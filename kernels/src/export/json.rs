@@ -95,7 +95,7 @@ pub struct AdapterInfo {
 #[cfg(feature = "gpu")]
 impl From<&Gpu> for AdapterInfo {
     fn from(gpu: &Gpu) -> Self {
-        Self::new(&gpu.info, Some(gpu.loops))
+        Self::new(&gpu.info, gpu.computes.then_some(gpu.loops))
     }
 }
 

@@ -1,10 +1,11 @@
 //! Whether kernels bind no more than a device allows.
 
 use super::{DrawnPlan, Limits, PlanError};
+use crate::fragment::Shader;
 use crate::options::scene_data::SceneDataKind;
 use crate::shader::{Binding, Resource, Variant};
 
-/// Checks the shaders of a run: the kernels, or their draws and what counts rays.
+/// Checks the shaders of a run: the kernels; or their draws, that of depths, and what counts rays.
 pub(crate) fn check_bindings(
     variants: &[Variant],
     drawn: Option<&DrawnPlan>,
@@ -16,11 +17,12 @@ pub(crate) fn check_bindings(
         return variants.iter().try_for_each(check);
     };
     for kernel in &drawn.kernels {
-        let check =
-            |shader: &crate::fragment::Shader| check(kernel.kernel.name(), &shader.bindings, scene_data, limits);
+        let check = |shader: &Shader| check(kernel.kernel.name(), &shader.bindings, scene_data, limits);
         kernel.draws.iter().map(|draw| &draw.shader).try_for_each(check)?;
     }
-    Ok(())
+    let counter = drawn.counter.iter().map(|shader| ("what counts rays", shader));
+    let depths = drawn.depths.iter().map(|shader| ("the draw of depths", shader));
+    counter.chain(depths).try_for_each(|(name, shader)| check(name, &shader.bindings, scene_data, limits))
 }
 
 /// What a device limits the number of, in a shader.

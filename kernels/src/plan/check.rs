@@ -48,7 +48,7 @@ pub enum PlanError {
     /// A list is longer than the largest texture that the device has.
     #[error(
         "{name} has {words} words of 32 bits and needs a texture of {side}x{side} texels, but this device has none larger \
-         than {most}x{most}: use --scene-data buffers"
+         than {most}x{most}: where there are compute shaders, --scene-data buffers allows longer lists"
     )]
     ListSize {
         /// The list.

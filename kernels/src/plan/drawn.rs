@@ -52,8 +52,8 @@ impl DrawnPlan {
         let program = variants[0].kernel.program();
         let counter = program.kernels().find(|kernel| kernel.role() == Role::Count);
         let missing = || ShaderError::Invalid { kernel: program.name, message: "no kernel counts its rays".into() };
-        let counter = Variant::new(counter.ok_or_else(missing)?, features, &[])?;
-        let counter = limits.computes().then(|| reader(&counter)).transpose()?;
+        let counter = counter.ok_or_else(missing)?;
+        let counter = limits.computes().then(|| reader(&Variant::new(counter, features, &[])?)).transpose()?;
         let all: Vec<Kernel> = kernels.iter().map(|drawn| drawn.kernel).collect();
         let state = program.state_stream().ok_or_else(missing)?;
         let depths = (how.cull == Cull::EarlyZ).then(|| depths(state, &all));

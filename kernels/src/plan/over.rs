@@ -49,7 +49,7 @@ impl Over<'_> {
             program,
             sets,
             image_side: limits.image_side,
-            most_elements: limits.rays.min(limits.storage_bytes / 4),
+            most_elements: limits.rays.min(limits.list_words(data.features.scene_data)),
             width: size.width,
             height: size.height,
             rays: u64::from(size.count),

@@ -26,6 +26,7 @@ fn no_program_has_a_fault_and_no_stream_of_two_has_the_same_name() {
 fn every_name_of_a_program_is_registered_once() {
     for &name in ProgramName::ALL {
         let found: Vec<_> = REGISTRY.iter().filter(|registered| registered.name == name).collect();
+        assert_eq!(registered(name).name, name);
         assert!(matches!(found[..], [one] if one.program.name.replace('_', "-") == name.name()), "{name}");
     }
 }

@@ -7,7 +7,7 @@ use raystep_scenes::Scene;
 use super::{Device, RenderError, Renderer};
 use crate::options::mapping::Mapping;
 use crate::options::{Accelerator, BuiltBy, LEAST_FOR_DEVICE, Options, ProgramName};
-use crate::plan::Plan;
+use crate::plan::{Plan, PlanError};
 use crate::programs::Built;
 use crate::programs::grid_build::elements::REFERENCES;
 use crate::programs::grid_build::radix::digits_of;
@@ -108,6 +108,10 @@ impl Plan {
             (BuiltBy::Device, accelerator) => matches!(accelerator, Accelerator::Grid | Accelerator::Irregular),
             _ => false,
         };
+        if options.build == BuiltBy::Device && is_for_device && !limits.computes() {
+            let why = "--build device needs compute shaders, which this adapter does not have: use --build host";
+            return Err(PlanError::Refused(why.into()).into());
+        }
         if !is_for_device || options.program != ProgramName::ClosestHit {
             return Ok(Self::new(scene, options, &limits)?);
         }

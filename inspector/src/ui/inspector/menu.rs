@@ -81,8 +81,10 @@ impl Inspector {
                 }
                 if self.devices.gpu.computes {
                     ui.label(&opened.device);
-                } else {
+                } else if cfg!(target_arch = "wasm32") {
                     ui.label(format!("{}; drawn by WebGL 2", opened.device)).on_hover_text(NO_WEBGPU);
+                } else {
+                    ui.label(format!("{}; drawn by OpenGL", opened.device)).on_hover_text(NO_COMPUTE);
                 }
                 ui.separator();
                 if let Some([x, y]) = self.state.selection.hovered.or(self.state.selection.pixel) {
@@ -106,6 +108,8 @@ impl Inspector {
         self.state.selection.hovered = None;
     }
 }
+
+const NO_COMPUTE: &str = "This adapter has no compute shaders, so the CPU reference kernels run.";
 
 const NO_WEBGPU: &str = "This browser has no WebGPU, so the CPU reference kernels run, on one core.";
 

@@ -60,6 +60,7 @@ fn limits(bench: &mut Bench) -> Found {
         limits.max_storage_textures_per_shader_stage,
     );
     let loops = match gpu.loops {
+        _ if !gpu.computes => "not tested: it has no compute shaders".to_owned(),
         Loops::Unlimited => "no loop was ended".to_owned(),
         Loops::EndAfter(turns) => {
             format!("the driver ends loops after {turns} iterations; raystep divides longer walks")

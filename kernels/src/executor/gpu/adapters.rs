@@ -16,7 +16,7 @@ pub struct AdapterSummary {
     pub is_usable: bool,
     /// Whether it is good only for kernels as fragment programs, with the scene in textures.
     pub only_draws: bool,
-    /// How it handles long loops; `None` if it gives no device.
+    /// How it handles long loops; `None` if that was not measured.
     pub loops: Option<Loops>,
 }
 

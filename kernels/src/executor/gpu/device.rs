@@ -25,7 +25,7 @@ pub struct Gpu {
     /// Nanoseconds per tick of the pass timers; `None` if the adapter has none. Whether the ticks are valid times is
     /// told by [`clock_period_ns`](Self::clock_period_ns).
     pub timestamp_period_ns: Option<f64>,
-    /// How it handles long loops.
+    /// How it handles long loops: measured, or assumed if it has no compute shaders.
     pub loops: Loops,
     /// Whether kernels can run on it as compute shaders; otherwise it only draws.
     pub computes: bool,

@@ -27,7 +27,11 @@ fn every_value_of_every_option_is_read_back() {
         seen.dedup();
         assert!(seen.len() > 1, "{} changes nothing", row.name);
         let mut after = choices;
-        for wrong in ["", "-1", "tree", "1,2", "4294967296", "0,1,1", "1,1,4097"] {
+        let mut wrong = ["", "-1", "tree", "1,2", "4294967296", "0,1,1", "1,1,4097"].map(String::from).to_vec();
+        if let Values::Whole(least, most) = row.values {
+            wrong.extend(least.checked_sub(1).into_iter().chain(most.checked_add(1)).map(|number| number.to_string()));
+        }
+        for wrong in &wrong {
             assert!(row.set(&mut after, wrong).is_err(), "{} {wrong}", row.name);
             assert_eq!(after, choices, "{} {wrong}", row.name);
         }

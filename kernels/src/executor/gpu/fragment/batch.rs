@@ -67,16 +67,21 @@ impl FragmentExecutor {
 
         let states = self.plan.program.states.0.len();
         let sent = match sent {
-            Some(sent) => sent.finish(sent_bytes, |bytes| read_sent(bytes, states)).await?,
-            // Only the last is asked for.
-            None => vec![self.counted_by_host().await?; passes.len()],
+            Some(sent) => Some(sent.finish(sent_bytes, |bytes| read_sent(bytes, states)).await?),
+            None => None,
         };
-        let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
-        self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
         let mut active = Vec::new();
         if let Some(queries) = queries {
             active = queries.finish(query_bytes, read_queries).await?;
         }
+        // Without what the host counts, which is no part of the passes.
+        let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
+        self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
+        let sent = match sent {
+            Some(sent) => sent,
+            // Only the last is asked for.
+            None => vec![self.counted_by_host().await?; passes.len()],
+        };
         let mut found = Read::default();
         if let Some((ticks, times)) = times {
             found.times = times.finish(time_bytes, |bytes| read_times(bytes, ticks)).await?;
@@ -122,9 +127,8 @@ impl FragmentExecutor {
         let program = self.plan.program;
         let mut counts = StateCounts::none(program.states);
         let state = program.state_stream().ok_or(GpuError::Missing("fragment"))?;
-        if let Some(state) = self.read(state).await? {
-            state.layer(STATE_TAG).iter().for_each(|&tag| counts.add(tag, 1));
-        }
+        let read = self.read(state).await?.ok_or(GpuError::Missing(state.name()))?;
+        read.layer(STATE_TAG).iter().for_each(|&tag| counts.add(tag, 1));
         Ok(counts)
     }
 
