@@ -20,7 +20,7 @@ const CODE: &str = "ui-monospace, Menlo, Consolas, monospace";
 const PROSE: &str = "system-ui, Helvetica, Arial, sans-serif";
 const LETTER: f64 = 7.3;
 
-const WIDTH: i32 = 900;
+const WIDTH: i32 = 924;
 /// Left ends of the columns.
 const MARGIN: i32 = 12;
 const FLOORS_AT: i32 = 38;
