@@ -5,6 +5,8 @@
 
 mod blocks;
 mod lists;
+mod parsed;
+mod sharing;
 
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
@@ -19,6 +21,7 @@ use crate::program::{self, Kernel};
 use crate::tables::stream::{Stream, Texel};
 pub(crate) use blocks::rewritten;
 pub(crate) use lists::in_textures;
+pub use sharing::{Group, first_layer};
 
 /// What a global is bound to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,6 +34,11 @@ pub enum Resource {
         stream: Stream,
         /// Declared `read_write`, else `write`.
         readable: bool,
+    },
+    /// Streams that share a texture, see [`Variant::sharing`].
+    WriteStreams {
+        /// The first of them.
+        first: Stream,
     },
     /// A uniform.
     Uniform,
@@ -71,6 +79,14 @@ impl Binding {
         match self.resource {
             Resource::ReadStream(stream) | Resource::WriteStream { stream, .. } => Some(stream),
             _ => None,
+        }
+    }
+
+    /// The stream whose texture is bound, if any: it may hold others too.
+    pub(crate) fn texture_of(&self) -> Option<Stream> {
+        match self.resource {
+            Resource::WriteStreams { first } => Some(first),
+            _ => self.stream(),
         }
     }
 }

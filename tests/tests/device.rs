@@ -133,7 +133,7 @@ fn what_is_refused_is_named_after_its_program() {
         let device = Device::Gpu(gpu.clone());
         let mut renderer = Renderer::new(&scene, &stepped(&scene, 16, 16), &device).await.expect("a renderer");
         renderer.step().await.expect("a pass");
-        renderer.texture(streams::TMAX).expect("a stream of this run").destroy();
+        renderer.texture(streams::TMAX).expect("a stream of this run").texture().destroy();
         let error = loop {
             match renderer.step().await {
                 Ok(Some(_)) => {}

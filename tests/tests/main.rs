@@ -28,6 +28,7 @@ mod schedules;
 mod self_test;
 mod session;
 mod session_changes;
+mod sharing;
 mod stiff;
 mod traversal;
 mod truth;

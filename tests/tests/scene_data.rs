@@ -249,7 +249,11 @@ fn a_kernel_that_binds_too_much_is_refused_with_the_name_of_what_does_not_fit() 
     let (kernel, kind, most, name) = refused(&options, &few);
     assert_eq!((kernel, kind, most), ("shade", "storage buffers", 7));
     assert!(["texels", "textures", "lights", "sent"].contains(&name.as_str()), "{name}");
-    let few = Limits { storage_textures: 3, ..core() };
+    let message = Plan::new(&scene, &options, &few).expect_err("too many").to_string();
+    assert!(message.ends_with("use --scene-data textures"), "{message}");
+    assert!(Plan::new(&scene, &Options { scene_data: SceneDataKind::Textures, ..options.clone() }, &few).is_ok());
+    // Streams of integers and of floats share no texture.
+    let few = Limits { storage_textures: 1, ..core() };
     let fused = Options { schedule: ScheduleKind::Fused, ..options.clone() };
     assert_eq!(refused(&fused, &few).1, "storage textures");
     let textures =

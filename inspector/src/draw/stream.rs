@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use raystep_kernels::Stream;
+use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::state::{States, Tag};
 use raystep_kernels::tables::stream;
@@ -113,7 +114,7 @@ enum Source {
 }
 
 impl Source {
-    fn of(texture: &wgpu::Texture) -> Self {
+    fn of(texture: &StreamTexture) -> Self {
         match texture.format() {
             wgpu::TextureFormat::R32Float => Self::Floats,
             wgpu::TextureFormat::Rgba32Uint => Self::Packed,
@@ -134,9 +135,9 @@ pub struct Picture<'a> {
     /// The states of its program.
     pub states: States,
     /// Its texture.
-    pub texture: &'a wgpu::Texture,
+    pub texture: &'a StreamTexture,
     /// Subtracted from it, texel by texel: the same stream of another run.
-    pub minus: Option<&'a wgpu::Texture>,
+    pub minus: Option<&'a StreamTexture>,
     /// The component; the first of three for a colour.
     pub layer: usize,
     /// What it means.
@@ -174,8 +175,8 @@ pub fn drawable(
     label: &str,
     format: wgpu::TextureFormat,
     size: wgpu::Extent3d,
-) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
+) -> StreamTexture {
+    StreamTexture::whole(device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { depth_or_array_layers: size.depth_or_array_layers.max(2), ..size },
         mip_level_count: 1,
@@ -184,7 +185,7 @@ pub fn drawable(
         format,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
         view_formats: &[],
-    })
+    }))
 }
 
 /// Draws streams.
@@ -230,7 +231,7 @@ impl StreamPainter {
             entries: &entries,
         });
         let one = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
-        let nothing = |format| array_view(&drawable(device, "no stream", format, one));
+        let nothing = |format| drawable(device, "no stream", format, one).view();
         Self {
             no_floats: nothing(wgpu::TextureFormat::R32Float),
             no_words: nothing(wgpu::TextureFormat::R32Uint),
@@ -304,7 +305,7 @@ impl StreamPainter {
         let buffer =
             |contents: &[u8]| filled(&self.device, &self.queue, "stream view", contents, wgpu::BufferUsages::UNIFORM);
         let (uniform, colors) = (buffer(bytemuck::bytes_of(&uniform)), buffer(bytemuck::cast_slice(&colors)));
-        let (texture, minus) = (array_view(picture.texture), picture.minus.map(array_view));
+        let (texture, minus) = (picture.texture.view(), picture.minus.map(StreamTexture::view));
         let minus = minus.as_ref();
         let or_none = |wanted: bool, view: Option<&wgpu::TextureView>, none: &wgpu::TextureView| {
             view.filter(|_| wanted).unwrap_or(none).clone()
@@ -345,13 +346,6 @@ impl StreamPainter {
         #[expect(clippy::disallowed_methods, reason = "drawn on the thread of the window")]
         self.queue.submit([encoder.finish()]);
     }
-}
-
-fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..Default::default()
-    })
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender};
+use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::{Device, Progress, Region, RenderError, Stream};
 use raystep_scenes::Scene;
 
@@ -47,7 +48,7 @@ struct Run {
     session: Session,
     device: Device,
     /// Copies of the CPU reference's streams.
-    copies: Vec<(Stream, wgpu::Texture)>,
+    copies: Vec<(Stream, StreamTexture)>,
     /// Number of passes that the client knows.
     known: usize,
     /// The selected pixel.

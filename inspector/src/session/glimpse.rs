@@ -1,5 +1,6 @@
 //! Quick pictures at a lower resolution, while a camera turns or an option is dragged.
 
+use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Choices, Device, Options, RenderError, Renderer, Samples, ScheduleKind, Stream};
 use raystep_scenes::Scene;
@@ -94,11 +95,11 @@ impl Glimpses {
 }
 
 /// A copy of a stream, which the next glimpse does not change.
-async fn picture(renderer: &Renderer, stream: Stream, devices: &Devices) -> Result<wgpu::Texture, RenderError> {
+async fn picture(renderer: &Renderer, stream: Stream, devices: &Devices) -> Result<StreamTexture, RenderError> {
     let gpu = &devices.gpu;
     let plan = renderer.plan();
     if let Some(own) = renderer.texture(stream) {
-        return Ok(copy_of(gpu, stream.name(), own));
+        return Ok(copy_of(gpu, stream.name(), &own));
     }
     let copy = stream_copy(gpu, stream, plan.width, plan.height);
     fill(gpu, &copy, &renderer.values(stream).await?);

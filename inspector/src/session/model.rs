@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender, unbounded};
 use raystep_kernels::Stream;
+use raystep_kernels::executor::gpu::StreamTexture;
 
 use super::HistorySource;
 use super::copies::bit;
@@ -202,7 +203,7 @@ impl Model {
     /// A stream's texture for drawing, with the values of this place. `None` between two places, and until the engine
     /// has copied a stream that was not drawn before.
     #[must_use]
-    pub fn drawn(&self, stream: Stream) -> Option<&wgpu::Texture> {
+    pub fn drawn(&self, stream: Stream) -> Option<&StreamTexture> {
         let textures = &self.opened.as_ref()?.textures;
         let index = textures.iter().position(|(s, _)| *s == stream)?;
         self.drawn.fetch_or(bit(index), Ordering::AcqRel);

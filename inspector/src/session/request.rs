@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
@@ -144,7 +145,7 @@ pub struct Opened {
     /// The scene data for kernels.
     pub data: Arc<SceneData>,
     /// Streams as textures for drawing; copies, for the CPU reference.
-    pub textures: Vec<(Stream, wgpu::Texture)>,
+    pub textures: Vec<(Stream, StreamTexture)>,
     /// The name of its device.
     pub device: String,
     /// Why its passes have no times; `None` if they have.
@@ -157,7 +158,7 @@ pub struct At {
     /// Passes so far.
     pub place: usize,
     /// As [`Opened::textures`] now, if they depend on the place.
-    pub textures: Option<Vec<(Stream, wgpu::Texture)>>,
+    pub textures: Option<Vec<(Stream, StreamTexture)>>,
     /// The index of the first of `passes` in the list of all passes.
     pub first: usize,
     /// The passes from there on to `place`.
@@ -220,7 +221,7 @@ pub struct Glimpse {
     /// The stream of colours.
     pub stream: Stream,
     /// A copy of it.
-    pub texture: wgpu::Texture,
+    pub texture: StreamTexture,
     /// Which of all glimpses it is.
     pub index: u64,
 }
@@ -248,7 +249,7 @@ pub enum Update {
         /// Number of passes before it.
         place: usize,
         /// The copy.
-        texture: wgpu::Texture,
+        texture: StreamTexture,
     },
     /// The states after a pass on the way.
     Sketched(Sketch),

@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::sync::Arc;
 
+use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::{DrawTime, Kernel, Pass, Stream};
 
@@ -31,7 +32,7 @@ pub struct Pinned {
     /// The generation of its run.
     pub generation: u64,
     /// The copy.
-    pub texture: wgpu::Texture,
+    pub texture: StreamTexture,
 }
 
 /// Whose kernels a history is from.
@@ -187,7 +188,7 @@ impl RunState {
 
     /// A stream's texture. Its values may be those of an earlier place: see `drawn` of the model.
     #[must_use]
-    pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
+    pub fn texture(&self, stream: Stream) -> Option<&StreamTexture> {
         self.opened.as_ref()?.textures.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture)
     }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use raystep_kernels::Stream;
+use raystep_kernels::executor::gpu::StreamTexture;
 
 /// Most texels along a side of a sketch from the CPU: those of a thumbnail.
 pub(crate) const SIDE: u32 = 128;
@@ -15,7 +16,7 @@ pub struct Sketch {
     /// Number of passes before it.
     pub place: usize,
     /// The tags; from the CPU, only as many as a thumbnail shows.
-    pub texture: wgpu::Texture,
+    pub texture: StreamTexture,
     /// While it exists, the sketch waits.
     pub(super) _waiting: Arc<()>,
 }

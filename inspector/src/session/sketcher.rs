@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use futures_channel::mpsc::UnboundedSender;
-use raystep_kernels::executor::gpu::stream_format;
+use raystep_kernels::executor::gpu::{StreamTexture, stream_format};
 use raystep_kernels::fragment::TEXEL_BYTES;
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Gpu, RenderError, Renderer, Stream};
@@ -67,8 +67,8 @@ impl Sketcher {
             return Ok(());
         }
         let texture = match (renderer.texture(self.stream), renderer.adapter()) {
-            (Some(texture), _) if renderer.plan().drawn.is_some() => copy_of(&self.gpu, "sketch", texture),
-            (Some(texture), _) => self.copy(texture),
+            (Some(texture), _) if renderer.plan().drawn.is_some() => copy_of(&self.gpu, "sketch", &texture),
+            (Some(texture), _) => self.copy(&texture),
             (None, Some(_)) => return Ok(()),
             (None, None) => {
                 let data = renderer.values(self.stream).await?;
@@ -93,20 +93,16 @@ impl Sketcher {
         Ok(())
     }
 
-    fn texture(&self, size: wgpu::Extent3d) -> wgpu::Texture {
+    fn texture(&self, size: wgpu::Extent3d) -> StreamTexture {
         drawable(&self.gpu.device, "sketch", stream_format(self.stream), size)
     }
 
     /// The layer of tags, copied on the GPU after the passes before it.
-    fn copy(&self, source: &wgpu::Texture) -> wgpu::Texture {
+    fn copy(&self, source: &StreamTexture) -> StreamTexture {
         let size = wgpu::Extent3d { depth_or_array_layers: 1, ..source.size() };
         let texture = self.texture(size);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let from = wgpu::TexelCopyTextureInfo {
-            origin: wgpu::Origin3d { z: STATE_TAG as u32, ..wgpu::Origin3d::ZERO },
-            ..source.as_image_copy()
-        };
-        encoder.copy_texture_to_texture(from, texture.as_image_copy(), size);
+        encoder.copy_texture_to_texture(source.copy_at(0, 0, STATE_TAG as u32), texture.as_image_copy(), size);
         self.gpu.submit([encoder.finish()]);
         texture
     }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use egui::mutex::{Mutex, RwLock};
 use egui::{Color32, Pos2, Rect, Ui, pos2};
+use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::{Gpu, Stream};
 
 use crate::draw::picture::picture;
@@ -126,19 +127,19 @@ pub type Moment = (u64, usize);
 /// A snapshot of a stream, which can be drawn at any zoom while the run goes elsewhere.
 #[derive(Default)]
 pub struct Still {
-    kept: Option<(Moment, Stream, wgpu::Texture)>,
+    kept: Option<(Moment, Stream, StreamTexture)>,
 }
 
 impl Still {
     /// Copies a stream's texture, unless there is a copy of this moment already.
-    pub fn take(&mut self, canvas: &Canvas, moment: Moment, stream: Stream, source: &wgpu::Texture) {
+    pub fn take(&mut self, canvas: &Canvas, moment: Moment, stream: Stream, source: &StreamTexture) {
         if self.kept.as_ref().is_some_and(|(m, s, _)| (*m, *s) == (moment, stream)) {
             return;
         }
-        let fits = |t: &wgpu::Texture| (t.size(), t.format()) == (source.size(), source.format());
+        let fits = |t: &StreamTexture| (t.size(), t.format()) == (source.size(), source.format());
         let old = self.kept.take().map(|(.., texture)| texture).filter(fits);
         let texture = old.unwrap_or_else(|| {
-            canvas.gpu.device.create_texture(&wgpu::TextureDescriptor {
+            StreamTexture::whole(canvas.gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("stream snapshot"),
                 size: source.size(),
                 mip_level_count: 1,
@@ -147,7 +148,7 @@ impl Still {
                 format: source.format(),
                 usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
                 view_formats: &[],
-            })
+            }))
         });
         let mut encoder = canvas.gpu.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_texture(source.as_image_copy(), texture.as_image_copy(), source.size());
@@ -157,7 +158,7 @@ impl Still {
 
     /// The copy of a stream, and the moment it was taken.
     #[must_use]
-    pub fn of(&self, stream: Stream) -> Option<(Moment, &wgpu::Texture)> {
+    pub fn of(&self, stream: Stream) -> Option<(Moment, &StreamTexture)> {
         self.kept.as_ref().filter(|(_, s, _)| *s == stream).map(|(moment, _, texture)| (*moment, texture))
     }
 }

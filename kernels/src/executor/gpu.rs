@@ -24,6 +24,7 @@ pub mod readback;
 mod repeat;
 mod rounding;
 mod snapshot;
+mod stream_texture;
 mod timers;
 mod uploaded;
 
@@ -45,6 +46,8 @@ pub use poller::HostPolls;
 use repeat::Repeater;
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
+pub use stream_texture::StreamTexture;
+use stream_texture::allocate;
 use timers::Timers;
 use uploaded::{Uploaded, upload_scene, upload_size, upload_view};
 
@@ -60,7 +63,7 @@ pub struct GpuExecutor {
     gpu: Arc<Gpu>,
     plan: Arc<Plan>,
     sizes: Sizes,
-    streams: Vec<(Stream, wgpu::Texture)>,
+    streams: Vec<(Stream, StreamTexture)>,
     buffers: Vec<(&'static str, Uploaded)>,
     pipelines: Pipelines,
     books: Books,
@@ -106,8 +109,7 @@ impl GpuExecutor {
         let device = &gpu.device;
         let scopes = gpu.push_scopes();
         let sizes = Sizes::new(plan);
-        let streams = plan.streams.iter().filter_map(|s| Some((s.what, stream_texture(device, plan, &sizes, s.what)?)));
-        let streams: Vec<_> = streams.collect();
+        let streams = allocate(device, plan, &sizes, plan.streams.iter().map(|planned| planned.what));
         let buffers = upload_scene(&gpu, plan, data, |name: &str| other.and_then(|other| other.uploaded(name)));
         let books = Books::new(device, plan);
         let bindable = Bindable { device, streams: &streams, buffers: &buffers };
@@ -155,9 +157,9 @@ impl GpuExecutor {
         &self.gpu
     }
 
-    /// The texture of a stream: a 2D array with one layer per component.
+    /// Where a stream is: in a 2D array with one layer per component.
     #[must_use]
-    pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
+    pub fn texture(&self, stream: Stream) -> Option<&StreamTexture> {
         self.streams.iter().find(|(s, _)| *s == stream).map(|(_, t)| t)
     }
 
@@ -169,9 +171,7 @@ impl GpuExecutor {
     /// Names and sizes in bytes of everything that is allocated on the device.
     #[must_use]
     pub fn allocated(&self) -> Vec<(&'static str, u64)> {
-        let bytes =
-            |t: &wgpu::Texture| 4 * u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
-        let streams = self.streams.iter().map(|(s, t)| (s.name(), bytes(t)));
+        let streams = self.streams.iter().map(|(stream, texture)| (stream.name(), texture.bytes()));
         let buffers = self.buffers.iter().map(|(n, b)| (*n, b.bytes()));
         let kept = self.repeater.iter().flat_map(Repeater::allocated);
         streams.chain(buffers).chain(self.books.allocated()).chain(self.fill.allocated()).chain(kept).collect()
@@ -231,19 +231,13 @@ impl GpuExecutor {
             is_moved(stream) || before.of(program, elements) != self.sizes.of(program, elements)
         };
         self.streams.retain(|(stream, _)| !is_new(*stream));
-        let mut new = Vec::new();
-        for planned in self.plan.streams.iter().filter(|s| is_new(s.what)) {
-            self.copies.forget(planned.what);
-            if !is_moved(planned.what) {
-                new.extend(
-                    stream_texture(&self.gpu.device, &self.plan, &self.sizes, planned.what).map(|t| (planned.what, t)),
-                );
-            }
-        }
+        let changed: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).filter(|stream| is_new(*stream)).collect();
+        changed.iter().for_each(|stream| self.copies.forget(*stream));
+        let unmoved = changed.iter().copied().filter(|stream| !is_moved(*stream));
+        let new = allocate(&self.gpu.device, &self.plan, &self.sizes, unmoved);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.fill.clear(&mut encoder, &new);
         self.gpu.submit([encoder.finish()]);
-        let changed: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).filter(|stream| is_new(*stream)).collect();
         self.streams.extend(new);
         self.streams.extend(moved);
         let Self { gpu, streams, buffers, .. } = self;
@@ -269,18 +263,13 @@ impl GpuExecutor {
         self.fill.give(&self.gpu.device, &self.gpu.queue, streams);
     }
 
-    fn upload(&self, texture: &wgpu::Texture, origin: wgpu::Origin3d, size: wgpu::Extent3d, texels: &[u32]) {
-        let to = wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() };
-        self.gpu.write_texture(to, size, bytemuck::cast_slice(texels));
-    }
-
     /// Replaces one component of one ray, except its tag, on which the lists depend. Returns false if the plan left the
     /// stream out or the image has no such pixel.
     pub(crate) fn write_component(&mut self, stream: Stream, layer: usize, x: u32, y: u32, bits: u32) -> bool {
-        let is_there = |t: &&wgpu::Texture| x < t.width() && y < t.height() && layer < stream.layers();
+        let is_there = |t: &&StreamTexture| x < t.width() && y < t.height() && layer < stream.layers();
         let Some(texture) = self.texture(stream).filter(is_there) else { return false };
         let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
-        self.upload(texture, wgpu::Origin3d { x, y, z: layer as u32 }, size, &[bits]);
+        self.gpu.write_texture(texture.copy_at(x, y, layer as u32), size, bytemuck::bytes_of(&bits));
         self.copies.forget(stream);
         true
     }
@@ -293,7 +282,7 @@ impl GpuExecutor {
         if (data.width, data.height) != (size.width, size.height) || data.bits.len() != texels {
             return false;
         }
-        self.upload(texture, wgpu::Origin3d::ZERO, size, &data.bits);
+        self.gpu.write_texture(texture.as_image_copy(), size, bytemuck::cast_slice(&data.bits));
         self.copies.forget(data.stream);
         if self.plan.program.has_states(data.stream) {
             let of = data.stream.info().elements;
@@ -325,22 +314,6 @@ fn work_a_dispatch(kind: wgpu::DeviceType) -> u64 {
         wgpu::DeviceType::Cpu => 1 << 18,
         _ => 1 << 22,
     }
-}
-
-/// `None` for a stream of elements that have not been counted yet.
-fn stream_texture(device: &wgpu::Device, plan: &Plan, sizes: &Sizes, stream: Stream) -> Option<wgpu::Texture> {
-    use wgpu::TextureUsages as U;
-    let Size { width, height, .. } = sizes.of(plan.program, stream.info().elements)?;
-    Some(device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(&plan.label(stream.name())),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: stream.layers() as u32 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: stream_format(stream),
-        usage: U::STORAGE_BINDING | U::TEXTURE_BINDING | U::COPY_SRC | U::COPY_DST,
-        view_formats: &[],
-    }))
 }
 
 /// The texture format of a stream.

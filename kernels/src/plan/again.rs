@@ -2,7 +2,7 @@
 
 use super::allocated::Allocated;
 use super::check::{check_buffer, given_size};
-use super::{Limits, Plan, PlanError, bound_by, check_bindings, variants};
+use super::{Limits, Plan, PlanError, bound_by, fit_bindings, variants};
 use crate::program::live::{LIVE_RAYS, live_bytes};
 use crate::scene_data::SceneData;
 use crate::tables::elements::Size;
@@ -33,11 +33,12 @@ impl Plan {
         if self.features.live_lists {
             check_buffer(LIVE_RAYS, live_bytes(self.program, size.texels()), limits)?;
         }
-        check_bindings(&self.variants, self.drawn.as_ref(), self.features.scene_data, limits)?;
+        let sharing =
+            fit_bindings(self.program, &self.variants, self.drawn.as_ref(), self.features.scene_data, limits)?;
         let bound = bound_by(&self.variants);
         let Allocated { sets, streams, buffers } =
             Allocated::new(self.program, &bound, data, size, given, limits, self.drawn.as_ref())?;
-        Ok(Self { sets, streams, buffers, width, height, rays, ..self.clone() })
+        Ok(Self { sets, sharing, streams, buffers, width, height, rays, ..self.clone() })
     }
 
     /// Makes the kernels read the intervals of rays, from now on. [`for_rays`](Self::for_rays) allocates them.

@@ -1,20 +1,53 @@
-//! Whether kernels bind no more than a device allows.
+//! Whether kernels bind no more than a device allows, and which streams share a texture so that they do.
+
+use std::collections::BTreeMap;
 
 use super::{DrawnPlan, Limits, PlanError};
 use crate::fragment::Shader;
 use crate::options::scene_data::SceneDataKind;
-use crate::shader::{Binding, Resource, Variant};
+use crate::program::Program;
+use crate::shader::{Binding, Group, Resource, Variant};
+use crate::tables::stream::{Stream, Texel};
 
-/// Checks the shaders of a run: the kernels; or their draws, that of depths, and what counts rays.
-pub(crate) fn check_bindings(
+/// The streams that share textures.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sharing {
+    /// Those of each texture, in the order of their layers. A stream that is in none has a texture of its own.
+    pub groups: Vec<Group>,
+    /// Most storage textures that a kernel may bind.
+    pub most: u32,
+}
+
+impl Sharing {
+    /// The streams in the texture that a stream is in.
+    #[must_use]
+    pub fn of<'a>(&'a self, stream: &'a Stream) -> &'a [Stream] {
+        self.groups.iter().find(|group| group.contains(stream)).map_or(std::slice::from_ref(stream), Vec::as_slice)
+    }
+
+    /// The kernel as a device gets it, if that is not as it is.
+    pub(crate) fn variant(&self, variant: &Variant) -> Option<Variant> {
+        variant.sharing(&self.groups, self.most).ok().flatten()
+    }
+}
+
+/// Finds which streams share textures so that each kernel of a run fits, and checks its shaders: the kernels; or their
+/// draws, that of depths, and what counts rays.
+pub(crate) fn fit_bindings(
+    program: &Program,
     variants: &[Variant],
     drawn: Option<&DrawnPlan>,
     scene_data: SceneDataKind,
     limits: &Limits,
-) -> Result<(), PlanError> {
+) -> Result<Sharing, PlanError> {
     let Some(drawn) = drawn else {
-        let check = |variant: &Variant| check(variant.kernel.name(), &variant.bindings, scene_data, limits);
-        return variants.iter().try_for_each(check);
+        let sharing = shared(program, variants, limits.storage_textures);
+        for variant in variants {
+            let shared = sharing.variant(variant);
+            let bindings = &shared.as_ref().unwrap_or(variant).bindings;
+            check(variant.kernel.name(), bindings, scene_data, limits)?;
+        }
+        return Ok(sharing);
     };
     for kernel in &drawn.kernels {
         let check = |shader: &Shader| check(kernel.kernel.name(), &shader.bindings, scene_data, limits);
@@ -22,7 +55,56 @@ pub(crate) fn check_bindings(
     }
     let counter = drawn.counter.iter().map(|shader| ("what counts rays", shader));
     let depths = drawn.depths.iter().map(|shader| ("the draw of depths", shader));
-    counter.chain(depths).try_for_each(|(name, shader)| check(name, &shader.bindings, scene_data, limits))
+    counter.chain(depths).try_for_each(|(name, shader)| check(name, &shader.bindings, scene_data, limits))?;
+    Ok(Sharing::default())
+}
+
+/// Most layers of a texture in core WebGPU.
+const MOST_LAYERS: usize = 256;
+
+/// The streams that share textures so that no kernel writes more than `most`: of those that one writes, as few as possible
+/// of the same elements and texels, the most numerous first.
+fn shared(program: &Program, variants: &[Variant], most: u32) -> Sharing {
+    // A stream that another one becomes is in a texture of its own.
+    let pairs = || program.kernels.iter().flat_map(|instance| instance.adopts);
+    let is_adopted = |stream: Stream| pairs().any(|&(to, from)| [to, from].contains(&stream));
+    let mut groups: Vec<Group> = Vec::new();
+    for variant in variants {
+        let mut classes: BTreeMap<(&str, bool), Group> = BTreeMap::new();
+        let mut textures = 0usize;
+        for binding in &variant.bindings {
+            let Resource::WriteStream { stream, .. } = binding.resource else { continue };
+            textures += 1;
+            let info = stream.info();
+            if !is_adopted(stream) {
+                classes.entry((info.elements.name, info.texel == Texel::F32)).or_default().push(stream);
+            }
+        }
+        let mut classes: Vec<Group> = classes.into_values().collect();
+        classes.sort_by_key(|class| std::cmp::Reverse(class.len()));
+        for mut class in classes {
+            let excess = textures.saturating_sub(most as usize);
+            class.truncate(excess + 1);
+            if class.len() < 2 {
+                continue;
+            }
+            textures -= class.len() - 1;
+            // With all that share a texture with one of them already.
+            let mut group = Group::new();
+            groups.retain(|other| {
+                let is_apart = !other.iter().any(|stream| class.contains(stream));
+                if !is_apart {
+                    group.extend(other);
+                }
+                is_apart
+            });
+            class.retain(|stream| !group.contains(stream));
+            group.extend(class);
+            groups.push(group);
+        }
+    }
+    groups.retain(|group| group.iter().map(|stream| stream.layers()).sum::<usize>() <= MOST_LAYERS);
+    Sharing { groups, most }
 }
 
 /// What a device limits the number of, in a shader.
@@ -32,7 +114,7 @@ const KINDS: [&str; 3] = ["storage buffers", "storage textures", "textures"];
 fn kind(resource: Resource, scene_data: SceneDataKind) -> Option<usize> {
     match (resource, scene_data) {
         (Resource::Storage, SceneDataKind::Buffers) | (Resource::Live { .. }, _) => Some(0),
-        (Resource::WriteStream { .. }, _) => Some(1),
+        (Resource::WriteStream { .. } | Resource::WriteStreams { .. }, _) => Some(1),
         (Resource::Storage, SceneDataKind::Textures) | (Resource::ReadStream(_) | Resource::List, _) => Some(2),
         (Resource::Uniform | Resource::Launch, _) => None,
     }
@@ -50,7 +132,9 @@ fn check(
         let all: Vec<&Binding> = bindings.iter().filter(is_one).collect();
         if let Some(excess) = all.get(most as usize) {
             let (kind, count, name) = (KINDS[index], all.len(), excess.name.clone());
-            return Err(PlanError::Bindings { kernel, kind, count, most, name });
+            let is_helped = index == 0 && scene_data == SceneDataKind::Buffers;
+            let hint = if is_helped { "; use --scene-data textures" } else { "" };
+            return Err(PlanError::Bindings { kernel, kind, count, most, name, hint });
         }
     }
     Ok(())

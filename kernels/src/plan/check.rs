@@ -61,7 +61,9 @@ pub enum PlanError {
         most: u32,
     },
     /// A kernel binds more than the device allows a shader.
-    #[error("kernel {kernel} binds {count} {kind}, but this device allows a shader {most}: {name} is one too many")]
+    #[error(
+        "kernel {kernel} binds {count} {kind}, but this device allows a shader {most}: {name} is one too many{hint}"
+    )]
     Bindings {
         /// The kernel.
         kernel: &'static str,
@@ -73,6 +75,8 @@ pub enum PlanError {
         most: u32,
         /// The first that does not fit.
         name: String,
+        /// What helps, as the end of the sentence; empty if nothing does.
+        hint: &'static str,
     },
     /// This machine does not have enough memory.
     #[error(transparent)]

@@ -79,7 +79,7 @@ impl Plan {
     /// What a binding of one of its variants is on the device.
     pub(crate) fn kind_of(&self, binding: &Binding) -> &'static str {
         match binding.resource {
-            Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
+            Resource::ReadStream(_) | Resource::WriteStream { .. } | Resource::WriteStreams { .. } => "stream",
             Resource::Uniform | Resource::Launch => "uniform",
             Resource::Storage if self.has_textures() => "texture",
             Resource::Storage | Resource::Live { .. } => "buffer",
@@ -90,7 +90,6 @@ impl Plan {
     /// The draws of each kernel, if they are drawn.
     fn write_draws(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(drawn) = &self.drawn else { return Ok(()) };
-        let names = |streams: &[Stream]| streams.iter().map(|stream| stream.name()).collect::<Vec<_>>().join(", ");
         let Fragment { targets, update, cull, until } = drawn.how;
         writeln!(f, "\ndraws (targets {targets}, update {update}, cull {cull}, until {until})")?;
         for kernel in &drawn.kernels {
@@ -147,6 +146,9 @@ impl Plan {
                 info.unit
             )?;
         }
+        for group in &self.sharing.groups {
+            writeln!(f, "  in one texture, as a kernel writes more than the device binds: {}", names(group))?;
+        }
         writeln!(f, "\nbuffers{}", if self.has_textures() { ", and lists in textures" } else { "" })?;
         for b in &self.buffers {
             write!(f, "  {:<19} {:>10}  {}", b.what, Bytes(b.bytes).to_string(), element(self.program, b.what))?;
@@ -159,4 +161,8 @@ impl Plan {
         writeln!(f, "  {:<19} {:>10}", "total", Bytes(self.bytes()).to_string())?;
         write!(f, "{}", Omitted(&self.left_out))
     }
+}
+
+fn names(streams: &[Stream]) -> String {
+    streams.iter().map(|stream| stream.name()).collect::<Vec<_>>().join(", ")
 }

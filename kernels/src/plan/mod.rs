@@ -34,7 +34,8 @@ pub use crate::options::reasons::Because;
 pub use crate::tables::elements::{folded_width as given_width, tiled};
 pub(crate) use absent::absent;
 use allocated::Allocated;
-pub(crate) use budget::check_bindings;
+pub use budget::Sharing;
+pub(crate) use budget::fit_bindings;
 pub(crate) use check::{
     FARTHEST, check_buffer, check_choices, check_list, check_rays, check_samples, check_scene, check_texels,
     image_size, why_untraceable,
@@ -105,6 +106,8 @@ pub struct Plan {
     pub schedule: Schedule,
     /// The kernels as they will be compiled, in order of first use.
     pub variants: Vec<Variant>,
+    /// The streams that share textures, as a kernel writes more than the device binds.
+    pub sharing: Sharing,
     /// The kernels as fragment programs, if they are mapped to those.
     pub drawn: Option<DrawnPlan>,
     /// Streams to allocate.
@@ -175,11 +178,11 @@ impl Plan {
         let variants = variants(program, &schedule, &self.features)?;
         let how = self.drawn.as_ref().map(|drawn| drawn.how);
         let drawn = how.map(|how| DrawnPlan::new(how, &variants, &self.features, limits)).transpose()?;
-        check_bindings(&variants, drawn.as_ref(), self.features.scene_data, limits)?;
+        let sharing = fit_bindings(program, &variants, drawn.as_ref(), self.features.scene_data, limits)?;
         let bound = bound_by(&variants);
         let Allocated { sets, streams, buffers } =
             Allocated::new(program, &bound, data, self.size(), false, limits, drawn.as_ref())?;
-        Ok(Self { program, sets, schedule, variants, drawn, streams, buffers, ..self.clone() })
+        Ok(Self { program, sets, schedule, variants, sharing, drawn, streams, buffers, ..self.clone() })
     }
 
     /// The size of the program's main set of elements.

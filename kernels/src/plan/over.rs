@@ -2,7 +2,7 @@
 
 use super::absent;
 use super::allocated::Allocated;
-use super::budget::check_bindings;
+use super::budget::fit_bindings;
 use super::check::PlanError;
 use super::{Limits, Plan, PlannedSet, bound_by, variants};
 use crate::options::{Accelerator, Options};
@@ -41,7 +41,7 @@ impl Over<'_> {
         derive(program, &mut known, limits.image_side).map_err(|error| too_many(error.elements, error.count))?;
         let sets: Vec<_> = program.elements.iter().zip(known).map(|(&what, size)| PlannedSet { what, size }).collect();
         let variants = variants(program, &schedule, &data.features)?;
-        check_bindings(&variants, None, data.features.scene_data, limits)?;
+        let sharing = fit_bindings(program, &variants, None, data.features.scene_data, limits)?;
         let bound = bound_by(&variants);
         let Allocated { sets, streams, buffers } = Allocated::of_sets(program, sets, &bound, data, limits)?;
         let size = sets[0].size.unwrap_or(Size { width: 1, height: 1, count: 0 });
@@ -60,6 +60,7 @@ impl Over<'_> {
             pass_bound: schedule.steps.len() as u64,
             schedule,
             variants,
+            sharing,
             drawn: None,
             streams,
             buffers,

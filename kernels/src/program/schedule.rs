@@ -132,12 +132,6 @@ impl Schedule {
         of(&self.steps, &mut Vec::new())
     }
 
-    /// Whether it repeats its steps for every sample.
-    fn has_samples(&self) -> bool {
-        let [Step::LoopWhileActive(kernels, _)] = self.steps.as_slice() else { return false };
-        matches!(kernels[..], [kernel] if kernel.role() == Role::Source)
-    }
-
     /// The counts after a kernel that is not part of the walk, assuming that it sends all of its rays to the next
     /// kernel.
     fn after_all(&self, kernel: Kernel, counts: &Population) -> Population {
@@ -303,9 +297,9 @@ impl Cursor {
     /// known. A pass without active rays changes nothing, so a wrong guess is harmless as long as it only repeats
     /// kernels that have become idle.
     ///
-    /// With several samples per pixel, also the steps from the end of a walk into the next sample, assuming that there
-    /// is one and that every ray begins to walk: if not, these passes find no rays either. So a sample costs about one
-    /// submission.
+    /// In a loop around the walk, such as that over samples, also the steps from the end of a walk into the next turn,
+    /// assuming that there is one and that every ray begins to walk: if not, these passes find no rays either. So a sample
+    /// costs about one submission.
     #[must_use]
     pub fn guess(&self, schedule: &Schedule, counts: &Population, most: usize) -> Vec<Call> {
         let mut cursor = self.clone();
@@ -325,7 +319,7 @@ impl Cursor {
             }
         }
         // It is not known ahead whether a kernel that runs until it is idle runs again.
-        while schedule.has_samples() && !last.is_walk() && !cursor.stays(schedule, last) {
+        while cursor.path.len() > 1 && last.role() != Role::Once && !last.is_walk() && !cursor.stays(schedule, last) {
             counts = schedule.after_all(last, &counts);
             match cursor.next(schedule, &counts) {
                 // The fused kernel is submitted alone: it runs in bands, and its rays are counted afterwards.

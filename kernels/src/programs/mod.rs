@@ -2,6 +2,7 @@
 
 pub mod closest_hit;
 pub mod grid_build;
+pub mod primitives;
 pub mod sort;
 
 use raystep_scenes::Scene;

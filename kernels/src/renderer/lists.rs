@@ -10,10 +10,10 @@ use crate::options::{Accelerator, BuiltBy, LEAST_FOR_DEVICE, Options, ProgramNam
 use crate::plan::{Plan, PlanError};
 use crate::programs::Built;
 use crate::programs::grid_build::elements::REFERENCES;
-use crate::programs::grid_build::radix::digits_of;
 use crate::programs::grid_build::streams::{
     CELL, FAULTS, ITEM, LIST, MAP_BELOW, MAP_TOP, START, STARTS_IN_ALL, TRIANGLE_EVEN, TRIANGLE_ODD,
 };
+use crate::programs::primitives::radix::digits_of;
 use crate::scene_data::SceneData;
 use crate::structures::grid::{GridData, GridError};
 use crate::structures::irregular::{self, IrregularCell, IrregularData, LAST_ITEM, Layout};

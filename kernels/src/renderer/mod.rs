@@ -117,9 +117,9 @@ impl Renderer {
         device: &Device,
         beside: Option<&Executor>,
     ) -> Result<Self, RenderError> {
-        let given = match &options.rays {
-            RaySource::Given(rays) => plan.program.results.map(|results| GivenRays::new(rays, &results, &plan, &data)),
-            RaySource::Camera { .. } => GivenRays::inputs(&data),
+        let given = match (&options.rays, plan.program.results) {
+            (RaySource::Given(rays), Some(results)) => Some(GivenRays::new(rays, &results, &plan, &data)),
+            _ => GivenRays::inputs(&data),
         };
         let streams = given.as_ref().map_or(&[][..], |given| &given.streams);
         let executor = Executor::new(device, &plan, &data, options, streams, beside).await?;

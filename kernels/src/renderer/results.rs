@@ -29,16 +29,17 @@ impl Renderer {
         self.plan.program.results.ok_or(RenderError::NoRays(self.plan.program.name))
     }
 
-    /// The texture that holds a stream after the latest pass, if passes run on a GPU: a 2D array with one layer per
-    /// component; or, if they are drawn, `rgba32uint` with a component in each, which may be another texture after the
-    /// next pass.
+    /// Where a stream is after the latest pass, if passes run on a GPU: in a 2D array with one layer per component; or, if
+    /// they are drawn, in `rgba32uint` with a component in each, which may be another texture after the next pass.
     #[cfg(feature = "gpu")]
     #[must_use]
-    pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
+    pub fn texture(&self, stream: Stream) -> Option<crate::executor::gpu::StreamTexture> {
         use super::device::Executor;
         match &self.executor {
-            Executor::Gpu(executor) => executor.texture(stream),
-            Executor::Fragment(executor) => executor.texture(stream),
+            Executor::Gpu(executor) => executor.texture(stream).cloned(),
+            Executor::Fragment(executor) => {
+                executor.texture(stream).cloned().map(crate::executor::gpu::StreamTexture::whole)
+            }
             Executor::Cpu(_) | Executor::CpuF64(_) => None,
         }
     }

@@ -7,16 +7,12 @@
 
 mod accessors;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-use naga::compact::{KeepUnused, compact};
-use naga::valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator};
-use naga::{
-    AddressSpace, Block, Expression, Function, GlobalVariable, Handle, Literal, Module, Range, ResourceBinding, Span,
-    Statement, TypeInner,
-};
+use naga::valid::FunctionInfo;
+use naga::{AddressSpace, Expression, Function, GlobalVariable, Handle, Literal, ResourceBinding, Span, TypeInner};
 
-use super::blocks::rewritten;
+use super::parsed::{Parsed, Replaced};
 use super::{Binding, Resource, ShaderError, Variant};
 use crate::program::Kernel;
 
@@ -52,7 +48,8 @@ pub(crate) fn in_textures(
     let rewritten = || {
         // First, as a function comes before those that call it.
         let functions = Shader::parse(source, &lists)?.accessors()?;
-        Shader::parse(&(functions + source), &lists)?.rewritten()
+        let shader = Shader::parse(&(functions + source), &lists)?;
+        shader.parsed.rewritten(|function, info| shader.changed(function, info))
     };
     let source = rewritten().map_err(|message| ShaderError::Invalid { kernel: kernel.name(), message })?;
     Ok((source, bindings))
@@ -60,8 +57,7 @@ pub(crate) fn in_textures(
 
 /// A shader, and the lists that it binds as buffers.
 struct Shader {
-    module: Module,
-    info: ModuleInfo,
+    parsed: Parsed,
     lists: BTreeSet<Handle<GlobalVariable>>,
 }
 
@@ -83,27 +79,15 @@ struct Place {
     name: Option<String>,
 }
 
-fn valid(module: &Module) -> Result<ModuleInfo, String> {
-    Validator::new(ValidationFlags::all(), Capabilities::all()).validate(module).map_err(|e| format!("{e:?}"))
-}
-
 impl Shader {
     fn parse(source: &str, lists: &[ResourceBinding]) -> Result<Self, String> {
-        let module = naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string(source))?;
-        let info = valid(&module)?;
+        let parsed = Parsed::new(source)?;
         let is_list = |global: &GlobalVariable| {
             matches!(global.space, AddressSpace::Storage { .. }) && global.binding.is_some_and(|at| lists.contains(&at))
         };
-        let globals = module.global_variables.iter();
+        let globals = parsed.module.global_variables.iter();
         let lists = globals.filter(|(_, global)| is_list(global)).map(|(handle, _)| handle).collect();
-        Ok(Self { module, info, lists })
-    }
-
-    /// Every function and what naga knows of it, entry points last.
-    fn functions(&self) -> impl Iterator<Item = (&Function, &FunctionInfo)> {
-        let plain = self.module.functions.iter().map(|(handle, function)| (function, &self.info[handle]));
-        let entries = self.module.entry_points.iter().enumerate();
-        plain.chain(entries.map(|(index, entry)| (&entry.function, self.info.get_entry_point(index))))
+        Ok(Self { parsed, lists })
     }
 
     /// What a pointer points to, if that is in a list.
@@ -117,7 +101,7 @@ impl Shader {
             && self.lists.contains(&list)
         {
             let (element, _) = self.element(list)?;
-            let element = &self.module.types[element];
+            let element = &self.parsed.module.types[element];
             return Ok(Some(Place { list, index, offset: 0, ty: element.inner.clone(), name: element.name.clone() }));
         }
         let Some(Place { list, index: of, offset, ty, .. }) = self.place(function, base)? else { return Ok(None) };
@@ -125,7 +109,7 @@ impl Shader {
         let (within, ty, name) = match &ty {
             TypeInner::Struct { members, .. } => {
                 let member = &members[member as usize];
-                let ty = &self.module.types[member.ty];
+                let ty = &self.parsed.module.types[member.ty];
                 (member.offset, ty.inner.clone(), ty.name.clone())
             }
             TypeInner::Vector { scalar, .. } => (u32::from(scalar.width) * member, TypeInner::Scalar(*scalar), None),
@@ -134,31 +118,14 @@ impl Shader {
         Ok(Some(Place { list, index: of, offset: offset + within, ty, name }))
     }
 
-    /// The module with calls in place of loads from lists, as WGSL.
-    fn rewritten(mut self) -> Result<String, String> {
-        let changed: Vec<Function> =
-            self.functions().map(|(function, info)| self.changed(function, info)).collect::<Result<_, _>>()?;
-        let plain = self.module.functions.iter_mut().map(|(_, function)| function);
-        let all = plain.chain(self.module.entry_points.iter_mut().map(|entry| &mut entry.function));
-        all.zip(changed).for_each(|(function, changed)| *function = changed);
-        // Nothing mentions the buffers any more.
-        compact(&mut self.module, KeepUnused::No);
-        let info = valid(&self.module)?;
-        let flags = naga::back::wgsl::WriterFlags::empty();
-        naga::back::wgsl::write_string(&self.module, &info, flags).map_err(|e| e.to_string())
-    }
-
+    /// A function with calls in place of loads from lists.
     fn changed(&self, original: &Function, info: &FunctionInfo) -> Result<Function, String> {
-        let mut function = original.clone();
-        // The pointers into lists, and for each load of one the call with its argument.
-        let (mut pointers, mut calls) = (BTreeSet::new(), BTreeMap::new());
+        let (mut function, mut replaced) = (original.clone(), Replaced::default());
         for (handle, expression) in original.expressions.iter() {
             if let Expression::Load { pointer } = *expression
                 && let Some(place) = self.place(original, pointer)?
             {
-                let name = self.accessor(&place, info);
-                let of = self.module.functions.iter().find(|(_, of)| of.name.as_ref() == Some(&name));
-                let (callee, _) = of.ok_or_else(|| format!("no function {name}"))?;
+                let callee = self.parsed.function(&self.accessor(&place, info))?;
                 let argument = match place.index {
                     Index::Computed(index) => index,
                     Index::Constant(index) => {
@@ -166,43 +133,17 @@ impl Shader {
                         function.expressions.append(literal, Span::UNDEFINED)
                     }
                 };
-                *function.expressions.get_mut(handle) = Expression::CallResult(callee);
-                calls.insert(handle, (callee, argument));
+                replaced.by_call(&mut function, handle, callee, vec![argument]);
             } else if self.place(original, handle)?.is_some() {
                 // A pointer stays where other expressions follow it, as something that nobody asks for.
-                *function.expressions.get_mut(handle) = Expression::Literal(Literal::U32(0));
-                pointers.insert(handle);
+                replaced.by_number(&mut function, handle, 0);
             }
         }
-        function.body = rewritten(&original.body, &mut |block, statement, span| {
-            let Statement::Emit(range) = statement else {
-                block.push(statement.clone(), span);
-                return Ok::<(), String>(());
-            };
-            let mut computed = None;
-            for handle in range.clone() {
-                if let Some(&(function, argument)) = calls.get(&handle) {
-                    emit(block, &mut computed, span);
-                    let call = Statement::Call { function, arguments: vec![argument], result: Some(handle) };
-                    block.push(call, span);
-                } else if pointers.contains(&handle) {
-                    emit(block, &mut computed, span);
-                } else {
-                    let (first, _) = computed.unwrap_or((handle, handle));
-                    computed = Some((first, handle));
-                }
-            }
-            emit(block, &mut computed, span);
+        function.body = replaced.body(&original.body, &mut |block, statement, span| {
+            block.push(statement.clone(), span);
             Ok(())
         })?;
         Ok(function)
-    }
-}
-
-/// Appends the computation of these expressions, the first and the last, if there are any.
-fn emit(block: &mut Block, computed: &mut Option<(Handle<Expression>, Handle<Expression>)>, span: Span) {
-    if let Some((first, last)) = computed.take() {
-        block.push(Statement::Emit(Range::new_from_bounds(first, last)), span);
     }
 }
 

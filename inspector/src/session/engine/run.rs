@@ -230,10 +230,10 @@ impl Server {
         if let Some((_, copy)) = run.copies.iter().find(|(s, _)| *s == stream) {
             fill(&self.devices.gpu, copy, &run.session.stream(stream).await?);
         }
-        let copied = || run.copies.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture);
+        let copied = || run.copies.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture.clone());
         let source = run.session.renderer().texture(stream).or_else(copied);
         let source = source.ok_or_else(|| Trouble::Failed(RenderError::NoStream(stream.name()).to_string()))?;
-        let texture = copy_of(&self.devices.gpu, stream.name(), source);
+        let texture = copy_of(&self.devices.gpu, stream.name(), &source);
         self.say(Update::Pinned { stream, place: run.session.place(), texture });
         Ok(())
     }

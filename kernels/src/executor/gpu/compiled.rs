@@ -153,6 +153,11 @@ fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
             format: stream_format(stream),
             view_dimension: wgpu::TextureViewDimension::D2Array,
         },
+        Resource::WriteStreams { first } => wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::ReadWrite,
+            format: stream_format(first),
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+        },
         Resource::List => wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Uint,
             view_dimension: wgpu::TextureViewDimension::D2,

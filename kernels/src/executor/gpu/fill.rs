@@ -1,5 +1,6 @@
 //! Initial contents of every stream, kept on the GPU: a restart copies them and uploads nothing.
 
+use super::StreamTexture;
 use crate::plan::Plan;
 use crate::tables::sizes::{fill_bytes, fill_values, fill_words, given_bytes, pitch};
 use crate::tables::stream::{Stream, StreamData};
@@ -67,9 +68,9 @@ impl Fill {
     }
 
     /// Resets every stream to its initial contents.
-    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder, streams: &[(Stream, wgpu::Texture)]) {
+    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder, streams: &[(Stream, StreamTexture)]) {
         let part = 4 * self.part;
-        let mut copy = |buffer: &wgpu::Buffer, offset, texture: &wgpu::Texture, first, rows, layer| {
+        let mut copy = |buffer: &wgpu::Buffer, offset, texture: &StreamTexture, first, rows, layer| {
             let (width, pitch) = (texture.width(), pitch(texture.width()));
             encoder.copy_buffer_to_texture(
                 wgpu::TexelCopyBufferInfo {
@@ -80,10 +81,7 @@ impl Fill {
                         rows_per_image: Some(rows),
                     },
                 },
-                wgpu::TexelCopyTextureInfo {
-                    origin: wgpu::Origin3d { x: 0, y: first, z: layer },
-                    ..texture.as_image_copy()
-                },
+                texture.copy_at(0, first, layer),
                 wgpu::Extent3d { width, height: rows, depth_or_array_layers: 1 },
             );
         };

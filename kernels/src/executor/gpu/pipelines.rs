@@ -6,7 +6,7 @@ use std::collections::hash_map::Entry;
 use super::books::{Books, Place, is_dynamic};
 use super::compiled::Compiled;
 use super::uploaded::AllUploaded;
-use super::{Gpu, GpuError};
+use super::{Gpu, GpuError, StreamTexture};
 use crate::plan::Plan;
 use crate::program::{Kernel, live};
 use crate::scene_data::SceneData;
@@ -39,7 +39,7 @@ struct Bound {
 /// Everything that pipelines can bind.
 pub(super) struct Bindable<'a> {
     pub(super) device: &'a wgpu::Device,
-    pub(super) streams: &'a [(Stream, wgpu::Texture)],
+    pub(super) streams: &'a [(Stream, StreamTexture)],
     pub(super) buffers: &'a AllUploaded,
 }
 
@@ -48,11 +48,13 @@ pub(super) struct Pipelines(Vec<KernelPipeline>);
 impl Pipelines {
     pub(super) fn new(gpu: &Gpu, plan: &Plan, data: &SceneData, bindable: &Bindable<'_>) -> Result<Self, GpuError> {
         let pipeline = |variant: &Variant| {
-            let is_proved = is_proved(plan, variant, data);
+            let writes = variant.written_streams().collect();
+            let shared = plan.sharing.variant(variant);
+            let is_proved = shared.is_none() && is_proved(plan, variant, data);
+            let variant = shared.as_ref().unwrap_or(variant);
             let compiled = gpu.compiled.get(&gpu.device, variant, is_proved, plan.features.scene_data);
             let compiled = compiled.map_err(|error| GpuError::Refused(error.to_string()))?;
             let (kernel, label, bindings) = (variant.kernel, variant.label(), variant.bindings.clone());
-            let writes = variant.written_streams().collect();
             Ok(KernelPipeline {
                 kernel,
                 label,
@@ -72,7 +74,7 @@ impl Pipelines {
     /// has no size yet.
     pub(super) fn bind(&mut self, bindable: &Bindable<'_>, new: impl Fn(Stream) -> bool) -> Result<(), GpuError> {
         for pipeline in &mut self.0 {
-            let streams: Vec<Stream> = pipeline.bindings.iter().filter_map(Binding::stream).collect();
+            let streams: Vec<Stream> = pipeline.bindings.iter().filter_map(Binding::texture_of).collect();
             let has = |stream: &Stream| bindable.streams.iter().any(|(s, _)| s == stream);
             if !streams.iter().all(has) {
                 pipeline.bound = None;
@@ -187,13 +189,12 @@ fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
             .is_ok_and(|own| own.source == variant.source && own.bindings == variant.bindings)
 }
 
-fn view(binding: &Binding, streams: &[(Stream, wgpu::Texture)]) -> Option<wgpu::TextureView> {
-    let (Resource::ReadStream(stream) | Resource::WriteStream { stream, .. }) = binding.resource else { return None };
-    let (_, texture) = streams.iter().find(|(s, _)| *s == stream)?;
-    Some(texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..Default::default()
-    }))
+fn view(binding: &Binding, streams: &[(Stream, StreamTexture)]) -> Option<wgpu::TextureView> {
+    let of = |stream: Stream| streams.iter().find(|(other, _)| *other == stream).map(|(_, texture)| texture);
+    match binding.resource {
+        Resource::WriteStreams { first } => of(first).map(StreamTexture::view_of_all),
+        _ => of(binding.stream()?).map(StreamTexture::view),
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Reads streams back from the GPU: whole, a region, or one ray's texels of many streams at once.
 
-use super::{GpuError, GpuExecutor};
+use super::{GpuError, GpuExecutor, StreamTexture};
 use crate::executor::gpu::readback::Readback;
 use crate::tables::stream::{Region, Stream, StreamData};
 
@@ -45,7 +45,7 @@ impl GpuExecutor {
             let scopes = self.gpu.push_scopes();
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
             encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z: first }, ..texture.as_image_copy() },
+                texture.copy_at(x, y, first),
                 wgpu::TexelCopyBufferInfo {
                     buffer: &buffer,
                     layout: wgpu::TexelCopyBufferLayout {
@@ -77,7 +77,7 @@ impl GpuExecutor {
     /// If the device is lost or refuses.
     pub async fn read_texels(&self, streams: &[Stream], x: u32, y: u32) -> Result<Option<Vec<Vec<u32>>>, GpuError> {
         let textures: Option<Vec<_>> = streams.iter().map(|&s| Some((s, self.texture(s)?))).collect();
-        let is_there = |textures: &Vec<(Stream, &wgpu::Texture)>| {
+        let is_there = |textures: &Vec<(Stream, &StreamTexture)>| {
             textures.iter().all(|(_, texture)| x < texture.width() && y < texture.height())
         };
         let Some(textures) = textures.filter(is_there) else { return Ok(None) };
@@ -93,7 +93,7 @@ impl GpuExecutor {
             // Layers copied together would be a row apart, at least 256 bytes.
             for z in 0..stream.layers() as u32 {
                 encoder.copy_texture_to_buffer(
-                    wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z }, ..texture.as_image_copy() },
+                    texture.copy_at(x, y, z),
                     wgpu::TexelCopyBufferInfo {
                         buffer: &buffer,
                         layout: wgpu::TexelCopyBufferLayout { offset, bytes_per_row: None, rows_per_image: None },

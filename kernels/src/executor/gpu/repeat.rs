@@ -15,7 +15,7 @@ use super::books::{Books, Place};
 use super::readback::Readback;
 use super::rounding::{MOST_RUNS, Runs};
 use super::timers::read_times;
-use super::{GpuError, GpuExecutor, MOST_PASSES};
+use super::{GpuError, GpuExecutor, MOST_PASSES, StreamTexture};
 use crate::program::Kernel;
 use crate::tables::kernel::Launch;
 use crate::tables::sizes::COUNT_SLOT_BYTES;
@@ -107,7 +107,7 @@ impl GpuExecutor {
         if !is_one_dispatch || kernel.is_counted_anew(&self.plan.features) {
             return Ok(false);
         }
-        let has_room = |(stream, texture): &(Stream, &wgpu::Texture)| {
+        let has_room = |(stream, texture): &(Stream, &StreamTexture)| {
             repeater.streams.get(stream).is_some_and(|copy| copy.size() == texture.size())
         };
         let missing: Vec<_> = self.written(kernel).filter(|written| !has_room(written)).collect();
@@ -128,7 +128,7 @@ impl GpuExecutor {
     }
 
     /// The streams that a kernel writes.
-    fn written(&self, kernel: Kernel) -> impl Iterator<Item = (Stream, &wgpu::Texture)> {
+    fn written(&self, kernel: Kernel) -> impl Iterator<Item = (Stream, &StreamTexture)> {
         let streams = self.pipelines.get(kernel).map_or(&[][..], |pipeline| &pipeline.writes);
         streams.iter().filter_map(|&stream| Some((stream, self.texture(stream)?)))
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
 
 use super::books::KeptLists;
-use super::{GpuError, GpuExecutor, stream_format};
+use super::{GpuError, GpuExecutor, StreamTexture, stream_format};
 use crate::executor::sizes::Sizes;
 use crate::program::Kernel;
 use crate::tables::state::StateCounts;
@@ -71,7 +71,7 @@ impl GpuExecutor {
         self.gpu.health()?;
         let scopes = self.gpu.push_scopes();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let keep = |(stream, texture): &(Stream, wgpu::Texture)| {
+        let keep = |(stream, texture): &(Stream, StreamTexture)| {
             let copy = self.copies.of(*stream).unwrap_or_else(|| {
                 let copy = self.room_for(*stream, texture);
                 encoder.copy_texture_to_texture(texture.as_image_copy(), copy.as_image_copy(), texture.size());
@@ -89,7 +89,7 @@ impl GpuExecutor {
     }
 
     /// A texture for a copy of a stream.
-    pub(super) fn room_for(&self, stream: Stream, texture: &wgpu::Texture) -> wgpu::Texture {
+    pub(super) fn room_for(&self, stream: Stream, texture: &StreamTexture) -> wgpu::Texture {
         self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(&format!("{}.{}, kept", self.plan.program.name, stream.name())),
             size: texture.size(),

@@ -1,13 +1,8 @@
 //! The sets of elements of this program. A set named `all_…` has one element, for the total of the whole set.
 
-use super::radix::DIGITS;
-use super::scan::SCAN_BLOCK;
+use crate::programs::primitives::{blocks, tallies};
 use crate::shared::launch::BLOCK;
 use crate::tables::elements::{Count, Elements};
-
-const fn blocks(name: &'static str, of: &'static str) -> Elements {
-    Elements { name, count: Count::Per { of, per: SCAN_BLOCK as u32, each: 1 } }
-}
 
 /// The scene's triangles.
 pub static TRIANGLES: Elements = Elements { name: "triangles", count: Count::Given };
@@ -25,8 +20,7 @@ pub static ALL_SPANS: Elements = blocks("all_spans", "span_blocks");
 pub static REFERENCES: Elements =
     Elements { name: "references", count: Count::Found { in_stream: "references_in_all", layer: 0 } };
 /// A tally: how often a digit occurs in a block of references.
-pub static TALLIES: Elements =
-    Elements { name: "tallies", count: Count::Per { of: "references", per: BLOCK as u32, each: DIGITS as u32 } };
+pub static TALLIES: Elements = tallies("tallies", "references");
 /// Blocks of tallies.
 pub static TALLY_BLOCKS: Elements = blocks("tally_blocks", "tallies");
 /// All tallies.

@@ -53,18 +53,12 @@ const TALLY_SUMS: Binds = &[("values", "tally"), ("sums", "tally_of_block")];
 const ALL_TALLY_SUMS: Binds = &[("values", "tally_of_block"), ("sums", "tally_in_all")];
 const START_SUMS: Binds = &[("values", "start"), ("sums", "starts_of_block")];
 const ALL_START_SUMS: Binds = &[("values", "starts_of_block"), ("sums", "starts_in_all")];
-const FROM_EVEN: Binds = &[
-    ("cell_in", "cell_even"),
-    ("triangle_in", "triangle_even"),
-    ("cell_out", "cell_odd"),
-    ("triangle_out", "triangle_odd"),
-];
-const FROM_ODD: Binds = &[
-    ("cell_in", "cell_odd"),
-    ("triangle_in", "triangle_odd"),
-    ("cell_out", "cell_even"),
-    ("triangle_out", "triangle_even"),
-];
+const FROM_EVEN: Binds =
+    &[("key_in", "cell_even"), ("value_in", "triangle_even"), ("key_out", "cell_odd"), ("value_out", "triangle_odd")];
+const FROM_ODD: Binds =
+    &[("key_in", "cell_odd"), ("value_in", "triangle_odd"), ("key_out", "cell_even"), ("value_out", "triangle_even")];
+const CELLS_EVEN: Binds = &[("cell_in", "cell_even")];
+const CELLS_ODD: Binds = &[("cell_in", "cell_odd")];
 const TAKEN_EVEN: Binds =
     &[("first_in", "cell_even"), ("second_in", "triangle_even"), ("first_out", "owner"), ("second_out", "item")];
 const TAKEN_ODD: Binds =
@@ -120,8 +114,8 @@ instances! {
     SCATTER_EVEN "scatter_even": SCATTER over REFERENCES binds FROM_EVEN;
     HISTOGRAM_ODD "histogram_odd": HISTOGRAM over REFERENCES binds FROM_ODD;
     SCATTER_ODD "scatter_odd": SCATTER over REFERENCES binds FROM_ODD;
-    MARK_EVEN "mark_even": MARK over REFERENCES binds FROM_EVEN;
-    MARK_ODD "mark_odd": MARK over REFERENCES binds FROM_ODD;
+    MARK_EVEN "mark_even": MARK over REFERENCES binds CELLS_EVEN;
+    MARK_ODD "mark_odd": MARK over REFERENCES binds CELLS_ODD;
     MEASURE_LISTS "measure": MEASURE over CELLS;
     SCAN_STARTS "scan_starts": SCAN over CELLS binds START_SUMS;
     SCAN_START_BLOCKS "scan_start_blocks": SCAN over CELL_BLOCKS binds ALL_START_SUMS;

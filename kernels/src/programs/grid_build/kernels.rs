@@ -4,16 +4,29 @@ use super::checks;
 #[cfg(test)]
 use super::irregular::kernels::*;
 use super::passes;
+use super::reasons::every;
 use super::rows::{heavy, irregular, row};
-use super::scan::EACH;
 use crate::options::{GridSize, Options};
 use crate::program::breaks::{Break, as_it_is};
 use crate::program::kernel::KernelInfo;
+use crate::programs::primitives;
+use crate::programs::primitives::scan::EACH;
 
 /// More cells than a block of a scan has.
 fn fine(options: &mut Options) {
     options.grid = GridSize::Cells([32; 3]);
 }
+
+/// A shared kernel, as every build may need it.
+const fn shared(row: KernelInfo) -> KernelInfo {
+    KernelInfo { why_absent: every, ..row }
+}
+
+pub(super) const SCAN: KernelInfo = shared(primitives::SCAN);
+pub(super) const ADD: KernelInfo =
+    KernelInfo { breaks: &[Break { run: fine, ..primitives::ADD.breaks[0] }], ..shared(primitives::ADD) };
+pub(super) const HISTOGRAM: KernelInfo = shared(primitives::HISTOGRAM);
+pub(super) const SCATTER: KernelInfo = shared(primitives::SCATTER);
 
 macro_rules! wgsl {
     ($name:literal) => {
@@ -29,22 +42,6 @@ pub(super) const BOUND: KernelInfo = heavy(row(
     "finds which cells each triangle's own box touches",
     &[Break::new(as_it_is, "high - low + 1u", "high - low + 2u")],
 ));
-pub(super) const SCAN: KernelInfo = row(
-    wgsl!("scan"),
-    passes::scan,
-    EACH,
-    [66, 124, 200],
-    "sums the values before each one, in blocks",
-    &[Break::new(as_it_is, "from_side][lane - 1u]", "from_side][lane]")],
-);
-pub(super) const ADD: KernelInfo = row(
-    wgsl!("add"),
-    passes::add,
-    1,
-    [66, 124, 200],
-    "adds the sum of all blocks before its own",
-    &[Break::new(fine, "saturating_add(before,", "saturating_add(0u,")],
-);
 pub(super) const SPAN: KernelInfo = heavy(row(
     wgsl!("span"),
     passes::span,
@@ -60,22 +57,6 @@ pub(super) const EMIT: KernelInfo = row(
     [190, 150, 30],
     "writes a reference for each cell that a span overlaps",
     &[Break::new(as_it_is, "first + firstTrailingBit(left)", "first + firstTrailingBit(left) + 1u")],
-);
-pub(super) const HISTOGRAM: KernelInfo = row(
-    wgsl!("histogram"),
-    passes::histogram,
-    1,
-    [150, 120, 190],
-    "counts a digit of the cell in each block",
-    &[Break::new(as_it_is, "counts[digit_of(cell)], 1u", "counts[digit_of(cell)], 2u")],
-);
-pub(super) const SCATTER: KernelInfo = row(
-    wgsl!("scatter"),
-    passes::scatter,
-    1,
-    [200, 80, 140],
-    "moves each reference to its place by a digit",
-    &[Break::new(as_it_is, "(bit - 1u)", "(bit | (bit - 1u))")],
 );
 pub(super) const MARK: KernelInfo = row(
     wgsl!("mark"),

@@ -21,17 +21,15 @@
 //! Spans ascend by triangle, references of a span by x, and the sort is stable: each list is ascending. No workgroup
 //! waits for another, and atomics only count or set bits within one, so nothing depends on the order in which they run.
 //!
-//! A kernel is `x.wgsl` and its CPU reference function, in `x.rs` or, for several kernels, in a file of their folder.
+//! `scan`, `add`, `histogram` and `scatter` are those of [`primitives`]. A kernel is `x.wgsl` and its CPU reference function, in `x.rs` or, for several kernels, in a file of their folder.
 //!
 //! [`grid::build`]: crate::structures::grid::build
 
-pub mod add;
 pub mod bound;
 pub mod buffers;
 mod checks;
 pub mod elements;
 pub mod emit;
-pub mod histogram;
 pub mod instances;
 mod irregular;
 pub mod kernels;
@@ -39,11 +37,8 @@ pub mod mark;
 pub mod measure;
 mod passes;
 pub(crate) mod plan;
-pub mod radix;
 mod reasons;
 mod rows;
-pub mod scan;
-pub mod scatter;
 pub mod schedule;
 pub mod span;
 pub mod streams;
@@ -52,6 +47,7 @@ use std::borrow::Cow;
 
 use crate::options::features::Features;
 use crate::program::Program;
+use crate::programs::primitives;
 use crate::shared;
 use crate::tables::state::States;
 
@@ -78,8 +74,6 @@ fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("overlap", include_str!("overlap.wgsl")),
         ("counting", include_str!("checks/counting.wgsl")),
         ("filter", include_str!("filter.wgsl")),
-        ("saturating", include_str!("saturating.wgsl")),
-        ("radix", include_str!("radix.wgsl")),
         ("candidate", include_str!("irregular/candidate.wgsl")),
         ("halves", include_str!("irregular/halves.wgsl")),
         ("in_list", include_str!("irregular/in_list.wgsl")),
@@ -93,12 +87,17 @@ fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("u64", include_str!("irregular/u64.wgsl")),
         ("voxel_map", include_str!("irregular/voxel_map.wgsl")),
     ];
-    shared::MODULES.iter().chain(&own).map(|&(name, source)| (name, Cow::Borrowed(source))).collect()
+    shared::MODULES
+        .iter()
+        .chain(primitives::MODULES)
+        .chain(&own)
+        .map(|&(name, source)| (name, Cow::Borrowed(source)))
+        .collect()
 }
 
 #[cfg(test)]
-mod device {
-    pub(super) mod tests;
+pub(super) mod device {
+    pub(crate) mod tests;
 }
 #[cfg(all(test, feature = "gpu"))]
 mod soft_f64 {

@@ -2,26 +2,9 @@
 
 use super::bound::CellBox;
 use super::span::Span;
+use crate::programs::primitives::{load, store};
 use crate::scene_data::SceneData;
-use crate::tables::stream::Stream;
 use crate::tables::texels::Columns;
-
-fn layers(columns: &dyn Columns, name: &str) -> usize {
-    columns.stream(name).map_or(0, Stream::layers)
-}
-
-/// All values of a layer.
-fn load(columns: &dyn Columns, name: &str, layer: usize) -> Vec<u32> {
-    let Some(stream) = columns.stream(name) else { return Vec::new() };
-    (0..columns.len(stream)).map(|element| columns.load(stream, layer, element)).collect()
-}
-
-fn store(columns: &mut dyn Columns, name: &str, layer: usize, values: impl IntoIterator<Item = u32>) {
-    let Some(stream) = columns.stream(name) else { return };
-    for (element, value) in values.into_iter().enumerate() {
-        columns.store(stream, layer, element, value);
-    }
-}
 
 pub(super) fn bound(columns: &mut dyn Columns, data: &SceneData) {
     let bounds: Vec<_> =
@@ -31,23 +14,6 @@ pub(super) fn bound(columns: &mut dyn Columns, data: &SceneData) {
         store(columns, "box", axis + 3, bounds.iter().map(|(cells, _)| cells.high[axis]));
     }
     store(columns, "first_span", 0, bounds.iter().map(|&(_, spans)| spans));
-}
-
-pub(super) fn scan(columns: &mut dyn Columns, _: &SceneData) {
-    for layer in 0..layers(columns, "values") {
-        let (mut values, mut sums) = (load(columns, "values", layer), load(columns, "sums", layer));
-        super::scan::scan(&mut values, &mut sums);
-        store(columns, "values", layer, values);
-        store(columns, "sums", layer, sums);
-    }
-}
-
-pub(super) fn add(columns: &mut dyn Columns, _: &SceneData) {
-    for layer in 0..layers(columns, "values") {
-        let mut values = load(columns, "values", layer);
-        super::add::add(&mut values, &load(columns, "sums", layer));
-        store(columns, "values", layer, values);
-    }
 }
 
 /// The coordinates in three layers.
@@ -83,22 +49,6 @@ pub(super) fn emit(columns: &mut dyn Columns, data: &SceneData) {
         super::emit::emit(&span, first, data.build.cells, cell_out, triangle_out);
     }
     let [cell_out, triangle_out] = out;
-    store(columns, "cell_out", 0, cell_out);
-    store(columns, "triangle_out", 0, triangle_out);
-}
-
-pub(super) fn histogram(columns: &mut dyn Columns, _: &SceneData) {
-    let mut tally = load(columns, "tally", 0);
-    super::histogram::histogram(columns.parameter(), &load(columns, "cell_in", 0), &mut tally);
-    store(columns, "tally", 0, tally);
-}
-
-pub(super) fn scatter(columns: &mut dyn Columns, _: &SceneData) {
-    let (cells, triangles) = (load(columns, "cell_in", 0), load(columns, "triangle_in", 0));
-    let tally = load(columns, "tally", 0);
-    let (mut cell_out, mut triangle_out) = (cells.clone(), triangles.clone());
-    let digit = columns.parameter();
-    super::scatter::scatter(digit, &cells, &triangles, &tally, &mut cell_out, &mut triangle_out);
     store(columns, "cell_out", 0, cell_out);
     store(columns, "triangle_out", 0, triangle_out);
 }

@@ -2,9 +2,9 @@
 
 use super::elements::{LEFT, ROUNDS_AHEAD};
 use super::instances::*;
-use super::radix::digits_of;
 use crate::program::Kernel;
 use crate::program::schedule::{Count, Schedule, Step};
+use crate::programs::primitives::radix::digits_of;
 
 /// What is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,19 +3,19 @@
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use raystep_scenes::generate;
 
-use super::add::add;
 use super::bound::bound;
 use super::device::tests::composed;
 use super::emit::emit;
-use super::histogram::histogram;
 use super::kernels::ROWS;
 use super::mark::mark;
 use super::measure::measure;
-use super::radix::{DIGIT_BITS, DIGITS, digits_of};
-use super::scan::{SCAN_BLOCK, scan};
-use super::scatter::scatter;
 use super::span::span;
 use crate::program::KernelInfo;
+use crate::programs::primitives::histogram::histogram;
+use crate::programs::primitives::radix::{DIGIT_BITS, DIGITS, digits_of};
+use crate::programs::primitives::scan::{EACH, SCAN_BLOCK};
+use crate::programs::primitives::scatter::scatter;
+use crate::programs::primitives::tests::prefix;
 use crate::shared::build::Build;
 use crate::shared::launch::{BLOCK, Launch};
 use crate::structures::grid::{self, GridData, GridSize};
@@ -105,18 +105,6 @@ pub(super) fn cases() -> Vec<(String, Vec<f32>, GridData)> {
     cases
 }
 
-/// Prefix sums, level by level; returns the total.
-fn prefix(values: &mut [u32]) -> u32 {
-    let mut sums = vec![0; values.len().div_ceil(SCAN_BLOCK)];
-    scan(values, &mut sums);
-    if sums.len() < 2 {
-        return sums.first().copied().unwrap_or(0);
-    }
-    let total = prefix(&mut sums);
-    add(values, &sums);
-    total
-}
-
 /// The build as done by the kernels; returns starts and lists.
 fn lists(vertices: &[f32], wanted: &GridData) -> (Vec<u32>, Vec<u32>) {
     let (grid, growth) = (&wanted.grid, wanted.growth);
@@ -161,22 +149,6 @@ fn the_reference_functions_build_the_grids_that_the_host_builds() {
 }
 
 #[test]
-fn sums_that_are_too_large_stay_at_the_largest_number() {
-    // In a single block, and in several.
-    let mut values = vec![1 << 30; 1000];
-    assert_eq!(prefix(&mut vec![1 << 16; 9 * SCAN_BLOCK]), u32::MAX);
-    assert_eq!(prefix(&mut values), u32::MAX);
-    assert_eq!(values[3..6], [3 << 30, u32::MAX, u32::MAX]);
-    assert_eq!(values[999], u32::MAX);
-}
-
-#[test]
-fn as_many_digits_as_the_last_cell_has() {
-    let wanted = [(0, 0), (1, 0), (2, 1), (16, 1), (17, 2), (256, 2), (257, 3), (1 << 28, 7)];
-    assert_eq!(wanted.map(|(cells, _)| (cells, digits_of(cells))), wanted);
-}
-
-#[test]
 fn every_kernel_is_valid_and_agrees_with_the_host_about_sizes() {
     let mut faults = String::new();
     let mut structs = 0;
@@ -215,7 +187,7 @@ fn every_kernel_is_valid_and_agrees_with_the_host_about_sizes() {
     }
     assert!(faults.is_empty(), "{faults}");
     assert!(structs > ROWS.len(), "Launch in all, Build in some");
-    let radix = composed("histogram", include_str!("histogram.wgsl"));
+    let radix = composed("histogram", super::kernels::HISTOGRAM.wgsl);
     assert!(radix.contains(&format!("const DIGIT_BITS: u32 = {DIGIT_BITS}u;")), "{radix}");
     assert!(radix.contains(&format!("const DIGITS: u32 = {DIGITS}u;")), "{radix}");
 }
@@ -243,8 +215,8 @@ fn constants_of_the_wgsl_are_those_of_the_host() {
         ("finish_items", "LAST_ITEM", LAST_ITEM.into()),
         ("check_cells", "NO_LIST", NO_LIST.into()),
         ("check_cells", "LAST_ITEM", LAST_ITEM.into()),
-        ("scan", "EACH", super::scan::EACH.into()),
-        ("check_items", "EACH", super::scan::EACH.into()),
+        ("scan", "EACH", EACH.into()),
+        ("check_items", "EACH", EACH.into()),
         ("gather", "SUMMED", SCAN_BLOCK as u64),
         ("add", "SCAN_BLOCK", SCAN_BLOCK as u64),
         ("halve", "EACH", super::irregular::kernels::HALVE_EACH.into()),

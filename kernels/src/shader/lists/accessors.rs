@@ -36,7 +36,7 @@ impl Shader {
     /// for each list and type.
     pub(super) fn accessors(&self) -> Result<String, String> {
         let mut accessors = BTreeMap::new();
-        for (function, info) in self.functions() {
+        for (function, info) in self.parsed.functions() {
             for (_, expression) in function.expressions.iter() {
                 if let Expression::Load { pointer } = *expression
                     && let Some(place) = self.place(function, pointer)?
@@ -58,19 +58,19 @@ impl Shader {
 
     /// The type of a list's elements, and the bytes of each.
     pub(super) fn element(&self, list: Handle<GlobalVariable>) -> Result<(Handle<Type>, u32), String> {
-        match self.module.types[self.module.global_variables[list].ty].inner {
+        match self.parsed.module.types[self.parsed.module.global_variables[list].ty].inner {
             TypeInner::Array { base, stride, .. } if stride.is_multiple_of(WORD_BYTES) => Ok((base, stride)),
             ref other => Err(format!("{} is no list, but {other:?}", self.name(list))),
         }
     }
 
     fn name(&self, list: Handle<GlobalVariable>) -> &str {
-        self.module.global_variables[list].name.as_deref().unwrap_or("unnamed")
+        self.parsed.module.global_variables[list].name.as_deref().unwrap_or("unnamed")
     }
 
     fn is_signed(&self, place: &Place, info: &FunctionInfo) -> bool {
         let Index::Computed(index) = place.index else { return false };
-        matches!(info[index].ty.inner_with(&self.module.types).scalar_kind(), Some(ScalarKind::Sint))
+        matches!(info[index].ty.inner_with(&self.parsed.module.types).scalar_kind(), Some(ScalarKind::Sint))
     }
 
     /// The name of the function that loads what is at a place.
@@ -87,7 +87,7 @@ impl Shader {
     /// The texture of a list, and the function that loads a word of it.
     fn texture(&self, list: Handle<GlobalVariable>) -> Result<String, String> {
         let name = self.name(list);
-        let at = self.module.global_variables[list].binding.ok_or("a list without a binding")?;
+        let at = self.parsed.module.global_variables[list].binding.ok_or("a list without a binding")?;
         Ok(format!(
             "@group({}) @binding({}) var {name}_texture: texture_2d<u32>;\nfn word_of_{name}(i: u32) -> u32 {{\n    let \
              address = get_address(i, textureDimensions({name}_texture).x);\n    return textureLoad({name}_texture, \
@@ -132,7 +132,7 @@ impl Shader {
             }
             TypeInner::Struct { members, .. } => {
                 for member in members {
-                    let ty = &self.module.types[member.ty];
+                    let ty = &self.parsed.module.types[member.ty];
                     let member = word + member.offset / WORD_BYTES;
                     self.write_value(text, list, (&ty.inner, ty.name.as_deref()), member)?;
                     *text += ", ";

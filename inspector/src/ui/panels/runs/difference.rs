@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use egui::{Color32, Sense, Ui, vec2};
 use raystep_kernels::Stream;
+use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
 
@@ -23,7 +24,7 @@ const ONE_SIDED: Color32 = Color32::from_rgb(242, 51, 26);
 #[derive(Default)]
 pub(super) struct DifferenceView {
     /// The values on the GPU, and what they are of.
-    values: Option<(Question, wgpu::Texture)>,
+    values: Option<(Question, StreamTexture)>,
     picture: Picture,
     drawn: Option<(Question, [u32; 2], [f32; 2])>,
     /// The range of each aspect: that of the first pair, for all pairs after it.
@@ -203,7 +204,7 @@ fn describe(aspect: Aspect, found: &Differences) -> String {
     format!("map of {} that differ in {}", counted(found.rays.len(), "ray"), aspect.name())
 }
 
-fn upload(canvas: &Arc<Canvas>, found: &Differences) -> wgpu::Texture {
+fn upload(canvas: &Arc<Canvas>, found: &Differences) -> StreamTexture {
     let [width, height] = found.size;
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
     let texture = drawable(&canvas.gpu.device, "differences of kept runs", wgpu::TextureFormat::R32Float, size);

@@ -3,6 +3,7 @@
 use crate::ui::panels::zoom::Placed;
 use egui::{Rect, vec2};
 use raystep_kernels::Stream;
+use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::tables::state::States;
 
 use super::StreamView;
@@ -32,7 +33,7 @@ impl Drawn {
     }
 
     /// The picture of a texture.
-    pub(super) fn picture(self, states: States, texture: &wgpu::Texture) -> Picture<'_> {
+    pub(super) fn picture(self, states: States, texture: &StreamTexture) -> Picture<'_> {
         let Self { stream, layer, meaning, range, exposure, colors, offset, scale, moment: _ } = self;
         Picture { stream, states, texture, minus: None, layer, meaning, range, exposure, colors, offset, scale }
     }
@@ -56,7 +57,7 @@ impl StreamView {
             self.still.take(cx.canvas, now, stream, texture);
         }
         // Until the picture of another run is there, the last one stays, if it has the same size.
-        let size_now = cx.model.texture(stream).map(wgpu::Texture::size);
+        let size_now = cx.model.texture(stream).map(StreamTexture::size);
         let still = self.still.of(stream).filter(|(at, t)| at.0 == now.0 || Some(t.size()) == size_now);
         let glimpse = cx.model.glimpse.as_ref().filter(|g| g.stream == stream && meaning == Meaning::Color);
         let glimpse = glimpse.filter(|_| self.pinned.is_none() && !self.is_kept());

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use raystep_kernels::executor::gpu::stream_format;
+use raystep_kernels::executor::gpu::{StreamTexture, stream_format};
 use raystep_kernels::{Gpu, Stream};
 
 use crate::session::request::{Job, Request, answered, job};
@@ -14,7 +14,7 @@ const READING: &str = "reading a copy of a stream";
 const SIDE: u32 = 64;
 
 /// A tile's copy and its place in it, in tiles.
-type Key = (wgpu::Texture, [u32; 2]);
+type Key = (StreamTexture, [u32; 2]);
 
 /// A tile's texels.
 struct Tile {
@@ -88,10 +88,9 @@ fn read(gpu: Arc<Gpu>, stream: Stream, key: Key) -> Job {
         });
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for z in 0..layers {
-            let from = wgpu::Origin3d { x, y, z };
             let to = wgpu::Origin3d { x: 0, y: z * height, z: 0 };
             encoder.copy_texture_to_texture(
-                wgpu::TexelCopyTextureInfo { origin: from, ..texture.as_image_copy() },
+                texture.copy_at(x, y, z),
                 wgpu::TexelCopyTextureInfo { origin: to, ..small.as_image_copy() },
                 wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             );

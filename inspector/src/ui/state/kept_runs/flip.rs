@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use raystep_kernels::executor::gpu::stream_format;
+use raystep_kernels::executor::gpu::{StreamTexture, stream_format};
 use raystep_kernels::{Stream, StreamData};
 use raystep_lab::text::counted;
 
@@ -17,7 +17,7 @@ const MOST_TEXTURES: usize = 4;
 
 /// Streams of kept runs on the GPU, the last used first.
 #[derive(Default)]
-pub(in crate::ui) struct Textures(Vec<(Moment, Stream, wgpu::Texture)>);
+pub(in crate::ui) struct Textures(Vec<(Moment, Stream, StreamTexture)>);
 
 /// The moment of a kept run's picture: a run has never as many passes.
 fn moment(kept: &Kept) -> Moment {
@@ -26,8 +26,8 @@ fn moment(kept: &Kept) -> Moment {
 
 impl Textures {
     /// The texture of a stream, uploaded if it is not there.
-    fn of(&mut self, canvas: &Canvas, moment: Moment, data: &StreamData) -> wgpu::Texture {
-        let is_it = |(m, s, _): &(Moment, Stream, wgpu::Texture)| (*m, *s) == (moment, data.stream);
+    fn of(&mut self, canvas: &Canvas, moment: Moment, data: &StreamData) -> StreamTexture {
+        let is_it = |(m, s, _): &(Moment, Stream, StreamTexture)| (*m, *s) == (moment, data.stream);
         if let Some(at) = self.0.iter().position(is_it) {
             let found = self.0.remove(at);
             self.0.insert(0, found);
@@ -44,7 +44,7 @@ impl Textures {
     }
 }
 
-fn upload(canvas: &Canvas, data: &StreamData) -> wgpu::Texture {
+fn upload(canvas: &Canvas, data: &StreamData) -> StreamTexture {
     let (width, height, layers) = (data.width, data.height, data.stream.layers() as u32);
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
     let texture = drawable(&canvas.gpu.device, "stream of a kept run", stream_format(data.stream), size);
@@ -57,7 +57,7 @@ pub(in crate::ui) struct Flipped {
     /// Which run it is, and why it is not shown if it is not.
     pub(in crate::ui) label: String,
     /// The stream, and the moment that it is of; `None` if it was not kept.
-    pub(in crate::ui) texture: Option<(Moment, wgpu::Texture)>,
+    pub(in crate::ui) texture: Option<(Moment, StreamTexture)>,
     picture: Arc<Picture>,
 }
 

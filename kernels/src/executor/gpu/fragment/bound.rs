@@ -123,11 +123,13 @@ impl Bound {
 fn binding_type(resource: &Resource) -> wgpu::BindingType {
     let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
     match resource {
-        Resource::ReadStream(_) | Resource::WriteStream { .. } | Resource::List => wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Uint,
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        },
+        Resource::ReadStream(_) | Resource::WriteStream { .. } | Resource::WriteStreams { .. } | Resource::List => {
+            wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Uint,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            }
+        }
         Resource::Uniform | Resource::Launch => buffer(wgpu::BufferBindingType::Uniform, false),
         Resource::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Resource::Live { writable } => buffer(wgpu::BufferBindingType::Storage { read_only: !writable }, true),

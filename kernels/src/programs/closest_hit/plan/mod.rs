@@ -15,7 +15,7 @@ use crate::options::mapping::Until;
 use crate::options::{Options, RaySource, ScheduleKind};
 use crate::plan::allocated::Allocated;
 use crate::plan::{
-    DrawnPlan, Limits, Plan, PlanError, bound_by, check_bindings, check_rays, check_samples, check_scene, check_texels,
+    DrawnPlan, Limits, Plan, PlanError, bound_by, check_rays, check_samples, check_scene, check_texels, fit_bindings,
     image_size, variants,
 };
 use crate::scene_data::SceneData;
@@ -59,7 +59,7 @@ pub(in crate::programs) fn plan(
     let schedule = schedule::of(options, &features);
     let variants = variants(&PROGRAM, &schedule, &features)?;
     let drawn = options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, &features, limits)).transpose()?;
-    check_bindings(&variants, drawn.as_ref(), features.scene_data, limits)?;
+    let sharing = fit_bindings(&PROGRAM, &variants, drawn.as_ref(), features.scene_data, limits)?;
     let bound = bound_by(&variants);
     if bound.contains("texels") {
         check_texels(scene, options.scene_data, limits)?;
@@ -92,6 +92,7 @@ pub(in crate::programs) fn plan(
         features,
         schedule,
         variants,
+        sharing,
         drawn,
         streams,
         buffers,

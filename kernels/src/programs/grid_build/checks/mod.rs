@@ -1,7 +1,7 @@
 //! Twins of the kernels that check what was built: what an unchecked shader would take on trust.
 
 use super::irregular::pass::{Pass, View};
-use super::scan::SCAN_BLOCK;
+use crate::programs::primitives::scan::SCAN_BLOCK;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LAST_ITEM, NO_LIST};
 use crate::tables::texels::Columns;

@@ -1,6 +1,6 @@
 //! What the twins of this folder share: streams by the names in the kernels' WGSL.
 
-use crate::programs::grid_build::scan::SCAN_BLOCK;
+use crate::programs::primitives::scan::SCAN_BLOCK;
 use crate::shared::build::Build;
 use crate::tables::stream::Stream;
 use crate::tables::texels::Columns;

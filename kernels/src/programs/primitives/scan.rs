@@ -1,6 +1,9 @@
 //! CPU reference of `scan.wgsl`.
 
+use super::{layers, load, store};
+use crate::scene_data::SceneData;
 use crate::shared::launch::BLOCK;
+use crate::tables::texels::Columns;
 
 /// Values per thread.
 pub const EACH: u32 = 32;
@@ -17,5 +20,15 @@ pub fn scan(values: &mut [u32], sums: &mut [u32]) {
             *sum = before.saturating_add(*value);
             *value = before;
         }
+    }
+}
+
+/// Runs a pass, each layer for itself.
+pub fn pass(columns: &mut dyn Columns, _: &SceneData) {
+    for layer in 0..layers(columns, "values") {
+        let (mut values, mut sums) = (load(columns, "values", layer), load(columns, "sums", layer));
+        scan(&mut values, &mut sums);
+        store(columns, "values", layer, values);
+        store(columns, "sums", layer, sums);
     }
 }

@@ -1,9 +1,9 @@
-// Counts how often each digit of the cell index occurs in a block of references.
+// Counts how often each value of a digit occurs in a block of keys.
 
 import package::launch::{BLOCK, launch, block_index, texel};
 import package::radix::{DIGITS, digit_of, tally_index};
 
-@group(0) @binding(0) var cell_in: texture_2d_array<u32>;
+@group(0) @binding(0) var key_in: texture_2d_array<u32>;
 @group(0) @binding(1) var tally: texture_storage_2d_array<r32uint, write>;
 
 var<workgroup> counts: array<atomic<u32>, DIGITS>;
@@ -21,8 +21,8 @@ fn histogram(
     }
     workgroupBarrier();
     if (i < launch.elements) {
-        let cell = textureLoad(cell_in, texel(i, textureDimensions(cell_in).x), 0, 0).x;
-        atomicAdd(&counts[digit_of(cell)], 1u);
+        let key = textureLoad(key_in, texel(i, textureDimensions(key_in).x), 0, 0).x;
+        atomicAdd(&counts[digit_of(key)], 1u);
     }
     workgroupBarrier();
     // A dispatch may have workgroups past the last block.

@@ -1,6 +1,6 @@
 // The digits of a radix sort, lowest first, and the index of a block's count of each (Satish, Harris, Garland 2009):
-// all counts of one digit are stored side by side, so their prefix sums are where each block's references with that
-// digit go.
+// all counts of one digit are stored side by side, so their prefix sums are where each block's keys with that digit
+// go.
 
 import package::launch::{launch};
 
@@ -8,8 +8,8 @@ const DIGIT_BITS: u32 = 4u;
 const DIGITS: u32 = 16u;
 
 // The digit that this step sorts by.
-fn digit_of(cell: u32) -> u32 {
-    return (cell >> (DIGIT_BITS * launch.parameter)) & (DIGITS - 1u);
+fn digit_of(key: u32) -> u32 {
+    return (key >> (DIGIT_BITS * launch.parameter)) & (DIGITS - 1u);
 }
 
 // Index of the tally of a digit in a block.
