@@ -1,6 +1,9 @@
 //! Streams that share textures: a device may allow fewer storage textures than a kernel writes streams.
 
+use std::ops::ControlFlow;
+
 use raystep_kernels::options::ProgramName;
+use raystep_kernels::options::scene_data::SceneDataKind;
 use raystep_kernels::plan::Sharing;
 use raystep_kernels::{
     Accelerator, Device, Limits, Options, Plan, PlanError, Renderer, Samples, ScheduleKind, Stream, StreamData,
@@ -62,6 +65,9 @@ fn compare(options: &Options, most: u32) -> Sharing {
         if let Some((checkpoint, wanted)) = kept {
             shared.restore(&checkpoint).expect("the checkpoint");
             assert_same(&wanted, &values(&shared).await, &format!("{which}: back"));
+            let end = values(&own).await;
+            shared.run(|_| ControlFlow::Continue(())).await.expect("passes");
+            assert_same(&end, &values(&shared).await, &format!("{which}: again"));
         }
         shared.plan().sharing.clone()
     })
@@ -90,8 +96,19 @@ fn samples_and_sets_that_a_build_finds_share_textures_too() {
     let samples = Samples { count: 66, ..Samples::default() };
     let sampled = Options { samples, schedule: ScheduleKind::Fused, ..base.clone() };
     assert!(!compare(&sampled, 2).groups.is_empty());
+    let textured = Options { scene_data: SceneDataKind::Textures, accelerator: Accelerator::Bvh, ..base.clone() };
+    assert!(!compare(&textured, 2).groups.is_empty());
     let build = Options { program: ProgramName::GridBuild, accelerator: Accelerator::Grid, ..base };
     assert!(!compare(&build, 3).groups.is_empty());
+}
+
+/// What shares no texture: streams of several sets, and those that others are renamed to.
+#[test]
+fn a_kernel_whose_streams_cannot_share_is_refused() {
+    let base = options(&scene("cornell-box.gltf"), 20, 16);
+    let build = Options { program: ProgramName::GridBuild, accelerator: Accelerator::Irregular, ..base };
+    let refused = Plan::new(&scene("cornell-box.gltf"), &build, &few(3)).map(|_| ());
+    assert!(matches!(refused, Err(PlanError::Bindings { kernel: "make_leaves", .. })), "{refused:?}");
 }
 
 /// A component is edited where it is, and its neighbours are not.

@@ -44,6 +44,9 @@ pub struct PlanSummary {
     pub draws: Option<DrawsSummary>,
     /// Streams to allocate.
     pub streams: Vec<StreamSummary>,
+    /// Streams that are layers of one texture, as a kernel writes more than the device binds.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shared_textures: Vec<Vec<&'static str>>,
     /// Buffers to allocate.
     pub buffers: Vec<PlannedBuffer>,
     /// Bytes of all streams and buffers.
@@ -255,6 +258,9 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         kernels: plan.variants.iter().map(kernel).collect(),
         draws: plan.drawn.as_ref().map(|drawn| DrawsSummary::of(plan, drawn)),
         streams: plan.streams.iter().map(|s| StreamSummary { bytes: s.bytes, ..stream(s.what, texels) }).collect(),
+        shared_textures: (plan.sharing.groups.iter())
+            .map(|group| group.iter().map(|stream| stream.name()).collect())
+            .collect(),
         buffers: plan.buffers.iter().map(buffer).collect(),
         bytes: plan.bytes(),
         left_out: left_out.collect(),

@@ -10,7 +10,7 @@ use crate::shader::{Binding, Group, Resource, Variant};
 use crate::tables::stream::{Stream, Texel};
 
 /// The streams that share textures.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Sharing {
     /// Those of each texture, in the order of their layers. A stream that is in none has a texture of its own.
     pub groups: Vec<Group>,
@@ -23,11 +23,6 @@ impl Sharing {
     #[must_use]
     pub fn of<'a>(&'a self, stream: &'a Stream) -> &'a [Stream] {
         self.groups.iter().find(|group| group.contains(stream)).map_or(std::slice::from_ref(stream), Vec::as_slice)
-    }
-
-    /// The kernel as a device gets it, if that is not as it is.
-    pub(crate) fn variant(&self, variant: &Variant) -> Option<Variant> {
-        variant.sharing(&self.groups, self.most).ok().flatten()
     }
 }
 
@@ -43,7 +38,7 @@ pub(crate) fn fit_bindings(
     let Some(drawn) = drawn else {
         let sharing = shared(program, variants, limits.storage_textures);
         for variant in variants {
-            let shared = sharing.variant(variant);
+            let shared = variant.sharing(&sharing.groups, sharing.most)?;
             let bindings = &shared.as_ref().unwrap_or(variant).bindings;
             check(variant.kernel.name(), bindings, scene_data, limits)?;
         }
@@ -62,8 +57,8 @@ pub(crate) fn fit_bindings(
 /// Most layers of a texture in core WebGPU.
 const MOST_LAYERS: usize = 256;
 
-/// The streams that share textures so that no kernel writes more than `most`: of those that one writes, as few as possible
-/// of the same elements and texels, the most numerous first.
+/// Of the streams that a kernel writes, those of the same set of elements and the same format share a texture, the largest
+/// class first, and no more than necessary for it to bind at most so many.
 fn shared(program: &Program, variants: &[Variant], most: u32) -> Sharing {
     // A stream that another one becomes is in a texture of its own.
     let pairs = || program.kernels.iter().flat_map(|instance| instance.adopts);
@@ -88,22 +83,17 @@ fn shared(program: &Program, variants: &[Variant], most: u32) -> Sharing {
             if class.len() < 2 {
                 continue;
             }
-            textures -= class.len() - 1;
             // With all that share a texture with one of them already.
-            let mut group = Group::new();
-            groups.retain(|other| {
-                let is_apart = !other.iter().any(|stream| class.contains(stream));
-                if !is_apart {
-                    group.extend(other);
-                }
-                is_apart
-            });
-            class.retain(|stream| !group.contains(stream));
-            group.extend(class);
-            groups.push(group);
+            let is_joined = |group: &Group| group.iter().any(|stream| class.contains(stream));
+            let mut group: Group = groups.iter().filter(|group| is_joined(group)).flatten().copied().collect();
+            group.extend(class.iter().filter(|stream| !group.contains(stream)).copied().collect::<Vec<_>>());
+            if group.iter().map(|stream| stream.layers()).sum::<usize>() <= MOST_LAYERS {
+                textures -= class.len() - 1;
+                groups.retain(|group| !is_joined(group));
+                groups.push(group);
+            }
         }
     }
-    groups.retain(|group| group.iter().map(|stream| stream.layers()).sum::<usize>() <= MOST_LAYERS);
     Sharing { groups, most }
 }
 

@@ -11,6 +11,7 @@ use crate::options::rows::ROWS;
 use crate::options::samples::Samples;
 use crate::options::scene_data::{self, SceneDataKind};
 use crate::options::{Accelerator, Options, Ray, RaySource};
+use crate::program::sizes::TooMany;
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
 use crate::shared::address::list_side;
@@ -147,16 +148,9 @@ pub enum PlanError {
         /// Number of texels it has.
         texels: usize,
     },
-    /// A set of elements does not fit in its streams' textures.
-    #[error("{count} {elements} do not fit textures of {side}x{side} texels, the largest here: use fewer cells")]
-    TooMany {
-        /// Name of the set.
-        elements: String,
-        /// Number of elements.
-        count: u64,
-        /// Longest side of a texture.
-        side: u32,
-    },
+    /// A set has too many elements.
+    #[error("{0}; use fewer cells")]
+    TooMany(#[from] TooMany),
     /// The grid cannot be built.
     #[error(transparent)]
     Grid(#[from] GridError),

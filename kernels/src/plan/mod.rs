@@ -104,7 +104,7 @@ pub struct Plan {
     pub features: Features,
     /// Order of kernels.
     pub schedule: Schedule,
-    /// The kernels as they will be compiled, in order of first use.
+    /// The kernels in order of first use, as they are before their streams share textures.
     pub variants: Vec<Variant>,
     /// The streams that share textures, as a kernel writes more than the device binds.
     pub sharing: Sharing,

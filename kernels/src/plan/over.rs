@@ -8,8 +8,9 @@ use super::{Limits, Plan, PlannedSet, bound_by, variants};
 use crate::options::{Accelerator, Options};
 use crate::program::Program;
 use crate::program::schedule::Schedule;
-use crate::program::sizes::derive;
+use crate::program::sizes::{TooMany, derive};
 use crate::scene_data::SceneData;
+use crate::shared::launch::MOST_ELEMENTS;
 use crate::tables::elements::{Elements, Size};
 
 /// A run of a program over sets of elements.
@@ -26,19 +27,15 @@ impl Over<'_> {
     /// Plans the run; `data` is what its kernels read.
     pub(crate) fn plan(self, data: &SceneData, options: &Options, limits: &Limits) -> Result<Plan, PlanError> {
         let Self { program, schedule, given, accelerator } = self;
-        let too_many = |elements: &str, count| PlanError::TooMany {
-            elements: elements.to_owned(),
-            count,
-            side: limits.image_side,
-        };
+        let most = MOST_ELEMENTS.min(u64::from(limits.image_side).pow(2));
         let mut known = vec![None; program.elements.len()];
         for (size, elements) in known.iter_mut().zip(program.elements) {
             if let Some(&(_, count)) = given.iter().find(|(set, _)| set.name == elements.name) {
-                let folded = Size::folded(count, limits.image_side);
-                *size = Some(folded.ok_or_else(|| too_many(elements.name, count))?);
+                let folded = Size::folded(count, limits.image_side).filter(|_| count <= MOST_ELEMENTS);
+                *size = Some(folded.ok_or(TooMany { elements: elements.name, count, most })?);
             }
         }
-        derive(program, &mut known, limits.image_side).map_err(|error| too_many(error.elements, error.count))?;
+        derive(program, &mut known, limits.image_side)?;
         let sets: Vec<_> = program.elements.iter().zip(known).map(|(&what, size)| PlannedSet { what, size }).collect();
         let variants = variants(program, &schedule, &data.features)?;
         let sharing = fit_bindings(program, &variants, None, data.features.scene_data, limits)?;
@@ -49,7 +46,7 @@ impl Over<'_> {
             program,
             sets,
             image_side: limits.image_side,
-            most_elements: limits.rays.min(limits.list_words(data.features.scene_data)),
+            most_elements: limits.rays.min(limits.list_words(data.features.scene_data)).min(MOST_ELEMENTS),
             width: size.width,
             height: size.height,
             rays: u64::from(size.count),

@@ -3,9 +3,9 @@
 use super::Program;
 use crate::tables::elements::{Count, Size};
 
-/// A run found more elements than fit.
+/// A set has more elements than fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the run has found {count} {elements}, at most {most} fit here")]
+#[error("{count} {elements} are too many: at most {most} fit here")]
 pub struct TooMany {
     /// Name of the set.
     pub elements: &'static str,

@@ -26,7 +26,7 @@ impl Variant {
     ///
     /// # Errors
     /// If it gives a texture to a function.
-    pub fn sharing(&self, groups: &[Group], most: u32) -> Result<Option<Self>, ShaderError> {
+    pub(crate) fn sharing(&self, groups: &[Group], most: u32) -> Result<Option<Self>, ShaderError> {
         let is_written = |binding: &&Binding| matches!(binding.resource, Resource::WriteStream { .. });
         let written: BTreeSet<Stream> = self.bindings.iter().filter(is_written).filter_map(Binding::stream).collect();
         let is_shared = |group: &&Group| group.iter().filter(|stream| written.contains(stream)).count() > 1;
@@ -37,7 +37,7 @@ impl Variant {
         let (source, bindings) = shared
             .iter()
             .try_fold((self.source.clone(), self.bindings.clone()), |(source, bindings), group| {
-                one(self, &source, bindings, group)
+                one(&source, bindings, group)
             })
             .map_err(|message| ShaderError::Invalid { kernel: self.kernel.name(), message })?;
         Ok(Some(Self { source, bindings, ..self.clone() }))
@@ -45,12 +45,7 @@ impl Variant {
 }
 
 /// The source and the bindings with one texture for a group.
-fn one(
-    variant: &Variant,
-    source: &str,
-    mut bindings: Vec<Binding>,
-    group: &Group,
-) -> Result<(String, Vec<Binding>), String> {
+fn one(source: &str, mut bindings: Vec<Binding>, group: &Group) -> Result<(String, Vec<Binding>), String> {
     let is_in = |binding: &Binding| binding.stream().is_some_and(|stream| group.contains(&stream));
     let in_group: Vec<Binding> = bindings.extract_if(.., |binding| is_in(binding)).collect();
     let (Some(at), Some(&first)) = (in_group.first(), group.first()) else { return Ok((source.to_owned(), bindings)) };
@@ -61,10 +56,13 @@ fn one(
         writes: true,
         ..at.clone()
     };
+    // By their places: naga may write names in another way.
     let members = |parsed: &Parsed| -> BTreeMap<Handle<GlobalVariable>, Stream> {
         let stream = |global: &GlobalVariable| {
-            let name = variant.kernel.bound(global.name.as_deref()?);
-            in_group.iter().find(|binding| binding.name == name).and_then(Binding::stream)
+            let at = global.binding.as_ref()?;
+            let is_it = |binding: &&Binding| (binding.group, binding.index) == (at.group, at.binding);
+            let is_texture = global.name.as_deref() != Some(binding.name.as_str());
+            in_group.iter().find(is_it).filter(|_| is_texture).and_then(Binding::stream)
         };
         let globals = parsed.module.global_variables.iter();
         globals.filter_map(|(handle, global)| Some((handle, stream(global)?))).collect()
@@ -159,16 +157,20 @@ impl Accessors {
         for accessor in &self.0 {
             let parameters =
                 format!("texel: vec2<{}>, layer: {}", ty(accessor.is_signed), ty(accessor.has_signed_layer));
-            let (function, first) = (accessor.name(), first_layer(group, accessor.stream));
-            _ = if accessor.stores {
+            let Accessor { stream, stores, .. } = *accessor;
+            let (function, first, layers) = (accessor.name(), first_layer(group, stream), stream.layers());
+            // A layer that the stream does not have is another stream's.
+            _ = if stores {
                 writeln!(
                     text,
-                    "fn {function}({parameters}, value: {texel}) {{ textureStore({name}, texel, u32(layer) + {first}u, value); }}"
+                    "fn {function}({parameters}, value: {texel}) {{\n    if (u32(layer) < {layers}u) {{\n        \
+                     textureStore({name}, texel, u32(layer) + {first}u, value);\n    }}\n}}"
                 )
             } else {
                 writeln!(
                     text,
-                    "fn {function}({parameters}) -> {texel} {{ return textureLoad({name}, texel, u32(layer) + {first}u); }}"
+                    "fn {function}({parameters}) -> {texel} {{\n    if (u32(layer) >= {layers}u) {{\n        return \
+                     {texel}();\n    }}\n    return textureLoad({name}, texel, u32(layer) + {first}u);\n}}"
                 )
             };
         }

@@ -5,6 +5,9 @@ use bytemuck::{Pod, Zeroable};
 /// Threads per workgroup, one per element.
 pub const BLOCK: usize = 256;
 
+/// Most elements of a set: blocks of blocks of a prefix sum are one, and no index of a thread is beyond 2³².
+pub const MOST_ELEMENTS: u64 = 1 << 26;
+
 /// The uniform `launch`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]

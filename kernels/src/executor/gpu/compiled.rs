@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use super::books::is_dynamic;
 use super::stream_format;
 use crate::options::scene_data::SceneDataKind;
+use crate::plan::{Plan, Sharing};
 use crate::shader::{Binding, Resource, ShaderError, Variant};
 use crate::tables::kernel::Role;
 use crate::tables::stream::Texel;
@@ -17,6 +18,8 @@ pub(super) struct Compiled {
     pub(super) pipeline: wgpu::ComputePipeline,
     /// One per bind group.
     pub(super) layouts: Vec<wgpu::BindGroupLayout>,
+    /// What it binds.
+    pub(super) bindings: Vec<Binding>,
 }
 
 /// Identifies a pipeline: variants with equal keys share it.
@@ -26,6 +29,7 @@ struct Key {
     bindings: Vec<Binding>,
     is_proved: bool,
     scene_data: SceneDataKind,
+    sharing: Sharing,
 }
 
 /// All pipelines compiled on a device.
@@ -39,19 +43,24 @@ impl Pipelines {
     /// The pipeline of a variant, compiled without bounds checks if that is proved safe.
     ///
     /// # Errors
-    /// If its lists cannot be in textures, which is a bug.
+    /// If its lists cannot be in textures, or its streams cannot share any, which is a bug.
     pub(super) fn get(
         &self,
         device: &wgpu::Device,
         variant: &Variant,
         is_proved: bool,
-        scene_data: SceneDataKind,
+        plan: &Plan,
     ) -> Result<Compiled, ShaderError> {
-        let key = Key { source: variant.source.clone(), bindings: variant.bindings.clone(), is_proved, scene_data };
+        let (scene_data, sharing) = (plan.features.scene_data, &plan.sharing);
+        let (source, bindings) = (variant.source.clone(), variant.bindings.clone());
+        let key = Key { source, bindings, is_proved, scene_data, sharing: sharing.clone() };
         let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(compiled) = kept().get(&key) {
             return Ok(compiled.clone());
         }
+        let shared = variant.sharing(&sharing.groups, sharing.most)?;
+        let is_proved = is_proved && shared.is_none();
+        let variant = shared.as_ref().unwrap_or(variant);
         let compiled = match scene_data {
             SceneDataKind::Buffers => compile(device, variant, is_proved),
             SceneDataKind::Textures => compile(device, &variant.in_textures()?, is_proved),
@@ -96,7 +105,7 @@ fn compile(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compile
         },
         cache: None,
     });
-    Compiled { pipeline, layouts }
+    Compiled { pipeline, layouts, bindings: variant.bindings.clone() }
 }
 
 /// Compiles a kernel, without bounds checks if `is_proved` says that no index needs one; see the pipelines of a plan.

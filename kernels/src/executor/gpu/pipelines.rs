@@ -49,12 +49,11 @@ impl Pipelines {
     pub(super) fn new(gpu: &Gpu, plan: &Plan, data: &SceneData, bindable: &Bindable<'_>) -> Result<Self, GpuError> {
         let pipeline = |variant: &Variant| {
             let writes = variant.written_streams().collect();
-            let shared = plan.sharing.variant(variant);
-            let is_proved = shared.is_none() && is_proved(plan, variant, data);
-            let variant = shared.as_ref().unwrap_or(variant);
-            let compiled = gpu.compiled.get(&gpu.device, variant, is_proved, plan.features.scene_data);
+            let is_proved = is_proved(plan, variant, data);
+            let compiled = gpu.compiled.get(&gpu.device, variant, is_proved, plan);
             let compiled = compiled.map_err(|error| GpuError::Refused(error.to_string()))?;
-            let (kernel, label, bindings) = (variant.kernel, variant.label(), variant.bindings.clone());
+            // Lists in textures are bound by the names of the buffers.
+            let (kernel, label, bindings) = (variant.kernel, variant.label(), compiled.bindings.clone());
             Ok(KernelPipeline {
                 kernel,
                 label,
@@ -242,5 +241,31 @@ mod tests {
         }
         let (plan, data) = plan(Accelerator::Grid, ScheduleKind::Second);
         assert!(plan.variants.iter().all(|variant| !is_proved(&plan, variant, &data)));
+    }
+
+    /// What is compiled for a device with few storage textures binds no more of them.
+    #[test]
+    fn no_pipeline_binds_more_storage_textures_than_there_are() {
+        let Some(gpu) = crate::programs::grid_build::device::tests::gpu() else { return };
+        let scene = generate::soup(300, 1).expect("soup");
+        let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 8, height: 8 };
+        let limits = Limits { storage_textures: 2, ..crate::renderer::Device::Gpu(gpu.clone()).limits() };
+        for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
+            for &schedule in ScheduleKind::ALL {
+                let options = Options { accelerator, schedule, counters: true, ..Options::new(rays.clone()) };
+                let (plan, data) = Plan::new(&scene, &options, &limits).expect("a plan");
+                let plan = std::sync::Arc::new(plan);
+                let executor = super::super::GpuExecutor::new(gpu.clone(), &plan, &data, false);
+                let executor = pollster::block_on(executor).expect("an executor");
+                let textures = |pipeline: &KernelPipeline| {
+                    let is_one = |b: &&Binding| {
+                        matches!(b.resource, Resource::WriteStream { .. } | Resource::WriteStreams { .. })
+                    };
+                    pipeline.bindings.iter().filter(is_one).count()
+                };
+                let most = executor.pipelines.0.iter().map(textures).max();
+                assert_eq!(most, Some(2), "{accelerator} {schedule}");
+            }
+        }
     }
 }

@@ -21,7 +21,8 @@
 //! Spans ascend by triangle, references of a span by x, and the sort is stable: each list is ascending. No workgroup
 //! waits for another, and atomics only count or set bits within one, so nothing depends on the order in which they run.
 //!
-//! `scan`, `add`, `histogram` and `scatter` are those of [`primitives`]. A kernel is `x.wgsl` and its CPU reference function, in `x.rs` or, for several kernels, in a file of their folder.
+//! `scan`, `add`, `histogram` and `scatter` are those of [`primitives`]. A kernel is `x.wgsl` and its CPU reference function,
+//! in `x.rs` or, for several kernels, in a file of their folder.
 //!
 //! [`grid::build`]: crate::structures::grid::build
 
@@ -96,7 +97,7 @@ fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
 }
 
 #[cfg(test)]
-pub(super) mod device {
+pub(crate) mod device {
     pub(crate) mod tests;
 }
 #[cfg(all(test, feature = "gpu"))]

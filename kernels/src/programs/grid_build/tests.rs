@@ -14,7 +14,7 @@ use crate::program::KernelInfo;
 use crate::programs::primitives::histogram::histogram;
 use crate::programs::primitives::radix::{DIGIT_BITS, DIGITS, digits_of};
 use crate::programs::primitives::scan::{EACH, SCAN_BLOCK};
-use crate::programs::primitives::scatter::scatter;
+use crate::programs::primitives::scatter::{places, scatter};
 use crate::programs::primitives::tests::prefix;
 use crate::shared::build::Build;
 use crate::shared::launch::{BLOCK, Launch};
@@ -124,7 +124,9 @@ fn lists(vertices: &[f32], wanted: &GridData) -> (Vec<u32>, Vec<u32>) {
         let mut tally = vec![0; DIGITS * references.div_ceil(BLOCK)];
         histogram(digit, &from.0, &mut tally);
         prefix(&mut tally);
-        scatter(digit, &from.0, &from.1, &tally, &mut to.0, &mut to.1);
+        let places = places(digit, &from.0, &tally);
+        scatter(&places, &from.0, &mut to.0);
+        scatter(&places, &from.1, &mut to.1);
         std::mem::swap(&mut from, &mut to);
     }
     let mut begin = vec![0; cells as usize];

@@ -9,11 +9,13 @@
 //! | `compact` | elements | `place`, `total`, `value_in`, `value_out` | moves the values that are kept side by side |
 //!
 //! Prefix sums of a set take three passes: `scan` over it, `scan` over its blocks, whose sums are one element, and `add`. A
-//! pass of the sort is `histogram`, the prefix sums of the tallies, and `scatter`, with the digit as parameter. `compact`
-//! follows the prefix sums of ones and zeros. A program has a set for what it sorts, and sets made by [`blocks`] and
-//! [`tallies`]; its instances bind its own streams to the names above. docs/adding-a-program.md shows how.
+//! pass of the sort is `histogram`, the prefix sums of the tallies, and `scatter`, with the digit as parameter: keys have one
+//! layer, values any number. `compact` follows the prefix sums of ones and zeros. A program has a set for what it sorts, and
+//! sets made by [`blocks`] and [`tallies`]; its instances bind its own streams to the names above. docs/adding-a-program.md
+//! shows how.
 //!
-//! Sums saturate at `u32::MAX`, so that a program sees when there is too much of something.
+//! Sums saturate at `u32::MAX`, so that a program sees when there is too much of something. A set has at most 2²⁶ elements,
+//! [`MOST_ELEMENTS`](crate::shared::launch::MOST_ELEMENTS): plans refuse more.
 
 pub mod add;
 pub mod compact;

@@ -2,13 +2,15 @@
 
 use super::{layers, load, store};
 use crate::scene_data::SceneData;
-use crate::shared::launch::BLOCK;
+use crate::shared::launch::{BLOCK, MOST_ELEMENTS};
 use crate::tables::texels::Columns;
 
 /// Values per thread.
 pub const EACH: u32 = 32;
 /// Values per block, that is per workgroup.
 pub const SCAN_BLOCK: usize = BLOCK * EACH as usize;
+
+const _: () = assert!(MOST_ELEMENTS == (SCAN_BLOCK * SCAN_BLOCK) as u64, "blocks of blocks are one");
 
 /// Replaces the values in each block by the sums of those before them, and stores each block's own sum. Sums saturate
 /// at `u32::MAX`.

@@ -1,41 +1,48 @@
 //! CPU reference of `scatter.wgsl`.
 
 use super::radix::{DIGITS, digit_of, tally_index};
-use super::{load, store};
+use super::{layers, load, store};
 use crate::scene_data::SceneData;
 use crate::shared::launch::BLOCK;
 use crate::tables::texels::Columns;
 
-/// Moves each pair of key and value to its place by one digit of the key. `tally` holds the prefix sums of all counts.
-pub fn scatter(
-    parameter: u32,
-    key_in: &[u32],
-    value_in: &[u32],
-    tally: &[u32],
-    key_out: &mut [u32],
-    value_out: &mut [u32],
-) {
+/// Where each pair of key and value goes by one digit of the key. `tally` holds the prefix sums of all counts.
+#[must_use]
+pub fn places(parameter: u32, key_in: &[u32], tally: &[u32]) -> Vec<usize> {
     let blocks = key_in.len().div_ceil(BLOCK);
-    for (block, (keys, values)) in key_in.chunks(BLOCK).zip(value_in.chunks(BLOCK)).enumerate() {
+    let of_block = |(block, keys): (usize, &[u32])| {
         let mut rank = [0; DIGITS];
-        for (&key, &value) in keys.iter().zip(values) {
+        let place = |&key: &u32| {
             let digit = digit_of(key, parameter);
-            let first = tally.get(tally_index(digit, block, blocks)).copied().unwrap_or(u32::MAX);
-            let to = first as usize + rank[digit];
             rank[digit] += 1;
-            // If somebody has edited the streams, writes outside of them are ignored, as on a device.
-            if let (Some(key_to), Some(value_to)) = (key_out.get_mut(to), value_out.get_mut(to)) {
-                (*key_to, *value_to) = (key, value);
-            }
+            let first = tally.get(tally_index(digit, block, blocks)).copied().unwrap_or(u32::MAX);
+            (first as usize).saturating_add(rank[digit] - 1)
+        };
+        keys.iter().map(place).collect::<Vec<_>>()
+    };
+    key_in.chunks(BLOCK).enumerate().flat_map(of_block).collect()
+}
+
+/// Moves values to their places.
+pub fn scatter(places: &[usize], from: &[u32], to: &mut [u32]) {
+    for (&place, &value) in places.iter().zip(from) {
+        // If somebody has edited the streams, writes outside of them are ignored, as on a device.
+        if let Some(to) = to.get_mut(place) {
+            *to = value;
         }
     }
 }
 
 /// Runs a pass.
 pub fn pass(columns: &mut dyn Columns, _: &SceneData) {
-    let [keys, values, tally] = ["key_in", "value_in", "tally"].map(|name| load(columns, name, 0));
-    let [mut key_out, mut value_out] = ["key_out", "value_out"].map(|name| load(columns, name, 0));
-    scatter(columns.parameter(), &keys, &values, &tally, &mut key_out, &mut value_out);
-    store(columns, "key_out", 0, key_out);
-    store(columns, "value_out", 0, value_out);
+    let [keys, tally] = ["key_in", "tally"].map(|name| load(columns, name, 0));
+    let places = places(columns.parameter(), &keys, &tally);
+    let all = layers(columns, "value_in");
+    let mut move_all = |from: &str, to: &str, layer| {
+        let mut moved = load(columns, to, layer);
+        scatter(&places, &load(columns, from, layer), &mut moved);
+        store(columns, to, layer, moved);
+    };
+    move_all("key_in", "key_out", 0);
+    (0..all).for_each(|layer| move_all("value_in", "value_out", layer));
 }

@@ -48,7 +48,9 @@ fn scatter(
     }
     let first = textureLoad(tally, texel(tally_index(digit, block), textureDimensions(tally).x), 0, 0).x;
     let to = texel(first + rank, textureDimensions(key_out).x);
-    let value = textureLoad(value_in, texel(i, textureDimensions(value_in).x), 0, 0).x;
+    let from = texel(i, textureDimensions(value_in).x);
     textureStore(key_out, to, 0, vec4u(key));
-    textureStore(value_out, to, 0, vec4u(value));
+    for (var layer = 0u; layer < textureNumLayers(value_in); layer++) {
+        textureStore(value_out, to, layer, textureLoad(value_in, from, layer, 0));
+    }
 }

@@ -93,7 +93,9 @@ pub(super) fn of(plan: &Plan) -> [Listed; 5] {
     });
     let streams = plan.streams.iter().map(|stream| {
         let info = stream.what.info();
-        let layers = ListedCell::text(info.layers.join(" "));
+        let group = plan.sharing.of(&stream.what);
+        let shared = if group.len() > 1 { format!(", in one texture with {}", names(group)) } else { String::new() };
+        let layers = ListedCell::text(info.layers.join(" ") + &shared);
         vec![ListedCell::text(info.name), bytes(stream.bytes), layers, ListedCell::text(info.unit)]
     });
     let buffers = plan.buffers.iter().map(|planned| {
@@ -109,9 +111,12 @@ pub(super) fn of(plan: &Plan) -> [Listed; 5] {
     ]
 }
 
+fn names(streams: &[Stream]) -> String {
+    streams.iter().map(|stream| stream.name()).collect::<Vec<_>>().join(", ")
+}
+
 /// The parts of each kernel's passes that are drawn, in order.
 fn draws(plan: &Plan, drawn: &DrawnPlan) -> Vec<Vec<ListedCell>> {
-    let names = |streams: &[Stream]| streams.iter().map(|stream| stream.name()).collect::<Vec<_>>().join(", ");
     let mut rows = Vec::new();
     for kernel in &drawn.kernels {
         let name = kernel.kernel.name();
