@@ -27,9 +27,9 @@ mod read;
 use std::fmt;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
-use raystep_kernels::Stream;
 use raystep_kernels::options::Choices;
 use raystep_kernels::options::rows::{ROWS, Row};
+use raystep_kernels::{Stream, named};
 use raystep_lab::Hash;
 
 use crate::ray_text::GivenRay;
@@ -153,20 +153,7 @@ pub enum LinkDevice {
     Cpu,
 }
 
-impl LinkDevice {
-    /// Every value.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::Gpu, Self::Cpu];
-
-    /// Its name in links and options.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Gpu => "gpu",
-            Self::Cpu => "cpu",
-        }
-    }
-}
+named!(LinkDevice, Auto "auto", Gpu "gpu", Cpu "cpu");
 
 /// The selected ray.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Arg, ArgAction, CommandFactory as _};
+use raystep_kernels::named;
 use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
@@ -58,18 +59,9 @@ pub(super) enum What {
     Render,
 }
 
+named!(What, Bench "bench", Stability "stability", Report "report", Render "render");
+
 impl What {
-    const ALL: [Self; 4] = [Self::Bench, Self::Stability, Self::Report, Self::Render];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Bench => "bench",
-            Self::Stability => "stability",
-            Self::Report => "report",
-            Self::Render => "render",
-        }
-    }
-
     pub(super) fn of(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|what| what.name() == name)
     }

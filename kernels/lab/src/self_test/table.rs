@@ -20,7 +20,7 @@ pub fn text(results: &Results) -> String {
     for group in Group::ALL {
         let rows: Vec<&Row> = rows.iter().filter(|row| row.group == group).collect();
         let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
-        text += &format!("{} ({:.1} s)\n", group.title(), results.seconds(group));
+        text += &format!("{} ({:.1} s)\n", group.name(), results.seconds(group));
         for row in rows {
             let head = format!("  {:<VERDICT$}  {:<width$}  ", row.verdict.name(), row.name);
             text += &wrapped(&head, &outcome(row));
@@ -35,7 +35,7 @@ pub fn text(results: &Results) -> String {
 pub fn details(results: &Results) -> String {
     let mut text = String::new();
     for row in results.rows().iter().filter(|row| !row.details.is_empty()) {
-        text += &format!("{}: {} ({})\n", row.group.title(), row.name, row.shows);
+        text += &format!("{}: {} ({})\n", row.group.name(), row.name, row.shows);
         row.details.iter().for_each(|line| text += &format!("  {line}\n"));
         text.push('\n');
     }
