@@ -7,6 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::link::Link;
 use crate::versioned::{FileError, FileKind};
 use raystep_kernels::history::units::Units;
+use smart_default::SmartDefault;
 
 /// Version of the file; incremented when the meaning of something in it changes.
 pub const VERSION: u32 = 1;
@@ -41,9 +42,10 @@ impl FirstSteps {
 }
 
 /// The saved state.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
 #[serde(default, deny_unknown_fields)]
 pub struct Saved {
+    #[default(VERSION)]
     version: u32,
     /// The arrangement of panels.
     pub layout: Option<String>,
@@ -57,9 +59,11 @@ pub struct Saved {
     /// The bookmarks, and their scene.
     pub bookmarks: Option<String>,
     /// The size of all text, as a factor.
+    #[default(1.0)]
     #[serde(deserialize_with = "read_text_size")]
     pub text_size: f32,
     /// Whether the toolbar has words.
+    #[default(true)]
     pub toolbar_words: bool,
     /// What a new user has done.
     pub first_steps: FirstSteps,
@@ -67,24 +71,6 @@ pub struct Saved {
     pub units: Units,
     /// Recent files, the latest first.
     recent: Vec<String>,
-}
-
-impl Default for Saved {
-    fn default() -> Self {
-        Self {
-            version: VERSION,
-            layout: None,
-            settings: None,
-            link: None,
-            watches: None,
-            bookmarks: None,
-            text_size: 1.0,
-            toolbar_words: true,
-            first_steps: FirstSteps::default(),
-            units: Units::default(),
-            recent: Vec::new(),
-        }
-    }
 }
 
 impl Saved {
