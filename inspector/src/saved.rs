@@ -2,7 +2,7 @@
 //!
 //! Layout, settings and watches are texts of the user interface, stored verbatim. The caller reads and writes the file.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::link::Link;
 use crate::versioned::{FileError, FileKind};
@@ -52,7 +52,6 @@ pub struct Saved {
     /// The settings.
     pub settings: Option<String>,
     /// The last view.
-    #[serde(serialize_with = "write_link", deserialize_with = "read_link")]
     pub link: Option<Link>,
     /// The watches.
     pub watches: Option<String>,
@@ -118,16 +117,6 @@ impl Saved {
     pub fn forget(&mut self, path: &str) {
         self.recent.retain(|other| other != path);
     }
-}
-
-/// A link is stored as text: one line that can be copied from the file.
-fn write_link<S: Serializer>(link: &Option<Link>, serializer: S) -> Result<S::Ok, S::Error> {
-    link.as_ref().map(Link::to_string).serialize(serializer)
-}
-
-fn read_link<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Link>, D::Error> {
-    let text = Option::<String>::deserialize(deserializer)?;
-    text.map(|text| text.parse().map_err(serde::de::Error::custom)).transpose()
 }
 
 /// The nearest factor that is allowed; 1 for what is not a number.
