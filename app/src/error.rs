@@ -1,10 +1,14 @@
 //! Errors of a command: a line for the user and an exit code.
 
 use std::fmt;
+use std::io;
+use std::path::Path;
 
 use raystep_kernels::plan::Bytes;
 use raystep_kernels::structures::grid::GridError;
 use raystep_kernels::{GpuError, Limits, PlanError, RenderError};
+
+use crate::output::reason;
 
 /// The work failed.
 pub(crate) const FAILED: u8 = 1;
@@ -37,6 +41,16 @@ impl Error {
     /// A comparison has no answer: exit code 3.
     pub(crate) fn undecided(message: impl fmt::Display) -> Self {
         Self::new(message, UNDECIDED)
+    }
+
+    /// Something is wrong with a file.
+    pub(crate) fn at(path: &Path, why: impl fmt::Display) -> Self {
+        Self::failed(format!("{}: {why}", path.display()))
+    }
+
+    /// A file or folder cannot be written.
+    pub(crate) fn cannot_write(path: &Path, error: &io::Error) -> Self {
+        Self::failed(format!("cannot write {}: {}", path.display(), reason(error)))
     }
 
     /// The message, as part of another line.
