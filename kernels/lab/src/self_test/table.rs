@@ -1,7 +1,7 @@
 //! The table as text, in lines of at most 100 columns.
 
 use super::{Group, Results, Row, Totals, Verdict};
-use crate::human::thousands;
+use crate::human::grouped;
 use crate::text::counted;
 
 /// Longest line.
@@ -88,7 +88,7 @@ fn counts(row: &Row) -> String {
     let mut parts: Vec<String> = first.into_iter().flatten().collect();
     let others = [("tolerated", "differ by rounding"), ("undecided", "undecided"), ("differing", "differ in some bit")];
     for (name, words) in others {
-        parts.extend(number(name).map(|count| format!("{} {words}", thousands(count as f64))));
+        parts.extend(number(name).map(|count| format!("{} {words}", grouped(count))));
     }
     parts.join(", ")
 }
@@ -96,7 +96,7 @@ fn counts(row: &Row) -> String {
 fn plural(count: u64, noun: &str) -> String {
     let text = counted(count, noun);
     match text.split_once(' ') {
-        Some((_, noun)) => format!("{} {noun}", thousands(count as f64)),
+        Some((_, noun)) => format!("{} {noun}", grouped(count)),
         None => text,
     }
 }
