@@ -8,8 +8,6 @@ use raystep_kernels::plan::Bytes;
 use raystep_kernels::structures::grid::GridError;
 use raystep_kernels::{GpuError, Limits, PlanError, RenderError};
 
-use crate::output::reason;
-
 /// The work failed.
 pub(crate) const FAILED: u8 = 1;
 /// Wrong usage.
@@ -17,6 +15,12 @@ pub(crate) const USAGE: u8 = 2;
 
 /// A comparison that is too noisy to tell.
 pub(crate) const UNDECIDED: u8 = 3;
+
+/// The system's message, without its error number and the temporary name that tempfile adds.
+pub(crate) fn reason(error: &io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_owned()
+}
 
 /// One line, and the exit code.
 #[derive(Debug)]

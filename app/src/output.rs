@@ -155,12 +155,6 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// The system's message, without its error number and the temporary name that tempfile adds.
-pub(crate) fn reason(error: &io::Error) -> String {
-    let text = error.to_string();
-    text.split(" (os error").next().unwrap_or(&text).to_owned()
-}
-
 /// Writes all files, then renames all of them: if one cannot be written, none appears.
 pub(crate) fn write(files: Vec<(Target, Vec<u8>)>) -> Result<(), Error> {
     let mut written = Vec::new();

@@ -8,8 +8,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use crate::error::Error;
-use crate::output::reason;
+use crate::error::{Error, reason};
 
 /// How this program is called, as a JSON list of words, where it is not an executable of its own.
 const COMMAND: &str = "RAYSTEP_COMMAND";

@@ -16,8 +16,7 @@ use raystep_lab::text::visible;
 use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
 
 use crate::args::{CameraArgs, ReadArgs, SceneArgs, Vector, WRONG_FOV};
-use crate::error::Error;
-use crate::output::reason;
+use crate::error::{Error, reason};
 
 /// Vertical angle of view for `--eye` without `--fov`, degrees.
 const DEFAULT_FOV_DEG: f64 = 40.0;

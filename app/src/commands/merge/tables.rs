@@ -10,8 +10,8 @@ use serde_json::{Map, Value};
 
 use super::{MergeArgs, Placed};
 use crate::commands::json_text;
-use crate::error::Error;
-use crate::output::{TargetFolder, reason};
+use crate::error::{Error, reason};
+use crate::output::TargetFolder;
 use crate::scene_file::bytes_of;
 use crate::shard;
 use crate::terminal::Progress;

@@ -15,8 +15,8 @@ use super::file::{Definition, IDENTITY};
 use super::job::{self, Done};
 use super::plan::Job;
 use crate::commands::json_text;
-use crate::error::Error;
-use crate::output::{self, Folder, Target, reason};
+use crate::error::{Error, reason};
+use crate::output::{self, Folder, Target};
 use crate::scene_file::read_file;
 use crate::terminal::Progress;
 

@@ -13,9 +13,9 @@ use super::file::What;
 use super::owner::Owner;
 use super::plan::{Job, version};
 use crate::commands::json_text;
-use crate::error::Error;
+use crate::error::{Error, reason};
 use crate::interrupt;
-use crate::output::{TargetFolder, reason};
+use crate::output::TargetFolder;
 use crate::process::{last_error, this_program};
 use crate::scene_file::{bytes_of, read_file};
 
