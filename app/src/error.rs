@@ -1,6 +1,8 @@
 //! Errors of a command: a line for the user and an exit code.
 
 use std::fmt;
+use std::io;
+use std::path::Path;
 
 use raystep_kernels::plan::Bytes;
 use raystep_kernels::structures::grid::GridError;
@@ -13,6 +15,12 @@ pub(crate) const USAGE: u8 = 2;
 
 /// A comparison that is too noisy to tell.
 pub(crate) const UNDECIDED: u8 = 3;
+
+/// The system's message, without its error number and the temporary name that tempfile adds.
+pub(crate) fn reason(error: &io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_owned()
+}
 
 /// One line, and the exit code.
 #[derive(Debug)]
@@ -37,6 +45,16 @@ impl Error {
     /// A comparison has no answer: exit code 3.
     pub(crate) fn undecided(message: impl fmt::Display) -> Self {
         Self::new(message, UNDECIDED)
+    }
+
+    /// Something is wrong with a file.
+    pub(crate) fn at(path: &Path, why: impl fmt::Display) -> Self {
+        Self::failed(format!("{}: {why}", path.display()))
+    }
+
+    /// A file or folder cannot be written.
+    pub(crate) fn cannot_write(path: &Path, error: &io::Error) -> Self {
+        Self::failed(format!("cannot write {}: {}", path.display(), reason(error)))
     }
 
     /// The message, as part of another line.

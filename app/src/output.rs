@@ -86,7 +86,7 @@ impl Target {
     }
 
     fn cannot(&self, error: &io::Error) -> Error {
-        Error::failed(format!("cannot write {}: {}", self.path.display(), reason(error)))
+        Error::cannot_write(&self.path, error)
     }
 }
 
@@ -155,12 +155,6 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// The system's message, without its error number and the temporary name that tempfile adds.
-pub(crate) fn reason(error: &io::Error) -> String {
-    let text = error.to_string();
-    text.split(" (os error").next().unwrap_or(&text).to_owned()
-}
-
 /// Writes all files, then renames all of them: if one cannot be written, none appears.
 pub(crate) fn write(files: Vec<(Target, Vec<u8>)>) -> Result<(), Error> {
     let mut written = Vec::new();
@@ -203,8 +197,7 @@ impl Folder {
         match fs::metadata(path) {
             Ok(found) if !found.is_dir() => Err(Error::failed(format!("{at} is not a folder"))),
             Ok(_) => {
-                let mut files =
-                    fs::read_dir(path).map_err(|e| Error::failed(format!("cannot write {at}: {}", reason(&e))))?;
+                let mut files = fs::read_dir(path).map_err(|e| Error::cannot_write(path, &e))?;
                 Ok(if files.next().is_some() { Self::Full } else { Self::Empty })
             }
             Err(_) if folder_of(path).is_dir() => Ok(Self::Missing),
@@ -229,7 +222,7 @@ impl TargetFolder {
     /// Creates the folder under a temporary name. An existing folder must be empty, unless files in it may be replaced.
     pub(crate) fn new(path: &Path, may_replace: bool) -> Result<Self, Error> {
         let at = path.display();
-        let cannot = |e: &io::Error| Error::failed(format!("cannot write {at}: {}", reason(e)));
+        let cannot = |e: &io::Error| Error::cannot_write(path, e);
         let found = Folder::find(path)?;
         if found == Folder::Full && !may_replace {
             return Err(Error::failed(format!(
@@ -276,7 +269,7 @@ impl TargetFolder {
             fill(&mut out)?;
             out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()
         });
-        written.map_err(|e| Error::failed(format!("cannot write {}: {}", self.path.join(name).display(), reason(&e))))
+        written.map_err(|e| Error::cannot_write(&self.path.join(name), &e))
     }
 
     /// Renames the folder once `fill` has written its files; removes everything if that fails. Earlier files in `stale`
@@ -313,6 +306,6 @@ impl TargetFolder {
                 }
                 staging.close()
             })
-            .map_err(|e: io::Error| Error::failed(format!("cannot write {}: {}", path.display(), reason(&e))))
+            .map_err(|e: io::Error| Error::cannot_write(&path, &e))
     }
 }

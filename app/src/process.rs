@@ -8,8 +8,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use crate::error::Error;
-use crate::output::reason;
+use crate::error::{Error, reason};
 
 /// How this program is called, as a JSON list of words, where it is not an executable of its own.
 const COMMAND: &str = "RAYSTEP_COMMAND";
@@ -108,16 +107,18 @@ impl Process {
 
     fn ended(&mut self) -> Silence {
         let how = self.child.wait().map_or_else(|e| reason(&e), |status| status.to_string());
-        let last = self.last_error();
-        let last_error = last.strip_prefix("error: ").map_or(last.as_str(), |last| last).to_owned();
+        let last_error = last_error(&mut self.errors);
         Silence::Ended { how, last_error }
     }
+}
 
-    fn last_error(&mut self) -> String {
-        const MOST_BYTES: u64 = 1 << 16;
-        let mut bytes = Vec::new();
-        // What cannot be read is not shown.
-        let _ = self.errors.rewind().and_then(|()| (&self.errors).take(MOST_BYTES).read_to_end(&mut bytes));
-        String::from_utf8_lossy(&bytes).lines().rfind(|line| !line.trim().is_empty()).unwrap_or("").to_owned()
-    }
+/// The last line that a process wrote to this file, its standard error; empty if there is none.
+pub(crate) fn last_error(errors: &mut File) -> String {
+    const MOST_BYTES: u64 = 1 << 20;
+    let mut bytes = Vec::new();
+    // What cannot be read is not shown.
+    let _ = errors.rewind().and_then(|()| errors.take(MOST_BYTES).read_to_end(&mut bytes));
+    let text = String::from_utf8_lossy(&bytes);
+    let last = text.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("");
+    last.strip_prefix("error: ").unwrap_or(last).to_owned()
 }

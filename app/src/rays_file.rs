@@ -23,7 +23,7 @@ pub(crate) fn read(path: &Path, strata: Option<&Path>) -> Result<RaysFile, Error
         }
     };
     let open = |option: &str, path: &Path| {
-        let cannot = |e| Error::failed(format!("{option} {}: {}", path.display(), crate::output::reason(&e)));
+        let cannot = |e| Error::failed(format!("{option} {}: {}", path.display(), crate::error::reason(&e)));
         File::open(path).map(BufReader::new).map_err(cannot)
     };
     let rays = open("--rays-file", path)?;

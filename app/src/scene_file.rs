@@ -16,8 +16,7 @@ use raystep_lab::text::visible;
 use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
 
 use crate::args::{CameraArgs, ReadArgs, SceneArgs, Vector, WRONG_FOV};
-use crate::error::Error;
-use crate::output::reason;
+use crate::error::{Error, reason};
 
 /// Vertical angle of view for `--eye` without `--fov`, degrees.
 const DEFAULT_FOV_DEG: f64 = 40.0;
@@ -96,7 +95,7 @@ pub(crate) fn expect_scene(path: &Path) -> Result<(), Error> {
     if named::built_in_name(path).is_some() {
         return Ok(());
     }
-    regular_file(path).map(drop).map_err(|e| Error::failed(format!("{}: {e}", path.display())))
+    regular_file(path).map(drop).map_err(|e| Error::at(path, e))
 }
 
 /// Resolves links, so that two names of a file compare equal.
@@ -138,11 +137,16 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileErro
     if read > max_bytes { Err(FileError::TooLarge { bytes: read }) } else { Ok(bytes) }
 }
 
+/// The same, with an error that names the file.
+pub(crate) fn bytes_of(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Error> {
+    read_file(path, max_bytes).map_err(|e| Error::at(path, e))
+}
+
 /// A hash that goes on with the contents of files, one after the other.
 pub(crate) fn hashed(mut hash: Hash, files: &[PathBuf], max_bytes: u64) -> Result<Hash, Error> {
     for path in files {
         let bytes = read_file(path, max_bytes);
-        hash.add(&bytes.map_err(|e| Error::failed(format!("{}: {e}", path.display())))?);
+        hash.add(&bytes.map_err(|e| Error::at(path, e))?);
     }
     Ok(hash)
 }

@@ -8,7 +8,7 @@ use raystep_inspector::ui::host::FileToSave;
 use crate::commands::extension;
 use crate::error::Error;
 use crate::output::folder_of;
-use crate::scene_file::{is_known, read_file};
+use crate::scene_file::{bytes_of, is_known};
 
 /// Whether a file is a session, by its name.
 pub(crate) fn is_session(path: &Path) -> bool {
@@ -17,7 +17,7 @@ pub(crate) fn is_session(path: &Path) -> bool {
 
 /// Reads a file.
 pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    read_file(path, MOST_BYTES as u64).map_err(|e| Error::failed(format!("{}: {e}", path.display())))
+    bytes_of(path, MOST_BYTES as u64)
 }
 
 /// Reads a session; a broken one is wrong usage.

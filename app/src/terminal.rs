@@ -21,7 +21,7 @@ pub(crate) fn print(text: &str) -> Result<(), Error> {
     let mut out = io::stdout().lock();
     match out.write_all(visible_lines(text).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Error::failed(format!("cannot write to standard output: {}", crate::output::reason(&error))))
+            Err(Error::failed(format!("cannot write to standard output: {}", crate::error::reason(&error))))
         }
         _ => Ok(()),
     }

@@ -44,6 +44,13 @@ fn run(place: &Place, arguments: &[&str]) -> Outcome {
     outcome(place.command(&arguments).env("TMPDIR", tmp))
 }
 
+/// The jobs that are offered to another process, which runs none.
+fn offered(place: &Place) -> Vec<Value> {
+    let offer = run(place, &["sweep.toml", "-o", "out", "--serve"]);
+    let offer: Value = serde_json::from_str(offer.stdout.lines().next().expect("a line")).expect("JSON");
+    offer["jobs"].as_array().expect("a list").clone()
+}
+
 fn rows(place: &Place) -> Vec<Row> {
     let file = place.read("out/results.csv");
     let schema = place.read("out/datapackage.json");
@@ -190,12 +197,8 @@ fn a_job_that_fails_leaves_the_others() {
     assert!(all.len() == 2 && all.iter().all(|row| row["option_camera"] == "0"), "{all:?}");
     let page = String::from_utf8(place.read("out/index.html")).expect("UTF-8");
     assert!(page.contains(name) && page.contains("the scene has one camera"), "{page}");
-    let list = run(&place, &["sweep.toml", "-o", "out", "--list-json"]);
-    let list: Value = serde_json::from_str(&list.stdout).expect("JSON");
-    assert_eq!(
-        list.as_array().expect("a list").iter().map(|job| &job["name"]).collect::<Vec<_>>(),
-        [name, "cornell-box-accelerator-bvh-camera-7"]
-    );
+    let names: Vec<_> = offered(&place).into_iter().map(|job| job["name"].clone()).collect();
+    assert_eq!(names, [name, "cornell-box-accelerator-bvh-camera-7"]);
 }
 
 #[test]
@@ -308,9 +311,8 @@ fn a_benchmark_of_a_taken_machine_is_shared_and_not_ranked() {
 #[test]
 fn other_processes_can_run_the_jobs() {
     let place = place("what = \"stability\"\n[options]\ncase = [\"no-triangle\"]\nquick = true\ndevice = \"cpu\"\n");
-    let list = run(&place, &["sweep.toml", "-o", "out", "--list-json"]);
-    let jobs: Value = serde_json::from_str(&list.stdout).expect("JSON");
-    assert_eq!([&jobs[0]["needs_gpu"], &jobs[0]["is_timed"]], [&Value::Bool(false); 2], "{jobs}");
+    let jobs = offered(&place);
+    assert_eq!([&jobs[0]["needs_gpu"], &jobs[0]["is_timed"]], [&Value::Bool(false); 2], "{jobs:?}");
     fs::write(place.path("job.json"), jobs[0].to_string()).expect("a file");
     let worker = || {
         let mut worker = place.command(&["sweep", "--run-job", "job.json", "-o", "result"].map(OsStr::new));
@@ -339,7 +341,6 @@ fn other_processes_can_run_the_jobs() {
     assert_eq!(output.status.code(), Some(1), "{errors}");
     let all = rows(&place);
     assert!(!all.is_empty() && all.iter().all(|row| row["case"] == "no-triangle"), "{all:?}");
-    let last = run(&place, &["sweep.toml", "-o", "out", "--list-json"]);
-    assert_eq!((last.code, last.stdout.as_str()), (Some(0), "[]\n"));
+    assert_eq!(offered(&place), [Value::Null; 0]);
     place.fails(1, "nothing.json: No such file", &["sweep", "--run-job", "nothing.json", "-o", "other"]);
 }

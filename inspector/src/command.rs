@@ -5,6 +5,7 @@ mod pane_kind;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 pub use pane_kind::PaneKind;
+use raystep_kernels::named;
 
 /// A menu.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,23 +24,7 @@ pub enum Menu {
     Help,
 }
 
-impl Menu {
-    /// Every menu, left to right.
-    pub const ALL: [Self; 6] = [Self::File, Self::Step, Self::Ray, Self::View, Self::Compare, Self::Help];
-
-    /// Its title.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::File => "File",
-            Self::Step => "Step",
-            Self::Ray => "Ray",
-            Self::View => "View",
-            Self::Compare => "Compare",
-            Self::Help => "Help",
-        }
-    }
-}
+named!(Menu, File "File", Step "Step", Ray "Ray", View "View", Compare "Compare", Help "Help");
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]

@@ -27,10 +27,11 @@ mod read;
 use std::fmt;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
-use raystep_kernels::Stream;
 use raystep_kernels::options::Choices;
 use raystep_kernels::options::rows::{ROWS, Row};
+use raystep_kernels::{Stream, named};
 use raystep_lab::Hash;
+use smart_default::SmartDefault;
 
 use crate::ray_text::GivenRay;
 pub use error::LinkError;
@@ -82,8 +83,8 @@ const KEPT: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b':')
     .remove(b'@');
 
-/// The target of a link.
-#[derive(Clone, Debug, PartialEq)]
+/// The target of a link. Its defaults are those of [`VERSION`], which a test compares with those of the options.
+#[derive(Clone, Debug, PartialEq, SmartDefault)]
 pub struct Link {
     /// The scene's file as it was named.
     pub scene: Option<String>,
@@ -94,8 +95,10 @@ pub struct Link {
     /// The view.
     pub camera: LinkCamera,
     /// Width and height in pixels.
+    #[default([512, 512])]
     pub size: [u32; 2],
     /// The options of the run.
+    #[default(Choices::stepped())]
     pub choices: Choices,
     /// Where passes run.
     pub device: LinkDevice,
@@ -153,20 +156,7 @@ pub enum LinkDevice {
     Cpu,
 }
 
-impl LinkDevice {
-    /// Every value.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::Gpu, Self::Cpu];
-
-    /// Its name in links and options.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Gpu => "gpu",
-            Self::Cpu => "cpu",
-        }
-    }
-}
+named!(LinkDevice, Auto "auto", Gpu "gpu", Cpu "cpu");
 
 /// The selected ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -202,27 +192,6 @@ impl Shown {
     #[must_use]
     pub fn of(link: &Link) -> Option<Self> {
         Some(Self { stream: link.stream?, zoom: link.zoom, pan: link.pan })
-    }
-}
-
-impl Default for Link {
-    /// The defaults of [`VERSION`], which a test compares with those of the options.
-    fn default() -> Self {
-        Self {
-            scene: None,
-            scene_index: None,
-            scene_hash: None,
-            camera: LinkCamera::Default,
-            size: [512, 512],
-            choices: Choices::stepped(),
-            device: LinkDevice::Auto,
-            adapter: None,
-            ray: None,
-            pass: None,
-            stream: None,
-            zoom: None,
-            pan: None,
-        }
     }
 }
 

@@ -2,11 +2,12 @@
 //!
 //! Layout, settings and watches are texts of the user interface, stored verbatim. The caller reads and writes the file.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::link::Link;
 use crate::versioned::{FileError, FileKind};
 use raystep_kernels::history::units::Units;
+use smart_default::SmartDefault;
 
 /// Version of the file; incremented when the meaning of something in it changes.
 pub const VERSION: u32 = 1;
@@ -41,25 +42,27 @@ impl FirstSteps {
 }
 
 /// The saved state.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
 #[serde(default, deny_unknown_fields)]
 pub struct Saved {
+    #[default(VERSION)]
     version: u32,
     /// The arrangement of panels.
     pub layout: Option<String>,
     /// The settings.
     pub settings: Option<String>,
     /// The last view.
-    #[serde(serialize_with = "write_link", deserialize_with = "read_link")]
     pub link: Option<Link>,
     /// The watches.
     pub watches: Option<String>,
     /// The bookmarks, and their scene.
     pub bookmarks: Option<String>,
     /// The size of all text, as a factor.
+    #[default(1.0)]
     #[serde(deserialize_with = "read_text_size")]
     pub text_size: f32,
     /// Whether the toolbar has words.
+    #[default(true)]
     pub toolbar_words: bool,
     /// What a new user has done.
     pub first_steps: FirstSteps,
@@ -67,24 +70,6 @@ pub struct Saved {
     pub units: Units,
     /// Recent files, the latest first.
     recent: Vec<String>,
-}
-
-impl Default for Saved {
-    fn default() -> Self {
-        Self {
-            version: VERSION,
-            layout: None,
-            settings: None,
-            link: None,
-            watches: None,
-            bookmarks: None,
-            text_size: 1.0,
-            toolbar_words: true,
-            first_steps: FirstSteps::default(),
-            units: Units::default(),
-            recent: Vec::new(),
-        }
-    }
 }
 
 impl Saved {
@@ -132,16 +117,6 @@ impl Saved {
     pub fn forget(&mut self, path: &str) {
         self.recent.retain(|other| other != path);
     }
-}
-
-/// A link is stored as text: one line that can be copied from the file.
-fn write_link<S: Serializer>(link: &Option<Link>, serializer: S) -> Result<S::Ok, S::Error> {
-    link.as_ref().map(Link::to_string).serialize(serializer)
-}
-
-fn read_link<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Link>, D::Error> {
-    let text = Option::<String>::deserialize(deserializer)?;
-    text.map(|text| text.parse().map_err(serde::de::Error::custom)).transpose()
 }
 
 /// The nearest factor that is allowed; 1 for what is not a number.

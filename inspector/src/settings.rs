@@ -10,6 +10,7 @@ use raystep_kernels::program::Program;
 use raystep_kernels::{Accelerator, Device, Gpu, Options, RaySource, Samples, ScheduleKind, Traversal, programs};
 use raystep_scenes::{Camera, Projection, Scene};
 use serde::{Deserialize, Serialize};
+use smart_default::SmartDefault;
 
 use crate::link::{Link, LinkCamera, LinkDevice, LinkRay};
 use crate::ray_text::GivenRay;
@@ -84,34 +85,25 @@ pub enum View {
 }
 
 /// All settings of a run except the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
 pub struct Settings {
     /// The options that are rows of the table.
+    #[default(Choices::stepped())]
     #[serde(flatten)]
     pub choices: Choices,
     /// Width and height in pixels.
+    #[default([512, 512])]
     pub size: [u32; 2],
     /// The view of the scene.
+    #[default(View::Scene(0))]
     pub view: View,
     /// A single ray instead of an image.
     pub ray: Option<GivenRay>,
     /// Counts cells, tests and repeated tests per ray.
+    #[default(true)]
     pub counters: bool,
     /// Where passes run.
     pub device: DeviceKind,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            choices: Choices::stepped(),
-            size: [512, 512],
-            view: View::Scene(0),
-            ray: None,
-            counters: true,
-            device: DeviceKind::Gpu,
-        }
-    }
 }
 
 impl View {

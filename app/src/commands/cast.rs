@@ -19,7 +19,7 @@ use crate::args::{DeviceArgs, QuietArgs, SceneArgs, named, whole};
 use crate::commands::extension;
 use crate::commands::summary::way;
 use crate::device;
-use crate::error::Error;
+use crate::error::{Error, reason};
 use crate::output::{self, Target, refuse_inputs};
 use crate::scene_file::{self, SceneFile, canonical};
 use crate::terminal::{Progress, print, say};
@@ -242,7 +242,7 @@ fn open(args: &CastArgs, format: RaysFormat) -> Result<(Box<dyn Read + Send>, Op
     let at = args.rays_file.display();
     let failed = |problem: &str| Error::failed(format!("{at}: {problem}"));
     let opened = File::open(&args.rays_file).and_then(|file| file.metadata().map(|found| (file, found)));
-    let (file, found) = opened.map_err(|e| failed(&output::reason(&e)))?;
+    let (file, found) = opened.map_err(|e| failed(&reason(&e)))?;
     if found.is_dir() {
         return Err(failed("it is a folder; expected a file"));
     }

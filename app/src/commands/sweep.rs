@@ -54,14 +54,11 @@ pub(crate) struct SweepArgs {
     /// Where jobs run
     #[arg(long, value_enum, default_value_t = On::Local)]
     on: On,
-    /// Print the jobs that are not finished as JSON, and run none
-    #[arg(long, hide = true, conflicts_with = "serve")]
-    list_json: bool,
     /// Let the process at the other end of standard input and output run the jobs
     #[arg(long, hide = true)]
     serve: bool,
     /// Run the job that this file describes; ends with its standard input
-    #[arg(long, hide = true, value_name = "JOB.json", conflicts_with_all = ["file", "serve", "list_json"])]
+    #[arg(long, hide = true, value_name = "JOB.json", conflicts_with_all = ["file", "serve"])]
     run_job: Option<PathBuf>,
     #[command(flatten)]
     quiet: QuietArgs,
@@ -98,10 +95,6 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Error> {
     }
     let place = Place::open(&args.output, &sweep)?;
     progress.finish();
-    if args.list_json {
-        let pending: Vec<&plan::Job> = jobs.iter().filter(|job| place.done(job).is_none()).collect();
-        return crate::terminal::print(&super::json_text(&pending)?);
-    }
     let mut so_far = gather::SoFar::new(&jobs, &place);
     let mut failures = match args.serve {
         true => place.serve(&jobs, &mut |job| so_far.show(job), &progress)?,

@@ -9,7 +9,7 @@ use raystep_lab::Machine;
 use raystep_lab::stiff::{self, Kept, Start};
 
 use crate::error::Error;
-use crate::output::{folder_of, reason};
+use crate::output::folder_of;
 use crate::scene_file::read_file;
 use crate::terminal::Progress;
 
@@ -55,11 +55,9 @@ impl Unfinished {
         // Without what was cut off.
         let [rows, runs] = kept.files().map_err(Error::failed)?;
         let mut files = [(&self.rows, rows), (&self.runs, runs)].map(|(path, bytes)| replaced(path, &bytes));
-        let fail =
-            |path: &Path, e: &io::Error| Error::failed(format!("cannot write {}: {}", path.display(), reason(e)));
         for (file, path) in files.iter_mut().zip([&self.rows, &self.runs]) {
             if let Err(error) = file {
-                return Err(fail(path, error));
+                return Err(Error::cannot_write(path, error));
             }
         }
         let [rows, runs] = files;

@@ -6,8 +6,8 @@ use std::io::{self, Seek as _, SeekFrom, Write as _};
 
 use tempfile::NamedTempFile;
 
-use super::{Target, reason};
-use crate::error::Error;
+use super::Target;
+use crate::error::{Error, reason};
 use crate::interrupt::Temporary;
 
 /// Where it goes.

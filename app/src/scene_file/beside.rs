@@ -7,7 +7,8 @@ use std::path::{Component, Path, PathBuf};
 use raystep_scenes::{FileError, Resolver};
 
 use super::read_file;
-use crate::output::{folder_of, reason};
+use crate::error::reason;
+use crate::output::folder_of;
 
 /// Reads the files that a scene refers to.
 pub(super) struct Beside {

@@ -81,6 +81,22 @@ impl Desktop {
             }
         });
     }
+
+    /// Asks for a file with one of these endings.
+    fn choose(&self, kind: &str, endings: &[impl ToString], cancelled: &'static str) {
+        // Dialogs require the main thread on macOS, and are asynchronous everywhere.
+        let asking = Asking::begin();
+        let dialog = rfd::AsyncFileDialog::new().add_filter(kind, endings).pick_file();
+        self.aside(move || {
+            Some(match files::wait(dialog) {
+                Some(file) => HostEvent::Chosen(file.path().to_string_lossy().into_owned()),
+                None => match asking.failure() {
+                    Some(why) => HostEvent::AskPath { file: None, path: files::proposed(""), why },
+                    None => HostEvent::Cancelled(cancelled),
+                },
+            })
+        });
+    }
 }
 
 impl Host for Desktop {
@@ -114,34 +130,13 @@ impl Host for Desktop {
     }
 
     fn choose_scene(&mut self) {
-        // Dialogs require the main thread on macOS, and are asynchronous everywhere.
-        let asking = Asking::begin();
         // Linux distinguishes the letters' case.
         let endings: Vec<_> = ENDINGS.iter().flat_map(|ending| [(*ending).to_owned(), ending.to_uppercase()]).collect();
-        let dialog = rfd::AsyncFileDialog::new().add_filter("Scenes", &endings).pick_file();
-        self.aside(move || {
-            Some(match files::wait(dialog) {
-                Some(file) => HostEvent::Chosen(file.path().to_string_lossy().into_owned()),
-                None => match asking.failure() {
-                    Some(why) => HostEvent::AskPath { file: None, path: files::proposed(""), why },
-                    None => HostEvent::Cancelled("cancelled: no scene opened"),
-                },
-            })
-        });
+        self.choose("Scenes", &endings, "cancelled: no scene opened");
     }
 
     fn choose_session(&mut self) {
-        let asking = Asking::begin();
-        let dialog = rfd::AsyncFileDialog::new().add_filter("raystep session", &[EXTENSION]).pick_file();
-        self.aside(move || {
-            Some(match files::wait(dialog) {
-                Some(file) => HostEvent::Chosen(file.path().to_string_lossy().into_owned()),
-                None => match asking.failure() {
-                    Some(why) => HostEvent::AskPath { file: None, path: files::proposed(""), why },
-                    None => HostEvent::Cancelled("cancelled: no session opened"),
-                },
-            })
-        });
+        self.choose("raystep session", &[EXTENSION], "cancelled: no session opened");
     }
 
     fn read(&mut self, path: &str) {

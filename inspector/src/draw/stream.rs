@@ -2,11 +2,11 @@
 
 use std::sync::OnceLock;
 
-use raystep_kernels::Stream;
 use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::state::{States, Tag};
 use raystep_kernels::tables::stream;
+use raystep_kernels::{Stream, named};
 use serde::{Deserialize, Serialize};
 
 use super::picture::{FORMAT, filled};
@@ -27,22 +27,9 @@ pub enum Colors {
     Gray,
 }
 
+named!(Colors, Viridis "viridis", Cividis "cividis", Magma "magma", Diverging "blue–orange", Gray "gray");
+
 impl Colors {
-    /// Every map.
-    pub const ALL: [Self; 5] = [Self::Viridis, Self::Cividis, Self::Magma, Self::Diverging, Self::Gray];
-
-    /// The displayed name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Viridis => "viridis",
-            Self::Cividis => "cividis",
-            Self::Magma => "magma",
-            Self::Diverging => "blue–orange",
-            Self::Gray => "gray",
-        }
-    }
-
     /// The colour at `at` in \[0, 1\], sRGB.
     #[must_use]
     pub fn at(self, at: f64) -> [u8; 3] {

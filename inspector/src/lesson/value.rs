@@ -3,6 +3,7 @@
 use std::fmt;
 
 use raystep_kernels::plan::Bytes;
+use raystep_lab::human::grouped;
 
 /// Whose clock a time is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,19 +117,6 @@ impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
     }
-}
-
-/// A number in groups of three digits.
-fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// A duration in a readable unit.

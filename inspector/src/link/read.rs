@@ -6,6 +6,8 @@ use percent_encoding::percent_decode_str;
 use raystep_kernels::options::Choices;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::{Stream, programs};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::error::start;
 use super::{Link, LinkCamera, LinkDevice, LinkError, LinkRay, LinkStream, MOST_PIXELS, VERSION, keys, linked};
@@ -54,6 +56,19 @@ impl FromStr for Link {
             return Err(LinkError::Value { key: "pixel", value: format!("{x},{y}"), wanted });
         }
         Ok(link)
+    }
+}
+
+/// As text, which can be copied from a file.
+impl Serialize for Link {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Link {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        String::deserialize(from)?.parse().map_err(D::Error::custom)
     }
 }
 

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use raystep_kernels::StreamData;
 use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::shared::constants::INF;
+use raystep_kernels::{StreamData, named};
 
 use super::outcome::Picture;
 use crate::session::request::{Job, answered, job};
@@ -24,20 +24,7 @@ pub enum Aspect {
     Color,
 }
 
-impl Aspect {
-    /// Every aspect.
-    pub const ALL: [Self; 3] = [Self::Triangle, Self::Distance, Self::Color];
-
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Triangle => "triangle",
-            Self::Distance => "t",
-            Self::Color => "colour",
-        }
-    }
-}
+named!(Aspect, Triangle "triangle", Distance "t", Color "colour");
 
 /// How two hits of a ray differ, in ascending order; also the values of a picture of [`Aspect::Triangle`].
 pub const CLASSES: [&str; 4] = ["same bits", "same triangle, other t, u or v", "other triangle", "hit and miss"];

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Weak};
 
 use raystep_scenes::Scene;
+use smart_default::SmartDefault;
 
 use super::measure::Measured;
 use super::outcome::{Outcome, Picture, Recorded};
@@ -60,16 +61,13 @@ impl Kept {
 pub const NOT_RUN: &str = "not run since the session was opened";
 
 /// The kept runs, oldest first.
+#[derive(SmartDefault)]
 pub struct Runs {
     list: Vec<Kept>,
+    #[default(1)]
     next: RunId,
+    #[default(DEFAULT_BUDGET)]
     budget: u64,
-}
-
-impl Default for Runs {
-    fn default() -> Self {
-        Self { list: Vec::new(), next: 1, budget: DEFAULT_BUDGET }
-    }
 }
 
 impl Runs {

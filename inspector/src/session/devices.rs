@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use raystep_kernels::Gpu;
+use raystep_kernels::{Device, Gpu};
 
 use super::measure::Measure;
+use crate::settings::DeviceKind;
 
 /// The devices of an engine.
 #[derive(Clone)]
@@ -17,4 +18,16 @@ pub struct Devices {
     pub measure: Measure,
     /// Called after every answer, to wake the user interface.
     pub wake: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl Devices {
+    /// The device of this kind.
+    #[must_use]
+    pub fn of(&self, kind: DeviceKind) -> Device {
+        match kind.on(&self.gpu) {
+            DeviceKind::Auto | DeviceKind::Gpu => Device::Gpu(self.gpu.clone()),
+            DeviceKind::Cpu => Device::Cpu(self.clock),
+            DeviceKind::CpuF64 => Device::CpuF64(self.clock),
+        }
+    }
 }

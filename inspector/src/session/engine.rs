@@ -19,7 +19,7 @@ use super::Session;
 use super::confirm::Confirming;
 use super::glimpse::Glimpses;
 use super::request::{JobContext, Request, Texels, Update};
-use crate::settings::{DeviceKind, Settings};
+use crate::settings::Settings;
 
 /// The name of opening a scene in errors.
 pub const OPENING: &str = "opening the scene";
@@ -199,14 +199,6 @@ impl Server {
                 wake();
             }
             cancel.load(Ordering::Relaxed) < served
-        }
-    }
-
-    fn device(&self, kind: DeviceKind) -> Device {
-        match kind.on(&self.devices.gpu) {
-            DeviceKind::Auto | DeviceKind::Gpu => Device::Gpu(self.devices.gpu.clone()),
-            DeviceKind::Cpu => Device::Cpu(self.devices.clock),
-            DeviceKind::CpuF64 => Device::CpuF64(self.devices.clock),
         }
     }
 

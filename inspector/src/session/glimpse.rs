@@ -4,6 +4,7 @@ use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Choices, Device, Options, RenderError, Renderer, Samples, ScheduleKind, Stream};
 use raystep_scenes::Scene;
+use smart_default::SmartDefault;
 
 use super::OnProgress;
 use super::copies::{copy_of, fill, stream_copy};
@@ -23,16 +24,12 @@ const COARSEST: u32 = 4;
 const STEPS: u32 = 64;
 
 /// The run that traces glimpses, and how coarse they are.
+#[derive(SmartDefault)]
 pub(super) struct Glimpses {
     run: Option<(Settings, Renderer)>,
+    #[default(COARSE)]
     coarse: u32,
     count: u64,
-}
-
-impl Default for Glimpses {
-    fn default() -> Self {
-        Self { run: None, coarse: COARSE, count: 0 }
-    }
 }
 
 impl Glimpses {

@@ -11,57 +11,33 @@ use crate::settings::{DeviceKind, Settings, View};
 
 /// A saved run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, try_from = "Unchecked")]
+#[serde(deny_unknown_fields, remote = "Self")]
 pub struct SavedRun {
     /// Its name; empty for the run that was open.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// The user's note.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub note: String,
     /// Its scene and options, and for the run that was open its place and view.
-    #[serde(serialize_with = "write_link")]
     pub link: Link,
     /// The hash of the scene's contents, to recognise another scene.
+    #[serde(default)]
     pub scene_hash: String,
     /// Runs on the CPU reference in f64.
-    #[serde(skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "is_false")]
     f64: bool,
     /// Does not count cells and tests.
-    #[serde(skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "is_false")]
     no_counters: bool,
     /// A camera with parallel rays.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     parallel: Option<Parallel>,
     /// How many of the first passes run on the CPU reference.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     twins: Option<usize>,
     /// Edits by hand.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    edits: Vec<Edit>,
-}
-
-/// A saved run as it is in the file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Unchecked {
-    #[serde(default)]
-    name: String,
-    #[serde(default)]
-    note: String,
-    #[serde(deserialize_with = "read_link")]
-    link: Link,
-    #[serde(default)]
-    scene_hash: String,
-    #[serde(default)]
-    f64: bool,
-    #[serde(default)]
-    no_counters: bool,
-    #[serde(default)]
-    parallel: Option<Parallel>,
-    #[serde(default)]
-    twins: Option<usize>,
-    #[serde(default, deserialize_with = "edits")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "edits")]
     edits: Vec<Edit>,
 }
 
@@ -75,19 +51,32 @@ struct Parallel {
     half_height: f64,
 }
 
-impl TryFrom<Unchecked> for SavedRun {
-    type Error = String;
+// `remote` makes the functions that are called here.
+impl Serialize for SavedRun {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
 
-    fn try_from(read: Unchecked) -> Result<Self, String> {
-        let Unchecked { name, note, link, scene_hash, f64, no_counters, parallel, twins, edits } = read;
-        if parallel.is_some_and(|parallel| parallel.half_height <= 0.0) {
+impl<'de> Deserialize<'de> for SavedRun {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let read = Self::deserialize(from)?;
+        read.check().map_err(D::Error::custom)?;
+        Ok(read)
+    }
+}
+
+impl SavedRun {
+    /// What the types of its fields leave open.
+    fn check(&self) -> Result<(), String> {
+        if self.parallel.is_some_and(|parallel| parallel.half_height <= 0.0) {
             return Err("half_height: expected a number above 0".into());
         }
-        let [width, height] = match link.ray {
+        let [width, height] = match self.link.ray {
             Some(LinkRay::Given(_)) => [1, 1],
-            _ => link.size,
+            _ => self.link.size,
         };
-        for (i, edit) in edits.iter().enumerate() {
+        for (i, edit) in self.edits.iter().enumerate() {
             let layers = edit.stream.layers();
             if edit.layer >= layers {
                 let name = edit.stream.name();
@@ -101,11 +90,9 @@ impl TryFrom<Unchecked> for SavedRun {
                 ));
             }
         }
-        Ok(Self { name, note, link, scene_hash, f64, no_counters, parallel, twins, edits })
+        Ok(())
     }
-}
 
-impl SavedRun {
     /// A run of a scene; `place` has the scene's file, and the place and the view, if any.
     #[must_use]
     pub fn new(recipe: &Recipe, place: &Link, scene_hash: &str) -> Self {
@@ -163,15 +150,6 @@ impl SavedRun {
 
 fn is_false(value: &bool) -> bool {
     !value
-}
-
-/// A link is stored as text: one line that can be copied from the file.
-fn write_link<S: Serializer>(link: &Link, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(link)
-}
-
-fn read_link<'de, D: Deserializer<'de>>(from: D) -> Result<Link, D::Error> {
-    String::deserialize(from)?.parse().map_err(D::Error::custom)
 }
 
 fn edits<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Edit>, D::Error> {

@@ -6,6 +6,7 @@ mod maximise;
 
 use egui::Rect;
 use egui_tiles::{Tile, Tree};
+use smart_default::SmartDefault;
 
 use super::pane::Context;
 use super::panes::Pane;
@@ -15,18 +16,14 @@ use layout::{Layout, Panes};
 use maximise::Maximised;
 
 /// The arrangement of panels.
+#[derive(SmartDefault)]
 pub(super) struct Desk {
+    #[default(Layout::Simple.tree())]
     pub(super) tree: Tree<Pane>,
     focus: Focus,
     maximised: Option<Maximised>,
     /// Whether something that Escape leaves had keyboard focus at the end of the last frame.
     had_focus: bool,
-}
-
-impl Default for Desk {
-    fn default() -> Self {
-        Self { tree: Layout::Simple.tree(), focus: Focus::default(), maximised: None, had_focus: false }
-    }
 }
 
 impl Desk {

@@ -2,6 +2,7 @@
 
 use egui::Color32;
 use raystep_kernels::interpret::Outcomes;
+use raystep_kernels::named;
 
 /// How a condition came out for a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +19,15 @@ pub enum Outcome {
     Differs,
 }
 
+named!(
+    Outcome,
+    Waiting "not processed",
+    Elsewhere "not reached",
+    NotTaken "not taken",
+    Taken "taken",
+    Differs "f64 decides otherwise"
+);
+
 impl Outcome {
     /// All that are drawn, in the order of legends.
     pub const DRAWN: [Self; 4] = [Self::Taken, Self::NotTaken, Self::Differs, Self::Elsewhere];
@@ -30,18 +40,6 @@ impl Outcome {
             (_, true, _) => Self::Differs,
             (.., true) => Self::Taken,
             (.., false) => Self::NotTaken,
-        }
-    }
-
-    /// Its name in legends.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Waiting => "not processed",
-            Self::Elsewhere => "not reached",
-            Self::NotTaken => "not taken",
-            Self::Taken => "taken",
-            Self::Differs => "f64 decides otherwise",
         }
     }
 

@@ -2,6 +2,7 @@
 
 use egui::Ui;
 pub use raystep_kernels::history::units::{Scale, Units, decimals, exact};
+use raystep_kernels::named;
 
 /// The choice of units. `per_traced` is the number of scene units in a traced unit.
 pub(in crate::ui) fn choose(ui: &mut Ui, units: &mut Units, per_traced: f64) {
@@ -24,6 +25,8 @@ pub(in crate::ui) enum TimeUnit {
     Seconds,
 }
 
+named!(TimeUnit, Micros "µs", Millis "ms", Seconds "s");
+
 impl TimeUnit {
     /// For durations up to this.
     pub(in crate::ui) fn of(longest_ns: u64) -> Self {
@@ -31,15 +34,6 @@ impl TimeUnit {
             0..10_000_000 => Self::Micros,
             10_000_000..10_000_000_000 => Self::Millis,
             _ => Self::Seconds,
-        }
-    }
-
-    /// Its symbol.
-    pub(in crate::ui) fn name(self) -> &'static str {
-        match self {
-            Self::Micros => "µs",
-            Self::Millis => "ms",
-            Self::Seconds => "s",
         }
     }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use raystep_kernels::export::trace::{RayState, TraceRow};
+use raystep_kernels::named;
 use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::triangle::{Shear, hit_triangle, plane_hit};
@@ -22,21 +23,13 @@ pub enum Outcome {
     Nearest,
 }
 
+named!(Outcome, Missed "missed", NotNearest "hit, not the nearest", Nearest "hit");
+
 impl Outcome {
     /// Whether the ray meets the triangle.
     #[must_use]
     pub fn is_hit(self) -> bool {
         self != Self::Missed
-    }
-
-    /// The displayed name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Missed => "missed",
-            Self::NotNearest => "hit, not the nearest",
-            Self::Nearest => "hit",
-        }
     }
 }
 

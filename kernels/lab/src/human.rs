@@ -24,15 +24,34 @@ pub fn digits(value: f64) -> String {
 /// A whole number with commas between thousands.
 #[must_use]
 pub fn thousands(value: f64) -> String {
-    let text = format!("{:.0}", value.abs());
+    let sign = if value < 0.0 { "−" } else { "" };
+    format!("{sign}{}", in_groups(&format!("{:.0}", value.abs())))
+}
+
+/// A count with commas between thousands.
+#[must_use]
+pub fn grouped(count: u64) -> String {
+    in_groups(&count.to_string())
+}
+
+/// Digits in groups of three.
+fn in_groups(digits: &str) -> String {
     let mut out = String::new();
-    for (i, digit) in text.chars().enumerate() {
-        if i > 0 && (text.len() - i).is_multiple_of(3) {
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             out.push(',');
         }
         out.push(digit);
     }
-    if value < 0.0 { format!("−{out}") } else { out }
+    out
+}
+
+/// 1, 2 or 5 times a power of ten, and at least this: a step of an axis.
+#[must_use]
+pub fn round_up(least: f64) -> f64 {
+    let least = if least.is_finite() { least.max(1e-12) } else { 1.0 };
+    let power = 10f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0].map(|m| m * power).into_iter().find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(10.0 * power)
 }
 
 /// A time in the unit that suits it: "120 ns", "4.4 ms".
@@ -91,10 +110,18 @@ mod tests {
     }
 
     #[test]
+    fn steps_of_axes_are_rounded_up() {
+        assert_eq!([0.3, 1.0, 1.2, 4.0, 6.0, 70.0].map(round_up), [0.5, 1.0, 2.0, 5.0, 10.0, 100.0]);
+        assert!(round_up(f64::NAN) > 0.0 && round_up(0.0) > 0.0);
+    }
+
+    #[test]
     fn numbers_have_few_digits_and_the_unit_that_suits_them() {
         let shown = [0.0, 0.0001234, 0.5, 1.0, 3.15159, 42.0, 120.4, 36864.0, -1516200000.0, 1e-9];
         let expected = ["0", "0.000123", "0.5", "1", "3.15", "42", "120", "36,864", "−1,516,200,000", "1.0e-9"];
         assert_eq!(shown.map(digits), expected);
+        let counts = [0, 12, 999, 1000, 262_144, 1_000_000, u64::MAX].map(grouped);
+        assert_eq!(counts, ["0", "12", "999", "1,000", "262,144", "1,000,000", "18,446,744,073,709,551,615"]);
         assert_eq!(
             [120.3, 4.43e6, 1.5162e9, 0.5, 23681.6].map(time),
             ["120 ns", "4.43 ms", "1.52 s", "0.5 ns", "23.7 µs"]

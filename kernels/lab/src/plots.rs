@@ -25,6 +25,7 @@ pub use forest::Forest;
 pub use frame::Frame;
 pub use lines::{Panel, Plot};
 use picture::{BLACK, Color, GRID, Picture, WHITE};
+use raystep_kernels::named;
 
 /// Where a plot is shown: its width, and the size of its texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,19 +43,11 @@ const PAPER: f64 = 0.62;
 /// Points of a pixel of a page.
 const SCREEN: f64 = 0.75;
 
+named!(Format, Screen "screen", OneColumn "one-column", TwoColumns "two-columns");
+
 impl Format {
     /// Those for papers.
     pub const PAPER: [Self; 2] = [Self::OneColumn, Self::TwoColumns];
-
-    /// Part of a file's name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Screen => "screen",
-            Self::OneColumn => "one-column",
-            Self::TwoColumns => "two-columns",
-        }
-    }
 
     /// Width in units, of a plot that is so wide on a screen.
     fn width(self, screen: f64) -> f64 {

@@ -290,9 +290,7 @@ impl Report {
         let of_record = recorded.iter().map(|(file, what, table)| (*file, *what, table));
         let tables: Vec<(&'static str, &'static str, &Table)> = of_sections.chain(of_record).collect();
         for (file, _, table) in &tables {
-            let mut csv = Vec::new();
-            table.write(&mut csv)?;
-            files.push(((*file).to_owned(), csv));
+            files.push(((*file).to_owned(), table.csv()?));
         }
         let mut resources = vec![Resource { file: ABOUT, what: "a fact about the report", columns: ABOUT_COLUMNS }];
         resources.extend(tables.iter().map(|(file, what, table)| Resource { file, what, columns: table.columns }));
@@ -318,9 +316,7 @@ impl Report {
                 add(&scene.name, "file_rays", &rays.to_string());
             }
         }
-        let mut file = Vec::new();
-        table.write(&mut file)?;
-        Ok(file)
+        table.csv()
     }
 }
 

@@ -33,7 +33,7 @@ mod table;
 
 use std::sync::Arc;
 
-use raystep_kernels::{Device, Gpu, Plan};
+use raystep_kernels::{Device, Gpu, Plan, named};
 use serde::{Deserialize, Serialize};
 use web_time::Instant;
 
@@ -64,34 +64,17 @@ pub enum Group {
     Pipelines,
 }
 
-impl Group {
-    /// All, in the order in which they are run and shown.
-    pub const ALL: [Self; 8] = [
-        Self::Adapter,
-        Self::Arithmetic,
-        Self::Tracing,
-        Self::Hits,
-        Self::Building,
-        Self::Extremes,
-        Self::Drawing,
-        Self::Pipelines,
-    ];
-
-    /// Its heading.
-    #[must_use]
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Adapter => "The adapter",
-            Self::Arithmetic => "Arithmetic",
-            Self::Tracing => "Kernels that trace rays, against their CPU references",
-            Self::Hits => "Hits of all structures and schedules",
-            Self::Building => "Kernels that build grids, against their CPU references",
-            Self::Extremes => "Extreme cases, against f64 brute force",
-            Self::Drawing => "Kernels as fragment programs, against their CPU references",
-            Self::Pipelines => "Pipelines compiled from one source",
-        }
-    }
-}
+named!(
+    Group,
+    Adapter "The adapter",
+    Arithmetic "Arithmetic",
+    Tracing "Kernels that trace rays, against their CPU references",
+    Hits "Hits of all structures and schedules",
+    Building "Kernels that build grids, against their CPU references",
+    Extremes "Extreme cases, against f64 brute force",
+    Drawing "Kernels as fragment programs, against their CPU references",
+    Pipelines "Pipelines compiled from one source"
+);
 
 /// What is known of a check. The later of two outweighs the earlier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -109,19 +92,7 @@ pub enum Verdict {
     Wrong,
 }
 
-impl Verdict {
-    /// Its name in the table.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::NotApplicable => "n/a",
-            Self::Information => "info",
-            Self::Right => "right",
-            Self::NotRun => "not run",
-            Self::Wrong => "WRONG",
-        }
-    }
-}
+named!(Verdict, NotApplicable "n/a", Information "info", Right "right", NotRun "not run", Wrong "WRONG");
 
 /// Something that is right, wrong or a property of an adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ mod warps;
 use raystep_kernels::programs;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
-use raystep_kernels::{Kernel, StreamData};
+use raystep_kernels::{Kernel, StreamData, named};
 
 pub use lanes::{LANES, Lanes, Launch};
 pub use warps::{NO_RAY, PassLanes, Survey, WIDTHS, Warp, threads};
@@ -23,20 +23,7 @@ pub enum Measure {
     Sum,
 }
 
-impl Measure {
-    /// Every measure.
-    pub const ALL: [Self; 3] = [Self::Cells, Self::Triangles, Self::Sum];
-
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Cells => "cells",
-            Self::Triangles => "triangles",
-            Self::Sum => "sum",
-        }
-    }
-}
+named!(Measure, Cells "cells", Triangles "triangles", Sum "sum");
 
 /// How often kernels worked on each ray, derived from states: for runs without the `counters` stream, with one step per
 /// pass.

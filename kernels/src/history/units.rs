@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::{RayState, Trace};
+use crate::numbers::named::named;
 use crate::scene_data::SceneData;
 
 /// Words of a reason after which a number is a t.
@@ -19,16 +20,9 @@ pub enum Units {
     Scene,
 }
 
-impl Units {
-    /// Their name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Traced => "traced units",
-            Self::Scene => "scene units",
-        }
-    }
+named!(Units, Traced "traced units", Scene "scene units");
 
+impl Units {
     /// What a t in them is called.
     #[must_use]
     pub fn t_name(self) -> &'static str {

@@ -16,7 +16,7 @@ impl ParseOptionError {
     }
 }
 
-/// Converts an enum's values from and to their names, for people and for serde.
+/// Names an enum's values: lists them, and with a list of the names for errors, also reads them, for people and for serde.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! named {
@@ -45,6 +45,17 @@ macro_rules! named {
             }
         }
         $crate::named_serde!($type);
+    };
+    ($type:ident, $($variant:ident $name:literal),*) => {
+        impl $type {
+            /// Every value.
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
+            /// Its name for people, and in tables.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),* }
+            }
+        }
     };
 }
 pub(crate) use named;

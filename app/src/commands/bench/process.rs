@@ -8,8 +8,7 @@ use std::time::Duration;
 use raystep_lab::bench::{Announced, RunRow};
 
 use super::protocol::{Answer, PROTOCOL, Request};
-use crate::error::Error;
-use crate::output::reason;
+use crate::error::{Error, reason};
 use crate::process::{self, Silence};
 
 /// How long to wait for answers.

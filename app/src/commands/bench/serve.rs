@@ -8,8 +8,7 @@ use raystep_lab::meter::Meter;
 use super::protocol::{Answer, PROTOCOL, Request};
 use super::{BenchArgs, read_scenes};
 use crate::device;
-use crate::error::Error;
-use crate::output::reason;
+use crate::error::{Error, reason};
 use crate::terminal::Progress;
 
 pub(super) fn run(args: &BenchArgs) -> Result<(), Error> {

@@ -9,8 +9,8 @@ use raystep_kernels::named;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use crate::error::Error;
-use crate::output::{Stream, reason};
+use crate::error::{Error, reason};
+use crate::output::Stream;
 
 /// `--output-format`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

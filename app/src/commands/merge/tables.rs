@@ -10,9 +10,9 @@ use serde_json::{Map, Value};
 
 use super::{MergeArgs, Placed};
 use crate::commands::json_text;
-use crate::error::Error;
-use crate::output::{TargetFolder, reason};
-use crate::scene_file::read_file;
+use crate::error::{Error, reason};
+use crate::output::TargetFolder;
+use crate::scene_file::bytes_of;
 use crate::shard;
 use crate::terminal::Progress;
 
@@ -23,7 +23,7 @@ const MOST_BYTES: u64 = 1 << 32;
 pub(super) fn merge(args: &MergeArgs, parts: &[Placed], progress: &Progress) -> Result<(), Error> {
     let mut names = BTreeSet::new();
     for Placed { folder, .. } in parts {
-        let files = fs::read_dir(folder).map_err(|e| Error::failed(format!("{}: {}", folder.display(), reason(&e))))?;
+        let files = fs::read_dir(folder).map_err(|e| Error::at(folder, reason(&e)))?;
         names.extend(files.flatten().filter_map(|file| file.file_name().into_string().ok()));
     }
     names.remove(shard::FILE);
@@ -44,7 +44,7 @@ pub(super) fn merge(args: &MergeArgs, parts: &[Placed], progress: &Progress) -> 
                 }
                 "html" => {
                     for placed in &of {
-                        let bytes = read(&placed.folder.join(name))?;
+                        let bytes = bytes_of(&placed.folder.join(name), MOST_BYTES)?;
                         let stem = name.trim_end_matches(".html");
                         let name = format!("{stem}-{}-of-{}.html", placed.part.shard.index, placed.part.shard.of);
                         out.write(&name, |file| file.write_all(&bytes))?;
@@ -64,17 +64,13 @@ pub(super) fn merge(args: &MergeArgs, parts: &[Placed], progress: &Progress) -> 
     Ok(())
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, Error> {
-    read_file(path, MOST_BYTES).map_err(|e| Error::failed(format!("{}: {e}", path.display())))
-}
-
 /// The rows of all parts in their order. Records end in CR LF (RFC 4180), and no header has a line break.
 fn csv(of: &[&Placed], name: &str) -> Result<Vec<u8>, Error> {
     let mut all: Vec<u8> = Vec::new();
     let mut header_of: Option<(Vec<u8>, &Path)> = None;
     for placed in of {
         let path = placed.folder.join(name);
-        let bytes = read(&path)?;
+        let bytes = bytes_of(&path, MOST_BYTES)?;
         let end = bytes.windows(2).position(|pair| pair == b"\r\n").map_or(bytes.len(), |at| at + 2);
         let (header, rows) = bytes.split_at(end);
         match &header_of {
@@ -101,7 +97,7 @@ fn json(of: &[&Placed], name: &str) -> Result<Value, Error> {
     for placed in of {
         let path = placed.folder.join(name);
         let wrong = |e| Error::failed(format!("{}: not valid JSON: {e}", path.display()));
-        values.push(serde_json::from_slice::<Value>(&read(&path)?).map_err(wrong)?);
+        values.push(serde_json::from_slice::<Value>(&bytes_of(&path, MOST_BYTES)?).map_err(wrong)?);
     }
     if name != package::FILE {
         let mut all = values.first().cloned().unwrap_or_default();

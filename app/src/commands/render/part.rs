@@ -12,7 +12,7 @@ use serde_json::json;
 
 use super::{RenderArgs, encode_png};
 use crate::error::Error;
-use crate::output::{Folder, Target, reason, write};
+use crate::output::{Folder, Target, write};
 use crate::scene_file::{hashed, read_file};
 use crate::session::{Running, Session};
 use crate::shard::{self, Part, Picture, Shard};
@@ -147,9 +147,7 @@ fn open(folder: &Path, part: &Part) -> Result<(), Error> {
     match Folder::find(folder)? {
         Folder::Full => return Err(Error::failed(format!("{at} is not empty: choose another folder"))),
         Folder::Empty => {}
-        Folder::Missing => {
-            fs::create_dir(folder).map_err(|e| Error::failed(format!("cannot write {at}: {}", reason(&e))))?
-        }
+        Folder::Missing => fs::create_dir(folder).map_err(|e| Error::cannot_write(folder, &e))?,
     }
     write(vec![(Target::new(&folder.join(shard::FILE))?, text.into_bytes())])
 }

@@ -10,7 +10,7 @@ use sha2::{Digest as _, Sha256};
 use crate::commands::input::Input;
 use crate::error::Error;
 use crate::output::zipped;
-use crate::scene_file::{file_of, name_in_folder, read_file};
+use crate::scene_file::{bytes_of, file_of, name_in_folder};
 
 /// Describes the bundle; the only file that is not listed in it.
 pub(super) const MANIFEST: &str = "manifest.json";
@@ -120,7 +120,7 @@ pub(super) fn zip(
     for (option, path) in contents.options {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let place = format!("inputs/{}/{name}", option.trim_start_matches('-'));
-        let bytes = read_file(path, max_memory).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
+        let bytes = bytes_of(path, max_memory)?;
         files.push((place.clone(), bytes));
         options.push((option.to_owned(), place));
     }
@@ -164,7 +164,7 @@ fn scene_files(index: usize, input: &Input, max_memory: u64) -> Result<Vec<(Stri
             Err(_) if *path == scene => name_in_folder(path),
             Err(_) => return Err(outside()),
         };
-        let bytes = read_file(path, max_memory).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
+        let bytes = bytes_of(path, max_memory)?;
         let entry = (format!("inputs/{index}/{within}"), bytes);
         if *path == scene { all.insert(0, entry) } else { all.push(entry) }
     }

@@ -27,7 +27,7 @@ pub(super) fn run(bundle: &Path, max_memory: u64, progress: &Progress) -> Result
     let at = bundle.display();
     let cannot = |reason: &dyn std::fmt::Display| Error::failed(format!("--verify {at}: {reason}"));
     progress.stage("checking the bundle");
-    let file = File::open(bundle).map_err(|e| cannot(&crate::output::reason(&e)))?;
+    let file = File::open(bundle).map_err(|e| cannot(&crate::error::reason(&e)))?;
     let mut zip = ZipArchive::new(file).map_err(|e| cannot(&format!("it is not a bundle of a report: {e}")))?;
     if zip.len() > MOST_FILES {
         return Err(cannot(&format!("it has more than {MOST_FILES} files")));
@@ -130,7 +130,7 @@ fn extract(manifest: &Manifest, zip: &mut ZipArchive<File>, folder: &Path, max_m
         let target = folder.join(relative);
         let parent = crate::output::folder_of(&target);
         let written = fs::create_dir_all(parent).and_then(|()| fs::write(&target, contents));
-        written.map_err(|e| format!("cannot extract {path}: {}", crate::output::reason(&e)))?;
+        written.map_err(|e| format!("cannot extract {path}: {}", crate::error::reason(&e)))?;
     }
     Ok(())
 }

@@ -15,8 +15,8 @@ use super::file::{Definition, IDENTITY};
 use super::job::{self, Done};
 use super::plan::Job;
 use crate::commands::json_text;
-use crate::error::Error;
-use crate::output::{self, Folder, Target, reason};
+use crate::error::{Error, reason};
+use crate::output::{self, Folder, Target};
 use crate::scene_file::read_file;
 use crate::terminal::Progress;
 
@@ -60,7 +60,6 @@ enum Event {
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Line {
-    Started { name: String },
     Done { name: String, folder: PathBuf },
     Failed { name: String, message: String },
 }
@@ -69,7 +68,7 @@ impl Place {
     /// Opens a folder that is new, empty, or of this sweep.
     pub(super) fn open(path: &Path, sweep: &Definition) -> Result<Self, Error> {
         let at = path.display();
-        let cannot = |e: std::io::Error| Error::failed(format!("cannot write {at}: {}", reason(&e)));
+        let cannot = |e: std::io::Error| Error::cannot_write(path, &e);
         let text = json_text(&json!({ "kind": KIND, "schema_version": 1, "sweep": sweep.identity }))?;
         Self::expect_free(path, sweep, &text)?;
         match fs::create_dir(path) {
@@ -96,7 +95,7 @@ impl Place {
     /// Refuses a folder with anything else than this sweep, whose description is `text`.
     fn expect_free(path: &Path, sweep: &Definition, text: &str) -> Result<(), Error> {
         let at = path.display();
-        let cannot = |e: std::io::Error| Error::failed(format!("cannot write {at}: {}", reason(&e)));
+        let cannot = |e: std::io::Error| Error::cannot_write(path, &e);
         if Folder::find(path)? != Folder::Full {
             return Ok(());
         }
@@ -201,7 +200,6 @@ impl Place {
     /// What a line says.
     fn take(&self, line: &str, jobs: &[&Job], events: &Sender<Event>) {
         let event = match serde_json::from_str(line) {
-            Ok(Line::Started { name }) => Event::Started(name),
             Ok(Line::Failed { name, message }) => Event::Ended(name, Err(message)),
             Ok(Line::Done { name, folder }) => {
                 let placed = jobs.iter().find(|job| job.name == name).map(|job| self.place(job, &folder));

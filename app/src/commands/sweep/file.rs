@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Arg, ArgAction, CommandFactory as _};
+use raystep_kernels::named;
 use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
 use crate::cli::Cli;
 use crate::error::Error;
-use crate::scene_file::read_file;
+use crate::scene_file::bytes_of;
 use crate::usage::{did_you_mean, or};
 
 /// Most bytes of the file.
@@ -58,18 +59,9 @@ pub(super) enum What {
     Render,
 }
 
+named!(What, Bench "bench", Stability "stability", Report "report", Render "render");
+
 impl What {
-    const ALL: [Self; 4] = [Self::Bench, Self::Stability, Self::Report, Self::Render];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Bench => "bench",
-            Self::Stability => "stability",
-            Self::Report => "report",
-            Self::Render => "render",
-        }
-    }
-
     pub(super) fn of(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|what| what.name() == name)
     }
@@ -114,7 +106,7 @@ impl Definition {
     /// Reads the file.
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let at = path.display();
-        let bytes = read_file(path, MOST_BYTES).map_err(|e| Error::failed(format!("{at}: {e}")))?;
+        let bytes = bytes_of(path, MOST_BYTES)?;
         let text = String::from_utf8(bytes).map_err(|_| Error::failed(format!("{at}: it is not UTF-8")))?;
         let table = DeTable::parse(&text).map_err(|e| {
             let before = text.get(..e.span().map_or(0, |span| span.start)).unwrap_or_default();
@@ -133,9 +125,8 @@ impl Definition {
         let what = table.get("what").ok_or_else(|| format!("what is missing: expected {}", or(&names)))?;
         let what =
             what.as_str().and_then(What::of).ok_or_else(|| format!("what = {what}: expected {}", quoted(&names)))?;
-        let options = OptionsOf(what);
         let shared = settings(table, "options")?;
-        let all = shared.iter().map(|(name, value)| options.setting("options", name, value));
+        let all = shared.iter().map(|(name, value)| what.setting("options", name, value));
         let all = all.collect::<Result<Vec<_>, _>>()?;
         let mut each = Vec::new();
         for (name, values) in settings(table, "each")? {
@@ -151,7 +142,7 @@ impl Definition {
             let Some(values) = values.as_array().filter(|values| !values.is_empty()) else {
                 return Err(format!("each.{name}: expected a list of values, such as [1, 2]"));
             };
-            let values = values.iter().map(|value| options.setting("each", name, value));
+            let values = values.iter().map(|value| what.setting("each", name, value));
             let values = values.collect::<Result<Vec<_>, _>>()?;
             if let Some((_, twice)) =
                 values.iter().enumerate().find(|(i, a)| values[..*i].iter().any(|b| a.words == b.words))
@@ -226,13 +217,10 @@ fn whole(table: &Map<String, Value>, key: &str, least: u64, most: u64) -> Result
     number.map(Some).ok_or_else(|| format!("{key} = {value}: expected an integer from {least} to {most}"))
 }
 
-/// The options of a command.
-struct OptionsOf(What);
-
-impl OptionsOf {
+impl What {
     /// The words for an option of this name and value.
-    fn setting(&self, table: &str, name: &str, value: &Value) -> Result<Setting, String> {
-        let (at, command) = (format!("{table}.{name}"), self.0.name());
+    fn setting(self, table: &str, name: &str, value: &Value) -> Result<Setting, String> {
+        let (at, command) = (format!("{table}.{name}"), self.name());
         if matches!(name, "output" | "force" | "quiet" | "shard" | "summary-json") {
             return Err(format!("{at}: a sweep sets --{name} itself; omit it"));
         }

@@ -19,8 +19,8 @@ use super::plan::Job;
 use crate::commands::json_text;
 use crate::commands::merge::{self, MergeArgs};
 use crate::error::Error;
-use crate::output::{self, Target, reason};
-use crate::scene_file::read_file;
+use crate::output::{self, Target};
+use crate::scene_file::bytes_of;
 use crate::shard::{self, Part};
 
 const RESULTS: &str = "results.csv";
@@ -156,24 +156,13 @@ fn images(jobs: &[Job]) -> Vec<String> {
 }
 
 /// The columns that every row starts with.
-fn lead(
-    name: &str,
-    job: &Job,
-    scene: &str,
-    host: &str,
-    adapter: &str,
-    is_shared: Option<bool>,
-) -> Vec<(String, String)> {
+fn lead(name: &str, job: &Job, host: &str, adapter: &str, is_shared: Option<bool>) -> Vec<(String, String)> {
+    let field = |column: &str, field: &str| (column.to_owned(), field.to_owned());
+    let options =
+        job.each.iter().map(|(option, value)| (format!("option_{}", option.replace('-', "_")), value.clone()));
     let shared = is_shared.map(|is_shared| is_shared.to_string()).unwrap_or_default();
-    let mut fields: Vec<(&str, &str)> = vec![("job", name), ("scene", scene), ("host", host), ("adapter", adapter)];
-    let options: Vec<(String, &str)> = job
-        .each
-        .iter()
-        .map(|(option, value)| (format!("option_{}", option.replace('-', "_")), value.as_str()))
-        .collect();
-    fields.extend(options.iter().map(|(column, value)| (column.as_str(), *value)));
-    fields.push(("is_shared", &shared));
-    fields.into_iter().map(|(column, field)| (column.to_owned(), field.to_owned())).collect()
+    let first = [field("job", name), field("scene", &job.scene), field("host", host), field("adapter", adapter)];
+    first.into_iter().chain(options).chain([field("is_shared", &shared)]).collect()
 }
 
 /// Adds the rows of a job.
@@ -190,15 +179,15 @@ fn add(table: &mut Table, job: &Job, done: &Done, place: &Place) -> Result<(), E
         if !path.exists() {
             continue;
         }
-        let bytes = read(&path)?;
-        let unreadable = |e: csv::Error| Error::failed(format!("{}: {e}", path.display()));
+        let bytes = bytes_of(&path, MOST_BYTES)?;
+        let unreadable = |e: csv::Error| Error::at(&path, e);
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let names = reader.headers().map_err(unreadable)?.clone();
         for record in reader.records() {
             let record = record.map_err(unreadable)?;
             let own: Vec<(&str, &str)> = names.iter().zip(record.iter()).collect();
             let of = |name: &str| own.iter().find(|(column, _)| *column == name).map_or("", |(_, field)| *field);
-            let mut fields = lead(&job.name, job, &job.scene, &done.host, of("adapter"), done.is_shared);
+            let mut fields = lead(&job.name, job, &done.host, of("adapter"), done.is_shared);
             fields.extend(section.map(|section| ("table".to_owned(), section.to_owned())));
             fields.extend(own.iter().map(|(column, field)| ((*column).to_owned(), (*field).to_owned())));
             table.add(fields);
@@ -210,14 +199,14 @@ fn add(table: &mut Table, job: &Job, done: &Done, place: &Place) -> Result<(), E
 /// Adds the row of an image.
 fn add_image(table: &mut Table, job: &Job, done: &Done, folder: &Path) -> Result<(), Error> {
     let file = format!("image.{}", job.format);
-    let summary: Value = serde_json::from_slice(&read(&folder.join(job::SUMMARY))?)
-        .map_err(|e| Error::failed(format!("{}: {e}", folder.join(job::SUMMARY).display())))?;
+    let at = folder.join(job::SUMMARY);
+    let summary: Value = serde_json::from_slice(&bytes_of(&at, MOST_BYTES)?).map_err(|e| Error::at(&at, e))?;
     let adapter = summary["adapter"]["name"].as_str().unwrap_or("cpu");
     let number = |value: &Value| if value.is_null() { String::new() } else { value.to_string() };
-    let mut fields = lead(&job.name, job, &job.scene, &done.host, adapter, done.is_shared);
+    let mut fields = lead(&job.name, job, &done.host, adapter, done.is_shared);
     let own = [
         ("image", format!("jobs/{}/{file}", job.name)),
-        ("image_hash", Hash::of(&read(&folder.join(&file))?).to_string()),
+        ("image_hash", Hash::of(&bytes_of(&folder.join(&file), MOST_BYTES)?).to_string()),
         ("trace_s", number(&summary["seconds"]["trace"])),
         ("job_s", done.job_s.to_string()),
         ("triangles", number(&summary["triangles"])),
@@ -268,8 +257,7 @@ fn merge_parts(image: &str, parts: &[&(&Job, Done)], place: &Place) -> Result<Pa
     let name = format!("{image}.{format}");
     let folders = parts.iter().map(|(job, _)| place.folder(&job.name).join("part")).collect();
     let images = place.path.join(IMAGES);
-    fs::create_dir_all(&images)
-        .map_err(|e| Error::failed(format!("cannot write {}: {}", images.display(), reason(&e))))?;
+    fs::create_dir_all(&images).map_err(|e| Error::cannot_write(&images, &e))?;
     merge::run(&MergeArgs::complete(folders, images.join(&name)))?;
     let so_far = place.path.join(SO_FAR);
     // The folder goes with its last file.
@@ -292,17 +280,13 @@ fn add_merged(
     let hosts = hosts.into_iter().collect::<Vec<_>>().join("; ");
     let adapters = adapters.into_iter().collect::<Vec<_>>().join("; ");
     let seconds: f64 = parts.iter().map(|(_, done)| done.job_s).sum();
-    let mut fields = lead(image, job, &job.scene, &hosts, &adapters, None);
+    let mut fields = lead(image, job, &hosts, &adapters, None);
     let own = [
         ("image", file.to_string_lossy().replace('\\', "/")),
-        ("image_hash", Hash::of(&read(&place.path.join(file))?).to_string()),
+        ("image_hash", Hash::of(&bytes_of(&place.path.join(file), MOST_BYTES)?).to_string()),
         ("job_s", seconds.to_string()),
     ];
     fields.extend(own.map(|(column, field)| (column.to_owned(), field)));
     table.add(fields);
     Ok(())
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, Error> {
-    read_file(path, MOST_BYTES).map_err(|e| Error::failed(format!("{}: {e}", path.display())))
 }

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{Read as _, Seek as _, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -13,11 +13,11 @@ use super::file::What;
 use super::owner::Owner;
 use super::plan::{Job, version};
 use crate::commands::json_text;
-use crate::error::Error;
+use crate::error::{Error, reason};
 use crate::interrupt;
-use crate::output::{TargetFolder, reason};
-use crate::process::this_program;
-use crate::scene_file::read_file;
+use crate::output::TargetFolder;
+use crate::process::{last_error, this_program};
+use crate::scene_file::{bytes_of, read_file};
 
 /// The file that says how a job ended. A folder with it is complete.
 pub(super) const FILE: &str = "job.json";
@@ -143,20 +143,14 @@ pub(super) fn child(words: &[OsString], lock: Option<File>) -> Result<(), Error>
     if status.success() {
         return Ok(());
     }
-    let mut text = Vec::new();
-    // What cannot be read is not shown.
-    let _ = errors.rewind().and_then(|()| (&errors).take(MOST_BYTES).read_to_end(&mut text));
-    let text = String::from_utf8_lossy(&text).into_owned();
-    let last = text.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("");
-    let last = last.strip_prefix("error: ").unwrap_or(last);
-    Err(Error::failed(if last.is_empty() { format!("it ended with {status}") } else { last.to_owned() }))
+    let last = last_error(&mut errors);
+    Err(Error::failed(if last.is_empty() { format!("it ended with {status}") } else { last }))
 }
 
 /// Runs a job of another process: `file` has it as JSON. Ends when that process does.
 pub(super) fn run_file(file: &Path, target: &Path) -> Result<(), Error> {
-    let at = file.display();
-    let bytes = read_file(file, MOST_BYTES).map_err(|e| Error::failed(format!("{at}: {e}")))?;
-    let job = serde_json::from_slice(&bytes).map_err(|e| Error::failed(format!("{at}: it is not a job: {e}")))?;
+    let bytes = bytes_of(file, MOST_BYTES)?;
+    let job = serde_json::from_slice(&bytes).map_err(|e| Error::at(file, format!("it is not a job: {e}")))?;
     std::thread::spawn(|| {
         // The pipe closes when its writer has ended, however it ended.
         let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());

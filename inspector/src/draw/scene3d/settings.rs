@@ -1,6 +1,7 @@
 //! Settings of the 3D view.
 
 use serde::{Deserialize, Serialize};
+use smart_default::SmartDefault;
 
 /// How the scene's triangles are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,55 +18,46 @@ pub enum TriangleStyle {
 }
 
 /// Settings of the 3D view.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
 #[serde(default)]
 pub struct Settings {
     /// The scene's triangles.
     pub triangles: TriangleStyle,
     /// Darker edges on triangles that are not drawn as wireframe.
+    #[default(true)]
     pub edges: bool,
     /// The box of the grid or of the BVH's root.
+    #[default(true)]
     pub bounds: bool,
     /// The cells or nodes visited.
+    #[default(true)]
     pub visited: bool,
     /// Nodes whose boxes the ray missed.
     pub missed_nodes: bool,
     /// Where the ray crosses planes, and where it would leave its cell along each axis.
+    #[default(true)]
     pub crossings: bool,
     /// Triangles tested.
+    #[default(true)]
     pub tested: bool,
     /// The ray and its hit.
+    #[default(true)]
     pub ray: bool,
     /// The camera that generates the rays.
+    #[default(true)]
     pub camera: bool,
     /// The directions of x, y and z, beside a lower corner of the scene.
+    #[default(true)]
     pub axes: bool,
     /// Whether triangles between the eye and the walk are cut away.
+    #[default(true)]
     pub cut: bool,
     /// Width of the thinnest lines.
+    #[default(1.25)]
     pub line_width_px: f32,
     /// Light on dark.
+    #[default(true)]
     pub is_dark: bool,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            triangles: TriangleStyle::default(),
-            edges: true,
-            bounds: true,
-            visited: true,
-            missed_nodes: false,
-            crossings: true,
-            tested: true,
-            ray: true,
-            camera: true,
-            axes: true,
-            cut: true,
-            line_width_px: 1.25,
-            is_dark: true,
-        }
-    }
 }
 
 impl Settings {

@@ -55,7 +55,7 @@ impl Server {
     ) -> Result<(), Trouble> {
         self.say(Update::Progress("building and compiling", 0, 0));
         let settings = self.settled(settings);
-        let device = self.device(settings.device);
+        let device = self.devices.of(settings.device);
         if let (Device::Gpu(gpu), Some(clock)) = (&device, self.devices.clock) {
             gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;
         }
@@ -215,7 +215,7 @@ impl Server {
     /// A picture at a lower resolution; the run is left alone.
     pub(super) async fn glimpse(&mut self, settings: Settings) -> Result<(), Trouble> {
         let settings = self.settled(settings);
-        let device = self.device(settings.device);
+        let device = self.devices.of(settings.device);
         let mut report = self.reporter(GLIMPSING);
         let Some(run) = &mut self.run else { return Ok(()) };
         let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));

@@ -39,6 +39,7 @@ impl Histogram<'_> {
         let every = (LABEL / width).ceil().max(1.0) as usize;
         let hovered =
             response.hover_pos().map(|at| ((at.x - rect.left()) / width) as usize).filter(|&i| i < counts.len());
+        let (font, weak) = (FontId::proportional(11.0), ui.visuals().weak_text_color());
         for (i, &count) in counts.iter().enumerate() {
             let left = rect.left() + i as f32 * width;
             let top = field.bottom() - log_height(count, most) * (field.height() - 4.0);
@@ -52,13 +53,7 @@ impl Histogram<'_> {
                 let is_rest = self.is_open && i + 1 == self.counts.len();
                 let text = if is_rest { format!("{i}+") } else { i.to_string() };
                 let at = pos2(left + 0.5 * width.min(LABEL), rect.bottom());
-                painter.text(
-                    at,
-                    Align2::CENTER_BOTTOM,
-                    text,
-                    FontId::proportional(11.0),
-                    ui.visuals().weak_text_color(),
-                );
+                painter.text(at, Align2::CENTER_BOTTOM, text, font.clone(), weak);
             }
         }
         let text = format!("{}: {} bars, the highest {most}", self.name, counts.len());

@@ -14,6 +14,7 @@ use raystep_lab::reporter::Reporter;
 use raystep_lab::subject::Subject;
 use raystep_scenes::Scene;
 use serde::{Deserialize, Serialize};
+use smart_default::SmartDefault;
 
 use crate::command::Command;
 use crate::session::Model;
@@ -74,16 +75,11 @@ impl Of {
 }
 
 /// What is asked for.
-#[derive(Clone, Copy, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Copy, Deserialize, PartialEq, Serialize, SmartDefault)]
 struct Asked {
     is_thorough: bool,
+    #[default(report::SECONDS[0])]
     seconds: u32,
-}
-
-impl Default for Asked {
-    fn default() -> Self {
-        Self { is_thorough: false, seconds: report::SECONDS[0] }
-    }
 }
 
 /// An answer as far as it is known, from the engine's task.

@@ -12,6 +12,7 @@ use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::state::States;
 use raystep_kernels::{Stream, StreamData};
 use raystep_lab::text::counted;
+use smart_default::SmartDefault;
 
 use crate::command::Command;
 use crate::draw::stream::{self, Colors, Meaning};
@@ -43,8 +44,11 @@ struct Drawn {
 }
 
 /// The comparison.
+#[derive(SmartDefault)]
 pub(in crate::ui) struct Compare {
+    #[default(streams::HIT)]
     stream: Stream,
+    #[default(2)]
     layer: usize,
     pictures: [Picture; 3],
     stills: [Still; 2],
@@ -53,21 +57,6 @@ pub(in crate::ui) struct Compare {
     reading: Option<Question>,
     counting: Option<Question>,
     found: Option<Counted>,
-}
-
-impl Default for Compare {
-    fn default() -> Self {
-        Self {
-            stream: streams::HIT,
-            layer: 2,
-            pictures: Default::default(),
-            stills: Default::default(),
-            drawn: [None; 3],
-            reading: None,
-            counting: None,
-            found: None,
-        }
-    }
 }
 
 impl Panel for Compare {

@@ -15,6 +15,7 @@ mod warps;
 
 use egui::{ScrollArea, Slider, Ui, vec2};
 use serde::{Deserialize, Serialize};
+use smart_default::SmartDefault;
 
 use super::table::{Table, version};
 use crate::command::{Command, PaneKind};
@@ -38,25 +39,18 @@ enum Section {
 }
 
 /// Saved: what is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
 #[serde(default)]
 struct Look {
     shown: Shown,
     section: Section,
     scale: Scale,
     /// Of the colours over the picture.
+    #[default(0.6)]
     opacity: f32,
     /// Even if the costs of the whole run are known.
     is_up_to_here: bool,
     width: Width,
-}
-
-impl Default for Look {
-    fn default() -> Self {
-        let (shown, section) = (Shown::default(), Section::default());
-        let (scale, width) = (Scale::default(), Width::default());
-        Self { shown, section, scale, opacity: 0.6, is_up_to_here: false, width }
-    }
 }
 
 /// The panel.

@@ -10,11 +10,11 @@ use std::sync::Arc;
 use egui::{Button, Color32, ScrollArea, Sense, Shape, Stroke, Ui, vec2};
 use plot::{Curve, Plot};
 use raystep_kernels::{Options, Plan, Renderer};
+use raystep_lab::human::grouped;
 use raystep_lab::judge::{Judgement, judge_passes};
 use raystep_lab::reference::Verdict;
 use raystep_lab::statistics::proportion::exact_interval;
 use raystep_lab::text::counted;
-use scales::grouped;
 
 use crate::command::Command;
 use crate::session::judged::why_not;

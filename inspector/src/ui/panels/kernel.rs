@@ -13,6 +13,7 @@ use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::interpret::MOST_SITES;
 use serde::{Deserialize, Serialize};
+use smart_default::SmartDefault;
 
 use crate::branches::Branch;
 use crate::command::Command;
@@ -27,18 +28,12 @@ use listing::Listing;
 use run::{OneRay, PassKey, Runs};
 
 /// What of the view is saved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, SmartDefault)]
 #[serde(default)]
 struct Look {
-    /// Show the composed source instead of the kernel's own files.
+    /// Show the composed source instead of the kernel's own files: the branch that decided is often in a shared function.
+    #[default(true)]
     composed: bool,
-}
-
-impl Default for Look {
-    /// The branch that decided is often in a shared function.
-    fn default() -> Self {
-        Self { composed: true }
-    }
 }
 
 /// Key of the displayed lines.

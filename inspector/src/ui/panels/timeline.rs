@@ -17,6 +17,7 @@ use bands::Bands;
 use columns::Columns;
 use egui::{EventFilter, FontId, Key, Modifiers, Rect, Response, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use flags::Flags;
+use raystep_lab::human::round_up;
 use raystep_lab::text::counted;
 use serde::{Deserialize, Serialize};
 use ticks::{Mark, Tick, Ticks};
@@ -290,7 +291,7 @@ fn feet(ui: &Ui, field: Rect, axis: &Axis, scale: Scale) {
     let bottom = ui.max_rect().bottom();
     let (ink, font) = (ui.visuals().text_color(), FontId::proportional(SMALLEST));
     let painter = ui.painter();
-    let step = axis::round_up(axis.total * LABEL / f64::from(field.width().max(1.0)));
+    let step = round_up(axis.total * LABEL / f64::from(field.width().max(1.0)));
     let label = |part: f64, text: String| {
         let x = field.left() + (part * f64::from(field.width())) as f32;
         let galley = painter.layout_no_wrap(text, font.clone(), ink);

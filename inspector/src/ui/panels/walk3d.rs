@@ -15,6 +15,7 @@ use egui::{Rect, Sense, vec2};
 use glam::DVec2;
 use raystep_scenes::Scene;
 use serde::{Deserialize, Serialize};
+use smart_default::SmartDefault;
 
 use super::picked;
 use super::walked::{Walked, describe, event_buttons, go_on};
@@ -32,10 +33,11 @@ use camera::Framed;
 use labels::{LabelStyle, Ready};
 
 /// The saved part of the view.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
 #[serde(default)]
 struct Look {
     settings: Settings,
+    #[default(true)]
     labels: bool,
     /// The scene that the camera was made for.
     scene: String,
@@ -45,13 +47,6 @@ struct Look {
     is_moved: bool,
     /// Trace the scene from this camera whenever it moves.
     traces: bool,
-}
-
-impl Default for Look {
-    fn default() -> Self {
-        let settings = Settings::default();
-        Self { settings, labels: true, scene: String::new(), camera: None, is_moved: false, traces: false }
-    }
 }
 
 /// The inputs that the picture was drawn from: it is only redrawn if they change.

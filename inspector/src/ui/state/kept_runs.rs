@@ -8,6 +8,7 @@ use std::sync::{Arc, Weak};
 
 use raystep_lab::Hash;
 use raystep_scenes::Scene;
+use smart_default::SmartDefault;
 
 use crate::runs::differ::{Aspect, COMPARING, Differences, job};
 use crate::runs::{Kept, Recipe, RunId, Runs};
@@ -44,6 +45,7 @@ pub(in crate::ui) struct Opening {
 }
 
 /// Kept runs, and what is done with them.
+#[derive(SmartDefault)]
 pub(in crate::ui) struct KeptRuns {
     pub(in crate::ui) runs: Runs,
     /// The run that others are compared with.
@@ -51,6 +53,7 @@ pub(in crate::ui) struct KeptRuns {
     /// The run that is compared with it.
     pub(in crate::ui) compared: Option<RunId>,
     pub(in crate::ui) aspect: Aspect,
+    #[default(crate::runs::spread::FEWEST_REPEATS)]
     pub(in crate::ui) repeats: usize,
     /// The user's notes about the session.
     pub(in crate::ui) notes: String,
@@ -84,32 +87,6 @@ pub(in crate::ui) struct KeptRuns {
 pub(in crate::ui) struct Expected {
     pub(in crate::ui) hash: String,
     pub(in crate::ui) of: &'static str,
-}
-
-impl Default for KeptRuns {
-    fn default() -> Self {
-        Self {
-            runs: Runs::default(),
-            reference: None,
-            compared: None,
-            aspect: Aspect::default(),
-            repeats: crate::runs::spread::FEWEST_REPEATS,
-            notes: String::new(),
-            asked: Vec::new(),
-            comparing: None,
-            found: None,
-            wants_next: false,
-            flipped: None,
-            textures: Textures::default(),
-            measurements: 0,
-            scene: None,
-            identifying: 0,
-            is_saving: false,
-            expected: None,
-            opening: None,
-            restoring: None,
-        }
-    }
 }
 
 impl KeptRuns {

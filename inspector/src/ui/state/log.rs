@@ -2,6 +2,7 @@
 
 use egui::Color32;
 use egui_notify::{Toast, ToastLevel, Toasts};
+use smart_default::SmartDefault;
 
 /// Most lines; the oldest are dropped.
 const MOST: usize = 1000;
@@ -22,6 +23,7 @@ pub struct LogLine {
 }
 
 /// The messages.
+#[derive(SmartDefault)]
 pub struct Log {
     /// The lines, oldest first.
     pub lines: Vec<LogLine>,
@@ -31,14 +33,8 @@ pub struct Log {
     pub place: usize,
     /// A clock in nanoseconds, and what it was at the start.
     pub clock: Option<(fn() -> u64, u64)>,
+    #[default(Toasts::default().with_anchor(egui_notify::Anchor::BottomRight))]
     pub(in crate::ui) toasts: Toasts,
-}
-
-impl Default for Log {
-    fn default() -> Self {
-        let toasts = Toasts::default().with_anchor(egui_notify::Anchor::BottomRight);
-        Self { lines: Vec::new(), dropped: 0, place: 0, clock: None, toasts }
-    }
 }
 
 impl Log {

@@ -1,7 +1,7 @@
 //! The results as text tables.
 
 use super::{OF_FILE, SummaryRow};
-use crate::human::thousands;
+use crate::human::grouped;
 use crate::statistics::Compared;
 use crate::text::aligned;
 
@@ -42,7 +42,7 @@ pub fn text(rows: &[SummaryRow], rays_file: Option<&str>) -> String {
 /// What the rows of a group have in common.
 fn title(row: &SummaryRow, rays_file: Option<&str>) -> String {
     let SummaryRow { scene, rays_kind, .. } = row;
-    let [triangles, rays] = [row.triangles, row.rays].map(|number| thousands(number as f64));
+    let [triangles, rays] = [row.triangles, row.rays].map(grouped);
     match (row.size(), rays_file) {
         (Some(size), _) => format!("{scene} ({triangles} triangles), {size}: {rays} {rays_kind} rays"),
         (None, Some(file)) => format!("{scene} ({triangles} triangles): {rays} rays of {file}"),

@@ -2,7 +2,7 @@
 
 use raystep_kernels::executor::cpu::OutOfMemory;
 use raystep_kernels::numbers::real::ulps;
-use raystep_kernels::{Kernel, Plan, Program, Stream};
+use raystep_kernels::{Kernel, Plan, Program, Stream, named};
 
 use crate::rounding::{Component, Judged, Verdict};
 
@@ -30,22 +30,9 @@ pub enum Class {
     Decision,
 }
 
+named!(Class, Rounding "rounding", Tie "tie", Precision "precision", Excess "excess", Decision "decision");
+
 impl Class {
-    /// Every class.
-    pub const ALL: [Self; 5] = [Self::Rounding, Self::Tie, Self::Precision, Self::Excess, Self::Decision];
-
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rounding => "rounding",
-            Self::Tie => "tie",
-            Self::Precision => "precision",
-            Self::Excess => "excess",
-            Self::Decision => "decision",
-        }
-    }
-
     /// One sentence about it.
     #[must_use]
     pub fn summary(self) -> &'static str {

@@ -116,7 +116,7 @@ fn triangle(scene: &Scene, random: &mut Random) -> [DVec3; 3] {
 }
 
 /// A point on an edge, where two triangles that share it must not both report a miss.
-fn on_edge(scene: &Scene, i: usize, random: &mut Random) -> DVec3 {
+pub(super) fn on_edge(scene: &Scene, i: usize, random: &mut Random) -> DVec3 {
     let corners = triangle(scene, random);
     let edge = random.below(3);
     let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
@@ -132,8 +132,7 @@ fn in_face(scene: &Scene, planes: &Planes, i: usize, random: &mut Random) -> DVe
     let mut point = DVec3::ZERO;
     for _ in 0..TRIES {
         let corners = triangle(scene, random);
-        let (u, v) = (random.unit(), random.unit());
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let (u, v) = random.in_triangle();
         point = corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v;
         let axis = random.below(3);
         let along = corners.map(|c| c[axis]);

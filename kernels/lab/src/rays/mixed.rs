@@ -4,6 +4,7 @@ use raystep_kernels::Ray;
 use raystep_scenes::Scene;
 
 use super::Random;
+use super::aimed::on_edge;
 
 /// A third each: from inside the scene's box, from outside towards it, and from points on the surface. Without
 /// triangles the last third starts inside.
@@ -27,8 +28,7 @@ pub fn mixed(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
                 return Ray::new(inside(&mut random), random.direction());
             };
             let corners = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
-            let (a, b) = (random.unit(), random.unit());
-            let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+            let (a, b) = random.in_triangle();
             let origin = corners[0] + (corners[1] - corners[0]) * a + (corners[2] - corners[0]) * b;
             Ray::new(origin.as_vec3().to_array(), random.direction())
         }
@@ -53,19 +53,11 @@ pub fn segments(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
 /// either side. None if there are no triangles.
 #[must_use]
 pub fn at_edges(scene: &Scene, origin: [f32; 3], count: usize, seed: u64) -> Vec<Ray> {
+    if scene.triangles.is_empty() {
+        return Vec::new();
+    }
     let mut random = Random::new(seed);
     let from = glam::Vec3::from(origin).as_dvec3();
-    let ray = |i: usize| {
-        let triangle = scene.triangles.get(random.below(scene.triangles.len()))?;
-        let corners = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
-        let edge = random.below(3);
-        let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
-        let along = match i % 4 {
-            0 => 0.0,
-            1 => 0.5,
-            _ => random.unit(),
-        };
-        Some(Ray::new(origin, (a + (b - a) * along - from).as_vec3().to_array()))
-    };
-    (0..count).map_while(ray).collect()
+    let ray = |i| Ray::new(origin, (on_edge(scene, i, &mut random) - from).as_vec3().to_array());
+    (0..count).map(ray).collect()
 }

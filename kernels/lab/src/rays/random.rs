@@ -45,6 +45,12 @@ impl Random {
         }
     }
 
+    /// Weights of the second and third corner of a triangle, uniform over its area.
+    pub fn in_triangle(&mut self) -> (f64, f64) {
+        let (u, v) = (self.unit(), self.unit());
+        if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) }
+    }
+
     /// Uniform on the unit sphere: Marsaglia, "Choosing a Point from the Surface of a Sphere", 1972. It needs neither
     /// sine nor cosine, which differ between machines.
     pub fn on_sphere(&mut self) -> DVec3 {

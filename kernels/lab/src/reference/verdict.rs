@@ -1,5 +1,7 @@
 //! Verdicts on rays, and their counts.
 
+use raystep_kernels::named;
+
 /// The verdict on one ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
@@ -15,19 +17,9 @@ pub enum Verdict {
     Wrong,
 }
 
-impl Verdict {
-    /// Its name in tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Same => "same",
-            Self::Tie => "undecided",
-            Self::Missed => "missed",
-            Self::False => "false_hit",
-            Self::Wrong => "wrong_hit",
-        }
-    }
+named!(Verdict, Same "same", Tie "undecided", Missed "missed", False "false_hit", Wrong "wrong_hit");
 
+impl Verdict {
     /// Whether it is an error; a tie is not.
     #[must_use]
     pub fn is_error(self) -> bool {

@@ -86,7 +86,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let found = slopes::medians(&rows, u64::from(work.seed()), |sampler| blank(sampler, "all-seeds"));
     rows.extend(found);
     rows.extend(timed(work, &mut part)?);
-    for of in Of::BOTH {
+    for of in Of::ALL {
         part.figure(of.name(), plots::errors(of, &rows), plots::error_caption(of, &rows));
     }
     part.figure("slopes", plots::local_slopes(&rows), plots::slope_caption(&rows));
@@ -209,7 +209,7 @@ impl Images<'_> {
                 return Ok(None);
             }
             let image = work.wait(renderer.image())?;
-            for (of, own) in Of::BOTH.into_iter().zip(reference.error) {
+            for (of, own) in Of::ALL.into_iter().zip(reference.error) {
                 let is_edge = (of == Of::Edges).then_some(reference.is_edge.as_slice());
                 let pixels = is_edge.map_or(image.pixels.len(), |is| is.iter().filter(|is| **is).count());
                 let row = work
@@ -260,7 +260,7 @@ fn timed(work: &Work<'_>, part: &mut Part) -> Result<Vec<Row>, Error> {
 }
 
 fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
-    for of in Of::BOTH {
+    for of in Of::ALL {
         for sampler in Sampler::ALL {
             let is_of = |row: &&Row| row.is(&[("sampler", sampler.name()), ("pixels", of.name())]);
             let of_quantity = |quantity: &'static str| of_quantity(rows, quantity).filter(is_of);

@@ -91,10 +91,7 @@ fn traced() -> Vec<Traced> {
 }
 
 pub(super) fn tracing() -> Vec<Step> {
-    let step = |traced: Traced| {
-        Step::new(Group::Tracing, traced.name(), &[ALL], move |bench| trace(bench, Group::Tracing, &traced))
-    };
-    traced().into_iter().map(step).collect()
+    steps(Group::Tracing, traced())
 }
 
 /// The paper's choices, and those that differ most from them, with every structure.
@@ -118,10 +115,12 @@ fn drawn() -> Vec<Traced> {
 }
 
 pub(super) fn drawing() -> Vec<Step> {
-    let step = |traced: Traced| {
-        Step::new(Group::Drawing, traced.name(), &[ALL], move |bench| trace(bench, Group::Drawing, &traced))
-    };
-    drawn().into_iter().map(step).collect()
+    steps(Group::Drawing, drawn())
+}
+
+fn steps(group: Group, all: Vec<Traced>) -> Vec<Step> {
+    let step = |traced: Traced| Step::new(group, traced.name(), &[ALL], move |bench| trace(bench, group, &traced));
+    all.into_iter().map(step).collect()
 }
 
 /// Compares a run, up to the first pass that is wrong.

@@ -1,7 +1,7 @@
 //! The table as text, in lines of at most 100 columns.
 
 use super::{Group, Results, Row, Totals, Verdict};
-use crate::human::thousands;
+use crate::human::grouped;
 use crate::text::counted;
 
 /// Longest line.
@@ -20,7 +20,7 @@ pub fn text(results: &Results) -> String {
     for group in Group::ALL {
         let rows: Vec<&Row> = rows.iter().filter(|row| row.group == group).collect();
         let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
-        text += &format!("{} ({:.1} s)\n", group.title(), results.seconds(group));
+        text += &format!("{} ({:.1} s)\n", group.name(), results.seconds(group));
         for row in rows {
             let head = format!("  {:<VERDICT$}  {:<width$}  ", row.verdict.name(), row.name);
             text += &wrapped(&head, &outcome(row));
@@ -35,7 +35,7 @@ pub fn text(results: &Results) -> String {
 pub fn details(results: &Results) -> String {
     let mut text = String::new();
     for row in results.rows().iter().filter(|row| !row.details.is_empty()) {
-        text += &format!("{}: {} ({})\n", row.group.title(), row.name, row.shows);
+        text += &format!("{}: {} ({})\n", row.group.name(), row.name, row.shows);
         row.details.iter().for_each(|line| text += &format!("  {line}\n"));
         text.push('\n');
     }
@@ -88,7 +88,7 @@ fn counts(row: &Row) -> String {
     let mut parts: Vec<String> = first.into_iter().flatten().collect();
     let others = [("tolerated", "differ by rounding"), ("undecided", "undecided"), ("differing", "differ in some bit")];
     for (name, words) in others {
-        parts.extend(number(name).map(|count| format!("{} {words}", thousands(count as f64))));
+        parts.extend(number(name).map(|count| format!("{} {words}", grouped(count))));
     }
     parts.join(", ")
 }
@@ -96,7 +96,7 @@ fn counts(row: &Row) -> String {
 fn plural(count: u64, noun: &str) -> String {
     let text = counted(count, noun);
     match text.split_once(' ') {
-        Some((_, noun)) => format!("{} {noun}", thousands(count as f64)),
+        Some((_, noun)) => format!("{} {noun}", grouped(count)),
         None => text,
     }
 }

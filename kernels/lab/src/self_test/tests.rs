@@ -107,7 +107,7 @@ fn the_table_is_at_most_100_columns_wide_and_ends_with_the_totals() {
     );
     let Totals { checks, not_run, .. } = results.totals();
     assert!(shown.ends_with(&format!("\n{checks} checks: 1 right, 1 wrong, {not_run} not run\n")), "{shown}");
-    assert!(Group::ALL.iter().all(|group| shown.contains(&format!("{} (", group.title()))));
+    assert!(Group::ALL.iter().all(|group| shown.contains(&format!("{} (", group.name()))));
     assert!(!shown.contains(&message), "a long message is cut");
     assert!(details(&results).contains(&message), "and complete among the details");
 }

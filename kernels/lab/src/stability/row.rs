@@ -1,5 +1,6 @@
 //! `stability.csv`: one row per case and configuration. Columns are described in [`crate::tidy::columns`].
 
+use raystep_kernels::named;
 use raystep_kernels::options::Numerics;
 use serde::Serialize;
 
@@ -135,6 +136,8 @@ impl Row {
     }
 }
 
+named!(Expected, Pass "pass", Fail "fail", Any "any");
+
 impl Expected {
     fn of(case: &Case, configuration: &Configuration, device: &DeviceName) -> Self {
         match configuration.numerics {
@@ -144,16 +147,6 @@ impl Expected {
                 Self::Fail
             }
             Numerics::Paper => Self::Any,
-        }
-    }
-
-    /// Its name in the column `expected`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pass => "pass",
-            Self::Fail => "fail",
-            Self::Any => "any",
         }
     }
 }

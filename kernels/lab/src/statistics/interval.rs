@@ -1,5 +1,6 @@
 //! Intervals of medians, and of ratios of times that were measured in pairs.
 
+use raystep_kernels::named;
 use statrs::function::beta::beta_reg;
 
 use super::{median, quantile};
@@ -15,16 +16,7 @@ pub enum Method {
     Bootstrap,
 }
 
-impl Method {
-    /// Its name in tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::OrderStatistics => "order_statistics",
-            Self::Bootstrap => "bootstrap",
-        }
-    }
-}
+named!(Method, OrderStatistics "order_statistics", Bootstrap "bootstrap");
 
 /// A confidence interval of a median.
 #[derive(Clone, Copy, Debug, PartialEq)]

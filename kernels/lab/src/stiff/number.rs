@@ -72,8 +72,7 @@ impl Predicted {
 /// A random point in a random triangle, in traced units.
 fn on_surface(data: &SceneData, random: &mut Random) -> [f64; 3] {
     let first = 9 * random.below(data.vertices.len() / 9);
-    let (u, v) = (random.unit(), random.unit());
-    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    let (u, v) = random.in_triangle();
     [0, 1, 2].map(|axis| {
         let [a, b, c] = [0, 3, 6].map(|corner| f64::from(data.vertices[first + corner + axis]));
         a + (b - a) * u + (c - a) * v

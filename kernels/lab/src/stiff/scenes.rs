@@ -40,8 +40,7 @@ fn on_edge(scene: &Scene, of: &Range<usize>, random: &mut Random) -> DVec3 {
 /// A random point in a random triangle.
 fn on_surface(scene: &Scene, random: &mut Random) -> DVec3 {
     let [a, b, c] = scene.triangles[random.below(scene.triangles.len())].map(vec);
-    let (u, v) = (random.unit(), random.unit());
-    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    let (u, v) = random.in_triangle();
     a + (b - a) * u + (c - a) * v
 }
 

@@ -8,6 +8,7 @@ mod of_passes;
 use of_kernels::OF_KERNELS;
 use of_options::OF_OPTIONS;
 use of_passes::OF_PASSES;
+use raystep_kernels::named;
 
 /// What a column's fields are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,18 +23,9 @@ pub enum Kind {
     Boolean,
 }
 
-impl Kind {
-    /// Its name in Frictionless Table Schema.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Text => "string",
-            Self::Integer => "integer",
-            Self::Number => "number",
-            Self::Boolean => "boolean",
-        }
-    }
+named!(Kind, Text "string", Integer "integer", Number "number", Boolean "boolean");
 
+impl Kind {
     /// Whether it can hold a field; an empty one is unknown and always can.
     #[must_use]
     pub fn holds(self, field: &str) -> bool {

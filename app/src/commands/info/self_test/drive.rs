@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::report::Private;
 use super::serve::Answer;
-use crate::output::reason;
+use crate::error::reason;
 use crate::process::{Process, Silence};
 use crate::terminal::Progress;
 

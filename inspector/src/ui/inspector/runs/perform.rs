@@ -1,6 +1,5 @@
 //! What commands and the panel do with kept runs.
 
-use raystep_kernels::Device;
 use raystep_lab::text::counted;
 
 use crate::runs::differ::{COMPARING, Differences};
@@ -9,7 +8,6 @@ use crate::runs::measure::{MEASURING, Measured, Subject, measure};
 use crate::runs::outcome::{KEEPING, Recorded, again, keep};
 use crate::runs::{Kept, RunId};
 use crate::session::request::Request;
-use crate::settings::DeviceKind;
 use crate::ui::inspector::Inspector;
 use crate::ui::state::kept_runs::{Asked, Question};
 
@@ -17,15 +15,6 @@ use crate::ui::state::kept_runs::{Asked, Question};
 pub(super) const RESTORING: &str = "restoring edits";
 
 impl Inspector {
-    fn device(&self, kind: DeviceKind) -> Device {
-        let clock = self.devices.clock;
-        match kind.on(&self.devices.gpu) {
-            DeviceKind::Auto | DeviceKind::Gpu => Device::Gpu(self.devices.gpu.clone()),
-            DeviceKind::Cpu => Device::Cpu(clock),
-            DeviceKind::CpuF64 => Device::CpuF64(clock),
-        }
-    }
-
     /// Keeps the open run: completes it if necessary, and returns.
     pub(in crate::ui) fn keep_run(&mut self) {
         let Some(opened) = &self.model.opened else { return };
@@ -166,7 +155,7 @@ impl Inspector {
                 let Some(kept) = self.of_open_scene(id) else { return };
                 let recipe = self.state.runs.runs.get(kept).map(|kept| kept.recipe.clone());
                 let Some(recipe) = recipe else { return };
-                let (device, clock) = (self.device(recipe.settings.device), self.devices.clock);
+                let (device, clock) = (self.devices.of(recipe.settings.device), self.devices.clock);
                 let most = self.state.runs.runs.budget();
                 self.model.ask(Request::Job(KEEPING, again(id, recipe, device, clock, most)));
             }
@@ -175,7 +164,7 @@ impl Inspector {
                 let runs = &self.state.runs.runs;
                 let subject = |id: &RunId| {
                     let recipe = runs.get(*id)?.recipe.clone();
-                    Some(Subject { id: *id, device: self.device(recipe.settings.device), recipe })
+                    Some(Subject { id: *id, device: self.devices.of(recipe.settings.device), recipe })
                 };
                 let subjects: Vec<Subject> = ids.iter().filter_map(subject).collect();
                 if subjects.is_empty() {

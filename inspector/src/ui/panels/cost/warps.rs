@@ -10,6 +10,7 @@ use egui::{Ui, vec2};
 use raystep_kernels::{Gpu, Kernel};
 use raystep_lab::work::{WIDTHS, Warp};
 use serde::{Deserialize, Serialize};
+use smart_default::SmartDefault;
 
 use super::lanes::LanesView;
 use crate::session::request::Request;
@@ -20,14 +21,8 @@ use chart::Bar;
 pub(super) use survey::{SURVEYING, Surveyed};
 
 /// The saved part: lanes per warp.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Width(usize);
-
-impl Default for Width {
-    fn default() -> Self {
-        Self(32)
-    }
-}
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, SmartDefault)]
+pub(super) struct Width(#[default(32)] usize);
 
 impl Width {
     /// As saved, if it is possible.

@@ -2,10 +2,11 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
 use raystep_kernels::Pass;
+use raystep_lab::human::grouped;
 use raystep_lab::judge::Judgement;
 use raystep_lab::text::counted;
 
-use super::scales::{Shares, Unit, grouped, percent};
+use super::scales::{Shares, Unit, percent};
 
 /// Points left of the plot area, for shares.
 const LEFT: f32 = 46.0;

@@ -1,20 +1,9 @@
 //! Axes: positions of shares and times, and tick marks.
 
+use raystep_lab::human::round_up;
+
 /// Points at the bottom of a logarithmic axis, between its smallest power of ten and zero.
 const TO_NONE: f32 = 14.0;
-
-/// A number with thousands separators.
-pub(super) fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
 
 /// A share in percent, with as many digits as necessary.
 pub(super) fn percent(share: f64) -> String {
@@ -105,13 +94,7 @@ impl Unit {
     /// 1, 2 or 5 times a power of ten.
     fn step(self, most: f64, count: usize) -> f64 {
         let least = most / self.of / count.max(1) as f64;
-        let least = if self == Self::PASSES { least.max(1.0) } else { least.max(1e-9) };
-        let power = 10f64.powf(least.log10().floor());
-        [1.0, 2.0, 5.0]
-            .map(|m| m * power)
-            .into_iter()
-            .find(|step| *step >= least * (1.0 - 1e-9))
-            .unwrap_or(10.0 * power)
+        round_up(if self == Self::PASSES { least.max(1.0) } else { least.max(1e-9) })
     }
 
     /// A time or number of passes, for reading.
@@ -130,11 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_and_shares_are_read_easily() {
-        assert_eq!(
-            [0, 12, 999, 1000, 262_144, 1_000_000].map(grouped),
-            ["0", "12", "999", "1,000", "262,144", "1,000,000"]
-        );
+    fn shares_are_read_easily() {
         let texts = [1.0, 0.25, 0.1, 0.01, 0.001, 1e-6, 0.0, 1.0 / 4096.0].map(percent);
         assert_eq!(texts, ["100%", "25%", "10%", "1%", "0.1%", "0.0001%", "0%", "0.024%"]);
     }

@@ -3,12 +3,13 @@
 use crate::ui::panels::zoom::Zoom;
 use raystep_kernels::Stream;
 use serde::{Deserialize, Serialize};
+use smart_default::SmartDefault;
 
 use crate::draw::stream::Colors;
 use crate::names::maybe_saved_stream;
 
 /// The saved part of a view.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
 #[serde(default)]
 pub(super) struct Look {
     /// `None` shows the image once it exists, and the rays' states before that.
@@ -17,6 +18,7 @@ pub(super) struct Look {
     /// `None` shows all components, if they are a colour.
     pub(super) layer: Option<usize>,
     pub(super) colors: Option<Colors>,
+    #[default(1.0)]
     pub(super) exposure: f32,
     /// Added to a colour.
     pub(super) offset: f32,
@@ -24,12 +26,6 @@ pub(super) struct Look {
     pub(super) range: Option<[f32; 2]>,
     #[serde(flatten)]
     pub(super) zoom: Zoom,
-}
-
-impl Default for Look {
-    fn default() -> Self {
-        Self { stream: None, layer: None, colors: None, exposure: 1.0, offset: 0.0, range: None, zoom: Zoom::default() }
-    }
 }
 
 impl Look {

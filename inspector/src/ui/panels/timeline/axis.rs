@@ -98,13 +98,6 @@ impl Axis {
     }
 }
 
-/// 1, 2 or 5 times a power of ten, and at least this.
-pub(super) fn round_up(least: f64) -> f64 {
-    let least = if least.is_finite() { least.max(1e-12) } else { 1.0 };
-    let power = 10f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0].map(|m| m * power).into_iter().find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(10.0 * power)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -159,11 +152,5 @@ mod tests {
         assert_eq!([(7, 0), (7, -1), (0, 1), (3, -1), (2, -1)].map(|(p, n)| walk.step(p, n)), [6, 5, 3, 2, 2]);
         let none = Axis::new(&[], Scale::Time, true);
         assert_eq!((none.step(5, 1), none.place_at(0.5), none.part_of(3), none.len()), (5, 0, 0.0, 0));
-    }
-
-    #[test]
-    fn the_steps_of_an_axis_are_round_numbers() {
-        assert_eq!([0.3, 1.0, 1.2, 4.0, 6.0, 70.0].map(round_up), [0.5, 1.0, 2.0, 5.0, 10.0, 100.0]);
-        assert!(round_up(f64::NAN) > 0.0 && round_up(0.0) > 0.0);
     }
 }

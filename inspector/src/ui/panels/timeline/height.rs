@@ -1,6 +1,6 @@
 //! The vertical axis: numbers of rays, linear or logarithmic.
 
-use super::axis::round_up;
+use raystep_lab::human::round_up;
 
 /// Points between two labels.
 const APART: f32 = 15.0;

@@ -41,6 +41,7 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
     }
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let (font, weak) = (FontId::proportional(11.0), ui.visuals().weak_text_color());
     let longest = kept.iter().filter_map(|c| c.ns).max().unwrap_or(0).max(1);
     let width = rect.width() / kept.len().max(1) as f32;
     for (i, column) in kept.iter().enumerate() {
@@ -51,26 +52,15 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
         let gap = if width > 4.0 { 1.0 } else { 0.0 };
         let Some(ns) = column.ns else {
             let middle = pos2(left + 0.5 * width, rect.bottom() - 6.0);
-            painter.text(
-                middle,
-                Align2::CENTER_CENTER,
-                if pass.below_ns().is_some() { "<" } else { "?" },
-                FontId::proportional(11.0),
-                ui.visuals().weak_text_color(),
-            );
+            let sign = if pass.below_ns().is_some() { "<" } else { "?" };
+            painter.text(middle, Align2::CENTER_CENTER, sign, font.clone(), weak);
             continue;
         };
         let top = rect.bottom() - part(ns, longest, is_log) * (rect.height() - 16.0);
         painter.rect_filled(Rect::from_min_max(pos2(left, top), pos2(left + width - gap, rect.bottom())), 0.0, color);
     }
     let scale = format!("{}{}", duration(longest), if is_log { ", logarithmic" } else { "" });
-    painter.text(
-        rect.left_top() + vec2(3.0, 1.0),
-        Align2::LEFT_TOP,
-        scale,
-        FontId::proportional(11.0),
-        ui.visuals().weak_text_color(),
-    );
+    painter.text(rect.left_top() + vec2(3.0, 1.0), Align2::LEFT_TOP, scale, font, weak);
     if let Some(current) = place.checked_sub(1) {
         let column = kept.partition_point(|c| c.first <= current).saturating_sub(1);
         let x = rect.left() + (column as f32 + 0.5) * width;

@@ -1,6 +1,6 @@
 //! Slopes of errors over samples, from the rows of the measured errors alone.
 
-use raystep_kernels::Sampler;
+use raystep_kernels::{Sampler, named};
 
 use crate::statistics::interval;
 use crate::statistics::{median, power_law};
@@ -18,17 +18,9 @@ pub(super) enum Of {
     Edges,
 }
 
+named!(Of, All "all", Edges "edges");
+
 impl Of {
-    pub(super) const BOTH: [Self; 2] = [Self::All, Self::Edges];
-
-    /// Its name in the column `pixels`.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::All => "all",
-            Self::Edges => "edges",
-        }
-    }
-
     pub(super) fn words(self) -> &'static str {
         match self {
             Self::All => "all pixels",
@@ -44,7 +36,7 @@ pub(super) fn of_quantity<'a>(rows: &'a [Row], quantity: &str) -> impl Iterator<
 
 /// Every sampler with every kind of pixels.
 fn groups() -> impl Iterator<Item = (&'static str, Of)> {
-    Sampler::ALL.iter().flat_map(|sampler| Of::BOTH.map(|of| (sampler.name(), of)))
+    Sampler::ALL.iter().flat_map(|sampler| Of::ALL.map(|of| (sampler.name(), of)))
 }
 
 /// The errors of a sampler.

@@ -1,7 +1,7 @@
 //! What is traced to compare kernels: generated scenes, since no file may be at hand.
 
 use raystep_kernels::options::mapping::Fragment;
-use raystep_kernels::{GridSize, Options, RaySource, Sampler, Samples};
+use raystep_kernels::{GridSize, Options, RaySource, Sampler, Samples, named};
 use raystep_scenes::{Camera, Scene, generate};
 
 use super::as_fragments;
@@ -22,16 +22,15 @@ pub(super) enum Place {
     Knot,
 }
 
-impl Place {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Room => "Cornell box",
-            Self::Segments => "Cornell box, any hit",
-            Self::Soup => "100 triangles from outside",
-            Self::Knot => "a knot in a large room",
-        }
-    }
+named!(
+    Place,
+    Room "Cornell box",
+    Segments "Cornell box, any hit",
+    Soup "100 triangles from outside",
+    Knot "a knot in a large room"
+);
 
+impl Place {
     /// In the room, a resolution at which the eye does not lie on a plane: there, f32 could not tell in which cell any
     /// ray begins.
     fn grid(self) -> GridSize {
