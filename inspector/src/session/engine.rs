@@ -203,7 +203,7 @@ impl Server {
     }
 
     fn device(&self, kind: DeviceKind) -> Device {
-        match kind.on(&self.devices.gpu) {
+        match kind {
             DeviceKind::Auto | DeviceKind::Gpu => Device::Gpu(self.devices.gpu.clone()),
             DeviceKind::Cpu => Device::Cpu(self.devices.clock),
             DeviceKind::CpuF64 => Device::CpuF64(self.devices.clock),

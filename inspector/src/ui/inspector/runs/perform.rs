@@ -19,7 +19,7 @@ pub(super) const RESTORING: &str = "restoring edits";
 impl Inspector {
     fn device(&self, kind: DeviceKind) -> Device {
         let clock = self.devices.clock;
-        match kind.on(&self.devices.gpu) {
+        match kind {
             DeviceKind::Auto | DeviceKind::Gpu => Device::Gpu(self.devices.gpu.clone()),
             DeviceKind::Cpu => Device::Cpu(clock),
             DeviceKind::CpuF64 => Device::CpuF64(clock),
