@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 use raystep_kernels::Choices;
 use raystep_kernels::options::mapping::{self, Mapping};
 use raystep_kernels::options::scene_data;
-use raystep_lab::Size;
+use raystep_lab::{Machine, Size};
 use raystep_scenes::LoadOptions;
 
 use crate::error::Error;
@@ -109,6 +109,15 @@ impl RunArgs {
     /// The choices of a run with this view.
     pub(crate) fn choices(&self, view: &ViewArgs) -> Choices {
         Choices { samples: view.samples.values.samples, ..self.tracing.values }
+    }
+
+    /// The same on a device: one that only draws has defaults of its own.
+    pub(crate) fn choices_on(&self, view: &ViewArgs, machine: &Machine) -> Choices {
+        let choices = self.choices(view);
+        match machine.gpu() {
+            Some(gpu) if !gpu.computes => choices.drawn(|name| self.tracing.has(name)),
+            _ => choices,
+        }
     }
 
     /// Refuses options that would have no effect, or do not go together.

@@ -10,7 +10,7 @@ use raystep_kernels::export::structure::Structure;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::renderer::CounterSums;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Options, RaySource, Renderer};
+use raystep_kernels::{Choices, Options, RaySource, Renderer};
 use raystep_lab::Machine;
 use raystep_lab::outside::{MISSES_ALL, misses_all};
 use raystep_scenes::Scene;
@@ -87,7 +87,17 @@ impl Session {
         let chosen = device::choose(&run.device())?;
         watch.lap("device");
         let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
-        let mut options = Options::new(rays).chosen(&run.choices(view));
+        let choices = run.choices_on(view, &chosen);
+        if choices != run.choices(view) {
+            let Choices { mapping, scene_data, schedule, .. } = choices;
+            progress.say(format_args!(
+                "note: {} has no compute shaders, so kernels are drawn: --mapping {} --scene-data {scene_data} \
+                 --schedule {schedule}",
+                chosen.name(),
+                mapping.name(),
+            ));
+        }
+        let mut options = Options::new(rays).chosen(&choices);
         adjust(&scene, &mut options);
         progress.stage("planning and building");
         let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;

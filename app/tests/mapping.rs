@@ -162,3 +162,36 @@ fn the_plan_lists_the_draws() {
     let computed = place.ok(&["plan", &scene, "--json"]).stdout;
     assert!(!computed.contains("draws"), "{computed}");
 }
+
+/// Where there are no compute shaders, nothing has to be asked for; what is asked for, and cannot be, is refused.
+#[test]
+#[cfg_attr(not(target_os = "linux"), ignore = "needs the OpenGL of Mesa, or another one with EGL")]
+fn an_adapter_that_only_draws_has_defaults_of_its_own() {
+    let place = Place::new();
+    let scene = cornell_box();
+    let render = |name, more: &[&'static str]| {
+        let on = ["render", &scene, "-o", name, "--size", "20x16", "--adapter", "opengl"];
+        place.ok(&[&on, more].concat()).stderr
+    };
+    let told = render("a.png", &[]);
+    let note =
+        "has no compute shaders, so kernels are drawn: --mapping fragment --scene-data textures --schedule second";
+    let notes: Vec<_> = told.lines().filter(|line| line.contains("compute shaders")).collect();
+    assert!(matches!(notes[..], [line] if line.starts_with("note: ") && line.ends_with(note)), "{told}");
+    let told = render("b.png", &["--mapping", "fragment", "--scene-data", "textures", "--schedule", "second"]);
+    assert!(!told.contains("compute shaders"), "{told}");
+    assert!(place.read("a.png") == place.read("b.png"), "the pictures differ");
+    let told = render("c.png", &["--schedule", "first", "--accelerator", "bvh", "--mapping", "fragment"]);
+    assert!(told.contains("--scene-data textures --schedule first"), "{told}");
+    let wants = "use --mapping fragment --scene-data textures";
+    for (refused, why) in [
+        (&["--mapping", "compute"][..], wants),
+        (&["--scene-data", "buffers"], wants),
+        (&["--mapping", "fragment", "--until", "count"], wants),
+        (&["--schedule", "compact"], "use --schedule second or first, not compact"),
+        (&["--spp", "2"], "takes one sample per pixel"),
+    ] {
+        let on = ["render", &scene, "-o", "d.png", "--size", "20x16", "--adapter", "opengl", "--quiet"];
+        place.fails(1, why, &[&on, refused].concat());
+    }
+}

@@ -41,11 +41,9 @@ impl DeviceKind {
     /// Every value that a run can have.
     pub const ALL: [Self; 3] = [Self::Gpu, Self::Cpu, Self::CpuF64];
 
-    /// Resolves `Auto`, and replaces a GPU that only draws.
-    #[must_use]
-    pub fn on(self, gpu: &Arc<Gpu>) -> Self {
+    /// Resolves `Auto`.
+    fn on(self, gpu: &Arc<Gpu>) -> Self {
         match self {
-            Self::Gpu if !gpu.computes => Self::Cpu,
             Self::Auto if Device::auto(gpu.clone(), None).is_gpu() => Self::Gpu,
             Self::Auto => Self::Cpu,
             chosen => chosen,
@@ -208,6 +206,35 @@ impl Settings {
             ray: given,
             ..Link::default()
         }
+    }
+
+    /// The same where the window has this adapter, on a device that is chosen. An adapter that only draws runs kernels as
+    /// fragment programs with lists in textures; what cannot be drawn so runs on the CPU.
+    #[must_use]
+    pub fn on(self, gpu: &Arc<Gpu>) -> Self {
+        let device = self.device.on(gpu);
+        if gpu.computes {
+            return Self { device, ..self };
+        }
+        let drawn = possible(self.choices).drawn(|_| false);
+        match device {
+            DeviceKind::Gpu if drawn.settled(None) == drawn => Self { device, choices: drawn, ..self },
+            _ => Self { device, ..self }.computed(),
+        }
+    }
+
+    /// Whether a GPU was asked for these, and runs them in another way.
+    #[must_use]
+    pub fn is_drawn_otherwise(&self, run: &Self) -> bool {
+        let way = |settings: &Self| (settings.device, settings.choices.mapping, settings.choices.scene_data);
+        self.device == DeviceKind::Gpu && way(self) != way(run)
+    }
+
+    /// The same on the CPU.
+    #[must_use]
+    pub fn computed(self) -> Self {
+        let device = if self.device == DeviceKind::CpuF64 { self.device } else { DeviceKind::Cpu };
+        Self { device, choices: self.choices.computed(), ..self }
     }
 
     /// The same through another structure.

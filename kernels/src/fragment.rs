@@ -19,7 +19,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::options::mapping::{Fragment, Targets};
 use crate::program::Kernel;
-use crate::shader::{Binding, Resource, ShaderError, Variant, in_textures};
+use crate::shader::{Binding, Resource, ShaderError, Variant, by_component, in_textures};
 use crate::tables::stream::{STATE_TAG, Stream};
 use uses::Uses;
 
@@ -125,13 +125,15 @@ impl DrawnKernel {
         Ok(Self { kernel, updates, draws })
     }
 
-    /// The same with the lists of scene data in textures: no draw binds a storage buffer.
+    /// The same with the lists of scene data in textures: no draw binds a storage buffer. It is also valid as GLSL ES 3.0,
+    /// for the devices that have none.
     ///
     /// # Errors
     /// As for [`Variant::in_textures`].
     pub fn in_textures(mut self) -> Result<Self, ShaderError> {
         for Draw { shader, .. } in &mut self.draws {
             (shader.source, shader.bindings) = in_textures(self.kernel, &shader.source, &shader.bindings)?;
+            shader.source = by_component(self.kernel, &shader.source)?;
         }
         Ok(self)
     }

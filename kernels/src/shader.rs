@@ -6,6 +6,7 @@
 mod blocks;
 mod lists;
 mod parsed;
+mod selects;
 mod sharing;
 
 use std::collections::HashMap;
@@ -21,6 +22,7 @@ use crate::program::{self, Kernel};
 use crate::tables::stream::{Stream, Texel};
 pub(crate) use blocks::rewritten;
 pub(crate) use lists::in_textures;
+pub(crate) use selects::by_component;
 pub use sharing::{Group, first_layer};
 
 /// What a global is bound to.

@@ -133,9 +133,38 @@ fn keep(name: &str, source: &str) {
     }
 }
 
+/// What WebGL 2 does not have of a shader without storage buffers, if anything.
+fn lacking_in_webgl(source: &str) -> Option<String> {
+    use naga::{AddressSpace, Expression, ScalarKind, TypeInner};
+    let module = naga::front::wgsl::parse_str(source).expect("WGSL");
+    let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
+    let info = { info }.validate(&module).expect("a valid module");
+    let mut layouter = naga::proc::Layouter::default();
+    layouter.update(module.to_ctx()).expect("layouts");
+    let uniforms = module.global_variables.iter().filter(|(_, global)| global.space == AddressSpace::Uniform);
+    if let Some((_, uniform)) = { uniforms }.find(|(_, uniform)| !layouter[uniform.ty].size.is_multiple_of(16)) {
+        return Some(format!("uniform {:?} of {} bytes", uniform.name, layouter[uniform.ty].size));
+    }
+    let plain = module.functions.iter().map(|(handle, function)| (function, &info[handle]));
+    let entries = module.entry_points.iter().enumerate();
+    let all = plain.chain(entries.map(|(index, entry)| (&entry.function, info.get_entry_point(index))));
+    for (function, types) in all {
+        let is_vector_of_no_floats = |expression: &Expression| {
+            let Expression::Select { condition, accept, .. } = *expression else { return false };
+            let of = |handle: naga::Handle<Expression>| types[handle].ty.inner_with(&module.types);
+            let is_float = |ty: &TypeInner| ty.scalar_kind() == Some(ScalarKind::Float);
+            matches!(of(condition), TypeInner::Vector { .. }) && !is_float(of(accept))
+        };
+        if function.expressions.iter().any(|(_, expression)| is_vector_of_no_floats(expression)) {
+            return Some(format!("a select between vectors of integers in {:?}", function.name));
+        }
+    }
+    None
+}
+
 /// Each choice of the fragment mapping, for the kernels that it can draw, with as many targets as core WebGPU has.
 #[test]
-fn every_fragment_program_is_valid_and_within_core_limits() {
+fn every_fragment_program_is_valid_and_within_core_limits_and_those_of_webgl_without_buffers() {
     const CORE_TARGETS: usize = 2;
     let mut seen = HashSet::new();
     let mut check = |name: &str, shader: &fragment::Shader| {
@@ -145,6 +174,10 @@ fn every_fragment_program_is_valid_and_within_core_limits() {
         assert!(textures <= 16 && buffers <= 8, "{name} binds {textures} textures, {buffers} buffers");
         if seen.insert(shader.source.clone()) {
             keep(&format!("draw-{:04}-{name}", seen.len()), &shader.source);
+            let is_drawn_anywhere = !shader.bindings.iter().any(|b| matches!(b.resource, Resource::Storage));
+            if is_drawn_anywhere && name != "count" {
+                assert_eq!(lacking_in_webgl(&shader.source), None, "{name}\n{}", shader.source);
+            }
         }
     };
     let is_drawn = |role: Role| !matches!(role, Role::Whole | Role::Walk | Role::Sample | Role::Count);
@@ -310,6 +343,6 @@ fn host_structs_lie_as_naga_says() {
     check!(Material, "Material", base_color, texture, emissive, double_sided);
     check!(Light, "Light", position, kind, direction, cos_outer, color, cone_scale);
     check!(Texture, "Texture", first, width, height, sampling);
-    check!(SceneInfo, "SceneInfo", triangles, steps, rays, first_row, size);
+    check!(SceneInfo, "SceneInfo", triangles, steps, rays, first_row, size, padding);
     check!(BvhNode, "BvhNode", min, first, max, link);
 }

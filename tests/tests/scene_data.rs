@@ -3,15 +3,16 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_kernels::fragment::Shader;
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Until, Update};
+use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, MappingName, Targets, Until, Update};
 use raystep_kernels::options::scene_data::SceneDataKind;
 use raystep_kernels::plan::DrawnPlan;
 use raystep_kernels::shader::{Binding, Resource};
 use raystep_kernels::{
-    Accelerator, AdapterChoice, Device, Gpu, Keep, Limits, Loops, Numerics, Options, Plan, PlanError, Renderer,
-    Samples, ScheduleKind, Stream,
+    Accelerator, AdapterChoice, Choices, Device, Gpu, Keep, Limits, Loops, Numerics, Options, Plan, PlanError,
+    Renderer, Samples, ScheduleKind, Stream,
 };
 use raystep_tests::{block_on, differences, gpu, options, scene, streams_of, thorough};
 
@@ -327,4 +328,36 @@ fn opengl_renders_the_image_of_vulkan() {
         let error = image(&refused, &gl).expect_err("no compute shaders").to_string();
         assert!(error.contains("--mapping fragment --scene-data textures"), "{error}");
     }
+}
+
+/// The window takes from its adapter what that can draw; the rest runs on the CPU.
+#[test]
+#[cfg_attr(not(target_os = "linux"), ignore = "needs the OpenGL of Mesa, or another one with EGL")]
+fn the_window_draws_kernels_on_opengl_or_runs_them_on_the_cpu() {
+    let gl = opengl();
+    let on = |settings: Settings| {
+        let found = settings.on(&gl);
+        assert_eq!(found.clone().on(&gl), found, "it stays so");
+        found
+    };
+    let asked = Settings::default();
+    let drawn = on(asked.clone());
+    let how = |s: &Settings| (s.device, s.choices.mapping.name(), s.choices.scene_data, s.choices.schedule);
+    use SceneDataKind::{Buffers, Textures};
+    assert_eq!(how(&drawn), (DeviceKind::Gpu, MappingName::Fragment, Textures, ScheduleKind::Second));
+    assert!(asked.is_drawn_otherwise(&drawn) && !drawn.is_drawn_otherwise(&drawn));
+    let first = Settings { choices: Choices { schedule: ScheduleKind::First, ..drawn.choices }, ..drawn.clone() };
+    assert_eq!(on(first.clone()), first, "what was chosen stays");
+    let on_cpu = (DeviceKind::Cpu, MappingName::Compute, Buffers);
+    let of = |s: Settings| (s.device, s.choices.mapping.name(), s.choices.scene_data);
+    let with = |choices| Settings { choices, ..asked.clone() };
+    assert_eq!(of(on(with(Choices { program: ProgramName::Sort, ..asked.choices }))), on_cpu);
+    let samples = Samples { count: 4, ..Samples::default() };
+    assert_eq!(of(on(with(Choices { samples, ..asked.choices }))), on_cpu);
+    assert_eq!(of(on(Settings { device: DeviceKind::Cpu, ..drawn.clone() })), on_cpu);
+    let auto = on(Settings { device: DeviceKind::Auto, ..asked.clone() });
+    assert_eq!(auto.device == DeviceKind::Cpu, gl.is_software(), "{auto:?}");
+    let gpu = gpu();
+    assert_eq!(drawn.clone().on(&gpu), drawn, "an adapter that computes can draw too");
+    assert_eq!(asked.clone().on(&gpu), asked);
 }

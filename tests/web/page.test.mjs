@@ -174,6 +174,49 @@ function stepped(key) {
     });
 }
 
+test("without WebGPU, WebGL 2 draws kernels: exported streams are those of the CPU", async () => {
+    const browser = await Browser.open("webgl");
+    const shown = {};
+    for (const device of ["gpu", "cpu"]) {
+        const tab = await browser.page(`${SMALL}&schedule=second&device=${device}&pixel=40,50`);
+        const begin = Date.now();
+        const { link, place, error, device: name } = await tab.settled();
+        console.log(`${device}: ${place} passes in ${Date.now() - begin} ms on ${name}`);
+        assert.equal(error, "");
+        assert.deepEqual(
+            [keyOf(link, "mapping"), keyOf(link, "scene-data"), keyOf(link, "device")],
+            device === "gpu" ? ["fragment", "textures", "gpu"] : [null, null, "cpu"],
+        );
+        assert.match(name, device === "gpu" ? /WebGL 2$/ : /^CPU, f32$/);
+        const files = [];
+        const take = async (command) => {
+            const download = tab.page.waitForEvent("download");
+            await tab.perform(command);
+            files.push(readFileSync(await (await download).path()).toString("base64"));
+        };
+        await take("Export stream as npy");
+        const places = [];
+        for (const key of ["Shift+F10", "Home", "F10", "F10", "F10"]) {
+            const seen = await tab.press(key);
+            assert.equal(seen.error, "");
+            places.push(seen.place);
+        }
+        // What ends a loop is known a pass later than by counts, so that a run has some passes more.
+        assert.equal(places.shift(), place - 1);
+        await take("Export stream as npy");
+        await tab.screenshot(`webgl-drawn-${device}`);
+        shown[device] = { places, files };
+        assert.deepEqual(tab.troubles, []);
+        await tab.page.close();
+    }
+    assert.deepEqual(shown.gpu.places, shown.cpu.places);
+    assert.deepEqual(
+        shown.gpu.files.map((file, i) => file === shown.cpu.files[i]),
+        [true, true],
+    );
+    await browser.close();
+});
+
 test("without anything to draw with, the page says so, and shows pictures", async () => {
     const browser = await Browser.open("nothing");
     const tab = await browser.page();

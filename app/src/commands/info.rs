@@ -156,7 +156,7 @@ impl AboutDevices {
                 "  usable      {}",
                 match (a.is_usable, a.only_draws) {
                     (true, _) => "yes",
-                    (_, true) => "with --adapter, --mapping fragment and --scene-data textures",
+                    (_, true) => "with --adapter; kernels are then drawn, from --scene-data textures",
                     _ =>
                         "no: it lacks compute shaders and drawing into floats, core limits of WebGPU or WebGL 2, or read-write r32 textures",
                 }

@@ -1,4 +1,4 @@
-//! Opens a device: WebGPU, or WebGL 2 to draw with while kernels run on the CPU.
+//! Opens a device: WebGPU, or WebGL 2, on which kernels are fragment programs.
 
 use std::sync::Arc;
 

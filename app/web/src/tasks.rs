@@ -6,6 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Wake, Waker};
 
+use raystep_kernels::Gpu;
+
 use crate::shell;
 
 /// Length of a slice, milliseconds: with it, a display's frame of 16 ms has time left for drawing.
@@ -30,6 +32,8 @@ impl Wake for Woken {
 }
 
 thread_local! {
+    /// The device to poll.
+    static POLLED: RefCell<Option<Arc<Gpu>>> = const { RefCell::new(None) };
     static TASKS: RefCell<Vec<Task>> = const { RefCell::new(Vec::new()) };
     /// A slice is coming, or has begun.
     static IS_SCHEDULED: Cell<bool> = const { Cell::new(false) };
@@ -48,9 +52,26 @@ pub(crate) fn spawn(future: impl Future<Output = ()> + 'static) {
     schedule();
 }
 
+/// Polls a device of WebGL from now on while a task waits for it, once a slice: it tells of what it has done only when
+/// asked, and nothing new before the next event.
+pub(crate) fn poll(gpu: &Arc<Gpu>) {
+    if !gpu.computes {
+        POLLED.set(Some(gpu.clone()));
+    }
+}
+
+/// The device to poll, if a task waits for it.
+fn awaited() -> Option<Arc<Gpu>> {
+    POLLED.with_borrow(|polled| polled.clone().filter(|gpu| gpu.is_awaited()))
+}
+
 /// A slice of work.
 pub(crate) fn work() {
     let begin = shell::now();
+    if let Some(gpu) = awaited() {
+        // What fails is told by the device.
+        drop(gpu.device.poll(wgpu::PollType::Poll));
+    }
     loop {
         // While it is polled, a task may spawn others.
         let mut tasks = TASKS.take();
@@ -67,11 +88,11 @@ pub(crate) fn work() {
             tasks.append(spawned);
             *spawned = tasks;
         });
-        if !has_worked {
+        if !has_worked && awaited().is_none() {
             IS_SCHEDULED.set(false);
             return;
         }
-        if shell::now() - begin > SLICE_MS {
+        if !has_worked || shell::now() - begin > SLICE_MS {
             shell::later();
             return;
         }

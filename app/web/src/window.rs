@@ -16,7 +16,7 @@ use crate::files::Files;
 use crate::host::Web;
 use crate::input::Input;
 use crate::painter::{Frame, Painter};
-use crate::{device, shell};
+use crate::{device, shell, tasks};
 
 /// Least time between two changes of the page's address, which browsers limit.
 const ADDRESS_EVERY_MS: f64 = 1000.0;
@@ -56,6 +56,7 @@ impl Window {
     ) -> Result<Self, JsValue> {
         let opened = device::open(&canvas).await?;
         let (gpu, why_not) = (opened.gpu.clone(), opened.why_not.clone());
+        tasks::poll(&gpu);
         // On a device without timestamps there is nothing to compare.
         let _ = gpu.check_clock(shell::now_ns).await;
         let painter = Painter::new(canvas, opened)?;
@@ -71,7 +72,7 @@ impl Window {
             inspector.restore(saved.as_bytes());
         }
         if let Some(why_not) = why_not {
-            inspector.note(format!("kernels run on the CPU: {why_not}"));
+            inspector.note(format!("WebGL 2 draws, kernels too: {why_not}"));
         }
         let input = Input::new(width, height, scale, is_dark);
         Ok(Self {
@@ -122,7 +123,7 @@ impl Window {
         None
     }
 
-    /// Whether kernels can run by WebGPU; otherwise they run on the CPU, and WebGL 2 draws.
+    /// Whether there is WebGPU; otherwise WebGL 2 draws, kernels too.
     pub fn computes(&self) -> bool {
         self.gpu.computes
     }

@@ -24,8 +24,9 @@ impl Devices {
     /// The device of this kind.
     #[must_use]
     pub fn of(&self, kind: DeviceKind) -> Device {
-        match kind.on(&self.gpu) {
-            DeviceKind::Auto | DeviceKind::Gpu => Device::Gpu(self.gpu.clone()),
+        match kind {
+            DeviceKind::Auto => Device::auto(self.gpu.clone(), self.clock),
+            DeviceKind::Gpu => Device::Gpu(self.gpu.clone()),
             DeviceKind::Cpu => Device::Cpu(self.clock),
             DeviceKind::CpuF64 => Device::CpuF64(self.clock),
         }

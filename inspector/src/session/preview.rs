@@ -1,7 +1,6 @@
 //! A quick picture of a scene that is being opened: at a lower resolution, without steps and counters, by the CPU
 //! reference kernels. A window shows it until the run has a picture of its own.
 
-use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Accelerator, Device, Options, RenderError, Renderer, Samples, ScheduleKind};
 use raystep_scenes::Scene;
 
@@ -39,7 +38,7 @@ impl Preview {
         if !settings.traces_rays() || settings.ray.is_some() || triangles > MOST_TRIANGLES {
             return Ok(None);
         }
-        let settings = Settings { size: reduced(settings.size), ..settings.clone() };
+        let settings = Settings { size: reduced(settings.size), ..settings.clone() }.computed();
         let accelerator = match settings.choices.accelerator {
             Accelerator::None if triangles > MOST_WITHOUT_STRUCTURE => Accelerator::Auto,
             chosen => chosen,
@@ -47,7 +46,6 @@ impl Preview {
         let options = Options {
             accelerator,
             schedule: ScheduleKind::Fused,
-            mapping: Mapping::Compute,
             samples: Samples::default(),
             counters: false,
             timings: false,

@@ -1,8 +1,9 @@
 //! Options that go together.
 
-use super::mapping::{Fragment, Mapping};
+use super::mapping::{Fragment, Mapping, fault_of};
 use super::rows::{ROWS, Refusal, Row};
-use super::{Choices, ScheduleKind};
+use super::scene_data::SceneDataKind;
+use super::{Accelerator, Choices, ScheduleKind};
 
 impl Choices {
     /// The same without what does not go together: an option that a row refuses has its usual value instead, but for the
@@ -20,5 +21,31 @@ impl Choices {
             }
         }
         self
+    }
+
+    /// The same for a device that only draws, where options that were not given are what it can do: fragment programs,
+    /// with lists in textures.
+    #[must_use]
+    pub fn drawn(mut self, is_given: impl Fn(&str) -> bool) -> Self {
+        if self.mapping == Mapping::Compute && !is_given("mapping") {
+            self.mapping = Mapping::Fragment(Fragment::default());
+        }
+        if !is_given("scene-data") {
+            self.scene_data = SceneDataKind::Textures;
+        }
+        if self.mapping != Mapping::Compute && fault_of(self.schedule).is_some() && !is_given("schedule") {
+            self.schedule = ScheduleKind::Second;
+            // With a schedule of several passes, the grid is usual.
+            if self.accelerator == Accelerator::Auto && !is_given("accelerator") {
+                self.accelerator = Accelerator::Grid;
+            }
+        }
+        self
+    }
+
+    /// The same for the CPU, which draws nothing.
+    #[must_use]
+    pub fn computed(self) -> Self {
+        Self { mapping: Mapping::Compute, scene_data: SceneDataKind::Buffers, ..self }
     }
 }

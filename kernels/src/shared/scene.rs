@@ -16,4 +16,6 @@ pub struct SceneInfo {
     pub first_row: u32,
     /// Width and height of the streams; the executor writes those of its own.
     pub size: [u32; 2],
+    /// WebGL wants the size of a uniform to be a multiple of 16 bytes.
+    pub padding: [u32; 2],
 }

@@ -10,6 +10,8 @@ struct SceneInfo {
     first_row: u32,
     // Size of the streams.
     size: vec2u,
+    // WebGL wants the size of a uniform to be a multiple of 16 bytes.
+    padding: vec2u,
 }
 
 @group(1) @binding(2) var<uniform> scene: SceneInfo;

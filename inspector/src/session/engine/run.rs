@@ -10,13 +10,13 @@ use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::super::confirm::Confirming;
-use super::super::copies::{bit, copy_of, fill, textures};
+use super::super::copies::{bit, copy_of, textures};
 use super::super::glimpse::Glimpses;
 use super::super::request::{At, Opened, Texels, Update};
 use super::super::sketcher::Sketcher;
 use super::super::{Session, Target};
 use super::{GLIMPSING, Moving, Run, Server, Trouble};
-use crate::settings::Settings;
+use crate::settings::{DeviceKind, Settings};
 
 impl Server {
     /// Whether a ray waits to be confirmed.
@@ -54,12 +54,7 @@ impl Server {
         place: usize,
     ) -> Result<(), Trouble> {
         self.say(Update::Progress("building and compiling", 0, 0));
-        let settings = self.settled(settings);
-        let device = self.devices.of(settings.device);
-        if let (Device::Gpu(gpu), Some(clock)) = (&device, self.devices.clock) {
-            gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;
-        }
-        let mut session = Session::new(&scene, &settings.options(&scene), &device).await?;
+        let (settings, device, mut session) = self.begin(&scene, settings).await?;
         let sketches = self.sketch(&mut session);
         let reached = self.reach(&mut session, place).await;
         if let Err(Trouble::Failed(message)) = reached {
@@ -85,7 +80,7 @@ impl Server {
 
     /// A run of the same scene at the same place. If only the camera is another, nothing is built or compiled.
     pub(super) async fn plan(&mut self, settings: Settings) -> Result<(), Trouble> {
-        let settings = self.settled(settings);
+        let settings = settings.on(&self.devices.gpu);
         let moving = Moving::new(&self.moving);
         let Some(mut run) = self.run.take() else { return Ok(()) };
         let place = if run.session.renderer().next_kernel().is_none() { usize::MAX } else { run.session.place() };
@@ -115,9 +110,22 @@ impl Server {
         sketches
     }
 
-    /// With a device that this machine has.
-    fn settled(&self, settings: Settings) -> Settings {
-        Settings { device: settings.device.on(&self.devices.gpu), ..settings }
+    /// A session with these settings, on a device that this machine has.
+    async fn begin(&self, scene: &Scene, settings: Settings) -> Result<(Settings, Device, Session), Trouble> {
+        let is_chosen = settings.device != DeviceKind::Auto;
+        let mut settings = settings.on(&self.devices.gpu);
+        let mut device = self.devices.of(settings.device);
+        if let (Device::Gpu(gpu), Some(clock)) = (&device, self.devices.clock) {
+            gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;
+        }
+        let mut session = Session::new(scene, &settings.options(scene), &device).await;
+        // What only draws may fail to compile a kernel, or have too small textures.
+        if session.is_err() && device.is_gpu() && !self.devices.gpu.computes && !is_chosen {
+            settings = settings.computed();
+            device = self.devices.of(settings.device);
+            session = Session::new(scene, &settings.options(scene), &device).await;
+        }
+        Ok((settings, device, session?))
     }
 
     async fn reach(&self, session: &mut Session, place: usize) -> Result<(), Trouble> {
@@ -188,8 +196,7 @@ impl Server {
         }
         let filled = if run.copies.is_empty() { u64::MAX } else { self.kept_drawn };
         for (_, (stream, texture)) in run.copies.iter().enumerate().filter(|(i, _)| filled & bit(*i) != 0) {
-            let data = run.session.stream(*stream).await?;
-            fill(&self.devices.gpu, texture, &data);
+            run.session.copy_stream(&self.devices.gpu, *stream, texture).await?;
         }
         let (place, passes) = (run.session.place(), run.session.passes());
         // One known pass is included: it shows whether the rest is unchanged.
@@ -214,7 +221,9 @@ impl Server {
 
     /// A picture at a lower resolution; the run is left alone.
     pub(super) async fn glimpse(&mut self, settings: Settings) -> Result<(), Trouble> {
-        let settings = self.settled(settings);
+        let gpu = &self.devices.gpu;
+        // Where every pass is waited for, many small ones are faster on the CPU.
+        let settings = if gpu.computes { settings.on(gpu) } else { settings.computed() };
         let device = self.devices.of(settings.device);
         let mut report = self.reporter(GLIMPSING);
         let Some(run) = &mut self.run else { return Ok(()) };
@@ -227,11 +236,11 @@ impl Server {
 
     pub(super) async fn pin(&self, stream: Stream) -> Result<(), Trouble> {
         let Some(run) = &self.run else { return Ok(()) };
-        if let Some((_, copy)) = run.copies.iter().find(|(s, _)| *s == stream) {
-            fill(&self.devices.gpu, copy, &run.session.stream(stream).await?);
+        let copied = run.copies.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture);
+        if let Some(copy) = copied {
+            run.session.copy_stream(&self.devices.gpu, stream, copy).await?;
         }
-        let copied = || run.copies.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture.clone());
-        let source = run.session.renderer().texture(stream).or_else(copied);
+        let source = copied.cloned().or_else(|| run.session.renderer().texture(stream));
         let source = source.ok_or_else(|| Trouble::Failed(RenderError::NoStream(stream.name()).to_string()))?;
         let texture = copy_of(&self.devices.gpu, stream.name(), &source);
         self.say(Update::Pinned { stream, place: run.session.place(), texture });

@@ -39,8 +39,17 @@ impl Inspector {
         let path =
             link.scene.as_ref().map(|scene| self.host.path_of(scene, link.scene_index)).or(self.scene.path.clone());
         if let Some(path) = path {
-            self.open(&path, Settings::from(link), arrival);
+            let settings = if link.pass.is_some() { self.settings_of(link) } else { Settings::from(link) };
+            self.open(&path, settings, arrival);
         }
+    }
+
+    /// The settings of a link that counts passes: those of its schedule, on the CPU where the window's adapter cannot draw
+    /// them.
+    pub(super) fn settings_of(&self, link: &Link) -> Settings {
+        let settings = Settings::from(link);
+        let here = settings.clone().on(&self.devices.gpu);
+        if here.choices.schedule == settings.choices.schedule { settings } else { settings.computed() }
     }
 
     /// Goes to the target of a link, and returns whether the text must be corrected first.

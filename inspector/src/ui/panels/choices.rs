@@ -9,6 +9,7 @@ use egui::text::LayoutJob;
 use egui::{Align, Button, DragValue, Grid, Layout, ScrollArea, TextFormat, TextStyle, Ui};
 use raystep_kernels::{Device, GridSize};
 use raystep_lab::Hash;
+use raystep_lab::machine::now_ns;
 use raystep_lab::report::{self, Answer, Extent};
 use raystep_lab::reporter::Reporter;
 use raystep_lab::subject::Subject;
@@ -131,6 +132,8 @@ fn job(of: Of, asked: Asked, so_far: SoFar) -> Job {
         let JobContext { measure, progress, device, .. } = context;
         let device = match device {
             Device::CpuF64(clock) => Device::Cpu(clock),
+            // Most choices need compute shaders.
+            Device::Gpu(gpu) if !gpu.computes => Device::Cpu(Some(now_ns)),
             device => device,
         };
         let Of { scene, view, size, grid, .. } = of.clone();

@@ -4,6 +4,7 @@
 
 use egui::{ComboBox, DragValue, Ui};
 use raystep_kernels::GridSize;
+use raystep_kernels::options::mapping;
 use raystep_kernels::options::rows::{ROWS, Row, Values};
 
 use crate::command::Command;
@@ -32,7 +33,10 @@ impl Panel for Options {
         };
         let generation = cx.model.generation;
         if self.draft.as_ref().is_none_or(|(known, _)| *known != generation) {
-            (self.draft, self.asked) = (Some((generation, opened.settings.clone())), None);
+            if let Some(asked) = self.asked.take().filter(|asked| asked.is_drawn_otherwise(&opened.settings)) {
+                cx.log.warn(format!("{}: {}", asked.order(), mapping::ONLY_DRAWS));
+            }
+            self.draft = Some((generation, opened.settings.clone()));
         }
         let Self { draft: Some((_, draft)), asked } = self else { return };
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {

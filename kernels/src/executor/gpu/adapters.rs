@@ -34,7 +34,8 @@ pub(super) fn instance(backends: wgpu::Backends) -> wgpu::Instance {
 /// The adapters on this machine that compute, or those that only draw.
 pub(super) async fn enumerate(backends: wgpu::Backends) -> (wgpu::Instance, Vec<wgpu::Adapter>) {
     let instance = instance(backends);
-    let mut adapters = instance.enumerate_adapters(backends).await;
+    // A browser lists its adapter whatever it is asked for.
+    let mut adapters = if backends.is_empty() { Vec::new() } else { instance.enumerate_adapters(backends).await };
     adapters.sort_by_key(|a| rank(&a.get_info()));
     (instance, adapters)
 }
@@ -131,7 +132,7 @@ pub(super) fn named(mut info: wgpu::AdapterInfo) -> wgpu::AdapterInfo {
         info.name = if info.backend == wgpu::Backend::BrowserWebGpu { "WebGPU" } else { "no name" }.into();
     }
     if info.backend == wgpu::Backend::Gl {
-        info.name += ", OpenGL";
+        info.name += if cfg!(target_arch = "wasm32") { ", WebGL 2" } else { ", OpenGL" };
     }
     info
 }

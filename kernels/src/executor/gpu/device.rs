@@ -137,11 +137,12 @@ impl Gpu {
         Ok(Self::opened(device, queue, info, source, Some(loops), trouble))
     }
 
-    /// Takes over a device without compute shaders, such as one of WebGL: it draws, and kernels run on the CPU.
+    /// Takes over a device without compute shaders, such as one of WebGL: it runs kernels as fragment programs with lists in
+    /// textures.
     #[must_use]
     pub fn for_drawing(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Arc<Self> {
         let trouble = listen(&device);
-        Self::opened(device, queue, info, None, None, trouble)
+        Self::opened(device, queue, named(info), None, None, trouble)
     }
 
     /// `loops`: how it handles long loops; `None` if it only draws.
@@ -173,11 +174,23 @@ impl Gpu {
         })
     }
 
+    /// Whether the results of queries can be read in the submission that asks them. WebGL 2 has them only for a later
+    /// event, and before it answers 0.
+    pub(super) fn answers_queries(&self) -> bool {
+        self.computes || !cfg!(target_arch = "wasm32")
+    }
+
     /// Declares that the host polls the device whenever a future of this crate waits, so that no thread does (feature
     /// `poll-thread`), until the returned guard is dropped. For a loop that draws with the same device, or that has
     /// other events to wait for. Several hosts may poll at once.
     pub fn leave_polling_to_host(&self) -> HostPolls<'_> {
         HostPolls::new(&self.poller, &self.device)
+    }
+
+    /// Whether a future of this crate waits for the device to be polled.
+    #[must_use]
+    pub fn is_awaited(&self) -> bool {
+        self.poller.is_expecting()
     }
 
     /// Tells the thread that polls (feature `poll-thread`) to end, and waits up to this long for it: whether it has ended.

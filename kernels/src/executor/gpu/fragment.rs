@@ -31,6 +31,8 @@ pub struct FragmentExecutor {
     gpu: Arc<Gpu>,
     plan: Arc<Plan>,
     how: Fragment,
+    /// Whether occlusion queries end the loops.
+    is_queried: bool,
     /// Whether rays are counted after every pass, rather than at the end of a batch.
     counts_each: bool,
     streams: StreamTextures,
@@ -64,12 +66,14 @@ impl FragmentExecutor {
         let streams = StreamTextures::new(&gpu.device, plan, drawn);
         let is_counted = drawn.how.until == Until::Count;
         let results = Results::new(&gpu.device, plan, drawn.counter.is_some(), options.count_fragments && is_counted)?;
+        let is_queried = drawn.how.until == Until::Query && gpu.answers_queries();
         let pipelines = Pipelines::new(&gpu.device, plan, drawn);
         let timers = Timers::of_draws(&gpu, plan, options.timings);
         let mut executor = Self {
             plan: plan.clone(),
             how: drawn.how,
-            counts_each: options.keep_passes || is_counted,
+            is_queried,
+            counts_each: options.keep_passes || !is_queried,
             streams,
             buffers,
             pipelines,

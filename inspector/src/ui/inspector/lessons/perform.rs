@@ -10,7 +10,6 @@ use crate::lesson::{Goal, Wrong};
 use crate::link::Shown;
 use crate::session::request::Request;
 use crate::session::{Model, Target};
-use crate::settings::Settings;
 use crate::ui::{Arrival, Inspector};
 
 /// What is set up next.
@@ -240,7 +239,7 @@ impl Inspector {
         let link = &set_up.link;
         let arrival = Arrival { pixel: set_up.pixel, shown: set_up.shown, ..Arrival::picture() };
         let path = link.scene.as_deref().map(|scene| self.host.path_of(scene, link.scene_index));
-        self.open(&path.unwrap_or_default(), Settings::from(link), arrival);
+        self.open(&path.unwrap_or_default(), self.settings_of(link), arrival);
         true
     }
 
@@ -248,8 +247,7 @@ impl Inspector {
     fn is_open_for(&self, lesson: &Lesson) -> bool {
         let link = &lesson.set_up.link;
         let path = link.scene.as_deref().map(|scene| self.host.path_of(scene, link.scene_index));
-        let wanted = Settings::from(link);
-        let wanted = Settings { device: wanted.device.on(&self.devices.gpu), ..wanted };
+        let wanted = self.settings_of(link).on(&self.devices.gpu);
         let is_same = |opened: &crate::session::request::Opened| opened.settings == wanted && opened.path == path;
         self.model.edits.is_empty() && self.model.twins.is_none() && self.model.opened.as_ref().is_some_and(is_same)
     }

@@ -194,10 +194,7 @@ impl Inspector {
         let mut ids = Vec::new();
         for run in &file.runs {
             let recipe = run.recipe();
-            let settings = crate::settings::Settings {
-                device: recipe.settings.device.on(&self.devices.gpu),
-                ..recipe.settings.clone()
-            };
+            let settings = recipe.settings.clone().on(&self.devices.gpu);
             let scene = self.scene_beside(&path, &run.link).unwrap_or_default();
             let id = runs.runs.add(&run.name, Recipe { settings, ..recipe }, scene, run.scene_hash.clone());
             if let Some(kept) = id.and_then(|id| runs.runs.get_mut(id)) {

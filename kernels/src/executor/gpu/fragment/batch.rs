@@ -52,7 +52,7 @@ impl FragmentExecutor {
         if let Some([sent, copy]) = &self.results.sent {
             encoder.copy_buffer_to_buffer(sent, 0, copy, 0, sent_bytes);
         }
-        let is_queried = self.how.until == Until::Query;
+        let is_queried = self.is_queried;
         let query_bytes = if is_queried { self.results.occlusion.encode_read(&mut encoder, count) } else { 0 };
         let time_bytes = self.timers.as_ref().map_or(0, |timers| timers.encode_read(&mut encoder, parts.stamps()));
         let statistics = self.results.statistics.as_ref();
@@ -142,7 +142,7 @@ impl FragmentExecutor {
         parts: &mut Parts,
     ) -> Result<(), GpuError> {
         let states = self.plan.program.states.0.len() as u64;
-        let Self { pipelines, streams, timers, results, buffers, gpu, how, copies, .. } = self;
+        let Self { pipelines, streams, timers, results, buffers, gpu, how, is_queried, copies, .. } = self;
         let index = pipelines.index(kernel).ok_or(GpuError::Missing(kernel.name()))?;
         let timers = timers.as_ref();
         let copied = match how.update {
@@ -179,7 +179,7 @@ impl FragmentExecutor {
             let is_last_draw = draw + 1 == draws;
             let [begin, end] = parts.begin_draw(Drawing::Draw(draw), is_last && is_last_draw);
             let query = match how.until {
-                Until::Query => is_last_draw.then_some(Query::Occlusion(&results.occlusion.set, slot)),
+                Until::Query => (is_last_draw && *is_queried).then_some(Query::Occlusion(&results.occlusion.set, slot)),
                 Until::Count => statistics.map(|statistics| Query::Fragments(&statistics.set, parts.next_statistic())),
             };
             let timestamp_writes = timers.and_then(|timers| timers.draw_writes(begin, end));

@@ -1,11 +1,23 @@
-//! Without a thread only the host polls, so nothing is counted.
+//! Without a thread only the host polls: it is told whether it has to.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Counts a device's pending read-backs.
 #[derive(Default)]
-pub(crate) struct Poller {}
+pub(crate) struct Poller(Arc<AtomicUsize>);
+
+/// A pending read-back. Dropped when it has arrived or was cancelled.
+pub(crate) struct Expected(Arc<AtomicUsize>);
 
 impl Poller {
-    pub(crate) fn expect(&self, _device: &wgpu::Device) -> Self {
-        Self {}
+    pub(crate) fn expect(&self, _device: &wgpu::Device) -> Expected {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        Expected(self.0.clone())
+    }
+
+    pub(crate) fn is_expecting(&self) -> bool {
+        self.0.load(Ordering::Relaxed) > 0
     }
 
     pub(crate) fn host_begins(&self) {}
@@ -14,5 +26,11 @@ impl Poller {
 
     pub(crate) fn end(&self, _patience: std::time::Duration) -> bool {
         true
+    }
+}
+
+impl Drop for Expected {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
     }
 }

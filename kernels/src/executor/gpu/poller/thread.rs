@@ -49,6 +49,11 @@ impl Poller {
         Expected(self.0.clone())
     }
 
+    /// Whether a read-back is pending.
+    pub(crate) fn is_expecting(&self) -> bool {
+        self.0.state().on_their_way > 0
+    }
+
     /// Registers a polling host.
     pub(crate) fn host_begins(&self) {
         self.0.state().hosts += 1;

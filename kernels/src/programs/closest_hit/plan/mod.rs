@@ -68,8 +68,8 @@ pub(in crate::programs) fn plan(
         triangles: triangles as u32,
         steps: options.steps_per_pass,
         rays: rays as u32,
-        first_row: 0,
         size: [width, height],
+        ..SceneInfo::default()
     };
     let is_bound = |name: &str| bound.contains(name);
     let mut data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
