@@ -218,7 +218,7 @@ impl Settings {
         }
         let drawn = possible(self.choices).drawn(|_| false);
         match device {
-            DeviceKind::Gpu if drawn.settled(None) == drawn => Self { device, choices: drawn, ..self },
+            DeviceKind::Gpu if drawn.go_together() => Self { device, choices: drawn, ..self },
             _ => Self { device, ..self }.computed(),
         }
     }

@@ -86,7 +86,7 @@ pub static ROWS: &[Row] = &[
          irregular (grid-build), or sort keys (sort)"
     )
     .in_tables(None),
-    whole!("elements", 1, MOST_ELEMENTS, elements, "How many keys the program sort sorts").in_tables(None),
+    whole!("elements", 1, MOST_ELEMENTS, elements, "How many elements a program without a scene works on: of sort, keys").in_tables(None),
     named!(
         "accelerator",
         Accelerator,

@@ -23,6 +23,12 @@ impl Choices {
         self
     }
 
+    /// Whether they go together.
+    #[must_use]
+    pub fn go_together(&self) -> bool {
+        ROWS.iter().all(|row| !matches!((row.refused)(self), Some(Refusal::Impossible(_))))
+    }
+
     /// The same for a device that only draws, where options that were not given are what it can do: fragment programs,
     /// with lists in textures.
     #[must_use]

@@ -36,12 +36,12 @@ pub enum Device {
 }
 
 impl Device {
-    /// The default device, given the best adapter: that adapter, unless it is software. In that case the twins are faster;
-    /// they use `clock`.
+    /// The default device, given the best adapter: that adapter, unless it is software, or only draws. In that case the
+    /// twins are faster; they use `clock`.
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn auto(gpu: Arc<Gpu>, clock: Option<fn() -> u64>) -> Self {
-        if gpu.is_software() { Self::Cpu(clock) } else { Self::Gpu(gpu) }
+        if gpu.is_software() || !gpu.computes { Self::Cpu(clock) } else { Self::Gpu(gpu) }
     }
 
     /// Whether it is a wgpu device.

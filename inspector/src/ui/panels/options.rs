@@ -1,6 +1,6 @@
 //! The options of the run. A change prepares a new run and keeps the view.
 //!
-//! Touches: asks.
+//! Touches: asks, log.
 
 use egui::{ComboBox, DragValue, Ui};
 use raystep_kernels::GridSize;

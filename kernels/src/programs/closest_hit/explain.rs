@@ -12,6 +12,7 @@ use crate::options::features::StructureKind;
 use crate::program::RayState;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LIGHTS_SUMMED, NO_TRIANGLE, NODES_A_STEP};
+use crate::tables::state::StateRole;
 use grid::{cell_at, explain_start, explain_step};
 pub(super) use test::explain_intersect as of_intersect;
 use tree::explain_node;
@@ -29,7 +30,11 @@ pub(super) fn of_generate(data: &SceneData, before: &RayState, _: &RayState) -> 
 
 pub(super) fn of_accumulate(data: &SceneData, _: &RayState, after: &RayState) -> Why {
     let samples = after.samples.unwrap_or_default();
-    let next = if after.tag == states::DONE { "the picture has it" } else { "on to the next sample" };
+    let next = if states::STATES.role(after.tag) == Some(StateRole::Finished) {
+        "the picture has it"
+    } else {
+        "on to the next sample"
+    };
     (None, format!("mean of {samples} of {} samples: {next}", data.sampling.samples))
 }
 

@@ -1,12 +1,13 @@
 //! A ray between two passes: its texels, decoded.
 
-use super::states::{DONE, ISECT_HIT, ISECT_NO_HIT, STATES, TRAV};
+use super::states::{ISECT_HIT, ISECT_NO_HIT, STATES, TRAV};
 use super::streams::{
     ACCUMULATED, ACCUMULATED_SAMPLES, COLOR, CONTROL, HIT, HIT_TRIANGLE, PREVIOUS, RAY_DIRECTION, RAY_INTERVAL,
     RAY_ORIGIN, STATE, STATE_CELL, STATE_ITEM, STATE_T, TMAX,
 };
 use crate::program::ray_state::{Decoding, RayState, Texel};
 use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::tables::state::StateRole;
 use crate::tables::stream::{STATE_TAG, Stream};
 
 /// How rays are decoded.
@@ -39,7 +40,7 @@ fn decode(texel: Texel<'_>) -> RayState {
         control: floats(CONTROL),
         triangle: is_hit.then_some(triangle),
         barycentric: is_hit.then(|| [word(HIT, 0), word(HIT, 1)].map(f32::from_bits)),
-        color: if tag == DONE { floats(COLOR) } else { None },
+        color: if STATES.role(tag) == Some(StateRole::Finished) { floats(COLOR) } else { None },
         samples: texel(ACCUMULATED).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),
     }
 }

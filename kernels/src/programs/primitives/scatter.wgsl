@@ -48,9 +48,9 @@ fn scatter(
     }
     let first = textureLoad(tally, texel(tally_index(digit, block), textureDimensions(tally).x), 0, 0).x;
     let to = texel(first + rank, textureDimensions(key_out).x);
-    let from = texel(i, textureDimensions(value_in).x);
+    let source = texel(i, textureDimensions(value_in).x);
     textureStore(key_out, to, 0, vec4u(key));
     for (var layer = 0u; layer < textureNumLayers(value_in); layer++) {
-        textureStore(value_out, to, layer, textureLoad(value_in, from, layer, 0));
+        textureStore(value_out, to, layer, textureLoad(value_in, source, layer, 0));
     }
 }
