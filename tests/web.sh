@@ -1,6 +1,6 @@
 #!/bin/sh
 # Compiles the kernels' variants with Dawn, Chromium's WebGPU; builds the page, and tries it in Chromium on a virtual
-# display: with WebGPU in software, without WebGPU, and without WebGL; hits by WebGPU and by WebGL 2 against the CPU
+# display: with WebGPU in software, with WebGL 2, and with neither; hits by WebGPU and by WebGL 2 against the CPU
 # reference kernels. Installs what that takes, except Rust and Node.js. Screenshots are left in target/web/screenshots.
 set -eu
 cd "$(dirname "$0")/.."

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::args::{DeviceArgs, DeviceKind};
 use crate::error::Error;
-use crate::threads;
+use crate::{drawing, threads};
 
 /// The device for the given options.
 pub(crate) fn choose(args: &DeviceArgs) -> Result<Machine, Error> {
@@ -65,10 +65,11 @@ impl fmt::Display for AboutClock {
     }
 }
 
-/// Opens an adapter, and checks its clock.
+/// Opens an adapter, and checks its clock, and what it draws.
 pub(crate) fn open(choice: &AdapterChoice) -> Result<Arc<Gpu>, Error> {
     let gpu = block_on(None, Gpu::new(choice))?;
     check_clock(&gpu)?;
+    block_on(Some(&gpu), drawing::check(&gpu))?;
     Ok(gpu)
 }
 
@@ -77,6 +78,7 @@ pub(crate) async fn opening(choice: &AdapterChoice) -> Result<Arc<Gpu>, Error> {
     let gpu = Gpu::new(choice).await?;
     threads::keep(&gpu);
     gpu.check_clock(now_ns).await?;
+    drawing::check(&gpu).await?;
     Ok(gpu)
 }
 

@@ -6,6 +6,7 @@ mod args;
 mod cli;
 mod commands;
 mod device;
+mod drawing;
 mod error;
 mod interrupt;
 mod link;
