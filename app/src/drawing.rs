@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use raystep_kernels::options::mapping::{Fragment, Mapping};
 use raystep_kernels::options::scene_data::SceneDataKind;
-use raystep_kernels::programs::closest_hit::streams::{HIT, HIT_TRIANGLE};
 use raystep_kernels::{Accelerator, Device, Gpu, Options, RaySource, RenderError, Renderer, ScheduleKind};
 use raystep_scenes::generate;
 
@@ -59,7 +58,8 @@ async fn triangles(device: &Device) -> Result<Vec<u32>, RenderError> {
     };
     let mut renderer = Renderer::new(&scene, &options, device).await?;
     renderer.run(|_| ControlFlow::Continue(())).await?;
-    Ok(renderer.values(HIT).await?.layer(HIT_TRIANGLE).to_vec())
+    let triangle = renderer.results()?.triangle;
+    Ok(renderer.values(triangle.stream).await?.layer(triangle.layer).to_vec())
 }
 
 #[cfg(test)]

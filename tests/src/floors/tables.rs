@@ -108,6 +108,7 @@ pub const KNOWN_CIRCLES: &[(&str, &[&str])] = &[
 const COMMAND_LINE: &[&str] = &[
     "cli",
     "commands",
+    "drawing",
     "device",
     "output",
     "process",
