@@ -1,8 +1,9 @@
 //! What an option of a run is: its name, its values, what it does, and where it applies.
 
 use std::fmt;
+use std::str::FromStr;
 
-use super::Choices;
+use super::{Choices, ParseOptionError};
 
 /// One option.
 #[derive(Clone, Copy)]
@@ -166,4 +167,21 @@ impl Row {
     pub fn recorded(&self, choices: &Choices) -> Option<Value> {
         Some((self.recorded?)(choices))
     }
+}
+
+/// A value as text.
+pub(super) fn text(value: impl fmt::Display) -> Value {
+    Value::Text(value.to_string())
+}
+
+/// Reads a value that has a name.
+pub(super) fn parse<T: FromStr<Err = ParseOptionError>>(value: &str, to: &mut T) -> Result<(), String> {
+    *to = value.parse().map_err(|e: ParseOptionError| e.to_string())?;
+    Ok(())
+}
+
+/// Reads an integer within bounds.
+pub(super) fn whole(value: &str, least: u32, most: u32) -> Result<u32, String> {
+    let number = value.parse().ok().filter(|n| (least..=most).contains(n));
+    number.ok_or_else(|| format!("expected an integer from {least} to {most}"))
 }

@@ -1,17 +1,14 @@
 //! Every option of a run that people choose, in one table: what reads an option from a command line, a link or a panel, or
 //! writes it to one of them, reads its row here and names no option.
 
-use std::fmt;
-use std::str::FromStr;
-
 use super::keep::Keep;
 use super::mapping::{Cull, Fragment, Mapping, MappingName, ONE_SAMPLE, Targets, Until, Update, fault_of};
 pub use super::row::{Refusal, Row, Value, Values};
+use super::row::{parse, text, whole};
 use super::samples::Samples;
 use super::scene_data::SceneDataKind;
 use super::{
-    Accelerator, BuiltBy, Choices, GridSize, MOST_ELEMENTS, Numerics, ParseOptionError, ProgramName, ScheduleKind,
-    Skip, Traversal,
+    Accelerator, BuiltBy, Choices, GridSize, MOST_ELEMENTS, Numerics, ProgramName, ScheduleKind, Skip, Traversal,
 };
 use crate::shared::samples::Sampler;
 
@@ -354,20 +351,6 @@ pub fn serialize<S: serde::Serializer>(choices: &Choices, serializer: S) -> Resu
 pub fn serialize_columns<S: serde::Serializer>(choices: &Choices, serializer: S) -> Result<S::Ok, S::Error> {
     let columns = ROWS.iter().filter(|row| row.is_column);
     serializer.collect_map(columns.filter_map(|row| Some((row.key(), row.recorded(choices)?))))
-}
-
-fn text(value: impl fmt::Display) -> Value {
-    Value::Text(value.to_string())
-}
-
-fn parse<T: FromStr<Err = ParseOptionError>>(value: &str, to: &mut T) -> Result<(), String> {
-    *to = value.parse().map_err(|e: ParseOptionError| e.to_string())?;
-    Ok(())
-}
-
-fn whole(value: &str, least: u32, most: u32) -> Result<u32, String> {
-    let number = value.parse().ok().filter(|n| (least..=most).contains(n));
-    number.ok_or_else(|| format!("expected an integer from {least} to {most}"))
 }
 
 fn impossible(why: &str) -> Refusal {

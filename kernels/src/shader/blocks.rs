@@ -2,6 +2,14 @@
 
 use naga::{Block, Span, Statement};
 
+/// Calls `visit` for each statement of a block, and of the blocks inside it, that has no blocks of its own.
+///
+/// # Errors
+/// If `visit` fails.
+pub(super) fn visit<E>(block: &Block, visit: &mut dyn FnMut(&Statement) -> Result<(), E>) -> Result<(), E> {
+    rewritten(block, &mut |_, statement, _| visit(statement)).map(drop)
+}
+
 /// A copy of a block, the blocks inside it too, in which `put` appends each other statement, or what stands for it.
 ///
 /// # Errors

@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use naga::valid::FunctionInfo;
 use naga::{Expression, Function, GlobalVariable, Handle, ImageQuery, ScalarKind, Statement};
 
+use super::blocks::visit;
 use super::parsed::{Parsed, Replaced};
 use super::{Binding, Resource, ShaderError, Variant};
 use crate::tables::stream::{Stream, Texel};
@@ -130,8 +131,7 @@ impl Accessors {
                     add(image, false, [coordinate, layer]);
                 }
             }
-            // Only to visit each statement.
-            Replaced::default().body(&function.body, &mut |_, statement, _| {
+            visit(&function.body, &mut |statement| {
                 if let Statement::ImageStore { image, coordinate, array_index: Some(layer), .. } = *statement {
                     add(image, true, [coordinate, layer]);
                 }
@@ -239,3 +239,6 @@ impl Sharing {
         Ok(function)
     }
 }
+
+#[cfg(test)]
+mod tests;

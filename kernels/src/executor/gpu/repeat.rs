@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use super::books::{Books, Place};
 use super::readback::Readback;
 use super::rounding::{MOST_RUNS, Runs};
+use super::stream_texture::bytes;
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES, StreamTexture};
 use crate::program::Kernel;
@@ -73,9 +74,8 @@ impl Repeater {
 
     /// Names and sizes in bytes of what it keeps.
     pub(super) fn allocated(&self) -> [(&'static str, u64); 2] {
-        let bytes =
-            |t: &wgpu::Texture| 4 * u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
-        [("kept", self.streams.values().map(bytes).sum()), ("slots_kept", self.slots.size())]
+        let kept = self.streams.values().map(|texture| bytes(texture.size()));
+        [("kept", kept.sum()), ("slots_kept", self.slots.size())]
     }
 
     /// The buffers with slots, and where their first slot is kept.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
 
 use super::books::KeptLists;
+use super::stream_texture::bytes;
 use super::{GpuError, GpuExecutor, StreamTexture, stream_format};
 use crate::executor::sizes::Sizes;
 use crate::program::Kernel;
@@ -45,14 +46,10 @@ impl Copies {
     }
 }
 
-fn bytes(texture: &wgpu::Texture) -> u64 {
-    4 * u64::from(texture.width()) * u64::from(texture.height()) * u64::from(texture.depth_or_array_layers())
-}
-
 impl Snapshot {
     /// The identity and size in bytes of everything it holds. Two snapshots may share parts.
     pub(crate) fn parts(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
-        let streams = self.streams.iter().map(|(_, texture)| (Arc::as_ptr(texture).addr(), bytes(texture)));
+        let streams = self.streams.iter().map(|(_, texture)| (Arc::as_ptr(texture).addr(), bytes(texture.size())));
         streams.chain(std::iter::once((std::ptr::from_ref(self).addr(), self.lists.bytes())))
     }
 

@@ -56,7 +56,7 @@ impl StreamTexture {
 
     /// Bytes of the stream's own layers.
     pub(super) fn bytes(&self) -> u64 {
-        4 * u64::from(self.width()) * u64::from(self.height()) * u64::from(self.layers)
+        bytes(self.size())
     }
 
     /// What copies to or from all of its layers name.
@@ -91,6 +91,11 @@ impl StreamTexture {
             ..Default::default()
         })
     }
+}
+
+/// Bytes of texels with four bytes each.
+pub(super) fn bytes(size: wgpu::Extent3d) -> u64 {
+    4 * u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers)
 }
 
 /// Textures for those of these streams whose elements have been counted.
