@@ -52,9 +52,11 @@ fn a_texture_that_a_function_takes_is_named_as_the_reason() {
     let mut variant = Variant::new(GENERATE, &Features::default(), &[]).expect("a kernel");
     let entry = variant.source.find("fn generate(").expect("an entry point");
     let body = entry + variant.source[entry..].find("{\n").expect("a body") + 2;
-    variant.source.insert_str(body, "    take(ray_origin);\n");
-    variant.source +=
-        "\nfn take(t: texture_storage_2d_array<r32float, write>) {\n    textureStore(t, vec2u(0u), 0, vec4f());\n}\n";
-    let error = variant.sharing(&[vec![RAY_ORIGIN, RAY_DIRECTION]], 2).expect_err("a texture is given away");
+    variant.source.insert_str(body, "    _ = first_of(tmax);\n");
+    variant.source += "\n@group(0) @binding(40) var tmax: texture_2d_array<f32>;\n\
+                       fn first_of(t: texture_2d_array<f32>) -> f32 {\n    return textureLoad(t, vec2u(0u), 0, 0).x;\n}\n";
+    let (name, resource) = ("tmax".to_owned(), Resource::ReadStream(TMAX));
+    variant.bindings.push(Binding { group: 0, index: 40, name, resource, reads: true, writes: false });
+    let error = variant.sharing(&[vec![RAY_ORIGIN, RAY_DIRECTION, TMAX]], 2).expect_err("a texture is given away");
     assert!(error.to_string().contains("gives a stream's texture to a function"), "{error}");
 }
