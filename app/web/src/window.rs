@@ -72,7 +72,7 @@ impl Window {
             inspector.restore(saved.as_bytes());
         }
         if let Some(why_not) = why_not {
-            inspector.note(format!("WebGL 2 draws, kernels too: {why_not}"));
+            inspector.note(format!("kernels run on the CPU, or by WebGL 2 if Options say GPU: {why_not}"));
         }
         let input = Input::new(width, height, scale, is_dark);
         Ok(Self {
@@ -123,7 +123,7 @@ impl Window {
         None
     }
 
-    /// Whether there is WebGPU; otherwise WebGL 2 draws, kernels too.
+    /// Whether there is WebGPU; otherwise WebGL 2 draws.
     pub fn computes(&self) -> bool {
         self.gpu.computes
     }

@@ -16,7 +16,7 @@ use super::super::request::{At, Opened, Texels, Update};
 use super::super::sketcher::Sketcher;
 use super::super::{Session, Target};
 use super::{GLIMPSING, Moving, Run, Server, Trouble};
-use crate::settings::{DeviceKind, Settings};
+use crate::settings::Settings;
 
 impl Server {
     /// Whether a ray waits to be confirmed.
@@ -54,7 +54,12 @@ impl Server {
         place: usize,
     ) -> Result<(), Trouble> {
         self.say(Update::Progress("building and compiling", 0, 0));
-        let (settings, device, mut session) = self.begin(&scene, settings).await?;
+        let settings = settings.on(&self.devices.gpu);
+        let device = self.devices.of(settings.device);
+        if let (Device::Gpu(gpu), Some(clock)) = (&device, self.devices.clock) {
+            gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;
+        }
+        let mut session = Session::new(&scene, &settings.options(&scene), &device).await?;
         let sketches = self.sketch(&mut session);
         let reached = self.reach(&mut session, place).await;
         if let Err(Trouble::Failed(message)) = reached {
@@ -108,24 +113,6 @@ impl Server {
         let (before, sketches) = unbounded();
         session.sketcher = Sketcher::new(&self.devices.gpu, session.renderer(), &before);
         sketches
-    }
-
-    /// A session with these settings, on a device that this machine has.
-    async fn begin(&self, scene: &Scene, settings: Settings) -> Result<(Settings, Device, Session), Trouble> {
-        let is_chosen = settings.device != DeviceKind::Auto;
-        let mut settings = settings.on(&self.devices.gpu);
-        let mut device = self.devices.of(settings.device);
-        if let (Device::Gpu(gpu), Some(clock)) = (&device, self.devices.clock) {
-            gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;
-        }
-        let mut session = Session::new(scene, &settings.options(scene), &device).await;
-        // What only draws may fail to compile a kernel, or have too small textures.
-        if session.is_err() && device.is_gpu() && !self.devices.gpu.computes && !is_chosen {
-            settings = settings.computed();
-            device = self.devices.of(settings.device);
-            session = Session::new(scene, &settings.options(scene), &device).await;
-        }
-        Ok((settings, device, session?))
     }
 
     async fn reach(&self, session: &mut Session, place: usize) -> Result<(), Trouble> {

@@ -109,11 +109,11 @@ impl Inspector {
     }
 }
 
-const NO_COMPUTE: &str = "This adapter has no compute shaders: kernels run as fragment programs, with --mapping fragment and \
-                          --scene-data textures, or on the CPU.";
+const NO_COMPUTE: &str = "This adapter has no compute shaders: on it, kernels run as fragment programs, with --mapping \
+                          fragment and --scene-data textures; otherwise on the CPU.";
 
-const NO_WEBGPU: &str = "This browser has no WebGPU: kernels run as fragment programs of WebGL 2, with --mapping fragment and \
-                         --scene-data textures, or on the CPU, on one core.";
+const NO_WEBGPU: &str = "This browser has no WebGPU: kernels run on the CPU, on one core, or, if Options say GPU, by WebGL 2, \
+                         as fragment programs with --scene-data textures.";
 
 /// What becomes of a ray, after the name of its pixel.
 fn outcome(trace: &Trace, units: Units) -> String {
