@@ -210,9 +210,9 @@ mod tests {
 
     #[test]
     fn the_nearest_names_come_first_and_far_ones_not_at_all() {
-        let names = ["Toggle light/dark theme", "Simple layout", "Full layout", "Fit to panel", "Quit"];
-        assert_eq!(nearest("ful layuot", &names), ["Full layout"]);
-        assert_eq!(nearest("layout", &names), ["Simple layout", "Full layout"]);
+        let names = ["Toggle light/dark theme", "Overview layout", "Step layout", "Fit to panel", "Quit"];
+        assert_eq!(nearest("stp layuot", &names), ["Step layout"]);
+        assert_eq!(nearest("layout", &names), ["Overview layout", "Step layout"]);
         assert_eq!(nearest("dance", &names), Vec::<&str>::new());
         assert_eq!(did_you_mean("quiet", &names), "did you mean Quit? ");
         assert_eq!(did_you_mean("x", &names), "");

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use common::Threads;
 use egui::mutex::RwLock;
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
-use raystep_inspector::command::Command;
+use raystep_inspector::command::{Command, Layout};
 use raystep_inspector::session::devices::Devices;
 use raystep_inspector::session::measure::on_its_device;
 use raystep_inspector::settings::Settings;
@@ -116,7 +116,9 @@ fn main() -> Result<(), String> {
         plan.height,
         window.begin.elapsed()
     );
-    for (name, layout) in [("simple layout", Command::SimpleLayout), ("full layout", Command::FullLayout)] {
+    for (name, layout) in
+        [("Overview layout", Command::Arrange(Layout::Overview)), ("Step layout", Command::Arrange(Layout::Step))]
+    {
         for command in [layout, Command::Start] {
             window.inspector.perform(command);
             window.settle();

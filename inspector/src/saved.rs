@@ -4,7 +4,9 @@
 
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::command::MOST_OWN;
 use crate::link::Link;
+use crate::session_file::layout;
 use crate::versioned::{FileError, FileKind};
 use raystep_kernels::history::units::Units;
 use smart_default::SmartDefault;
@@ -41,6 +43,15 @@ impl FirstSteps {
     }
 }
 
+/// An arrangement of panels that the user saved.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OwnLayout {
+    /// Its name.
+    pub name: String,
+    /// The arrangement.
+    pub tree: String,
+}
+
 /// The saved state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
 #[serde(default, deny_unknown_fields)]
@@ -49,6 +60,11 @@ pub struct Saved {
     version: u32,
     /// The arrangement of panels.
     pub layout: Option<String>,
+    /// The name of the layout that it came from.
+    pub layout_name: String,
+    /// The user's own layouts.
+    #[serde(deserialize_with = "read_layouts")]
+    pub layouts: Vec<OwnLayout>,
     /// The settings.
     pub settings: Option<String>,
     /// The last view.
@@ -117,6 +133,14 @@ impl Saved {
     pub fn forget(&mut self, path: &str) {
         self.recent.retain(|other| other != path);
     }
+}
+
+/// Those that can be shown.
+fn read_layouts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<OwnLayout>, D::Error> {
+    let mut layouts = Vec::<OwnLayout>::deserialize(deserializer)?;
+    layouts.retain(|own| layout::is_sound(&own.tree));
+    layouts.truncate(MOST_OWN);
+    Ok(layouts)
 }
 
 /// The nearest factor that is allowed; 1 for what is not a number.
@@ -201,6 +225,19 @@ mod tests {
         let error = too_large.to_text().expect_err("too large").to_string();
         assert!(error.contains("the limit is 1048576"), "{error}");
     }
+
+    #[test]
+    fn own_layouts_that_cannot_be_shown_are_left_out() {
+        let mut saved = Saved::default();
+        let own = |name: &str, tree: &str| OwnLayout { name: name.into(), tree: tree.into() };
+        let real = serde_json::to_string(&egui_tiles::Tree::<()>::empty(egui::Id::unique("panes"))).expect("a tree");
+        saved.layouts = vec![own("broken", "{}"), own("empty", &real)];
+        saved.layouts.extend((0..9).map(|i| own(&i.to_string(), &real)));
+        let read = Saved::from_bytes(saved.to_text().expect("small").as_bytes()).expect("JSON");
+        let names: Vec<_> = read.layouts.iter().map(|own| own.name.as_str()).collect();
+        assert_eq!(names, ["empty", "0", "1", "2"]);
+    }
+
     #[test]
     fn text_sizes_outside_the_range_are_clamped() {
         let read = |text: &str| {

@@ -11,6 +11,7 @@ mod error;
 mod exports;
 mod hard;
 mod keyboard;
+mod layouts;
 mod lessons;
 mod mapping;
 mod measured;

@@ -39,7 +39,7 @@ Examples:
   raystep inspect teapot --accelerator bvh --pixel 200,260 --pass 40
   raystep inspect teapot.raystep-session
   raystep inspect --link \"raystep:1?scene=teapot&pixel=200,260&pass=41&stream=tmax.x\"
-  raystep inspect cornell-box --screenshot box.png --window 1600x1000 --do \"Full layout\"
+  raystep inspect cornell-box --screenshot box.png --window 1600x1000 --do \"Ray layout\"
   raystep inspect --lesson one-ray
   raystep inspect --lesson my-lesson.md --check")]
 pub(crate) struct InspectArgs {

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant, SystemTime};
 
 use eframe::egui;
 use raystep_inspector::session::engine::EngineTask;
@@ -62,12 +63,45 @@ pub(super) struct Desktop {
     tell: Sender<HostEvent>,
     /// The settings that were saved last.
     remembered: String,
+    /// The scene that was loaded last.
+    loaded: Option<Loaded>,
+}
+
+/// A scene's path as the inspector gave it, its file, and when that was written.
+struct Loaded {
+    path: String,
+    file: PathBuf,
+    written: Option<SystemTime>,
+    looked: Instant,
+}
+
+impl Loaded {
+    fn new(path: &str, file: PathBuf) -> Self {
+        Self { path: path.to_owned(), written: written(&file), file, looked: Instant::now() }
+    }
+
+    /// Whether the file was written since it was loaded, or since this was last true. A file that is gone, as while it is
+    /// replaced, has not changed.
+    fn has_changed(&mut self) -> bool {
+        /// The file system is asked no more often.
+        const PAUSE: Duration = Duration::from_secs(1);
+        if self.looked.elapsed() < PAUSE {
+            return false;
+        }
+        self.looked = Instant::now();
+        let now = written(&self.file);
+        now.is_some() && std::mem::replace(&mut self.written, now) != now
+    }
+}
+
+fn written(file: &Path) -> Option<SystemTime> {
+    file.metadata().and_then(|about| about.modified()).ok()
 }
 
 impl Desktop {
     pub(super) fn new(ctx: egui::Context, gpu: Arc<Gpu>, read: ReadArgs, opening: Option<Opening>) -> Self {
         let (tell, events) = channel();
-        Self { ctx, gpu, read, opening, events, tell, remembered: String::new() }
+        Self { ctx, gpu, read, opening, events, tell, remembered: String::new(), loaded: None }
     }
 
     /// Runs slow work in a thread, and reports its result.
@@ -115,6 +149,7 @@ impl Host for Desktop {
 
     fn loader(&mut self, path: &str, settings: &Settings) -> Loader {
         let choice = SceneChoice::parse(path);
+        self.loaded = Some(Loaded::new(path, choice.path.clone()));
         let begun = self.opening.take().filter(|opening| opening.is_of(&choice, settings));
         let Opening { scene, preview, .. } =
             begun.unwrap_or_else(|| Opening::begin(choice, self.read, settings.clone()));
@@ -176,7 +211,9 @@ impl Host for Desktop {
     }
 
     fn events(&mut self) -> Vec<HostEvent> {
-        self.events.try_iter().collect()
+        let changed = self.loaded.as_mut().and_then(|loaded| loaded.has_changed().then(|| loaded.path.clone()));
+        let changed = changed.map(|path| HostEvent::Changed { path });
+        self.events.try_iter().chain(changed).collect()
     }
 
     fn remember(&mut self, saved: &str) {
@@ -219,5 +256,33 @@ impl Asking {
     fn failure(&self) -> Option<String> {
         last_error::take_of("rfd")?;
         Some("There is no file dialog on this system: install xdg-desktop-portal or zenity to get one.".into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_has_changed_once_each_time_it_is_written() {
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        let mut loaded = Loaded::new("scene", file.path().to_owned());
+        let mut changed = || {
+            let before = loaded.looked;
+            // As if the pause were over.
+            loaded.looked = before.checked_sub(Duration::from_secs(2)).unwrap_or(before);
+            loaded.has_changed()
+        };
+        assert!(!changed());
+        let write = |seconds| {
+            let when = SystemTime::now() + Duration::from_secs(seconds);
+            file.as_file().set_modified(when).expect("a time");
+        };
+        write(60);
+        assert!(changed() && !changed());
+        write(120);
+        assert!(changed());
+        std::fs::remove_file(file.path()).expect("it is there");
+        assert!(!changed(), "a file that is gone has not changed");
     }
 }

@@ -56,6 +56,8 @@ kinds! {
     Watches,
     /// The options of the run.
     Options,
+    /// The built-in lessons.
+    Lessons,
     /// Messages.
     Log,
 }

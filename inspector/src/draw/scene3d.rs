@@ -12,7 +12,7 @@ mod triangles;
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use raystep_kernels::Gpu;
 use raystep_kernels::scene_data::SceneData;
 
@@ -110,7 +110,7 @@ impl Scene3d {
             return;
         }
         let center = self.bounds.center().as_vec3();
-        let view = view(camera, settings, around.cut.filter(|_| settings.cut), center, size);
+        let view = view(camera, settings, around.cut.filter(|_| settings.cut), &self.bounds, size);
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let mut overlay = Overlay::new(walk, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
         if let Some(marked) = &around.marked {
@@ -195,7 +195,9 @@ pub enum Marked {
     Triangle([DVec3; 3]),
 }
 
-fn view(camera: &Orbit, settings: &Settings, cut: Option<f64>, center: Vec3, size: [u32; 2]) -> View {
+fn view(camera: &Orbit, settings: &Settings, cut: Option<f64>, bounds: &Aabb, size: [u32; 2]) -> View {
+    let (center, depth) = (bounds.center().as_vec3(), (bounds.max - bounds.min).length() as f32);
+    let wgpu::Color { r, g, b, .. } = settings.background();
     let [width, height] = size.map(f64::from);
     let [right, up, forward] = camera.pose.axes();
     let clip = camera.clip_from_world(center.as_dvec3(), width / height);
@@ -209,11 +211,12 @@ fn view(camera: &Orbit, settings: &Settings, cut: Option<f64>, center: Vec3, siz
         edges: if settings.edges { 1.0 } else { 0.0 },
         size_px: [size[0] as f32, size[1] as f32],
         near: if is_perspective { camera.near() as f32 } else { 0.0 },
-        hidden: 0.28,
+        hidden: 0.4,
         nearer: if is_perspective { [1.004, 0.0] } else { [1.0, 0.0015] },
         wire_px: settings.line_width_px,
         in_front: if cut.is_some() { settings.in_front() } else { 1.0 },
         front: forward.extend(cut.map_or(0.0, |cut| cut - forward.dot(center.as_dvec3()))).as_vec4().to_array(),
+        haze: [r as f32, g as f32, b as f32, depth.max(f32::MIN_POSITIVE).recip()],
     }
 }
 

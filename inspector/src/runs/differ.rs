@@ -5,6 +5,7 @@ use std::sync::Arc;
 use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::{StreamData, named};
+use raystep_lab::flip::{Errors, errors, flip};
 
 use super::outcome::Picture;
 use crate::session::request::{Job, answered, job};
@@ -22,9 +23,11 @@ pub enum Aspect {
     Distance,
     /// The colour.
     Color,
+    /// How different the pictures look.
+    Flip,
 }
 
-named!(Aspect, Triangle "triangle", Distance "t", Color "colour");
+named!(Aspect, Triangle "triangle", Distance "t", Color "colour", Flip "FLIP");
 
 /// How two hits of a ray differ, in ascending order; also the values of a picture of [`Aspect::Triangle`].
 pub const CLASSES: [&str; 4] = ["same bits", "same triangle, other t, u or v", "other triangle", "hit and miss"];
@@ -50,6 +53,10 @@ pub struct Counts {
     pub color: u64,
     /// The largest difference of a channel, linear light.
     pub max_color: f32,
+    /// The errors of channels, if the pictures have finite colours.
+    pub errors: Option<Errors>,
+    /// The mean of FLIP, if that was asked for.
+    pub flip: Option<f64>,
 }
 
 /// The rays in which two runs differ.
@@ -62,7 +69,7 @@ pub struct Differences {
     /// The rays that differ in the aspect, y * width + x, ascending.
     pub rays: Vec<u32>,
     /// A value per ray for the picture of the aspect: the index of its class; log10 of the difference of t; the largest
-    /// difference of a channel. [`INF`] where nothing differs, an infinity where only one run has a value.
+    /// difference of a channel; FLIP. [`INF`] where nothing differs, an infinity where only one run has a value.
     pub values: Vec<f32>,
 }
 
@@ -110,6 +117,10 @@ impl<'a> Side<'a> {
 
     fn weights(&self, ray: usize) -> [u32; 2] {
         self.picture.results.weights.map(|layer| self.hit.get(layer, ray))
+    }
+
+    fn picture(&self) -> Option<Vec<[f32; 3]>> {
+        (0..self.rays()).map(|ray| Some(self.color(ray)?.map(f32::from_bits))).collect()
     }
 
     fn color(&self, ray: usize) -> Option<[u32; 3]> {
@@ -163,6 +174,11 @@ pub fn differences(a: &Picture, b: &Picture, aspect: Aspect) -> Option<Differenc
     }
     let sides = [&left, &right];
     let mut counts = Counts { rays: left.rays() as u64, ..Counts::default() };
+    let pictures = left.picture().zip(right.picture());
+    let pictures = pictures.as_ref();
+    counts.errors = pictures.and_then(|(a, b)| errors(a, b));
+    let map = pictures.filter(|_| aspect == Aspect::Flip).and_then(|(a, b)| flip(a, b, size.map(|side| side as usize)));
+    counts.flip = map.as_ref().map(|map| map.iter().map(|&value| f64::from(value)).sum::<f64>() / map.len() as f64);
     let (mut rays, mut values) = (Vec::new(), Vec::with_capacity(left.rays()));
     for ray in 0..left.rays() {
         let (class, distance) = hits_differ(sides, ray, &mut counts);
@@ -171,6 +187,10 @@ pub fn differences(a: &Picture, b: &Picture, aspect: Aspect) -> Option<Differenc
             Aspect::Triangle => (class >= 2, if class == 0 { INF } else { class as f32 }),
             Aspect::Distance => (distance != INF, distance),
             Aspect::Color => (color.is_some(), color.unwrap_or(INF)),
+            Aspect::Flip => {
+                let value = map.as_ref().and_then(|map| map.get(ray).copied()).filter(|&value| value > 0.0);
+                (value.is_some(), value.unwrap_or(INF))
+            }
         };
         if is_other {
             rays.push(ray as u32);
@@ -209,7 +229,9 @@ mod tests {
         let a = picture(&cornell_box(), &Settings { size: [8, 8], ..Settings::default() });
         for aspect in Aspect::ALL {
             let same = differences(&a, &a, aspect).expect("the same size");
-            assert_eq!((same.counts, same.rays.len()), (Counts { rays: 64, ..Counts::default() }, 0));
+            let flip = (aspect == Aspect::Flip).then_some(0.0);
+            let none = Counts { rays: 64, errors: Some(Errors::default()), flip, ..Counts::default() };
+            assert_eq!((same.counts, same.rays.len()), (none, 0));
         }
         let mut b = a.clone();
         let at = |stream| a.streams.iter().position(|data| data.stream == stream).expect("kept");
@@ -225,7 +247,7 @@ mod tests {
         set(&mut b, hit, results.triangle.layer, both, |id| id + 2);
         set(&mut b, t, results.t.layer, both, |bits| bits + 1);
         set(&mut b, color, 1, far, |bits| (f32::from_bits(bits) + 0.25).to_bits());
-        let [triangle, distance, colors] =
+        let [triangle, distance, colors, flip] =
             Aspect::ALL.map(|aspect| differences(&a, &b, aspect).expect("the same size"));
         let counts = &triangle.counts;
         assert_eq!((counts.triangle, counts.hit_or_miss, counts.t, counts.weights), (2, 1, 2, 1), "{counts:?}");
@@ -236,6 +258,11 @@ mod tests {
         assert_eq!(triangle.rays, list(&[other, miss, both]));
         assert_eq!(distance.rays, list(&[far, miss, both]));
         assert_eq!(colors.rays, list(&[far]));
+        // A quarter in one channel of 192.
+        let errors = triangle.counts.errors.expect("colours");
+        assert!((errors.mae - 0.25 / 192.0).abs() < 1e-6 && (errors.rmse - 0.25 / 192.0_f64.sqrt()).abs() < 1e-6);
+        // A pixel is seen around itself too.
+        assert!(flip.rays.contains(&(far as u32)) && flip.rays.len() > 1 && flip.counts.flip.is_some_and(|f| f > 0.0));
         let values = |found: &Differences, rays: [usize; 5]| rays.map(|ray| found.values[ray]);
         assert_eq!(values(&triangle, [other, far, miss, weights, both]), [2.0, 1.0, 3.0, 1.0, 2.0]);
         assert_eq!(distance.values[miss], f32::INFINITY);

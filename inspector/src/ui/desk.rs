@@ -1,5 +1,6 @@
 //! The arrangement of panels: tiles, keyboard focus, and a panel that has the whole window.
 
+pub(super) mod arranged;
 mod focus;
 pub(super) mod layout;
 mod maximise;
@@ -10,16 +11,18 @@ use smart_default::SmartDefault;
 
 use super::pane::Context;
 use super::panes::Pane;
-use crate::command::{Command, PaneKind};
+use crate::command::{Command, Layout, PaneKind};
+use arranged::Arranged;
 use focus::Focus;
-use layout::{Layout, Panes};
+use layout::Panes;
 use maximise::Maximised;
 
 /// The arrangement of panels.
 #[derive(SmartDefault)]
 pub(super) struct Desk {
-    #[default(Layout::Simple.tree())]
+    #[default(layout::tree(Layout::default()))]
     pub(super) tree: Tree<Pane>,
+    pub(super) arranged: Arranged,
     focus: Focus,
     maximised: Option<Maximised>,
     /// Whether something that Escape leaves had keyboard focus at the end of the last frame.

@@ -34,6 +34,11 @@ pub enum HostEvent {
         /// The picture.
         preview: Preview,
     },
+    /// The file of a scene that was loaded has changed since.
+    Changed {
+        /// The path that the loader was made for.
+        path: String,
+    },
     /// A file was written.
     Saved {
         /// Description of the contents.

@@ -69,6 +69,8 @@ pub struct Inspector {
 struct OpenScene {
     /// The path of the open scene as the user entered it, for links and the title.
     path: Option<String>,
+    /// Whether its file was written since it was opened.
+    has_changed: bool,
     /// Runs known to the panels: in a new one, the selected pixel's ray is followed from the start.
     generation: u64,
     /// What to do once the scene being opened is ready.
@@ -201,6 +203,12 @@ impl Inspector {
         self.state.selection.pixel
     }
 
+    /// The name of the layout that is shown.
+    #[must_use]
+    pub fn layout(&self) -> &str {
+        self.desk.arranged.now.name()
+    }
+
     /// The visible panels, excluding those behind other tabs.
     #[must_use]
     pub fn panes_in_view(&self) -> Vec<PaneKind> {
@@ -253,10 +261,11 @@ impl Inspector {
         self.desk.begin(&ctx);
         if self.dialogs.open.is_none() {
             let held = self.desk.keys_held(&ctx, self.state.display.keeps_keys);
-            self.todo.extend(keys::pressed(&ctx, held, self.desk.had_focus()));
+            self.todo.extend(keys::pressed(&ctx, held, self.desk.had_focus(), self.lesson.is_some()));
         }
         if !self.is_embedded {
             self.menu_bar(ui);
+            self.offer_reload(ui);
             self.first_steps(ui);
         }
         self.status_bar(ui);

@@ -18,8 +18,9 @@ pub(super) enum Holds {
 }
 
 /// The commands whose keys were pressed. Open text fields, menus and lists keep their own keys; `had_focus`: something
-/// that Escape leaves had keyboard focus at the end of the last frame.
-pub(super) fn pressed(ctx: &egui::Context, holds: Holds, had_focus: bool) -> Vec<Command> {
+/// that Escape leaves had keyboard focus at the end of the last frame; in a lesson, digits answer its
+/// questions; otherwise they choose a layout.
+pub(super) fn pressed(ctx: &egui::Context, holds: Holds, had_focus: bool, in_lesson: bool) -> Vec<Command> {
     // A table with the focus only takes the keys that choose its rows.
     let in_table = table::is_focused(ctx);
     let holds = match holds {
@@ -29,6 +30,11 @@ pub(super) fn pressed(ctx: &egui::Context, holds: Holds, had_focus: bool) -> Vec
     };
     let mut keys: Vec<(&CommandInfo, KeyboardShortcut)> = COMMANDS
         .iter()
+        .filter(|info| match info.command {
+            Command::Choose(_) => in_lesson,
+            Command::Arrange(_) | Command::ArrangeOwn(_) => !in_lesson,
+            _ => true,
+        })
         .flat_map(|info| info.keys.iter().map(move |&(modifiers, key)| (info, KeyboardShortcut::new(modifiers, key))))
         .filter(|(_, shortcut)| match holds {
             Holds::Nothing => true,

@@ -3,6 +3,8 @@
 use egui::Color32;
 use raystep_kernels::interpret::Outcomes;
 use raystep_kernels::named;
+use raystep_lab::human::grouped;
+use raystep_lab::text::counted;
 
 /// How a condition came out for a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +94,8 @@ pub struct Mask {
     pub generation: u64,
     /// The pass, kernel and condition, for the legend.
     pub what: String,
+    /// The place that it is about, as a number of passes.
+    pub place: usize,
     /// Columns and rows.
     pub size: [u32; 2],
     /// By ray.
@@ -107,7 +111,13 @@ pub struct Mask {
 impl Mask {
     /// The mask of one condition.
     #[must_use]
-    pub fn new(generation: u64, what: String, size: [u32; 2], outcomes: &[Option<Outcomes>], site: usize) -> Self {
+    pub fn new(
+        (generation, place): (u64, usize),
+        what: String,
+        size: [u32; 2],
+        outcomes: &[Option<Outcomes>],
+        site: usize,
+    ) -> Self {
         let rays: Vec<Outcome> = outcomes.iter().map(|outcomes| Outcome::of(outcomes.as_ref(), site)).collect();
         let is_taken = |outcomes: &&Outcomes| {
             outcomes.taken.checked_shr(u32::try_from(site).unwrap_or(u32::MAX)).unwrap_or(0) & 1 == 1
@@ -116,7 +126,23 @@ impl Mask {
         let taken = outcomes.iter().flatten().filter(is_taken).count() as u64;
         let count = |outcome: Outcome| rays.iter().filter(|ray| **ray == outcome).count() as u64;
         let counts = Outcome::DRAWN.map(count);
-        Self { generation, what, size, processed, taken, counts, rays }
+        Self { generation, place, what, size, processed, taken, counts, rays }
+    }
+}
+
+impl Mask {
+    /// How many rays took the branch, and whether f64 would.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let [.., differing, _] = self.counts;
+        let taken = format!("{} of {} took this branch", grouped(self.taken), counted(self.processed, "ray"));
+        match differing {
+            0 => format!("{taken}; f64 would decide the same for all."),
+            _ => format!(
+                "{taken}; f64 would decide otherwise for {}. A hit changes only where the panel Divergence reports precision.",
+                grouped(differing)
+            ),
+        }
     }
 }
 
@@ -133,10 +159,10 @@ mod tests {
             Some(Outcomes { reached: 0b100, taken: 0b100, differs: 0 }),
             Some(Outcomes { reached: 0b100, taken: 0b100, differs: 0b100 }),
         ];
-        let mask = Mask::new(1, String::new(), [5, 1], &rays, 2);
+        let mask = Mask::new((1, 0), String::new(), [5, 1], &rays, 2);
         use Outcome::{Differs, Elsewhere, NotTaken, Taken, Waiting};
         assert_eq!(mask.rays, [Waiting, Elsewhere, NotTaken, Taken, Differs]);
         assert_eq!((mask.processed, mask.taken, mask.counts), (4, 2, [1; 4]));
-        assert_eq!(Mask::new(1, String::new(), [5, 1], &rays, 500).taken, 0, "no such condition");
+        assert_eq!(Mask::new((1, 0), String::new(), [5, 1], &rays, 500).taken, 0, "no such condition");
     }
 }

@@ -10,6 +10,7 @@ pub(super) mod error;
 pub(super) mod kernel;
 mod labels;
 mod legend;
+pub(super) mod lessons;
 pub(super) mod log;
 pub(super) mod options;
 pub(super) mod passes;

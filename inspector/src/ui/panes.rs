@@ -34,6 +34,7 @@ impl Pane {
             K::Structure => Box::<panels::structure::Structure>::default(),
             K::Cost => Box::<panels::cost::Cost>::default(),
             K::Dataflow => Box::<panels::dataflow::Dataflow>::default(),
+            K::Lessons => Box::<panels::lessons::Lessons>::default(),
             K::Log => Box::<panels::log::Log>::default(),
             K::Compare => Box::<panels::compare::Compare>::default(),
             K::Divergence => Box::<panels::divergence::Divergence>::default(),

@@ -2,12 +2,13 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
-use raystep_inspector::command::{Command, PaneKind};
+use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT};
 use raystep_kernels::{Choices, Pass, ScheduleKind};
+use raystep_lab::human::grouped;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::Stage;
@@ -21,7 +22,7 @@ fn stage(settings: Settings) -> Stage {
     };
     let mut stage =
         Stage::with_scene(CORNELL, settings, Arrival { pixel: Some([24, 30]), place: Some(3), ..Arrival::default() });
-    stage.perform(Command::FullLayout);
+    stage.arrange(Layout::Step);
     if !stage.harness.state().panes_in_view().contains(&PaneKind::Kernel) {
         stage.perform(Command::Show(PaneKind::Kernel));
     }
@@ -74,7 +75,8 @@ fn the_rays_that_took_a_branch_are_those_that_left_the_state() {
         let model = stage.harness.state().model();
         let pass = model.last_pass().expect("a pass").clone();
         let stay = staying(&pass);
-        let text = format!("taken by {} of {} rays", pass.rays_in - stay, pass.rays_in);
+        let taken = u64::from(pass.rays_in - stay);
+        let text = format!("{} of {} rays took this branch", grouped(taken), pass.rays_in);
         assert!((1..pass.rays_in).contains(&stay) && stage.reads(&text), "{text}:\n{}", stage.read_out());
         // The run is where it was, and so it is with an edited texel: one ray fewer.
         let place = model.place;

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
-use raystep_inspector::command::{COMMANDS, Command, CommandInfo, PaneKind};
+use raystep_inspector::command::{COMMANDS, Command, CommandInfo, Layout, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::Kernel;
@@ -64,7 +64,7 @@ fn set(stage: &mut Stage) {
         stage.open(CORNELL, settings(), arrival);
     }
     stage.perform(Command::EndCompare);
-    stage.perform(Command::SimpleLayout);
+    stage.arrange(Layout::Overview);
     stage.desk.lock().expect("not poisoned").saved.clear();
     stage.heard = Default::default();
     assert_eq!((stage.place(), stage.harness.state().pixel()), (PLACE, Some(PIXEL)));

@@ -1,7 +1,7 @@
 //! Errors, and unusual sizes of windows and scenes: a clear message, and no panic.
 
 use egui::{Key, Modifiers, Rect, Vec2};
-use raystep_inspector::command::{Command, PaneKind};
+use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
 
@@ -18,14 +18,14 @@ fn tour(stage: &mut Stage) {
     for &kind in PaneKind::ALL {
         stage.perform(Command::Show(kind));
     }
-    stage.perform(Command::FullLayout);
+    stage.arrange(Layout::Step);
     for command in [Command::NextPass, Command::End, Command::PreviousPass, Command::Start, Command::Compare] {
         stage.perform(command);
     }
     for command in [Command::Divergence, Command::Normalise, Command::Pin, Command::Fit, Command::End] {
         stage.perform(command);
     }
-    stage.perform(Command::SimpleLayout);
+    stage.arrange(Layout::Overview);
     stage.harness.render().expect("it can be drawn");
 }
 
@@ -122,7 +122,8 @@ fn tour_without_drawing(stage: &mut Stage) {
     for &kind in PaneKind::ALL {
         stage.perform(Command::Show(kind));
     }
-    for command in [Command::FullLayout, Command::Compare, Command::Pin, Command::ExportExr, Command::Start] {
+    for command in [Command::Arrange(Layout::Step), Command::Compare, Command::Pin, Command::ExportExr, Command::Start]
+    {
         stage.perform(command);
     }
 }
@@ -130,7 +131,7 @@ fn tour_without_drawing(stage: &mut Stage) {
 #[test]
 fn moved_between_scale_factors() {
     let mut stage = Stage::with_scene(CORNELL, small(), Arrival { place: Some(9), ..Arrival::default() });
-    stage.perform(Command::FullLayout);
+    stage.arrange(Layout::Step);
     for scale in [2.0, 1.25, 3.0, 0.5, 1.0] {
         stage.harness.set_pixels_per_point(scale);
         stage.settle();
@@ -155,7 +156,7 @@ fn minimised_and_back() {
     }
     stage.harness.set_size(Vec2::new(1280.0, 800.0));
     stage.perform(Command::EndCompare);
-    stage.perform(Command::SimpleLayout);
+    stage.arrange(Layout::Overview);
     stage.perform(Command::End);
     let picture = stage.harness.render().expect("it can be drawn");
     assert_eq!((picture.width(), picture.height()), (1280, 800));

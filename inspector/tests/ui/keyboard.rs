@@ -6,7 +6,7 @@ use egui::accessibility::is_input;
 use egui::{Key, Modifiers, Rect, Role, Shape};
 use egui_kittest::Node;
 use egui_kittest::kittest::NodeT as _;
-use raystep_inspector::command::{Command, PaneKind};
+use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
 
@@ -155,9 +155,9 @@ fn f6_goes_round_the_panels_and_keys_for_commands_still_work() {
 }
 
 #[test]
-fn every_panel_of_the_full_layout_is_reached() {
+fn every_panel_of_a_layout_is_reached() {
     let mut stage = stage();
-    stage.perform(Command::FullLayout);
+    stage.arrange(Layout::Step);
     let mut seen: HashSet<PaneKind> = stage.harness.state().panes_in_view().into_iter().collect();
     let groups = seen.len();
     for _ in 0..groups {
@@ -176,16 +176,12 @@ fn every_panel_of_the_full_layout_is_reached() {
         PaneKind::Options,
         PaneKind::Watches,
         PaneKind::Stream,
-        PaneKind::Walk3d,
-        PaneKind::Walk2d,
-        PaneKind::Ray,
+        PaneKind::Dataflow,
         PaneKind::Kernel,
+        PaneKind::Ray,
         PaneKind::Plan,
         PaneKind::Timeline,
         PaneKind::Timings,
-        PaneKind::Cost,
-        PaneKind::Structure,
-        PaneKind::Dataflow,
         PaneKind::Log,
     ];
     let missing: Vec<_> = all.into_iter().filter(|kind| !seen.contains(kind)).collect();
@@ -293,7 +289,7 @@ fn a_panel_is_maximised_and_restored_in_every_way() {
     stage.key(Modifiers::NONE, Key::Escape);
     stage.settle();
     assert!(stage.inspector().panes_in_view().contains(&PaneKind::Log));
-    stage.perform(Command::SimpleLayout);
+    stage.arrange(Layout::Overview);
 
     // Under the cursor.
     let picture = stage.find(Role::Image, |name| name.starts_with("state after")).expect("the stream").rect();

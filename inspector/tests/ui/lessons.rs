@@ -6,7 +6,7 @@ mod asking;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use egui::{Key, Modifiers, Role, Vec2};
-use raystep_inspector::command::{Command, PaneKind};
+use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::lesson::Lesson;
 use raystep_inspector::lesson::built_in::LESSONS;
 use raystep_inspector::lesson::fact::{FACTS, FIELDS};
@@ -167,7 +167,7 @@ fn a_step_is_the_same_from_wherever_it_is_reached() {
         // The user's own clicks in between do not matter.
         stage.perform(Command::NextPass);
         stage.perform(Command::NudgeLeft);
-        stage.perform(Command::FullLayout);
+        stage.arrange(Layout::Step);
         stage.key(modifiers, Key::F8);
         stage.settle();
         step += by;

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use egui::accessibility::is_input;
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
-use raystep_inspector::command::{Command, Menu, PaneKind};
+use raystep_inspector::command::{Command, Layout, Menu, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
 
@@ -38,7 +38,7 @@ fn panels() {
     let bare = named(&stage, "the simple layout");
     assert!(bare > 20, "{bare}");
     for &kind in PaneKind::ALL {
-        stage.perform(Command::SimpleLayout);
+        stage.arrange(Layout::Overview);
         let is_there = stage.harness.state().panes_in_view().contains(&kind);
         match kind {
             _ if is_there => {}
@@ -50,7 +50,7 @@ fn panels() {
         }
         named(&stage, &format!("{kind:?}"));
     }
-    stage.perform(Command::FullLayout);
+    stage.arrange(Layout::Step);
     named(&stage, "the full layout");
 }
 

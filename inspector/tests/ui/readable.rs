@@ -7,7 +7,7 @@ mod overlap;
 use std::collections::HashSet;
 
 use egui::{Role, Theme};
-use raystep_inspector::command::{Command, Menu, PaneKind};
+use raystep_inspector::command::{Command, Layout, Menu, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 
@@ -75,7 +75,7 @@ fn everywhere(stage: &mut Stage, mut look: impl FnMut(&mut Stage, &str)) {
     stage.settle();
     look(stage, "values in texels");
     for &kind in PaneKind::ALL {
-        stage.perform(Command::SimpleLayout);
+        stage.arrange(Layout::Overview);
         show(stage, kind);
         look(stage, &format!("{kind:?}"));
     }
@@ -103,7 +103,7 @@ fn everywhere(stage: &mut Stage, mut look: impl FnMut(&mut Stage, &str)) {
         stage.settle();
     }
     stage.perform(Command::CloseLesson);
-    stage.perform(Command::FullLayout);
+    stage.arrange(Layout::Step);
     look(stage, "full layout");
     stage.perform(Command::Maximise);
     look(stage, "maximised");
@@ -191,7 +191,7 @@ fn all_text_is_apart(scale: f32) {
         }
     });
     for &kind in PaneKind::ALL {
-        stage.perform(Command::FullLayout);
+        stage.arrange(Layout::Step);
         show(&mut stage, kind);
         found.push((format!("{kind:?} in the full layout"), unreadable(&mut stage)));
     }

@@ -1,7 +1,7 @@
 //! Kept runs: bit for bit those of other runs, flipped through, compared and measured.
 
 use egui::{Key, Modifiers, Role};
-use raystep_inspector::command::{Command, PaneKind};
+use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::runs::differ::{Aspect, differences};
 use raystep_inspector::session::go_on;
 use raystep_inspector::settings::{DeviceKind, Settings};
@@ -157,7 +157,7 @@ fn rays_that_differ_are_counted_and_selected_one_after_the_other() {
     assert_eq!(robust.counts.hit_or_miss, 0, "{:?}", robust.counts);
 
     // The pair is the first run and the last; then the paper's rules in the BVH.
-    stage.perform(Command::SimpleLayout);
+    stage.arrange(Layout::Overview);
     stage.perform(Command::Show(PaneKind::Runs));
     stage.click(Role::RadioButton, "compared: bvh compact paper");
     stage.settle();
@@ -189,7 +189,7 @@ fn kept_runs_are_measured_in_turns() {
             Settings { choices: Choices { accelerator: Accelerator::Bvh, ..settings().choices }, ..settings() },
         ],
     );
-    stage.perform(Command::SimpleLayout);
+    stage.arrange(Layout::Overview);
     stage.perform(Command::Show(PaneKind::Runs));
     stage.click(Role::Button, "Times");
     stage.settle();
@@ -226,7 +226,7 @@ fn the_panel_with_three_runs() {
         ..settings()
     };
     let mut stage = kept([1280.0, 800.0], &[settings(), bvh, paper]);
-    stage.perform(Command::SimpleLayout);
+    stage.arrange(Layout::Overview);
     stage.perform(Command::Show(PaneKind::Ray));
     stage.perform(Command::Show(PaneKind::Runs));
     stage.snapshot("runs-difference");

@@ -1,7 +1,7 @@
 //! Sessions as files: saved, opened again, and refused as a whole if they are broken.
 
 use egui::{Key, Modifiers, Role};
-use raystep_inspector::command::{Command, PaneKind};
+use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::link::Link;
 use raystep_inspector::session_file::SessionFile;
 use raystep_inspector::settings::{DeviceKind, Settings};
@@ -58,7 +58,7 @@ fn a_session_opens_as_it_was_saved() {
     stage.perform(Command::EditTexel);
     stage.answer("2");
     stage.perform(Command::KeepRun);
-    stage.perform(Command::SimpleLayout);
+    stage.arrange(Layout::Overview);
     stage.perform(Command::Show(PaneKind::Runs));
     stage.click(Role::Button, "Notes");
     stage.settle();
@@ -158,7 +158,7 @@ fn another_scene_of_the_same_name_is_said() {
     open_session(&mut stage, other.as_bytes());
     let error = stage.harness.state().last_error().unwrap_or_default().to_owned();
     assert!(error.contains("cornell-box is not the scene that the session was made with"), "{error}");
-    stage.perform(Command::SimpleLayout);
+    stage.arrange(Layout::Overview);
     stage.perform(Command::Show(PaneKind::Runs));
     assert!(stage.reads("grid (other scene)"), "{}", stage.read_out());
     // The kept run is refused, too: it would be one of another scene.

@@ -4,7 +4,7 @@
 //! counts, so that snapshots contain neither durations nor the adapter's name.
 
 use egui::Theme;
-use raystep_inspector::command::{Command, PaneKind};
+use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::{Choices, Samples, ScheduleKind};
@@ -84,12 +84,15 @@ fn before_a_scene_is_open() {
     stage.snapshot("welcome");
 }
 
+/// The layouts in the window of a laptop; at twice the size, only the first.
 fn whole(theme: Theme, scale: f32, name: &str) {
     let mut stage = Stage::new(Plan { theme, scale, ..Plan::default() });
     open(&mut stage);
-    stage.snapshot(&format!("simple-{name}"));
-    stage.perform(Command::FullLayout);
-    stage.snapshot(&format!("full-{name}"));
+    let layouts = if scale > 1.0 { &Layout::ALL[..1] } else { &Layout::ALL[..] };
+    for &layout in layouts {
+        stage.arrange(layout);
+        stage.snapshot(&format!("{}-{name}", layout.name().to_lowercase()));
+    }
 }
 
 #[test]

@@ -10,7 +10,7 @@ use egui::{Event, Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
 use egui_kittest::{Harness, Node, SnapshotOptions};
 use egui_wgpu::{Renderer, RendererOptions};
-use raystep_inspector::command::Command;
+use raystep_inspector::command::{Command, Layout};
 use raystep_inspector::draw::picture::FORMAT;
 use raystep_inspector::session::devices::Devices;
 use raystep_inspector::session::measure::Measure;
@@ -166,6 +166,12 @@ impl Stage {
     pub(crate) fn perform(&mut self, command: Command) {
         self.inspector().perform(command);
         self.settle();
+    }
+
+    /// Shows a layout as it is at first.
+    pub(crate) fn arrange(&mut self, layout: Layout) {
+        self.perform(Command::Arrange(layout));
+        self.perform(Command::ResetLayout);
     }
 
     /// Closes all panels, also those behind tabs.

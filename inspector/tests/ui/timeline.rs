@@ -3,7 +3,7 @@
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, pos2};
 use egui_kittest::kittest::NodeT as _;
 use image::RgbaImage;
-use raystep_inspector::command::{Command, PaneKind};
+use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::Choices;
@@ -33,7 +33,9 @@ pub(crate) fn into_turn(stage: &mut Stage, turns: usize) {
 /// The full layout, at a place.
 fn stage(settings: Settings, place: usize) -> Stage {
     let mut stage = Stage::new(Plan::default());
-    stage.perform(Command::FullLayout);
+    stage.arrange(Layout::Step);
+    // The kernel's panel names a pass too.
+    stage.perform(Command::Show(PaneKind::Ray));
     stage.open(CORNELL, settings, Arrival { pixel: Some(PIXEL), place: Some(place), ..Arrival::default() });
     stage
 }
@@ -356,7 +358,8 @@ fn every_schedule_and_the_build_of_a_grid_can_be_scrubbed() {
         ..settings(DeviceKind::Gpu)
     });
     let mut s = Stage::new(Plan::default());
-    s.perform(Command::FullLayout);
+    s.arrange(Layout::Step);
+    s.perform(Command::Show(PaneKind::Ray));
     for settings in all {
         let what = format!("{} {}", settings.choices.schedule, settings.choices.accelerator);
         s.open(CORNELL, settings, Arrival::picture());

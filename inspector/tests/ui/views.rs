@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Event, Key, Modifiers, PointerButton, Role, pos2, vec2};
-use raystep_inspector::command::Command;
+use raystep_inspector::command::Layout;
 use raystep_inspector::settings::{DeviceKind, Settings, View};
 use raystep_inspector::ui::{Arrival, Inspector};
 use raystep_kernels::programs::closest_hit::streams;
@@ -83,7 +83,7 @@ fn another_camera_changes_the_picture_and_nothing_is_built_again() {
 #[test]
 fn while_the_camera_turns_there_is_a_coarse_picture_and_then_the_true_one() {
     let mut stage = open(DeviceKind::Cpu);
-    stage.perform(Command::FullLayout);
+    stage.arrange(Layout::Ray);
     // In a narrow panel it is in a menu.
     if stage.find(Role::Button, |name| name == "Camera").is_some() {
         stage.click(Role::Button, "Camera");

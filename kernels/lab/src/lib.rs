@@ -8,7 +8,7 @@
 //! | [`judge`] | a run's hits compared with that: all rays, a sample, or after each pass |
 //! | [`rounding`] | what rounding may change in one pass |
 //! | [`parity`], [`divergence`], [`lockstep`] | device against CPU reference kernels, pass by pass |
-//! | [`compare`], [`layer_stats`] | a stream of two runs compared; statistics of one stream |
+//! | [`compare`], [`layer_stats`], [`flip`] | a stream of two runs compared; statistics of one stream; how different two pictures look |
 //! | [`rays`], [`outside`] | rays, and which of them the paper's numerics lose |
 //! | [`configuration`], [`watertight`] | options that are compared, and a closed mesh that no ray may leave |
 //! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, interleaved timing, medians and intervals |
@@ -33,6 +33,7 @@ pub mod compared;
 pub mod configuration;
 pub mod divergence;
 mod error;
+pub mod flip;
 pub mod hash;
 pub mod html;
 pub mod human;

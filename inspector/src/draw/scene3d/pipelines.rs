@@ -27,6 +27,7 @@ pub(super) struct View {
     pub(super) wire_px: f32,
     pub(super) in_front: f32,
     pub(super) front: [f32; 4],
+    pub(super) haze: [f32; 4],
 }
 
 pub(super) struct Pipelines {
@@ -175,7 +176,7 @@ mod tests {
             ($($name:ident)*) => { [$((stringify!($name), offset_of!(View, $name))),*] };
         }
         let members =
-            members!(clip_from_world light opacity center edges size_px near hidden nearer wire_px in_front front);
+            members!(clip_from_world light opacity center edges size_px near hidden nearer wire_px in_front front haze);
         crate::draw::uniforms::assert_lies_as(include_str!("view.wgsl"), "View", &members, size_of::<View>());
     }
 }

@@ -11,9 +11,9 @@ pub enum TriangleStyle {
     /// Their edges.
     Wireframe,
     /// Transparent: items behind them are visible.
-    #[default]
     Translucent,
-    /// Opaque: items behind them are faint.
+    /// Opaque and lit: items behind them are faint.
+    #[default]
     Opaque,
 }
 

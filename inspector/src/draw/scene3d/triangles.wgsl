@@ -35,7 +35,10 @@ fn vs_triangle(@builtin(vertex_index) index: u32) -> Varying {
     weights[i] = 1.0;
     let position = corner(triangle, i);
     let behind = dot(position, view.front.xyz) - view.front.w;
-    return Varying(view.clip_from_world * vec4f(position, 1.0), base * (0.3 + 0.7 * facing), weights, behind);
+    // What is far away is fainter: depth can be seen.
+    let depth = clamp(0.5 + dot(position, view.front.xyz) * view.haze.w, 0.0, 1.0);
+    let color = mix(base * (0.22 + 0.78 * facing), view.haze.rgb, 0.5 * depth * depth);
+    return Varying(view.clip_from_world * vec4f(position, 1.0), color, weights, behind);
 }
 
 // How much of the pixel an edge of the triangle covers; nothing where the triangles are about as small as pixels.
@@ -55,7 +58,7 @@ fn kept(behind: f32) -> f32 {
 @fragment
 fn fs_solid(in: Varying) -> @location(0) vec4f {
     let covered = edge(in.weights, 1.0) * view.edges;
-    let color = in.color * (1.0 - 0.3 * covered);
+    let color = in.color * (1.0 - 0.4 * covered);
     let opacity = mix(view.opacity, 1.0, 0.35 * covered) * kept(in.behind);
     if (opacity == 0.0) {
         discard;

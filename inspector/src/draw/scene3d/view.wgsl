@@ -24,6 +24,8 @@ struct View {
     in_front: f32,
     // The plane where the walk begins, seen from the eye: the view's direction, and the distance along it.
     front: vec4f,
+    // The background, into which triangles fade with depth, and 1 over the depth of the whole scene.
+    haze: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;

@@ -1,71 +1,102 @@
 //! The arrangement of panels.
 
 use egui::Vec2;
-use egui_tiles::{Behavior, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
+use egui_tiles::{Behavior, Linear, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
 
 use super::focus::{self, Focus};
-use crate::command::PaneKind;
+use crate::command::{Layout, PaneKind};
 use crate::ui::pane::Context;
 use crate::ui::panes::Pane;
 
-/// Predefined layouts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::ui) enum Layout {
-    /// One stream beside the ray's walk and history, with the passes folded to a strip below them.
-    Simple,
-    /// The panels for daily use.
-    Full,
+/// A part of a layout.
+enum Part {
+    /// Panels one behind the other.
+    Tabs(&'static [PaneKind]),
+    /// Parts from left to right, with their shares of the width.
+    Columns(&'static [(f32, Self)]),
+    /// Parts from top to bottom, with their shares of the height.
+    Rows(&'static [(f32, Self)]),
 }
 
-impl Layout {
-    pub(in crate::ui) fn tree(self) -> Tree<Pane> {
-        let mut tiles = Tiles::default();
-        let pane = |tiles: &mut Tiles<Pane>, kind: PaneKind| tiles.insert_pane(Pane::new(kind));
-        let tabs = |tiles: &mut Tiles<Pane>, kinds: &[PaneKind]| {
-            let children = kinds.iter().map(|&kind| pane(tiles, kind)).collect();
-            tiles.insert_tab_tile(children)
-        };
-        use PaneKind as P;
-        let root = match self {
-            Self::Simple => {
-                let stream = tabs(&mut tiles, &[P::Stream]);
-                let [walk, ray] = [P::Walk2d, P::Ray].map(|kind| tabs(&mut tiles, &[kind]));
-                let right = vertical(&mut tiles, &[walk, ray], &[0.9, 1.1]);
-                let upper = horizontal(&mut tiles, &[stream, right], &[0.85, 1.15]);
-                let strip = tabs(&mut tiles, &[P::Timeline, P::Passes]);
-                vertical(&mut tiles, &[upper, strip], &[1.0, 0.23])
-            }
-            Self::Full => {
-                let left = tabs(&mut tiles, &[P::Passes, P::Options, P::Watches]);
-                let stream = tabs(&mut tiles, &[P::Stream]);
-                let walk = tabs(&mut tiles, &[P::Walk3d, P::Walk2d]);
-                let center = vertical(&mut tiles, &[stream, walk], &[1.0, 0.8]);
-                let right = tabs(&mut tiles, &[P::Ray, P::Kernel, P::Plan]);
-                let upper = horizontal(&mut tiles, &[left, center, right], &[0.6, 1.0, 1.0]);
-                let lower = tabs(&mut tiles, &[P::Timeline, P::Timings, P::Cost, P::Structure, P::Dataflow, P::Log]);
-                vertical(&mut tiles, &[upper, lower], &[1.0, 0.3])
-            }
-        };
-        Tree::new(egui::Id::unique("panes"), root, tiles)
-    }
+use PaneKind as P;
+use Part::{Columns, Rows, Tabs};
+
+const OVERVIEW: Part = Rows(&[
+    (1.0, Columns(&[(0.85, Tabs(&[P::Stream])), (1.15, Rows(&[(0.9, Tabs(&[P::Walk2d])), (1.1, Tabs(&[P::Ray]))]))])),
+    (0.23, Tabs(&[P::Timeline, P::Passes])),
+]);
+
+const STEP: Part = Rows(&[
+    (
+        1.0,
+        Columns(&[
+            (0.5, Tabs(&[P::Passes, P::Options, P::Watches])),
+            (1.0, Tabs(&[P::Stream])),
+            (0.75, Tabs(&[P::Kernel, P::Ray])),
+        ]),
+    ),
+    (0.3, Tabs(&[P::Timeline, P::Timings, P::Dataflow, P::Plan, P::Log])),
+]);
+
+const RAY: Part = Columns(&[
+    (1.15, Rows(&[(1.0, Tabs(&[P::Walk3d, P::Structure])), (0.75, Tabs(&[P::Walk2d]))])),
+    (1.0, Rows(&[(1.0, Tabs(&[P::Ray])), (0.9, Tabs(&[P::Stream, P::Kernel]))])),
+]);
+
+const COMPARE: Part =
+    Rows(&[(1.0, Tabs(&[P::Compare, P::Divergence])), (0.42, Tabs(&[P::Runs, P::Error, P::Choices]))]);
+
+const COST: Part = Rows(&[
+    (
+        1.0,
+        Columns(&[
+            (1.0, Tabs(&[P::Cost])),
+            (0.85, Rows(&[(1.0, Tabs(&[P::Timings])), (1.0, Tabs(&[P::Structure, P::Plan]))])),
+        ]),
+    ),
+    (0.3, Tabs(&[P::Timeline, P::Choices])),
+]);
+
+const LEARN: Part = Rows(&[
+    (
+        1.0,
+        Columns(&[
+            (0.7, Tabs(&[P::Lessons])),
+            (1.0, Tabs(&[P::Stream])),
+            (1.2, Rows(&[(0.9, Tabs(&[P::Walk2d])), (1.1, Tabs(&[P::Ray]))])),
+        ]),
+    ),
+    (0.23, Tabs(&[P::Timeline])),
+]);
+
+/// The arrangement of a layout.
+pub(in crate::ui) fn tree(layout: Layout) -> Tree<Pane> {
+    let part = match layout {
+        Layout::Overview => OVERVIEW,
+        Layout::Step => STEP,
+        Layout::Ray => RAY,
+        Layout::Compare => COMPARE,
+        Layout::Cost => COST,
+        Layout::Learn => LEARN,
+    };
+    let mut tiles = Tiles::default();
+    let root = insert(&mut tiles, &part);
+    Tree::new(egui::Id::unique("panes"), root, tiles)
 }
 
-fn horizontal(tiles: &mut Tiles<Pane>, children: &[TileId], shares: &[f32]) -> TileId {
-    let id = tiles.insert_horizontal_tile(children.to_vec());
-    share(tiles, id, children, shares);
-    id
-}
-
-fn vertical(tiles: &mut Tiles<Pane>, children: &[TileId], shares: &[f32]) -> TileId {
-    let id = tiles.insert_vertical_tile(children.to_vec());
-    share(tiles, id, children, shares);
-    id
-}
-
-fn share(tiles: &mut Tiles<Pane>, id: TileId, children: &[TileId], shares: &[f32]) {
-    if let Some(Tile::Container(egui_tiles::Container::Linear(linear))) = tiles.get_mut(id) {
-        children.iter().zip(shares).for_each(|(&child, &part)| linear.shares.set_share(child, part));
-    }
+fn insert(tiles: &mut Tiles<Pane>, part: &Part) -> TileId {
+    let (parts, dir) = match part {
+        Tabs(kinds) => {
+            let panes = kinds.iter().map(|&kind| tiles.insert_pane(Pane::new(kind))).collect();
+            return tiles.insert_tab_tile(panes);
+        }
+        Columns(parts) => (parts, LinearDir::Horizontal),
+        Rows(parts) => (parts, LinearDir::Vertical),
+    };
+    let children: Vec<TileId> = parts.iter().map(|(_, part)| insert(tiles, part)).collect();
+    let mut linear = Linear::new(dir, children.clone());
+    children.iter().zip(*parts).for_each(|(&child, &(share, _))| linear.shares.set_share(child, share));
+    tiles.insert_container(linear)
 }
 
 /// Toggles a panel.
@@ -161,6 +192,10 @@ impl Behavior<Pane> for Panes<'_> {
     }
 
     fn on_tab_button(&mut self, tiles: &mut Tiles<Pane>, id: TileId, tab: egui::Response) -> egui::Response {
+        // Commands about a view go to the panel whose tab was clicked.
+        if tab.clicked() && tiles.get_pane(&id).is_some() {
+            self.focus.under = Some(id);
+        }
         if tab.double_clicked() && tiles.get_pane(&id).is_some() {
             self.maximise = Some(id);
         }

@@ -47,7 +47,7 @@ impl Desk {
     pub(in crate::ui) fn adapt_maximised(&mut self, command: Command) -> bool {
         let Some(now) = self.maximised() else { return false };
         match command {
-            Command::SimpleLayout | Command::FullLayout => self.maximised = None,
+            Command::Arrange(_) | Command::ArrangeOwn(_) | Command::ResetLayout => self.maximised = None,
             Command::Cancel => {
                 self.maximised = None;
                 return true;

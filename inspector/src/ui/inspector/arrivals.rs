@@ -43,6 +43,7 @@ impl Inspector {
                     self.state.display.preview = Some(PreviewTexture::new(ctx, &preview));
                 }
                 HostEvent::Previewed { .. } => {}
+                HostEvent::Changed { path } => self.scene.has_changed |= self.scene.path.as_ref() == Some(&path),
                 HostEvent::Read { path, bytes } => self.open_session_bytes(&path, &bytes),
                 HostEvent::Saved { holds, path } => self.note(format!("{holds} written to {path}")),
                 HostEvent::Cancelled(what) => self.note(what),
@@ -82,9 +83,22 @@ impl Inspector {
         self.open(path, settings, Arrival::picture());
     }
 
+    /// The scene's file again, at the same place.
+    pub(super) fn reload(&mut self) {
+        let (Some(path), Some(opened)) = (self.scene.path.clone(), &self.model.opened) else { return };
+        let arrival = Arrival {
+            pixel: self.state.selection.pixel,
+            place: Some(if self.model.next.is_none() { usize::MAX } else { self.model.place }),
+            shown: self.state.display.shown,
+            ..Arrival::default()
+        };
+        self.open(&path, opened.settings.clone(), arrival);
+    }
+
     /// A new run is ready.
     fn arrived(&mut self) {
         self.scene.path = self.model.opened.as_ref().and_then(|opened| opened.path.clone());
+        self.scene.has_changed = false;
         self.remember_file();
         let scene = self.scene.path.as_deref().map(|path| {
             let (scene, index) = self.host.scene_of(path);

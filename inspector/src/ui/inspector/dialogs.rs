@@ -9,7 +9,7 @@ use raystep_lab::text::counted;
 use super::Inspector;
 use super::asked_path::AskedPath;
 use super::palette::Palette;
-use crate::command::{COMMANDS, Menu};
+use crate::command::{COMMANDS, Command, Menu};
 
 /// A dialog.
 pub(super) enum Dialog {
@@ -27,14 +27,17 @@ pub(super) enum Dialog {
     Edit(Stream, usize, String),
     /// Exports, and whether to include passes and rows only up to the current place.
     Export(bool),
+    /// The name of a layout to save.
+    Layout(String),
     /// A path, if there is no file dialog.
     Path(AskedPath),
 }
 
-/// The dialog that is open, and paths that the user still has to enter.
+/// The dialog that is open, why it refused what was entered last, and paths that the user still has to enter.
 #[derive(Default)]
 pub(super) struct Dialogs {
     pub(super) open: Option<Dialog>,
+    refused: Option<String>,
     pub(super) asked: VecDeque<AskedPath>,
 }
 
@@ -43,59 +46,70 @@ impl Inspector {
         let asked = || self.dialogs.asked.pop_front().map(Dialog::Path);
         let Some(mut dialog) = self.dialogs.open.take().or_else(asked) else { return };
         let mut stays = true;
-        let response = Modal::new(Id::unique("dialog")).show(ctx, |ui| match &mut dialog {
-            Dialog::Palette(palette) => {
-                if let Some(command) = palette.show(ui, &|command| self.can(command)) {
-                    self.perform(command);
-                    stays = false;
-                }
-            }
-            Dialog::Help => help(ui),
-            Dialog::Pixel(text) => {
-                if let Some(text) = ask(ui, "Pixel, as column,row", text) {
-                    stays = self.go_to_pixel(&text);
-                }
-            }
-            Dialog::Ray(text) => {
-                ui.set_width(460.0);
-                ui.label("Origin and direction in scene units, decimal or bits such as 0x3f800000.");
-                if let Some(text) = ask(ui, "Ray, as ox,oy,oz,dx,dy,dz", text) {
-                    stays = self.trace_ray(&text);
-                }
-            }
-            Dialog::Link(text) => {
-                ui.set_width(560.0);
-                if let Some(text) = ask(ui, "Link, as created by 'Copy link to this view'", text) {
-                    stays = self.go_to_link(&text);
-                }
-            }
-            Dialog::Edit(stream, layer, text) => {
-                ui.set_width(420.0);
-                self.choose_component(ui, stream, layer);
-                if let Some(text) = ask(ui, "Value, decimal or bits such as 0x3f800000", text) {
-                    stays = self.edit_texel(*stream, *layer, &text);
-                }
-            }
-            Dialog::Export(is_up_to_here) => {
-                if let Some(command) = self.choose_export(ui, is_up_to_here) {
-                    self.state.asks.is_up_to_here = *is_up_to_here;
-                    self.perform(command);
-                    stays = false;
-                }
-            }
-            Dialog::Path(asked) => {
-                if asked.show(ui) {
-                    match asked.file.take() {
-                        Some(file) => self.host.save_as(file, asked.path.trim(), asked.replaces),
-                        None => self.open_file(asked.path.trim()),
+        let response = Modal::new(Id::unique(("dialog", std::mem::discriminant(&dialog)))).show(ctx, |ui| {
+            match &mut dialog {
+                Dialog::Palette(palette) => {
+                    if let Some(command) = palette.show(ui, &|command| self.why_not(command)) {
+                        self.perform(command);
+                        stays = false;
                     }
-                    stays = false;
                 }
+                Dialog::Help => help(ui),
+                Dialog::Pixel(text) => {
+                    if let Some(text) = ask(ui, "Pixel, as column,row", text) {
+                        stays = self.is_refused(|own| own.go_to_pixel(&text));
+                    }
+                }
+                Dialog::Ray(text) => {
+                    ui.set_width(460.0);
+                    ui.label("Origin and direction in scene units, decimal or bits such as 0x3f800000.");
+                    if let Some(text) = ask(ui, "Ray, as ox,oy,oz,dx,dy,dz", text) {
+                        stays = self.is_refused(|own| own.trace_ray(&text));
+                    }
+                }
+                Dialog::Link(text) => {
+                    ui.set_width(560.0);
+                    if let Some(text) = ask(ui, "Link, as created by 'Copy link to this view'", text) {
+                        stays = self.is_refused(|own| own.visit(&text));
+                    }
+                }
+                Dialog::Edit(stream, layer, text) => {
+                    ui.set_width(420.0);
+                    self.choose_component(ui, stream, layer);
+                    if let Some(text) = ask(ui, "Value, decimal or bits such as 0x3f800000", text) {
+                        stays = self.is_refused(|own| own.edit_texel(*stream, *layer, &text));
+                    }
+                }
+                Dialog::Export(is_up_to_here) => {
+                    if let Some(command) = self.choose_export(ui, is_up_to_here) {
+                        self.state.asks.is_up_to_here = *is_up_to_here;
+                        self.perform(command);
+                        stays = false;
+                    }
+                }
+                Dialog::Layout(name) => stays = self.name_layout(ui, name),
+                Dialog::Path(asked) => {
+                    if asked.show(ui) {
+                        match asked.file.take() {
+                            Some(file) => self.host.save_as(file, asked.path.trim(), asked.replaces),
+                            None => self.open_file(asked.path.trim()),
+                        }
+                        stays = false;
+                    }
+                }
+            }
+            if let Some(why) = &self.dialogs.refused {
+                ui.colored_label(ui.visuals().error_fg_color, why);
             }
         });
+        // Asking takes the key Escape away: once.
+        let closes = response.should_close();
+        if !stays || closes {
+            self.dialogs.refused = None;
+        }
         match dialog {
-            Dialog::Path(asked) if stays && response.should_close() => self.note(asked.given_up()),
-            dialog if stays && !response.should_close() => self.dialogs.open = Some(dialog),
+            Dialog::Path(asked) if stays && closes => self.note(asked.given_up()),
+            dialog if stays && !closes => self.dialogs.open = Some(dialog),
             _ => {}
         }
     }
@@ -124,6 +138,44 @@ impl Inspector {
     }
 }
 
+impl Inspector {
+    /// Whether what was entered has to be corrected first; the dialog then says why.
+    fn is_refused(&mut self, perform: impl FnOnce(&mut Self) -> Result<(), String>) -> bool {
+        self.dialogs.refused = perform(self).err();
+        if let Some(why) = &self.dialogs.refused {
+            self.state.log.say(true, why.clone());
+        }
+        self.dialogs.refused.is_some()
+    }
+
+    /// Saves the layout under a name, and deletes saved ones; returns whether the dialog stays.
+    fn name_layout(&mut self, ui: &mut egui::Ui, name: &mut String) -> bool {
+        ui.set_width(420.0);
+        if let Some(entered) = ask(ui, "Name of this arrangement of panels", name) {
+            return self.is_refused(|own| {
+                own.desk.save_layout(&entered)?;
+                own.state.log.tell(format!("layout saved as {}", entered.trim()));
+                Ok(())
+            });
+        }
+        let own = self.desk.arranged.own.iter().enumerate();
+        let own: Vec<(usize, String)> = own.map(|(index, own)| (index, own.name.clone())).collect();
+        for (index, name) in own {
+            ui.horizontal_wrapped(|ui| {
+                ui.monospace(Command::ArrangeOwn(index).key_text(ui.ctx()));
+                ui.label(&name);
+                let delete = ui.button("Delete");
+                let label = format!("delete the layout {name}");
+                delete.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+                if delete.clicked() {
+                    self.desk.arranged.delete(index);
+                }
+            });
+        }
+        true
+    }
+}
+
 /// A line of text; returns it once it is entered.
 fn ask(ui: &mut egui::Ui, label: &'static str, text: &mut String) -> Option<String> {
     let name = ui.label(label).id;
@@ -137,7 +189,7 @@ fn ask(ui: &mut egui::Ui, label: &'static str, text: &mut String) -> Option<Stri
 
 fn help(ui: &mut egui::Ui) {
     ui.heading("Keyboard shortcuts");
-    egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+    egui::ScrollArea::vertical().max_height(420.0).auto_shrink(false).show(ui, |ui| {
         for menu in Menu::ALL {
             ui.strong(menu.name());
             egui::Grid::new(menu.name()).num_columns(2).striped(true).show(ui, |ui| {

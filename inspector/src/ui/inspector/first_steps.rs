@@ -24,7 +24,27 @@ fn next(done: FirstSteps, is_at_end: bool) -> &'static str {
     }
 }
 
+/// A line above the panels.
+fn line(ui: &mut egui::Ui, name: &'static str, contents: impl FnOnce(&mut egui::Ui)) {
+    let frame = egui::Frame::side_top_panel(ui.style()).fill(ui.visuals().selection.bg_fill.gamma_multiply(0.25));
+    egui::Panel::top(name).frame(frame).show(ui, |ui| ui.horizontal_wrapped(contents));
+}
+
 impl Inspector {
+    /// Says that the scene's file was written since it was opened, and offers to read it again.
+    pub(super) fn offer_reload(&mut self, ui: &mut egui::Ui) {
+        if !self.scene.has_changed {
+            return;
+        }
+        line(ui, "reload", |ui| {
+            ui.label(format!("{} has changed on disk.", self.scene.path.as_deref().unwrap_or("The scene")));
+            if ui.button("Reload").on_hover_text("reads it again, and returns to this ray and pass").clicked() {
+                self.perform(Command::ReloadScene);
+            }
+            self.scene.has_changed &= !ui.button("Not now").clicked();
+        });
+    }
+
     /// Shows the line while a scene with rays is open.
     pub(super) fn first_steps(&mut self, ui: &mut egui::Ui) {
         let has_room = ui.ctx().content_rect().height() >= LEAST_HEIGHT;
@@ -38,13 +58,10 @@ impl Inspector {
             return;
         }
         let text = next(self.saved.first_steps, self.model.next.is_none());
-        let frame = egui::Frame::side_top_panel(ui.style()).fill(ui.visuals().selection.bg_fill.gamma_multiply(0.25));
-        egui::Panel::top("first steps").frame(frame).show(ui, |ui| {
-            ui.horizontal_wrapped(|ui| {
-                ui.label(text);
-                let button = ui.button("Dismiss").on_hover_text("do not show this again");
-                self.saved.first_steps.is_dismissed |= button.clicked();
-            });
+        line(ui, "first steps", |ui| {
+            ui.label(text);
+            let button = ui.button("Dismiss").on_hover_text("do not show this again");
+            self.saved.first_steps.is_dismissed |= button.clicked();
         });
     }
 }

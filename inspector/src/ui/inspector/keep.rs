@@ -18,6 +18,8 @@ impl Inspector {
         if let Some(tree) = saved.layout.as_deref().and_then(|text| serde_json::from_str::<Tree<Pane>>(text).ok()) {
             *self.own_tree_mut() = tree;
         }
+        self.desk.arranged.own = saved.layouts.clone();
+        *self.own_arranged_mut() = self.desk.arranged.named(&saved.layout_name);
         if let Some(watches) =
             saved.watches.as_deref().and_then(|text| serde_json::from_str::<Vec<(Watch, bool)>>(text).ok())
         {
@@ -36,6 +38,8 @@ impl Inspector {
 
     /// Hands the settings to the host for saving.
     pub fn keep(&mut self) {
+        (self.saved.layouts, self.saved.layout_name) =
+            (self.desk.arranged.own.clone(), self.own_arranged().name().to_owned());
         self.saved.layout = serde_json::to_string(self.own_tree()).ok();
         self.saved.watches = serde_json::to_string(&self.state.watches.list).ok();
         self.saved.bookmarks = self.state.bookmarks.to_save();

@@ -31,6 +31,7 @@ use self::play::Play;
 use self::step_text::StepText;
 use super::Inspector;
 use crate::lesson::{self, LessonError, SetUp, built_in};
+use crate::ui::desk::arranged::Now;
 use crate::ui::panes::Pane;
 
 /// The open lesson.
@@ -161,6 +162,16 @@ impl Inspector {
     /// The same, to restore them.
     pub(super) fn own_tree_mut(&mut self) -> &mut Tree<Pane> {
         self.lesson.as_mut().map_or(&mut self.desk.tree, |lesson| &mut lesson.before.tree)
+    }
+
+    /// The layout to save: not that of a lesson.
+    pub(super) fn own_arranged(&self) -> &Now {
+        self.lesson.as_ref().map_or(&self.desk.arranged.now, |lesson| &lesson.before.arranged)
+    }
+
+    /// The same, to restore it.
+    pub(super) fn own_arranged_mut(&mut self) -> &mut Now {
+        self.lesson.as_mut().map_or(&mut self.desk.arranged.now, |lesson| &mut lesson.before.arranged)
     }
 
     /// The units to save: not those of a lesson.

@@ -1,13 +1,13 @@
 //! Menus, progress and the status bar.
 
-use egui::Button;
 use egui::containers::menu::MenuBar;
+use egui::{Button, Color32};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::plan::Bytes;
 use raystep_lab::text::counted;
 
 use super::Inspector;
-use crate::command::{COMMANDS, Command, Menu};
+use crate::command::{COMMANDS, Command, Layout, Menu};
 use crate::ui::units::{Scale, Units};
 
 /// The window's background is behind it.
@@ -22,6 +22,7 @@ impl Inspector {
                 for menu in Menu::ALL {
                     ui.menu_button(menu.name(), |ui| self.menu(ui, menu));
                 }
+                self.layouts(ui);
             });
             ui.horizontal_wrapped(|ui| {
                 self.toolbar(ui);
@@ -45,9 +46,22 @@ impl Inspector {
     }
 
     fn items(&mut self, ui: &mut egui::Ui, menu: Menu) {
+        let mut group = None;
         for info in COMMANDS.iter().filter(|info| info.menu == menu) {
-            let button = Button::new(info.name).shortcut_text(info.command.key_text(ui.ctx()));
-            if ui.add_enabled(self.can(info.command), button).clicked() {
+            let name = match info.command {
+                Command::ArrangeOwn(index) => match self.desk.arranged.own.get(index) {
+                    Some(own) => own.name.clone(),
+                    None => continue,
+                },
+                _ => info.name.to_owned(),
+            };
+            if group.replace(info.group).is_some_and(|last| last != info.group) {
+                ui.separator();
+            }
+            let button = Button::new(name).shortcut_text(info.command.key_text(ui.ctx()));
+            let why_not = self.why_not(info.command);
+            let item = ui.add_enabled(why_not.is_none(), button);
+            if item.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
                 self.perform(info.command);
                 ui.close();
             }
@@ -60,6 +74,31 @@ impl Inspector {
                         }
                     }
                 });
+            }
+        }
+    }
+
+    /// The names of the layouts at the right of the menus, as far as there is room.
+    fn layouts(&mut self, ui: &mut egui::Ui) {
+        let tasks = Layout::ALL.into_iter().map(|layout| (Command::Arrange(layout), layout.name().to_owned()));
+        let own = self.desk.arranged.own.iter().enumerate();
+        let own = own.map(|(index, own)| (Command::ArrangeOwn(index), own.name.clone()));
+        let all: Vec<(Command, String)> = tasks.chain(own).collect();
+        let font = egui::TextStyle::Button.resolve(ui.style());
+        let spacing = ui.spacing().item_spacing.x + 2.0 * ui.spacing().button_padding.x;
+        let text = |name: &String| ui.painter().layout_no_wrap(name.clone(), font.clone(), Color32::PLACEHOLDER);
+        let width: f32 = all.iter().map(|(_, name)| text(name).size().x + spacing).sum();
+        if width + spacing > ui.available_width() {
+            return;
+        }
+        ui.add_space(ui.available_width() - width);
+        for (command, name) in all {
+            let is_on = self.desk.arranged.of(command).as_ref() == Some(&self.desk.arranged.now);
+            let about = format!("{} ({})", command.name(), command.key_text(ui.ctx()));
+            let response = ui.selectable_label(is_on, &name).on_hover_text(&about);
+            response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_on, &about));
+            if response.clicked() {
+                self.perform(command);
             }
         }
     }

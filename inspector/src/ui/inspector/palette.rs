@@ -5,6 +5,9 @@ use nucleo_matcher::{Config, Matcher};
 
 use crate::command::{COMMANDS, Command};
 
+/// Height of the list.
+const LIST: f32 = 320.0;
+
 /// The text entered, and the selected match.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Palette {
@@ -29,13 +32,18 @@ pub(super) fn matches(text: &str, can: &dyn Fn(Command) -> bool) -> Vec<Command>
 
 impl Palette {
     /// Shows it; returns the chosen command, if any.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui, can: &dyn Fn(Command) -> bool) -> Option<Command> {
+    pub(super) fn show(
+        &mut self,
+        ui: &mut egui::Ui,
+        why_not: &dyn Fn(Command) -> Option<&'static str>,
+    ) -> Option<Command> {
+        let can = |command| why_not(command).is_none();
         ui.set_width(420.0);
         let field = egui::TextEdit::singleline(&mut self.text).hint_text("command").desired_width(f32::INFINITY);
         let response = ui.add(field);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "command"));
         response.request_focus();
-        let found = matches(&self.text, can);
+        let found = matches(&self.text, &can);
         let (up, down, enter) = ui.input_mut(|input| {
             let mut key = |key| input.consume_key(egui::Modifiers::NONE, key);
             (key(egui::Key::ArrowUp), key(egui::Key::ArrowDown), key(egui::Key::Enter))
@@ -46,7 +54,9 @@ impl Palette {
             return found.get(self.chosen).copied().filter(|command| can(*command));
         }
         let mut picked = None;
-        egui::ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+        // As high whatever was found: it does not move under the eyes of who types.
+        ui.set_min_height(LIST);
+        egui::ScrollArea::vertical().max_height(LIST).auto_shrink(false).show(ui, |ui| {
             for (i, command) in found.iter().enumerate() {
                 let button = egui::Button::new(command.name())
                     .shortcut_text(command.key_text(ui.ctx()))
@@ -56,7 +66,7 @@ impl Palette {
                 if i == self.chosen && (up || down) {
                     response.scroll_to_me(None);
                 }
-                let response = response.on_disabled_hover_text("not available now");
+                let response = response.on_disabled_hover_text(why_not(*command).unwrap_or_default());
                 if response.clicked() {
                     picked = Some(*command);
                 }

@@ -8,52 +8,82 @@ use super::{first_steps, text_size};
 use crate::command::Command;
 use crate::session::request::Request;
 use crate::session::{Direction, Model, Target};
+use crate::ui::desk::arranged::Now;
 use crate::ui::desk::layout;
-use crate::ui::desk::layout::Layout;
 use crate::ui::state::kept_runs::Asked;
 use raystep_kernels::export::trace::TraceRow;
 
 impl Inspector {
     /// Whether a command would have an effect now.
     pub(super) fn can(&self, command: Command) -> bool {
+        self.why_not(command).is_none()
+    }
+
+    /// Why a command would have no effect now, for buttons that are grey; `None` if it would have one.
+    pub(super) fn why_not(&self, command: Command) -> Option<&'static str> {
         use Command as C;
-        let (model, has_run) = (&self.model, self.model.opened.is_some());
+        let (model, runs, lesson) = (&self.model, &self.state.runs, self.lesson.as_ref());
+        let needs = |is_met: bool, why: &'static str| (!is_met).then_some(why);
+        let scene = needs(model.opened.is_some(), "needs an open scene");
+        let ray = needs(model.history.is_some(), "needs a selected ray with a history: click a pixel");
+        let event = |forward| needs(self.event(forward).is_some(), "the selected ray has no event on this side");
+        let mark = |forward| {
+            needs(self.state.bookmarks.from(model.place, forward).is_some(), "there is no bookmark on this side")
+        };
         match command {
-            C::Quit => self.host.can_quit(),
-            C::OpenScene | C::PasteLink | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
-            C::ToolbarWords | C::Maximise | C::NextPanel | C::PreviousPanel | C::NextTab | C::PreviousTab => true,
+            C::Quit => needs(self.host.can_quit(), "close the browser's tab"),
+            C::OpenScene | C::OpenSession | C::PasteLink | C::Palette | C::Help | C::Theme | C::ToolbarWords => None,
+            C::Arrange(_) | C::SaveLayout | C::ResetLayout | C::Show(_) | C::Lesson(_) => None,
+            C::Maximise | C::NextPanel | C::PreviousPanel | C::NextTab | C::PreviousTab => None,
+            C::ArrangeOwn(index) => needs(index < self.desk.arranged.own.len(), "save a layout first (Ctrl+L)"),
             C::LargerText | C::SmallerText | C::NormalText => {
-                text_size::resized(command, self.saved.text_size) != self.saved.text_size
+                let changes = text_size::resized(command, self.saved.text_size) != self.saved.text_size;
+                needs(changes, "the text has this size")
             }
-            C::OpenSession => true,
-            C::NextRun | C::PreviousRun => has_run && !self.state.runs.runs.list().is_empty(),
-            C::RunKept => has_run && self.state.runs.runs.list().iter().any(|kept| kept.outcome.is_none()),
-            C::NextDifferingRay => has_run && self.state.runs.pair().is_some(),
-            C::Palette | C::Help | C::Lesson(_) => true,
-            C::NextStep | C::PreviousStep => self.lesson.as_ref().is_some_and(|l| l.has(command == C::NextStep)),
-            C::RepeatStep | C::CloseLesson => self.lesson.is_some(),
-            C::Choose(choice) => self.lesson.as_ref().is_some_and(|lesson| choice < lesson.choices()),
-            C::SkipPlay => self.lesson.as_ref().is_some_and(Lesson::plays),
+            C::NextRun | C::PreviousRun => {
+                scene.or(needs(!runs.runs.list().is_empty(), "needs a kept run: Keep this run"))
+            }
+            C::RunKept => {
+                let has = runs.runs.list().iter().any(|kept| kept.outcome.is_none());
+                scene.or(needs(has, "all kept runs have results"))
+            }
+            C::NextDifferingRay => {
+                let has = self.other.is_some() || runs.pair().is_some();
+                scene.or(needs(has, "needs two runs: compare, or choose two kept runs"))
+            }
+            C::NextStep => needs(lesson.is_some_and(|l| l.has(true)), "needs a lesson with a next step"),
+            C::PreviousStep => needs(lesson.is_some_and(|l| l.has(false)), "needs a lesson with a previous step"),
+            C::RepeatStep | C::CloseLesson => needs(lesson.is_some(), "needs a lesson"),
+            C::Choose(choice) => {
+                needs(lesson.is_some_and(|lesson| choice < lesson.choices()), "needs a lesson's question")
+            }
+            C::SkipPlay => needs(lesson.is_some_and(Lesson::plays), "needs a lesson that plays"),
             C::Cancel => {
-                self.is_busy()
+                let has = self.is_busy()
                     || self.is_playing
                     || self.state.selection.picked.is_some()
-                    || self.desk.maximised().is_some()
+                    || self.desk.maximised().is_some();
+                needs(has, "there is nothing to cancel")
             }
-            C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
-            C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
-            C::NextEvent => self.event(true).is_some(),
-            C::PreviousEvent => self.event(false).is_some(),
-            C::NextBookmark => has_run && self.state.bookmarks.from(model.place, true).is_some(),
-            C::PreviousBookmark => has_run && self.state.bookmarks.from(model.place, false).is_some(),
-            C::ExportRay | C::ExportWalk | C::FrameWalk | C::SecondWalk => model.history.is_some(),
-            C::NextBranch | C::PreviousBranch | C::MaskBranch => model.history.is_some(),
-            C::EndCompare => self.other.is_some(),
-            C::Compare | C::Judge | C::Measure => has_run && model.has_rays(),
+            C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => {
+                scene.or(needs(model.next.is_some(), "the run is at its end"))
+            }
+            C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => {
+                scene.or(needs(model.place > 0, "the run is at its start"))
+            }
+            C::NextEvent => ray.or_else(|| event(true)),
+            C::PreviousEvent => ray.or_else(|| event(false)),
+            C::NextBookmark => scene.or_else(|| mark(true)),
+            C::PreviousBookmark => scene.or_else(|| mark(false)),
+            C::ExportRay | C::ExportWalk | C::FrameWalk | C::SecondWalk => ray,
+            C::NextBranch | C::PreviousBranch | C::MaskBranch => ray,
+            C::EndCompare => needs(self.other.is_some(), "no second run is open"),
+            C::Compare | C::Judge | C::Measure => scene.or(needs(model.has_rays(), "this program has no rays")),
             C::NextSlice | C::PreviousSlice | C::SliceAxis => {
-                model.opened.as_ref().is_some_and(|opened| opened.data.grid_cells.len() > 1)
+                let has = model.opened.as_ref().is_some_and(|opened| opened.data.grid_cells.len() > 1);
+                scene.or(needs(has, "needs a run with a grid"))
             }
-            _ => has_run,
+            _ => scene,
         }
     }
 
@@ -76,6 +106,7 @@ impl Inspector {
         };
         match command {
             C::OpenScene => self.host.choose_scene(),
+            C::ReloadScene => self.reload(),
             C::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             C::NextPass => step(&mut self.model, Target::Next),
             C::PreviousPass => step(&mut self.model, Target::Previous),
@@ -143,7 +174,7 @@ impl Inspector {
             C::KeepRun => self.keep_run(),
             C::RunKept => self.state.runs.asked.push(Asked::AllAgain),
             C::NextRun | C::PreviousRun => self.flip(command == C::NextRun),
-            C::NextDifferingRay => self.next_differing(),
+            C::NextDifferingRay if self.other.is_none() => self.next_differing(),
             C::Lesson(index) => self.begin_built_in(index),
             C::NextStep | C::PreviousStep | C::RepeatStep => {
                 if let Some((step, _)) = self.lesson_step() {
@@ -170,8 +201,19 @@ impl Inspector {
             C::Maximise => self.desk.toggle_maximised(ctx),
             C::NextPanel | C::PreviousPanel => self.desk.cycle_panels(ctx, command == C::NextPanel),
             C::NextTab | C::PreviousTab => self.desk.cycle_tabs(ctx, command == C::NextTab),
-            C::SimpleLayout => self.desk.tree = Layout::Simple.tree(),
-            C::FullLayout => self.desk.tree = Layout::Full.tree(),
+            C::Arrange(_) | C::ArrangeOwn(_) => {
+                if let Some(to) = self.desk.arranged.of(command) {
+                    self.desk.arrange(to);
+                }
+            }
+            C::SaveLayout => {
+                let name = match &self.desk.arranged.now {
+                    Now::Own(name) => name.clone(),
+                    Now::Task(_) => String::new(),
+                };
+                self.dialogs.open = Some(Dialog::Layout(name));
+            }
+            C::ResetLayout => self.desk.reset_layout(),
             C::Show(kind) => layout::toggle(&mut self.desk.tree, kind),
             C::Magnifier => self.state.display.is_magnified = !self.state.display.is_magnified,
             C::Palette => self.dialogs.open = Some(Dialog::Palette(Palette::default())),
@@ -187,36 +229,28 @@ impl Inspector {
         self.state.asks.select = Some([moved(x, dx, opened.plan.width), moved(y, dy, opened.plan.height)]);
     }
 
-    /// Returns whether the text must be corrected first.
-    pub(super) fn go_to_pixel(&mut self, text: &str) -> bool {
-        let Some(opened) = &self.model.opened else { return false };
+    /// Selects a pixel; the error says what was expected.
+    pub(super) fn go_to_pixel(&mut self, text: &str) -> Result<(), String> {
+        let Some(opened) = &self.model.opened else { return Ok(()) };
         let numbers: Vec<u32> = text.split([',', ' ']).filter_map(|part| part.trim().parse().ok()).collect();
         match numbers[..] {
             [x, y] if x < opened.plan.width && y < opened.plan.height => {
                 self.state.asks.select = Some([x, y]);
-                false
+                Ok(())
             }
             _ => {
                 let (w, h) = (opened.plan.width - 1, opened.plan.height - 1);
-                self.state.log.warn(format!("{text:?}: expected a column from 0 to {w} and a row from 0 to {h}"));
-                true
+                Err(format!("{text:?}: expected a column from 0 to {w} and a row from 0 to {h}"))
             }
         }
     }
 
-    /// Returns whether the text must be corrected first.
-    pub(super) fn trace_ray(&mut self, text: &str) -> bool {
-        let Some(opened) = &self.model.opened else { return false };
-        match text.parse() {
-            Ok(ray) => {
-                let settings = crate::settings::Settings { ray: Some(ray), ..opened.settings.clone() };
-                self.model.ask(Request::Plan(Box::new(settings)));
-                false
-            }
-            Err(message) => {
-                self.state.log.warn(message.to_string());
-                true
-            }
-        }
+    /// Traces a ray; the error says what was expected.
+    pub(super) fn trace_ray(&mut self, text: &str) -> Result<(), String> {
+        let Some(opened) = &self.model.opened else { return Ok(()) };
+        let ray = text.parse::<crate::ray_text::GivenRay>().map_err(|error| error.to_string())?;
+        let settings = crate::settings::Settings { ray: Some(ray), ..opened.settings.clone() };
+        self.model.ask(Request::Plan(Box::new(settings)));
+        Ok(())
     }
 }

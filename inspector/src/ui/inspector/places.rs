@@ -52,36 +52,35 @@ impl Inspector {
         if here.choices.schedule == settings.choices.schedule { settings } else { settings.computed() }
     }
 
-    /// Goes to the target of a link, and returns whether the text must be corrected first.
-    pub fn go_to_link(&mut self, text: &str) -> bool {
-        match text.parse::<Link>() {
-            Ok(link) => {
-                self.follow_link(&link);
-                false
-            }
-            Err(error) => {
-                self.fail(error.to_string());
-                true
-            }
+    /// Goes to the target of a link, or reports what is wrong with it.
+    pub fn go_to_link(&mut self, text: &str) {
+        if let Err(error) = self.visit(text) {
+            self.fail(error);
         }
     }
 
-    /// Returns whether the text must be corrected first.
-    pub(super) fn edit_texel(&mut self, stream: Stream, layer: usize, text: &str) -> bool {
-        let Some(pixel) = self.state.selection.pixel else { return false };
+    /// Goes to the target of a link; the error says what is wrong with it.
+    pub(super) fn visit(&mut self, text: &str) -> Result<(), String> {
+        let link = text.parse::<Link>().map_err(|error| error.to_string())?;
+        self.follow_link(&link);
+        Ok(())
+    }
+
+    /// Edits a component of the selected ray; the error says what was expected.
+    pub(super) fn edit_texel(&mut self, stream: Stream, layer: usize, text: &str) -> Result<(), String> {
+        let Some(pixel) = self.state.selection.pixel else { return Ok(()) };
         let text = text.trim();
         let bits = match text.strip_prefix("0x") {
             Some(bits) => u32::from_str_radix(bits, 16).ok(),
             None if stream.is_float_layer(layer) => text.parse::<f32>().ok().map(f32::to_bits),
             None => text.parse().ok(),
         };
-        let Some(bits) = bits else {
+        let bits = bits.ok_or_else(|| {
             let kind = if stream.is_float_layer(layer) { "a number" } else { "an integer of at least 0" };
-            self.fail(format!("{text:?}: expected {kind}, or bits such as 0x3f800000"));
-            return true;
-        };
+            format!("{text:?}: expected {kind}, or bits such as 0x3f800000")
+        })?;
         self.model.ask(Request::Edit(stream, layer, pixel, bits));
-        false
+        Ok(())
     }
 
     pub(super) fn run_to_watch(&mut self, direction: Direction) {
@@ -130,19 +129,20 @@ impl Inspector {
     /// Opens a second run of the same scene: with the BVH if this run has the grid, otherwise with the grid.
     pub(super) fn compare(&mut self) {
         let Some(opened) = &self.model.opened else { return };
+        if self.other.is_some() {
+            // The comparison goes on as it is.
+            layout::show(&mut self.desk.tree, PaneKind::Compare);
+            return;
+        }
         let (scene, settings) = (opened.scene.clone(), opened.settings.clone());
         let accelerator =
             if opened.plan.accelerator == Accelerator::Grid { Accelerator::Bvh } else { Accelerator::Grid };
-        if self.other.is_none() {
-            let devices = self.devices.clone();
-            let (other, task) = Model::new(|engine| engine.serve(devices));
-            self.host.spawn(task);
-            self.other = Some(other);
-        }
-        if let Some(other) = &mut self.other {
-            other.ask(Request::Share(scene, Box::new(settings.through(accelerator))));
-            other.ask(Request::Step(Target::End));
-        }
+        let devices = self.devices.clone();
+        let (mut other, task) = Model::new(|engine| engine.serve(devices));
+        self.host.spawn(task);
+        other.ask(Request::Share(scene, Box::new(settings.through(accelerator))));
+        other.ask(Request::Step(Target::End));
+        self.other = Some(other);
         layout::show(&mut self.desk.tree, PaneKind::Compare);
     }
 }

@@ -46,7 +46,8 @@ impl Inspector {
     fn tool(&mut self, ui: &mut Ui, command: Command, word: Option<&str>) {
         let is_on = command == Command::Play && self.is_playing;
         let word = if is_on && word.is_some() { Some("Pause") } else { word };
-        let can = self.can(command);
+        let why_not = self.why_not(command);
+        let can = why_not.is_none();
         let response = ui.add_enabled_ui(can, |ui| {
             let icon = egui::Atom::paint(Vec2::splat(ICON), move |ui, icon| {
                 sign(ui.painter(), icon.rect.center(), command, is_on, icon.fallback_text_color);
@@ -61,7 +62,8 @@ impl Inspector {
         let (key, name) = (command.key_text(ui.ctx()), command.name());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, can, name));
         let text = if key.is_empty() { name.to_owned() } else { format!("{name} ({key})") };
-        if response.on_hover_text(text).clicked() {
+        let refused = why_not.map_or_else(String::new, |why| format!("{text}: {why}"));
+        if response.on_hover_text(text).on_disabled_hover_text(refused).clicked() {
             self.perform(command);
         }
     }

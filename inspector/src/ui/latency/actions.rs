@@ -2,7 +2,7 @@
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 
-use crate::command::{Command, PaneKind};
+use crate::command::{Command, Layout, PaneKind};
 use crate::ui::Inspector;
 
 /// The name of the row that others are compared with.
@@ -108,12 +108,12 @@ pub(super) const ACTIONS: &[Action] = &[
         is_shown: |i, was| i.model().place != was.place,
     },
     Action {
-        name: "the full layout",
+        name: "the Ray layout",
         limit_ms: 1000.0,
         times: 1,
         frames: 1,
         events: |inspector, _| {
-            inspector.perform(Command::FullLayout);
+            inspector.perform(Command::Arrange(Layout::Ray));
             Vec::new()
         },
         is_shown: |i, _| i.panes_in_view().contains(&PaneKind::Walk3d),

@@ -3,45 +3,25 @@
 //! Touches: other, selection, asks.
 
 mod counted;
+mod pictures;
 mod settings;
 
-use crate::ui::panels::zoom::{Placed, Zoom};
-use egui::{Color32, ComboBox, Rect, Sense, Stroke, Ui, vec2};
+use egui::{ComboBox, RichText, Ui, Vec2, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::tables::state::States;
 use raystep_kernels::{Stream, StreamData};
 use raystep_lab::text::counted;
 use smart_default::SmartDefault;
 
 use crate::command::Command;
-use crate::draw::stream::{self, Colors, Meaning};
 use crate::session::request::Request;
 use crate::session::{Model, Target};
 use crate::settings::Settings;
-use crate::ui::canvas::{Moment, Picture, Still};
-use crate::ui::pane::{Context, NO_RAYS, Panel};
+use crate::ui::canvas::{Picture, Still};
+use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
 use counted::{COUNTING, Counted, Question};
+use pictures::{Drawn, Look};
 use settings::{edit, text_of};
-
-/// What a side shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
-    A,
-    B,
-    Difference,
-}
-
-/// The inputs that the pictures were drawn from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Drawn {
-    runs: [Moment; 2],
-    stream: Stream,
-    layer: usize,
-    range: [f32; 2],
-    size: [u32; 2],
-    is_swapped: bool,
-}
 
 /// The comparison.
 #[derive(SmartDefault)]
@@ -50,6 +30,7 @@ pub(in crate::ui) struct Compare {
     stream: Stream,
     #[default(2)]
     layer: usize,
+    look: Look,
     pictures: [Picture; 3],
     stills: [Still; 2],
     drawn: [Option<Drawn>; 3],
@@ -96,7 +77,7 @@ impl Panel for Compare {
                     other.ask(Request::Follow(pixel));
                 }
             }
-            if ui.button("End").on_hover_text(Command::EndCompare.name()).clicked() {
+            if ui.button(Command::EndCompare.name()).clicked() {
                 asks.commands.push(Command::EndCompare);
             }
         });
@@ -136,57 +117,36 @@ impl Panel for Compare {
         }
         self.count(model, other);
         if let Some(found) = &self.found {
-            for line in &found.lines {
-                ui.label(line);
+            ui.label(RichText::new(&found.sentence).strong());
+            if !found.lines.is_empty() {
+                ui.small(found.lines.join("; "));
             }
         }
         lives(ui, model.history.as_deref(), other.history.as_deref());
-        let is_swapped = ui.input(|input| input.modifiers.shift) && ui.rect_contains_pointer(ui.max_rect());
-        let gap = 6.0;
-        let room = ui.available_size();
-        let width = ((room.x - 2.0 * gap) / 3.0).max(16.0);
-        let size = vec2(width, (room.y - 18.0).max(16.0));
-        ui.horizontal_top(|ui| {
-            ui.spacing_mut().item_spacing.x = gap;
-            for (i, side) in [Side::A, Side::B, Side::Difference].into_iter().enumerate() {
-                ui.vertical(|ui| {
-                    ui.set_width(width);
-                    let shown = match (side, is_swapped) {
-                        (Side::A, true) => Side::B,
-                        (Side::B, true) => Side::A,
-                        (side, _) => side,
-                    };
-                    let name = match shown {
-                        Side::A => format!("A: {}", a.settings.choices.accelerator),
-                        Side::B => format!("B: {}", b.settings.choices.accelerator),
-                        Side::Difference => self.legend(),
-                    };
-                    ui.small(name).on_hover_text("hold Shift to show the other run here");
-                    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-                    let plan = [a.plan.width, a.plan.height];
-                    let picture = self.draw(ui, cx.canvas, model, other, shown, i, rect, plan);
-                    let texel = response.hover_pos().and_then(|at| picture.texel(at));
-                    if let Some(texel) = texel {
-                        selection.hovered = Some(texel);
-                        if response.clicked() {
-                            asks.select = Some(texel);
-                        }
-                    }
-                    picture.mark(ui, selection.hovered, 7.0, Stroke::new(1.5, Color32::from_white_alpha(140)));
-                    picture.mark(ui, selection.pixel, 7.0, Stroke::new(1.5, Color32::WHITE));
-                    let text = format!(
-                        "{} of {}",
-                        self.stream.name(),
-                        match shown {
-                            Side::A => "run A",
-                            Side::B => "run B",
-                            Side::Difference => "difference",
-                        }
-                    );
-                    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
-                });
+        self.views(ui, asks);
+        let names = [&a.settings, &b.settings].map(|settings| settings.choices.accelerator.to_string());
+        self.pictures(ui, cx, &names, [a.plan.width, a.plan.height]);
+    }
+
+    fn least(&self) -> Vec2 {
+        // Pictures below what is said of them.
+        vec2(360.0, 380.0)
+    }
+
+    saves!(look);
+
+    fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        match (command, &self.found) {
+            (Command::NextDifferingRay, Some(found)) => {
+                cx.asks.select = found.next(cx.selection.pixel).or(cx.asks.select);
+                true
             }
-        });
+            (Command::Fit, _) => {
+                self.look.zoom.fit();
+                true
+            }
+            _ => false,
+        }
     }
 }
 
@@ -216,26 +176,6 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
 }
 
 impl Compare {
-    /// The range shared by both pictures.
-    fn range(&self) -> [f32; 2] {
-        self.found.as_ref().map_or([0.0, 1.0], |found| found.range)
-    }
-
-    /// The meaning of the difference's colours.
-    fn legend(&self) -> String {
-        match Meaning::of(self.stream, Some(self.layer)) {
-            Meaning::Scalar | Meaning::Count => format!("A − B, from −{0:.1e} to {0:.1e}", self.spread()),
-            _ => "where A and B differ".into(),
-        }
-    }
-
-    /// The largest difference with a colour of its own: for counts a tenth of their range, for floats a thousandth.
-    fn spread(&self) -> f32 {
-        let part = if Meaning::of(self.stream, Some(self.layer)) == Meaning::Count { 0.1 } else { 1e-3 };
-        let [lo, hi] = self.range();
-        (hi - lo).abs().max(f32::MIN_POSITIVE) * part
-    }
-
     fn choose_stream(&mut self, ui: &mut Ui, streams: &[Stream]) {
         ui.horizontal_wrapped(|ui| {
             let shown = ComboBox::from_id_salt("compared stream").selected_text(self.stream.name());
@@ -276,65 +216,5 @@ impl Compare {
             self.reading = Some(question);
             other.ask(Request::ReadAll(self.stream));
         }
-    }
-
-    #[expect(clippy::too_many_arguments)]
-    fn draw(
-        &mut self,
-        ui: &Ui,
-        canvas: &std::sync::Arc<crate::ui::canvas::Canvas>,
-        model: &Model,
-        other: &Model,
-        side: Side,
-        slot: usize,
-        rect: Rect,
-        plan: [u32; 2],
-    ) -> Placed {
-        let placed = Zoom::default().place(rect, plan);
-        let size = Picture::pixels(ui, rect);
-        let drawn = Drawn {
-            runs: [(model.edition, model.place), (other.edition, other.place)],
-            stream: self.stream,
-            layer: self.layer,
-            range: self.range(),
-            size,
-            is_swapped: side == Side::B,
-        };
-        let largest = self.spread();
-        for (still, run) in self.stills.iter_mut().zip([model, other]) {
-            if let Some(texture) = run.drawn(self.stream) {
-                still.take(canvas, (run.edition, run.place), self.stream, texture);
-            }
-        }
-        let of = |i: usize| self.stills[i].of(self.stream).filter(|(moment, _)| moment.0 == drawn.runs[i].0);
-        let stills = of(0).zip(of(1));
-        let drawn = Drawn { runs: stills.map_or(drawn.runs, |(a, b)| [a.0, b.0]), ..drawn };
-        if stills.is_none() || drawn.runs != [(model.edition, model.place), (other.edition, other.place)] {
-            ui.ctx().request_repaint();
-        }
-        let target = self.pictures[slot].target(canvas, size, self.drawn[slot] != Some(drawn));
-        if let Some((((_, a), (_, b)), target)) = stills.zip(target) {
-            let is_difference = side == Side::Difference;
-            let meaning = Meaning::of(self.stream, Some(self.layer));
-            let states = model.opened.as_ref().map_or(States(&[]), |opened| opened.plan.program.states);
-
-            let picture = stream::Picture {
-                stream: self.stream,
-                states,
-                texture: if side == Side::B { b } else { a },
-                minus: is_difference.then_some(b),
-                layer: self.layer,
-                meaning,
-                range: if is_difference { [-largest, largest] } else { drawn.range },
-                exposure: 1.0,
-                colors: if is_difference { Colors::Diverging } else { Colors::Viridis },
-                offset: placed.offset(ui),
-                scale: placed.scale * ui.pixels_per_point(),
-            };
-            canvas.streams.draw(&picture, target);
-            self.drawn[slot] = Some(drawn);
-        }
-        self.pictures[slot].show(ui, rect);
-        placed
     }
 }

@@ -97,7 +97,7 @@ impl Panel for Cost {
         } else {
             ScrollArea::vertical().id_salt("all").auto_shrink(false).show(ui, |ui| {
                 self.tools(ui, cx);
-                self.picture(ui, cx, (size.y * 0.48).max(140.0));
+                self.picture(ui, cx, (size.y * 0.6).max(140.0));
                 self.sections(ui);
                 self.section(ui, cx, width);
             });

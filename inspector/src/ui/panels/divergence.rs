@@ -130,6 +130,7 @@ impl Panel for Divergence {
             ui.weak("The first pass where a ray differs from the CPU reference, or where f32 and f64 disagree.");
             return;
         };
+        ui.strong(map.sentence());
         ui.horizontal_wrapped(|ui| {
             for class in Class::ALL {
                 let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
@@ -146,9 +147,6 @@ impl Panel for Divergence {
                 }
             }
         });
-        if map.counts().iter().all(|&count| count == 0) {
-            ui.strong("No ray differs from the CPU reference in any pass, and f32 and f64 agree.");
-        }
         let (width, height) = (map.width(), map.height());
         let hidden = &self.hidden;
         let shown =

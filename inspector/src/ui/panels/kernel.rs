@@ -88,10 +88,6 @@ pub(in crate::ui) struct KernelView {
 }
 
 impl Panel for KernelView {
-    fn title(&self) -> Option<String> {
-        Some(format!("Kernel {}", self.shown.as_ref()?.kernel.name()))
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
             ui.weak("Open a scene to see the kernel of its last pass.");
@@ -255,7 +251,7 @@ impl KernelView {
         if let Some(all) = self.runs.all.as_ref().filter(|all| all.key == key) {
             let kernel = interpreter.kernel().name();
             let what = format!("pass {}, {kernel}, line {}: {}", key.pass, branch.line + 1, branch.condition);
-            let mask = Mask::new(key.generation, what, all.size, &all.outcomes, branch.site);
+            let mask = Mask::new((key.generation, cx.model.place), what, all.size, &all.outcomes, branch.site);
             cx.display.mask = Some(Arc::new(mask));
         } else if wanted && branch.site < MOST_SITES {
             let interpreter = interpreter.clone();

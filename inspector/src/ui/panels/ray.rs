@@ -78,6 +78,11 @@ impl Panel for RayView {
         let is_tree = opened.is_some_and(|opened| opened.data.features.bvh);
         let is_dda = opened.is_some_and(|opened| opened.data.features.dda);
         let heads = heads(!is_tree, is_dda);
+        // A low panel has no room for it: the table marks what has changed.
+        let has_room = ui.available_height() > 220.0;
+        if let Some(changes) = rows.current.filter(|_| has_room).and_then(|row| rows.changes(row, &heads)) {
+            ui.label(changes).on_hover_text("the ray's values before and after this pass");
+        }
         let is_compared = matches!(model.history_source, HistorySource::Compared { .. });
         let version = version((
             Arc::as_ptr(&history) as usize,

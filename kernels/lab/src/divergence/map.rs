@@ -5,6 +5,7 @@ use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::{Kernel, Plan, Program, Stream, named};
 
 use crate::rounding::{Component, Judged, Verdict};
+use crate::text::counted;
 
 /// The pass of a ray that never diverged.
 pub const NEVER: u32 = u32::MAX;
@@ -160,6 +161,34 @@ impl DivergenceMap {
             firsts.place[judged.ray] = place(shown.stream, shown.layer, against);
             firsts.values[judged.ray] = [shown.ours, shown.twin];
             firsts.count += 1;
+        }
+    }
+
+    /// What was found and whether it matters, in one sentence: of the gravest class.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let Some(class) = Class::ALL.into_iter().rev().find(|&class| self.count(class) > 0) else {
+            return "No ray differs from the CPU reference in any pass, and f32 and f64 agree.".into();
+        };
+        let rays = counted(self.count(class), "ray");
+        match class {
+            Class::Rounding => {
+                format!("{rays} differ in their last bits, within the rounding bound: every ray takes the same path.")
+            }
+            Class::Tie => format!(
+                "{rays} tie: f32 cannot decide their branch, so either is right. Everything else is within the rounding \
+                 bound."
+            ),
+            Class::Precision => {
+                format!("f64 decides otherwise for {rays}, beyond the error bound of f32: their hits may be wrong.")
+            }
+            Class::Excess => {
+                format!("{rays} differ by more than rounding explains: the device computes otherwise. Click one.")
+            }
+            Class::Decision => format!(
+                "{rays} take another path than on the CPU reference, though f32 can tell which is right: an error of the \
+                 device or its driver. Click one."
+            ),
         }
     }
 

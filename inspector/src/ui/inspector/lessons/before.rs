@@ -5,7 +5,7 @@ use egui_tiles::Tree;
 use crate::session::Target;
 use crate::session::request::Request;
 use crate::settings::Settings;
-use crate::ui::desk::layout::Layout;
+use crate::ui::desk::arranged::Now;
 use crate::ui::panes::Pane;
 use crate::ui::units::Units;
 use crate::ui::{Arrival, Inspector};
@@ -13,6 +13,7 @@ use crate::ui::{Arrival, Inspector};
 /// The panels, the units, and the run that was open.
 pub(super) struct Before {
     pub(super) tree: Tree<Pane>,
+    pub(super) arranged: Now,
     pub(super) units: Units,
     run: Option<Run>,
 }
@@ -39,14 +40,15 @@ impl Before {
             let (path, settings) = (opened.path.clone()?, opened.settings.clone());
             Some(Run { generation: inspector.model.generation, path, settings, arrival })
         });
-        let tree = std::mem::replace(&mut inspector.desk.tree, Layout::Simple.tree());
+        let (tree, arranged) = inspector.desk.lend();
         let units = std::mem::replace(&mut inspector.state.display.units, Units::Traced);
-        Self { tree, units, run }
+        Self { tree, arranged, units, run }
     }
 
     /// Brings it back.
     pub(super) fn restore(self, inspector: &mut Inspector) {
-        (inspector.desk.tree, inspector.state.display.units) = (self.tree, self.units);
+        inspector.desk.return_to(self.tree, self.arranged);
+        inspector.state.display.units = self.units;
         let Some(Run { generation, path, settings, arrival }) = self.run else { return };
         if inspector.model.generation != generation || inspector.scene.arrival.is_some() {
             inspector.open(&path, settings, arrival);

@@ -94,7 +94,8 @@ impl Inspector {
         }
         let (count, name) = (kept.runs.list().len(), kept.runs.get(id).map_or(name, |kept| kept.name.clone()));
         if is_new {
-            self.note(format!("kept as \"{name}\": {}", counted(count, "kept run")));
+            let kept = counted(count, "kept run");
+            self.note(format!("kept as \"{name}\": {kept} in the panel Runs; . and , flip through them"));
         } else {
             // The table shows it.
             self.state.log.say(false, format!("\"{name}\" was run again"));

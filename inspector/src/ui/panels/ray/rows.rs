@@ -141,6 +141,16 @@ impl RayRows<'_> {
         (STATE..=ITEM).contains(&column) && column != WHY && self.of(row, column) != self.of(before, column)
     }
 
+    /// What the pass has changed, with the values before; `None` for the first row.
+    pub(super) fn changes(&self, index: usize, heads: &[Head<'_>]) -> Option<String> {
+        let (row, before) = (self.row(index)?, self.row(index.checked_sub(1)?)?);
+        let changed = heads.iter().enumerate().filter(|(column, _)| self.is_changed(index, *column));
+        let changed = changed
+            .map(|(column, head)| format!("{} {} (was {})", head.name, self.of(row, column), self.of(before, column)));
+        let changed: Vec<String> = changed.collect();
+        Some(if changed.is_empty() { "nothing changed".into() } else { changed.join(", ") })
+    }
+
     /// Whether the device's row differs from the CPU reference's.
     fn differs(&self, index: usize) -> bool {
         matches!(&self.model.history_source, HistorySource::Compared { differing } if differing.contains(&index))

@@ -7,6 +7,7 @@ use egui::{Color32, Sense, Ui, vec2};
 use raystep_kernels::Stream;
 use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::tables::state::States;
+use raystep_lab::flip::Errors;
 use raystep_lab::text::counted;
 
 use super::super::legend::entry;
@@ -28,7 +29,7 @@ pub(super) struct DifferenceView {
     picture: Picture,
     drawn: Option<(Question, [u32; 2], [f32; 2])>,
     /// The range of each aspect: that of the first pair, for all pairs after it.
-    ranges: [Option<[f32; 2]>; 3],
+    ranges: [Option<[f32; 2]>; 4],
 }
 
 impl DifferenceView {
@@ -134,8 +135,9 @@ impl DifferenceView {
     }
 }
 
+/// FLIP's authors draw it in magma.
 fn colors(aspect: Aspect) -> Colors {
-    if aspect == Aspect::Distance { Colors::Magma } else { Colors::Viridis }
+    if matches!(aspect, Aspect::Distance | Aspect::Flip) { Colors::Magma } else { Colors::Viridis }
 }
 
 /// A range for the values of a pair: whole powers of ten for distances.
@@ -144,6 +146,8 @@ fn fitted(aspect: Aspect, found: &Differences) -> [f32; 2] {
         // Other bits of the same triangle are the darkest, as they are the most.
         Aspect::Triangle => [1.0, (CLASSES.len() - 1) as f32],
         Aspect::Distance => found.range().map_or([-8.0, 0.0], |[lo, hi]| [lo.floor(), hi.ceil().max(lo.floor() + 1.0)]),
+        // Of all pairs on one scale.
+        Aspect::Flip => [0.0, 1.0],
         Aspect::Color => [0.0, found.range().map_or(1.0, |[_, hi]| if hi > 0.0 { hi } else { 1.0 })],
     }
 }
@@ -173,6 +177,12 @@ fn legend(ui: &mut Ui, aspect: Aspect, [lo, hi]: [f32; 2]) -> bool {
                 patch(ui, value, &format!("{value:.2e}"));
             }
         }
+        Aspect::Flip => {
+            for value in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                patch(ui, value, &value.to_string());
+            }
+            return false;
+        }
     }
     let about = "Fits the range to this pair. Otherwise it stays the same for all pairs.";
     ui.button("Fit range").on_hover_text(about).clicked()
@@ -180,8 +190,9 @@ fn legend(ui: &mut Ui, aspect: Aspect, [lo, hi]: [f32; 2]) -> bool {
 
 /// How many rays differ in which way.
 fn sentence(counts: &Counts) -> String {
-    if *counts == (Counts { rays: counts.rays, ..Counts::default() }) {
-        return format!("the same bits for all of {}", counted(counts.rays, "ray"));
+    let Counts { hit_or_miss, triangle, t, weights, color, .. } = *counts;
+    if hit_or_miss + triangle + t + weights + color == 0 {
+        return format!("no ray differs: the same bits for all of {}", counted(counts.rays, "ray"));
     }
     let mut parts = vec![
         format!("{} differ in triangle", counts.triangle),
@@ -196,6 +207,12 @@ fn sentence(counts: &Counts) -> String {
         0 => "0 differ in colour".into(),
         color => format!("{color} differ in colour, by up to {:.2e}", counts.max_color),
     });
+    if let Some(Errors { rmse, mae }) = counts.errors.filter(|errors| errors.rmse > 0.0) {
+        parts.push(format!("RMSE {rmse:.2e}, MAE {mae:.2e} in linear light"));
+    }
+    if let Some(flip) = counts.flip {
+        parts.push(format!("mean FLIP {flip:.4}"));
+    }
     format!("of {}, {}", counted(counts.rays, "ray"), parts.join("; "))
 }
 

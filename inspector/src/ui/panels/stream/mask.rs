@@ -5,7 +5,6 @@ use crate::ui::panels::zoom::Placed;
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
-use raystep_lab::text::counted;
 
 use super::super::legend::entry;
 use crate::ui::mask::{Mask, Outcome};
@@ -17,17 +16,18 @@ pub(super) struct Overlay {
     drawn: Option<(Arc<Mask>, TextureHandle)>,
 }
 
-/// The mask, if it is of this run.
+/// The mask, if it is of this run and this place.
 fn current(cx: &Context<'_>) -> Option<Arc<Mask>> {
-    cx.display.mask.clone().filter(|mask| mask.generation == cx.model.generation)
+    let now = (cx.model.generation, cx.model.place);
+    cx.display.mask.clone().filter(|mask| (mask.generation, mask.place) == now)
 }
 
 /// A line about the mask, with a button that removes it.
 pub(super) fn legend(ui: &mut egui::Ui, cx: &mut Context<'_>) {
     let Some(mask) = current(cx) else { return };
+    ui.label(egui::RichText::new(mask.sentence()).strong());
     ui.horizontal_wrapped(|ui| {
-        let all = counted(mask.processed, "ray");
-        ui.small(format!("{}: taken by {} of {all}", mask.what, mask.taken));
+        ui.small(&mask.what);
         for (outcome, count) in Outcome::DRAWN.into_iter().zip(mask.counts) {
             if count > 0 {
                 entry(ui, outcome.color(), &format!("{} {count}", outcome.name()), outcome.meaning());

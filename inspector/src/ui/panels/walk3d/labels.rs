@@ -136,6 +136,8 @@ pub(super) struct Ready {
     color: Color32,
 }
 
+/// Height of the line below the labels, which names the units.
+const FOOT: f32 = 18.0;
 const MARGIN: Vec2 = vec2(4.0, 1.0);
 
 /// Arranges the labels of a walk within its picture. The camera is in traced units.
@@ -175,7 +177,9 @@ pub(super) fn arrange(
         corners.map(|corners| Rect::from_points(&corners))
     });
     let avoid = Avoid { areas: area.into_iter().collect(), lines };
-    let places = places(rect.shrink(1.0), &wanted, &avoid);
+    let mut room = rect.shrink(1.0);
+    room.max.y -= FOOT;
+    let places = places(room, &wanted, &avoid);
     let ready = |((at, galley, color), place): (_, Option<LabelRect>)| Some(Ready { at, place: place?, galley, color });
     seen.into_iter().zip(places).filter_map(ready).collect()
 }
@@ -190,7 +194,7 @@ pub(super) fn draw(painter: &egui::Painter, visuals: &egui::Visuals, ready: &[Re
         }
         painter.circle_stroke(label.at, 2.0, stroke);
     }
-    let background = visuals.extreme_bg_color.gamma_multiply(0.88);
+    let background = visuals.extreme_bg_color;
     for label in ready {
         painter.rect_filled(label.place.rect, 3.0, background);
         painter.galley(label.place.rect.min + MARGIN, label.galley.clone(), label.color);
