@@ -76,6 +76,8 @@ fn the_rays_that_took_a_branch_are_those_that_left_the_state() {
         let pass = model.last_pass().expect("a pass").clone();
         let stay = staying(&pass);
         let taken = u64::from(pass.rays_in - stay);
+        // Beside the line of the condition, too.
+        assert!(stage.reads(&format!(" of {}: {taken} true", pass.rays_in)), "{}", stage.read_out());
         let text = format!("{} of {} rays took this branch", grouped(taken), pass.rays_in);
         assert!((1..pass.rays_in).contains(&stay) && stage.reads(&text), "{text}:\n{}", stage.read_out());
         // The run is where it was, and so it is with an edited texel: one ray fewer.

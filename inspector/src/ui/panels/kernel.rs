@@ -6,6 +6,7 @@
 mod listing;
 mod run;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use egui::RichText;
@@ -25,7 +26,7 @@ use crate::ui::pane::{Context, Panel, saves};
 use crate::ui::panels::walked::command_button;
 use crate::walk::row_after_passes;
 use listing::Listing;
-use run::{OneRay, PassKey, Runs};
+use run::{Heat, OneRay, PassKey, Runs};
 
 /// What of the view is saved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, SmartDefault)]
@@ -209,9 +210,35 @@ impl KernelView {
         });
         let notes: Vec<Vec<&Branch>> = notes.collect();
         let marked = shown.code.as_ref().and_then(|name| source::function(&lines, name));
+        self.listing.warm(self.heat(shown, model, lines.len(), there));
         self.listing.set(lines, &notes);
         self.scroll();
         self.listing.mark(marked);
+    }
+
+    /// How the conditions of each line came out for all rays of the pass, once that is known; `there` is the line of the
+    /// composed source that a line is.
+    fn heat(
+        &self,
+        shown: &Shown,
+        model: &Model,
+        lines: usize,
+        there: impl Fn(usize) -> Option<usize>,
+    ) -> HashMap<usize, Heat> {
+        let pass = shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)?.pass);
+        let key = pass.map(|pass| PassKey { generation: model.generation, edition: model.edition, pass });
+        let (Known::Ray(OneRay { interpreter, .. }), Some(all)) =
+            (&self.known, self.runs.all.as_ref().filter(|all| Some(all.key) == key))
+        else {
+            return HashMap::new();
+        };
+        let of_line = |at: usize| {
+            let at = there(at)?;
+            let sites = interpreter.sites().iter().enumerate().filter(|(_, site)| site.line == at);
+            let sites: Vec<usize> = sites.map(|(index, _)| index).collect();
+            (!sites.is_empty()).then(|| all.heat(&sites))
+        };
+        (0..lines).filter_map(|at| Some((at, of_line(at)?))).collect()
     }
 
     fn branch(&self) -> Option<&Branch> {

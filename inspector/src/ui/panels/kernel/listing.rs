@@ -1,11 +1,14 @@
 //! A source with line numbers and marks, and below a condition's line how it came out. Only visible rows are laid out.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, TextStyle, vec2};
 
+use super::run::Heat;
 use crate::branches::Branch;
+use crate::draw::stream::Colors;
 use crate::source::{Class, Line, Mark};
 use crate::ui::style::towards;
 
@@ -28,6 +31,8 @@ pub(super) struct Listing {
     scroll_to: Option<usize>,
     /// Lines that are marked, by their indices.
     marked: Option<Range<usize>>,
+    /// How the conditions of lines came out for all rays, by the lines' indices.
+    heat: HashMap<usize, Heat>,
 }
 
 impl Listing {
@@ -53,6 +58,11 @@ impl Listing {
         };
         self.longest = self.rows.iter().map(length).max().unwrap_or(0);
         self.lines = lines;
+    }
+
+    /// Shows how conditions came out for all rays of the pass.
+    pub(super) fn warm(&mut self, heat: HashMap<usize, Heat>) {
+        self.heat = heat;
     }
 
     /// Marks lines, and scrolls to them.
@@ -115,11 +125,22 @@ impl Listing {
                                 let color = ui.visuals().selection.bg_fill.gamma_multiply(0.35);
                                 ui.painter().rect_filled(gutter.with_max_x(ui.clip_rect().right()), 0.0, color);
                             }
+                            let heat = self.heat.get(at);
+                            if let Some(heat) = heat {
+                                paint_heat(ui, gutter, heat);
+                            }
                             paint_gutter(ui, gutter, at + 1, line.mark, &font);
                             let job = job(line, &font, ui.visuals(), is_marked);
                             let response = ui.add(egui::Label::new(job).selectable(true).extend());
                             if let Some(text) = meaning(line.mark) {
                                 response.on_hover_text(text);
+                            }
+                            if let Some(heat) = heat {
+                                ui.add_space(character);
+                                let text = format!("{} of {}: {} true", heat.reached, heat.of, heat.taken);
+                                let about = "rays that reached this condition, of those that the pass worked on; for how \
+                                             many it was true";
+                                ui.add(egui::Label::new(egui::RichText::new(text).weak()).extend()).on_hover_text(about);
                             }
                         }
                         Row::Note { site, indent, text, is_taken, differs } => {
@@ -169,6 +190,14 @@ pub(super) fn legend(ui: &mut egui::Ui) {
     paint_bar(ui.painter(), rect, Mark::Run, ui.visuals());
     let label = ui.add(egui::Label::new(egui::RichText::new("ran").small()).extend());
     label.on_hover_text("ran for this ray in this pass; lines that did not run are dimmed");
+}
+
+/// A bar as long as the share of rays that reached the line.
+fn paint_heat(ui: &egui::Ui, gutter: Rect, heat: &Heat) {
+    let share = if heat.of == 0 { 0.0 } else { heat.reached as f32 / heat.of as f32 };
+    let [r, g, b] = Colors::Viridis.at(f64::from(share));
+    let bar = gutter.with_max_x(gutter.left() + share * (gutter.width() - 9.0));
+    ui.painter().rect_filled(bar.shrink2(vec2(0.0, 1.0)), 0.0, Color32::from_rgb(r, g, b).gamma_multiply(0.35));
 }
 
 fn paint_gutter(ui: &egui::Ui, rect: Rect, number: usize, mark: Mark, font: &FontId) {

@@ -33,6 +33,30 @@ pub(super) struct AllRays {
     pub(super) outcomes: Vec<Option<Outcomes>>,
 }
 
+/// How the conditions of a line came out for all rays of a pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Heat {
+    /// Rays that reached one of them.
+    pub(super) reached: u64,
+    /// Rays for which one was true.
+    pub(super) taken: u64,
+    /// Rays that the pass processed.
+    pub(super) of: u64,
+}
+
+impl AllRays {
+    /// The heat of the conditions with these indices.
+    pub(super) fn heat(&self, sites: &[usize]) -> Heat {
+        let bits = sites.iter().filter_map(|&site| 1_u128.checked_shl(u32::try_from(site).ok()?));
+        let mask = bits.fold(0, |mask, bit| mask | bit);
+        self.outcomes.iter().flatten().fold(Heat::default(), |heat, ray| Heat {
+            reached: heat.reached + u64::from(ray.reached & mask != 0),
+            taken: heat.taken + u64::from(ray.taken & mask != 0),
+            of: heat.of + 1,
+        })
+    }
+}
+
 type Texels = (PassKey, [u32; 2], Vec<u32>);
 type Prepared = (Kernel, Result<Arc<Interpreter>, InterpretError>);
 
@@ -173,4 +197,21 @@ fn all_rays(interpreter: Arc<Interpreter>, key: PassKey) -> Job {
         }
         answered(AllRays { key, size, outcomes })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_as_hot_as_the_rays_that_reached_any_of_its_conditions() {
+        let ray = |reached, taken| Some(Outcomes { reached, taken, differs: 0 });
+        let key = PassKey { generation: 1, edition: 1, pass: 0 };
+        let all = AllRays { key, size: [4, 1], outcomes: vec![ray(0b011, 0b010), ray(0b100, 0b100), None, ray(0, 0)] };
+        let heat = |sites: &[usize]| {
+            let Heat { reached, taken, of } = all.heat(sites);
+            [reached, taken, of]
+        };
+        assert_eq!([heat(&[0]), heat(&[1, 2]), heat(&[]), heat(&[500])], [[1, 0, 3], [2, 2, 3], [0, 0, 3], [0, 0, 3]]);
+    }
 }
