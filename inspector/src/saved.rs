@@ -4,9 +4,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::command::MOST_OWN;
 use crate::link::Link;
-use crate::session_file::layout;
 use crate::versioned::{FileError, FileKind};
 use raystep_kernels::history::units::Units;
 use smart_default::SmartDefault;
@@ -63,7 +61,6 @@ pub struct Saved {
     /// The name of the layout that it came from.
     pub layout_name: String,
     /// The user's own layouts.
-    #[serde(deserialize_with = "read_layouts")]
     pub layouts: Vec<OwnLayout>,
     /// The settings.
     pub settings: Option<String>,
@@ -133,14 +130,6 @@ impl Saved {
     pub fn forget(&mut self, path: &str) {
         self.recent.retain(|other| other != path);
     }
-}
-
-/// Those that can be shown.
-fn read_layouts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<OwnLayout>, D::Error> {
-    let mut layouts = Vec::<OwnLayout>::deserialize(deserializer)?;
-    layouts.retain(|own| layout::is_sound(&own.tree));
-    layouts.truncate(MOST_OWN);
-    Ok(layouts)
 }
 
 /// The nearest factor that is allowed; 1 for what is not a number.
@@ -224,18 +213,6 @@ mod tests {
         let too_large = Saved { layout: Some("x".repeat(MOST_BYTES)), ..Saved::default() };
         let error = too_large.to_text().expect_err("too large").to_string();
         assert!(error.contains("the limit is 1048576"), "{error}");
-    }
-
-    #[test]
-    fn own_layouts_that_cannot_be_shown_are_left_out() {
-        let mut saved = Saved::default();
-        let own = |name: &str, tree: &str| OwnLayout { name: name.into(), tree: tree.into() };
-        let real = serde_json::to_string(&egui_tiles::Tree::<()>::empty(egui::Id::unique("panes"))).expect("a tree");
-        saved.layouts = vec![own("broken", "{}"), own("empty", &real)];
-        saved.layouts.extend((0..9).map(|i| own(&i.to_string(), &real)));
-        let read = Saved::from_bytes(saved.to_text().expect("small").as_bytes()).expect("JSON");
-        let names: Vec<_> = read.layouts.iter().map(|own| own.name.as_str()).collect();
-        assert_eq!(names, ["empty", "0", "1", "2"]);
     }
 
     #[test]

@@ -34,6 +34,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
                 "compare",
                 "compared",
                 "configuration",
+                "flip",
                 "hash",
                 "layer_stats",
                 "outside",

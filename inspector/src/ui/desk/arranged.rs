@@ -47,6 +47,12 @@ impl Now {
 }
 
 impl Arranged {
+    /// Takes those that were saved, as far as they can be shown.
+    pub(in crate::ui) fn restore(&mut self, saved: &[OwnLayout]) {
+        let sound = saved.iter().filter(|own| crate::session_file::layout::is_sound(&own.tree));
+        self.own = sound.take(MOST_OWN).cloned().collect();
+    }
+
     /// The layout that a command shows.
     pub(in crate::ui) fn of(&self, command: Command) -> Option<Now> {
         match command {
@@ -147,5 +153,27 @@ impl Desk {
         }
         self.arranged.now = Now::Own(name.to_owned());
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn own_layouts_that_cannot_be_shown_are_left_out() {
+        let real = serde_json::to_string(&layout::tree(Layout::Step)).expect("a tree");
+        let own = |name: &str, tree: &str| OwnLayout { name: name.into(), tree: tree.into() };
+        let mut saved = vec![own("broken", "{}"), own("first", &real)];
+        saved.extend((0..9).map(|i| own(&i.to_string(), &real)));
+        let mut arranged = Arranged::default();
+        arranged.restore(&saved);
+        let names: Vec<_> = arranged.own.iter().map(|own| own.name.as_str()).collect();
+        assert_eq!(names, ["first", "0", "1", "2"]);
+        assert_eq!((arranged.named("1"), arranged.named("Ray")), (Now::Own("1".into()), Now::Task(Layout::Ray)));
+        // The ones that are left keep their names, and no longer all keys are taken.
+        assert!(arranged.refusal("new").is_some() && arranged.refusal("1").is_none());
+        arranged.delete(1);
+        assert_eq!((arranged.named("0"), arranged.refusal("new")), (Now::default(), None));
     }
 }

@@ -18,7 +18,7 @@ impl Inspector {
         if let Some(tree) = saved.layout.as_deref().and_then(|text| serde_json::from_str::<Tree<Pane>>(text).ok()) {
             *self.own_tree_mut() = tree;
         }
-        self.desk.arranged.own = saved.layouts.clone();
+        self.desk.arranged.restore(&saved.layouts);
         *self.own_arranged_mut() = self.desk.arranged.named(&saved.layout_name);
         if let Some(watches) =
             saved.watches.as_deref().and_then(|text| serde_json::from_str::<Vec<(Watch, bool)>>(text).ok())
