@@ -87,7 +87,6 @@ impl Inspector {
     pub(super) fn reload(&mut self) {
         let (Some(path), Some(opened)) = (self.scene.path.clone(), &self.model.opened) else { return };
         let arrival = Arrival {
-            pixel: self.state.selection.pixel,
             place: Some(if self.model.next.is_none() { usize::MAX } else { self.model.place }),
             shown: self.state.display.shown,
             ..Arrival::default()
