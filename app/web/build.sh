@@ -46,7 +46,7 @@ gzip -9 -n "$module"
 cp app/web/page/* docs/web/lessons.html docs/web/lessons.css "$target/page/"
 mkdir -p "$target/page/scenes" "$target/page/pictures"
 cp scenes/*.gltf scenes/*.glb scenes/*.bin scenes/*.png "$target/page/scenes/"
-for name in full walk compare; do cp "docs/images/inspector/$name.png" "$target/page/pictures/"; done
+for name in step walk compare; do cp "docs/images/inspector/$name.png" "$target/page/pictures/"; done
 cp LICENSE-APACHE LICENSE-MIT "$target/page/"
 cp -R "$target/page/." "$folder/"
 

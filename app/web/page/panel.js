@@ -31,7 +31,7 @@ export function showPictures(why) {
     show(`raystep cannot run in this browser: ${why}.`);
     const pictures = document.getElementById("pictures");
     for (const [file, caption] of [
-        ["full.png", "The inspector: an image, its passes, and the streams between them"],
+        ["step.png", "The inspector: an image, its passes, and the streams between them"],
         ["walk.png", "One ray's walk through the voxels"],
         ["compare.png", "Two runs, compared pass by pass"],
     ]) {

@@ -35,7 +35,7 @@ fn stage() -> Stage {
 #[test]
 fn panels() {
     let mut stage = stage();
-    let bare = named(&stage, "the simple layout");
+    let bare = named(&stage, "the overview");
     assert!(bare > 20, "{bare}");
     for &kind in PaneKind::ALL {
         stage.arrange(Layout::Overview);
@@ -51,7 +51,7 @@ fn panels() {
         named(&stage, &format!("{kind:?}"));
     }
     stage.arrange(Layout::Step);
-    named(&stage, "the full layout");
+    named(&stage, "the step layout");
 }
 
 #[test]

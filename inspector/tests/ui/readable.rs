@@ -66,7 +66,7 @@ fn pale(stage: &Stage) -> HashSet<String> {
 fn everywhere(stage: &mut Stage, mut look: impl FnMut(&mut Stage, &str)) {
     look(stage, "welcome");
     open(stage);
-    look(stage, "simple layout");
+    look(stage, "overview");
     let picture = stage.find(Role::Image, |name| name.starts_with("state after")).expect("the stream");
     let at = picture.rect().center();
     stage.event(egui::Event::PointerMoved(at));
@@ -104,7 +104,7 @@ fn everywhere(stage: &mut Stage, mut look: impl FnMut(&mut Stage, &str)) {
     }
     stage.perform(Command::CloseLesson);
     stage.arrange(Layout::Step);
-    look(stage, "full layout");
+    look(stage, "step layout");
     stage.perform(Command::Maximise);
     look(stage, "maximised");
 }
@@ -193,7 +193,7 @@ fn all_text_is_apart(scale: f32) {
     for &kind in PaneKind::ALL {
         stage.arrange(Layout::Step);
         show(&mut stage, kind);
-        found.push((format!("{kind:?} in the full layout"), unreadable(&mut stage)));
+        found.push((format!("{kind:?} in the step layout"), unreadable(&mut stage)));
     }
     report(&found);
 }

@@ -30,7 +30,7 @@ pub(crate) fn into_turn(stage: &mut Stage, turns: usize) {
     (0..2).for_each(|_| stage.perform(Command::NextPass));
 }
 
-/// The full layout, at a place.
+/// The layout Step, at a place.
 fn stage(settings: Settings, place: usize) -> Stage {
     let mut stage = Stage::new(Plan::default());
     stage.arrange(Layout::Step);
