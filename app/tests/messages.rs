@@ -87,7 +87,12 @@ fn names_that_do_not_exist_are_told_the_nearest_or_all_where_they_are_few() {
         ("--sampler blue: expected sobol or random", render(&["--spp", "4", "--sampler", "blue"])),
         ("SHELL fsh: expected bash, elvish, fish, powershell or zsh", vec!["completions", "fsh"]),
         (&format!("--do dance: no such command; {commands}"), shot("dance")),
-        (&format!("--do stp layout: no such command; did you mean Step layout, Cost layout or Reset layout? {commands}"), shot("stp layout")),
+        (
+            &format!(
+                "--do stp layout: no such command; did you mean Step layout, Cost layout or Reset layout? {commands}"
+            ),
+            shot("stp layout"),
+        ),
         (
             "--case axis-bellow: no case has this in its name; did you mean axis-below-1e-3 or axis-0? \
              'raystep stability --list' lists them",
