@@ -84,11 +84,16 @@ impl Differences {
     /// The next ray that differs after this one, in the order of the image; after the last, the first.
     #[must_use]
     pub fn next(&self, after: Option<[u32; 2]>) -> Option<[u32; 2]> {
-        let [width, _] = self.size;
-        let at = after.map_or(0, |[x, y]| self.rays.partition_point(|&ray| ray <= y * width + x));
-        let ray = self.rays.get(at).or(self.rays.first())?;
-        Some([ray % width, ray / width])
+        next_ray(&self.rays, self.size[0], after)
     }
+}
+
+/// The pixel of the next of some rays (y * width + x, ascending) after one; after the last, of the first.
+#[must_use]
+pub fn next_ray(rays: &[u32], width: u32, after: Option<[u32; 2]>) -> Option<[u32; 2]> {
+    let at = after.map_or(0, |[x, y]| rays.partition_point(|&ray| ray <= y * width + x));
+    let ray = rays.get(at).or(rays.first())?;
+    Some([ray % width, ray / width])
 }
 
 /// The streams of one run.

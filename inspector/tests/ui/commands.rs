@@ -2,6 +2,7 @@
 
 mod effects;
 mod files;
+mod layouts;
 mod table;
 
 use std::collections::HashSet;

@@ -74,11 +74,20 @@ fn own_layouts_are_named_kept_and_deleted() {
     second.key(Modifiers::NONE, Key::Num6);
     second.settle();
     assert_eq!((second.harness.state().layout(), panes(&second)), ("my plan", vec![PaneKind::Plan]));
+    // Another arrangement under the same name replaces it, however the old one was left.
+    second.perform(Command::Arrange(Layout::Ray));
+    second.perform(Command::SaveLayout);
+    second.answer("my plan");
+    second.perform(Command::Arrange(Layout::Cost));
+    second.perform(Command::ArrangeOwn(0));
+    assert!(panes(&second).contains(&PaneKind::Walk3d));
     second.perform(Command::SaveLayout);
     second.click(Role::Button, "delete the layout my plan");
     second.key(Modifiers::NONE, Key::Escape);
     second.settle();
     assert!(!second.reads("my plan"), "{}", second.read_out());
+    assert_eq!(second.harness.state().layout(), "Overview");
+    assert!(panes(&second).contains(&PaneKind::Walk2d));
 }
 
 #[test]

@@ -94,17 +94,6 @@ impl Arranged {
             None
         }
     }
-
-    /// Removes one of the user's layouts.
-    pub(in crate::ui) fn delete(&mut self, index: usize) {
-        if index < self.own.len() {
-            let gone = Now::Own(self.own.remove(index).name);
-            self.left.retain(|(left, _)| *left != gone);
-            if self.now == gone {
-                self.now = Now::default();
-            }
-        }
-    }
 }
 
 impl Desk {
@@ -152,7 +141,19 @@ impl Desk {
             None => self.arranged.own.push(OwnLayout { name: name.to_owned(), tree }),
         }
         self.arranged.now = Now::Own(name.to_owned());
+        // How an older one of that name was left no longer counts.
+        self.arranged.left.retain(|(left, _)| *left != self.arranged.now);
         Ok(())
+    }
+
+    /// Removes one of the user's layouts; if it is shown, the first built-in one takes its place.
+    pub(in crate::ui) fn delete_layout(&mut self, index: usize) {
+        let Some(gone) = self.arranged.of(Command::ArrangeOwn(index)) else { return };
+        if self.arranged.now == gone {
+            self.arrange(Now::default());
+        }
+        self.arranged.own.remove(index);
+        self.arranged.left.retain(|(left, _)| *left != gone);
     }
 }
 
@@ -173,7 +174,11 @@ mod tests {
         assert_eq!((arranged.named("1"), arranged.named("Ray")), (Now::Own("1".into()), Now::Task(Layout::Ray)));
         // The ones that are left keep their names, and no longer all keys are taken.
         assert!(arranged.refusal("new").is_some() && arranged.refusal("1").is_none());
-        arranged.delete(1);
+        let mut desk = Desk { arranged, ..Desk::default() };
+        desk.arrange(Now::Own("0".into()));
+        desk.delete_layout(1);
+        let arranged = &desk.arranged;
         assert_eq!((arranged.named("0"), arranged.refusal("new")), (Now::default(), None));
+        assert_eq!((&arranged.now, arranged.left.len()), (&Now::default(), 0));
     }
 }

@@ -168,7 +168,7 @@ impl Inspector {
                 let label = format!("delete the layout {name}");
                 delete.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
                 if delete.clicked() {
-                    self.desk.arranged.delete(index);
+                    self.desk.delete_layout(index);
                 }
             });
         }

@@ -1,4 +1,4 @@
-//! What a new user can do next, in one line, until it is known.
+//! Lines above the panels: what a new user can do next, until it is known, and that the scene changed on disk.
 
 use super::Inspector;
 use crate::command::Command;

@@ -26,16 +26,14 @@ impl Inspector {
         let needs = |is_met: bool, why: &'static str| (!is_met).then_some(why);
         let scene = needs(model.opened.is_some(), "needs an open scene");
         let ray = needs(model.history.is_some(), "needs a selected ray with a history: click a pixel");
-        let event = |forward| needs(self.event(forward).is_some(), "the selected ray has no event on this side");
-        let mark = |forward| {
-            needs(self.state.bookmarks.from(model.place, forward).is_some(), "there is no bookmark on this side")
-        };
+        let event = |forward, why| needs(self.event(forward).is_some(), why);
+        let mark = |forward, why| needs(self.state.bookmarks.from(model.place, forward).is_some(), why);
         match command {
             C::Quit => needs(self.host.can_quit(), "close the browser's tab"),
             C::OpenScene | C::OpenSession | C::PasteLink | C::Palette | C::Help | C::Theme | C::ToolbarWords => None,
             C::Arrange(_) | C::SaveLayout | C::ResetLayout | C::Show(_) | C::Lesson(_) => None,
             C::Maximise | C::NextPanel | C::PreviousPanel | C::NextTab | C::PreviousTab => None,
-            C::ArrangeOwn(index) => needs(index < self.desk.arranged.own.len(), "save a layout first (Ctrl+L)"),
+            C::ArrangeOwn(index) => needs(index < self.desk.arranged.own.len(), "save a layout first"),
             C::LargerText | C::SmallerText | C::NormalText => {
                 let changes = text_size::resized(command, self.saved.text_size) != self.saved.text_size;
                 needs(changes, "the text has this size")
@@ -71,10 +69,10 @@ impl Inspector {
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => {
                 scene.or(needs(model.place > 0, "the run is at its start"))
             }
-            C::NextEvent => ray.or_else(|| event(true)),
-            C::PreviousEvent => ray.or_else(|| event(false)),
-            C::NextBookmark => scene.or_else(|| mark(true)),
-            C::PreviousBookmark => scene.or_else(|| mark(false)),
+            C::NextEvent => ray.or_else(|| event(true, "the selected ray has no later event")),
+            C::PreviousEvent => ray.or_else(|| event(false, "the selected ray has no earlier event")),
+            C::NextBookmark => scene.or_else(|| mark(true, "there is no later bookmark")),
+            C::PreviousBookmark => scene.or_else(|| mark(false, "there is no earlier bookmark")),
             C::ExportRay | C::ExportWalk | C::FrameWalk | C::SecondWalk => ray,
             C::NextBranch | C::PreviousBranch | C::MaskBranch => ray,
             C::EndCompare => needs(self.other.is_some(), "no second run is open"),

@@ -14,11 +14,12 @@ use raystep_lab::text::counted;
 use smart_default::SmartDefault;
 
 use crate::command::Command;
+use crate::runs::differ::next_ray;
 use crate::session::request::Request;
 use crate::session::{Model, Target};
 use crate::settings::Settings;
 use crate::ui::canvas::{Picture, Still};
-use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
+use crate::ui::pane::{Context, NO_RAYS, Panel};
 use counted::{COUNTING, Counted, Question};
 use pictures::{Drawn, Look};
 use settings::{edit, text_of};
@@ -133,12 +134,19 @@ impl Panel for Compare {
         vec2(360.0, 380.0)
     }
 
-    saves!(look);
+    fn save(&self) -> String {
+        serde_json::to_string(&self.look).unwrap_or_default()
+    }
+
+    fn load(&mut self, saved: &str) {
+        let look: Look = serde_json::from_str(saved).unwrap_or_default();
+        self.look = Look { zoom: look.zoom.finite(), ..look };
+    }
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
         match (command, &self.found) {
             (Command::NextDifferingRay, Some(found)) => {
-                cx.asks.select = found.next(cx.selection.pixel).or(cx.asks.select);
+                cx.asks.select = next_ray(&found.rays, found.width, cx.selection.pixel).or(cx.asks.select);
                 true
             }
             (Command::Fit, _) => {
@@ -216,5 +224,20 @@ impl Compare {
             self.reading = Some(question);
             other.ask(Request::ReadAll(self.stream));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ui::panels::zoom::Zoom;
+
+    #[test]
+    fn a_saved_place_that_is_not_finite_shows_all_of_the_pictures() {
+        let mut panel = Compare::default();
+        panel.load(r#"{"one": "A", "zoom": {"scale": 2, "center": [1e39, 0]}}"#);
+        assert_eq!((panel.look.one, panel.look.zoom), (Some(pictures::Side::A), Zoom::default()));
+        panel.load(r#"{"zoom": {"scale": 2, "center": [3, 4]}}"#);
+        assert_eq!((panel.look.one, panel.look.zoom), (None, Zoom { scale: Some(2.0), center: [3.0, 4.0] }));
     }
 }

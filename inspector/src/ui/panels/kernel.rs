@@ -227,18 +227,8 @@ impl KernelView {
     ) -> HashMap<usize, Heat> {
         let pass = shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)?.pass);
         let key = pass.map(|pass| PassKey { generation: model.generation, edition: model.edition, pass });
-        let (Known::Ray(OneRay { interpreter, .. }), Some(all)) =
-            (&self.known, self.runs.all.as_ref().filter(|all| Some(all.key) == key))
-        else {
-            return HashMap::new();
-        };
-        let of_line = |at: usize| {
-            let at = there(at)?;
-            let sites = interpreter.sites().iter().enumerate().filter(|(_, site)| site.line == at);
-            let sites: Vec<usize> = sites.map(|(index, _)| index).collect();
-            (!sites.is_empty()).then(|| all.heat(&sites))
-        };
-        (0..lines).filter_map(|at| Some((at, of_line(at)?))).collect()
+        let Some(all) = self.runs.all.as_ref().filter(|all| Some(all.key) == key) else { return HashMap::new() };
+        (0..lines).filter_map(|at| Some((at, *all.heat.get(&there(at)?)?))).collect()
     }
 
     fn branch(&self) -> Option<&Branch> {

@@ -2,7 +2,7 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
-use raystep_inspector::command::{Command, Layout, MOST_OWN, PaneKind};
+use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::lesson::Lesson;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_T;
@@ -255,27 +255,4 @@ pub(super) fn over_a_texel(stage: &mut Stage) -> f64 {
     stage.event(egui::Event::PointerMoved(middle.expect("a stream")));
     stage.settle();
     f64::from(stage.painted().iter().any(|text| text.starts_with("0x")))
-}
-
-/// Shows a layout of the user's, with the log alone, after saving as many as there are keys for.
-pub(super) fn elsewhere(s: &mut Stage) -> f64 {
-    for number in 1..=MOST_OWN {
-        let name = format!("Own layout {number}");
-        if !s.reads(&name) {
-            s.arrange(Layout::Overview);
-            s.close_panels();
-            s.perform(Command::Show(PaneKind::Log));
-            s.perform(Command::SaveLayout);
-            s.answer(&name);
-        }
-    }
-    s.perform(Command::ArrangeOwn(0));
-    0.0
-}
-
-/// Saves the layouts, and shows another one.
-pub(super) fn save_layouts(s: &mut Stage) -> f64 {
-    elsewhere(s);
-    s.arrange(Layout::Overview);
-    0.0
 }

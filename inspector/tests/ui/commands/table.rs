@@ -7,27 +7,16 @@ use raystep_inspector::session_file::SessionFile;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-    ask, assert_all, begin_lesson, begin_play, beside, bookmarks_around, choose_cornell, choose_session, elsewhere,
-    event, exposure, focused, is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing,
-    open_session, over_a_texel, pixel_moved, play, range, remove_bookmarks, same_kernel, save_layouts, show_passes,
-    show_watches, shown, slice, sort_rays, watch_the_ray, zoomed,
+    ask, assert_all, begin_lesson, begin_play, beside, bookmarks_around, choose_cornell, choose_session, event,
+    exposure, focused, is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing,
+    open_session, over_a_texel, pixel_moved, play, range, remove_bookmarks, same_kernel, show_passes, show_watches,
+    shown, slice, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
+use super::layouts::{arranged, arranged_own, elsewhere, hide_the_ray, save_layouts, saved_layout, the_ray_is_back};
 use super::{Before, PIXEL};
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::Stage;
-
-/// The panel that a layout is for.
-fn subject(layout: Layout) -> PaneKind {
-    match layout {
-        Layout::Overview => PaneKind::Walk2d,
-        Layout::Step => PaneKind::Passes,
-        Layout::Ray => PaneKind::Walk3d,
-        Layout::Compare => PaneKind::Compare,
-        Layout::Cost => PaneKind::Cost,
-        Layout::Learn => PaneKind::Lessons,
-    }
-}
 
 type Prepare = fn(&mut Stage) -> f64;
 type Check = fn(&mut Stage, &Before);
@@ -336,35 +325,10 @@ pub(super) fn row(command: Command) -> Row {
             assert!(was.panes.contains(&PaneKind::Log));
             is_shown(s, PaneKind::Passes);
         }),
-        C::Arrange(_) => (elsewhere, |s, was| {
-            s.settle();
-            let Command::Arrange(layout) = was.command else { return };
-            assert_eq!(s.harness.state().layout(), layout.name());
-            is_shown(s, subject(layout));
-            assert_ne!(s.harness.state().panes_in_view(), was.panes);
-        }),
-        C::ArrangeOwn(_) => (save_layouts, |s, was| {
-            s.settle();
-            let Command::ArrangeOwn(index) = was.command else { return };
-            assert_eq!(s.harness.state().layout(), format!("Own layout {}", index + 1));
-            assert_eq!(s.harness.state().panes_in_view(), [PaneKind::Log]);
-        }),
-        C::SaveLayout => (nothing, |s, was| {
-            s.answer("Own layout 1");
-            assert_eq!(s.harness.state().layout(), "Own layout 1");
-            assert_eq!(s.harness.state().panes_in_view(), was.panes);
-        }),
-        C::ResetLayout => (
-            |s| {
-                s.perform(Command::Show(PaneKind::Ray));
-                0.0
-            },
-            |s, was| {
-                s.settle();
-                assert!(!was.panes.contains(&PaneKind::Ray));
-                is_shown(s, PaneKind::Ray);
-            },
-        ),
+        C::Arrange(_) => (elsewhere, arranged),
+        C::ArrangeOwn(_) => (save_layouts, arranged_own),
+        C::SaveLayout => (nothing, saved_layout),
+        C::ResetLayout => (hide_the_ray, the_ray_is_back),
         C::Show(_) => (nothing, |s, was| {
             s.settle();
             let now = s.harness.state().panes_in_view();

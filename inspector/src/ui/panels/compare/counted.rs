@@ -28,16 +28,7 @@ pub(super) struct Counted {
     /// The rays that differ, y * width + x, ascending.
     pub(super) rays: Vec<u32>,
     /// Rays in a row of the image.
-    width: u32,
-}
-
-impl Counted {
-    /// The next ray that differs after this one, in the order of the image; after the last, the first.
-    pub(super) fn next(&self, after: Option<[u32; 2]>) -> Option<[u32; 2]> {
-        let at = after.map_or(0, |[x, y]| self.rays.partition_point(|&ray| ray <= y * self.width + x));
-        let ray = self.rays.get(at).or(self.rays.first())?;
-        Some([ray % self.width, ray / self.width])
-    }
+    pub(super) width: u32,
 }
 
 /// Compares the first run's stream, as it is then, with the second's.

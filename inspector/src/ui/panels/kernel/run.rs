@@ -1,9 +1,10 @@
 //! The selected ray in the current row's pass, interpreted; and all rays of the pass.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use raystep_kernels::export::trace::Trace;
-use raystep_kernels::interpret::{Element, InterpretError, Interpreter, Many, Outcomes};
+use raystep_kernels::interpret::{Element, InterpretError, Interpreter, MOST_SITES, Many, Outcomes};
 use raystep_kernels::{Kernel, StreamData};
 
 use crate::branches::Branches;
@@ -31,6 +32,8 @@ pub(super) struct AllRays {
     pub(super) key: PassKey,
     pub(super) size: [u32; 2],
     pub(super) outcomes: Vec<Option<Outcomes>>,
+    /// The lines with conditions, of the composed source.
+    pub(super) heat: BTreeMap<usize, Heat>,
 }
 
 /// How the conditions of a line came out for all rays of a pass.
@@ -44,17 +47,20 @@ pub(super) struct Heat {
     pub(super) of: u64,
 }
 
-impl AllRays {
-    /// The heat of the conditions with these indices.
-    pub(super) fn heat(&self, sites: &[usize]) -> Heat {
-        let bits = sites.iter().filter_map(|&site| 1_u128.checked_shl(u32::try_from(site).ok()?));
-        let mask = bits.fold(0, |mask, bit| mask | bit);
-        self.outcomes.iter().flatten().fold(Heat::default(), |heat, ray| Heat {
+/// The heat of each line that has conditions, from the line of each condition.
+fn heat(lines: impl Iterator<Item = usize>, outcomes: &[Option<Outcomes>]) -> BTreeMap<usize, Heat> {
+    let mut masks = BTreeMap::<usize, u128>::new();
+    for (site, line) in lines.take(MOST_SITES).enumerate() {
+        *masks.entry(line).or_default() |= 1 << site;
+    }
+    let of_mask = |mask: u128| {
+        outcomes.iter().flatten().fold(Heat::default(), |heat, ray| Heat {
             reached: heat.reached + u64::from(ray.reached & mask != 0),
             taken: heat.taken + u64::from(ray.taken & mask != 0),
             of: heat.of + 1,
         })
-    }
+    };
+    masks.into_iter().map(|(line, mask)| (line, of_mask(mask))).collect()
 }
 
 type Texels = (PassKey, [u32; 2], Vec<u32>);
@@ -195,7 +201,8 @@ fn all_rays(interpreter: Arc<Interpreter>, key: PassKey) -> Job {
             outcomes.extend(many.outcomes(first..first + RAYS_A_REPORT).map_err(|e| e.to_string())?);
             pause().await;
         }
-        answered(AllRays { key, size, outcomes })
+        let heat = heat(interpreter.sites().iter().map(|site| site.line), &outcomes);
+        answered(AllRays { key, size, outcomes, heat })
     })
 }
 
@@ -206,12 +213,11 @@ mod tests {
     #[test]
     fn a_line_is_as_hot_as_the_rays_that_reached_any_of_its_conditions() {
         let ray = |reached, taken| Some(Outcomes { reached, taken, differs: 0 });
-        let key = PassKey { generation: 1, edition: 1, pass: 0 };
-        let all = AllRays { key, size: [4, 1], outcomes: vec![ray(0b011, 0b010), ray(0b100, 0b100), None, ray(0, 0)] };
-        let heat = |sites: &[usize]| {
-            let Heat { reached, taken, of } = all.heat(sites);
-            [reached, taken, of]
-        };
-        assert_eq!([heat(&[0]), heat(&[1, 2]), heat(&[]), heat(&[500])], [[1, 0, 3], [2, 2, 3], [0, 0, 3], [0, 0, 3]]);
+        let rays = [ray(0b011, 0b010), ray(0b100, 0b100), None, ray(0, 0)];
+        let found = heat([7, 9, 9].into_iter(), &rays);
+        let found: Vec<_> = found.iter().map(|(line, heat)| (*line, [heat.reached, heat.taken, heat.of])).collect();
+        assert_eq!(found, [(7, [1, 0, 3]), (9, [2, 2, 3])]);
+        // Conditions that have no bit.
+        assert_eq!(heat(0..500, &rays).len(), MOST_SITES);
     }
 }
