@@ -40,7 +40,7 @@ pub enum Resource {
         /// Declared `read_write`, else `write`.
         readable: bool,
     },
-    /// Streams that share a texture, see [`Variant::sharing`].
+    /// Streams that share a texture, which the executor makes where textures are few.
     WriteStreams {
         /// The first of them.
         first: Stream,
