@@ -210,6 +210,8 @@ commands! {
     View walks {
         /// Frames the selected ray's walk in the 3D view.
         FrameWalk "Frame walk in 3D";
+        /// Colours the scene in 3D by tests of triangles, by visits of cells or leaves, or by materials.
+        PaintScene "Colour 3D view by cost";
         /// Shows the ray's walk through the other structure as well, in the unfolded walk.
         SecondWalk "Unfold grid and BVH walks together";
         NextSlice "Next layer of the grid", NONE PageUp;

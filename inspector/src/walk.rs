@@ -31,6 +31,7 @@ pub use both::{Both, Work};
 pub use cells::{CellVisit, Crossing, Entry};
 pub use events::{Event, EventKind, events, next_event, previous_event, row_after_passes};
 pub use nodes::NodeVisit;
+pub(crate) use nodes::{above, leaf_of};
 pub use projected::{Projected, ProjectedTriangle, Square};
 pub use scale::Ticks;
 pub use tested::{Outcome, TestedTriangle};

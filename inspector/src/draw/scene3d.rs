@@ -32,6 +32,7 @@ pub struct Scene3d {
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
     triangles: Triangles,
+    boxes: Vec<PaintedBox>,
     frustum: Option<Frustum>,
     bounds: Aabb,
     targets: Option<Targets>,
@@ -67,6 +68,7 @@ impl Scene3d {
             view,
             view_group,
             triangles: Triangles::default(),
+            boxes: Vec::new(),
             frustum: None,
             bounds: Aabb { min: DVec3::ZERO, max: DVec3::ZERO },
             targets: None,
@@ -77,10 +79,16 @@ impl Scene3d {
     pub fn set_scene(&mut self, data: &SceneData) -> Shown {
         self.bounds = Aabb::of_vertices(&data.vertices);
         self.frustum = Frustum::of(data);
+        self.paint(data, None, Vec::new());
+        self.triangles.shown
+    }
+
+    /// Gives the scene's triangles these colours, or those of their materials again, and shows these boxes.
+    pub fn paint(&mut self, data: &SceneData, colors: Option<&[[u8; 4]]>, boxes: Vec<PaintedBox>) {
+        self.boxes = boxes;
         // The old textures are freed first: both may not fit.
         self.triangles = Triangles::default();
-        self.triangles = Triangles::new(&self.gpu, &self.pipelines.triangles_layout, data);
-        self.triangles.shown
+        self.triangles = Triangles::new(&self.gpu, &self.pipelines.triangles_layout, data, colors);
     }
 
     /// The box of the scene's triangles, in traced units, for framing.
@@ -113,6 +121,7 @@ impl Scene3d {
         let view = view(camera, settings, around.cut.filter(|_| settings.cut), &self.bounds, size);
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let mut overlay = Overlay::new(walk, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
+        overlay.boxes(&self.boxes);
         if let Some(marked) = &around.marked {
             overlay.mark(marked, settings);
         }
@@ -184,6 +193,15 @@ pub struct Around {
     pub marked: Option<Marked>,
     /// Triangles nearer than this are cut away, as a distance from the origin along the view's direction.
     pub cut: Option<f64>,
+}
+
+/// A cell or node in a colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaintedBox {
+    /// The box.
+    pub bounds: Aabb,
+    /// sRGB-encoded, and the opacity of its faces.
+    pub color: [u8; 4],
 }
 
 /// A part of the scene or of its structure, outlined in the colour of a selection.

@@ -109,7 +109,7 @@ fn shown_by(command: Command) -> Option<PaneKind> {
         C::PreviousRayByCost | C::NextRayByCost => PaneKind::Cost,
         C::NextBranch | C::PreviousBranch | C::MaskBranch => PaneKind::Kernel,
         C::ExportWalk | C::SecondWalk => PaneKind::Walk2d,
-        C::FrameWalk => PaneKind::Walk3d,
+        C::FrameWalk | C::PaintScene => PaneKind::Walk3d,
         C::ExportDataflow => PaneKind::Dataflow,
         C::NextSlice | C::PreviousSlice | C::SliceAxis => PaneKind::Structure,
         _ => return None,

@@ -6,6 +6,7 @@ use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::parent_of;
 use raystep_kernels::shared::constants::NO_NODE;
+use raystep_kernels::structures::bvh::BvhNode;
 
 use super::{Aabb, WalkGeometry, path_of};
 
@@ -73,7 +74,18 @@ fn parent(data: &SceneData, node: u32) -> Option<u32> {
 }
 
 fn depth(data: &SceneData, node: u32) -> u32 {
-    let above = std::iter::successors(parent(data, node), |&above| parent(data, above));
+    above(data, node).count() as u32
+}
+
+/// The nodes above one, from its parent to the root.
+pub(crate) fn above(data: &SceneData, node: u32) -> impl Iterator<Item = u32> + '_ {
     // Bounded, although no BVH that is built has a cycle.
-    above.take(data.bvh_parents.len()).count() as u32
+    std::iter::successors(parent(data, node), |&above| parent(data, above)).take(data.bvh_parents.len())
+}
+
+/// The first leaf that lists a triangle.
+pub(crate) fn leaf_of(data: &SceneData, triangle: u32) -> Option<u32> {
+    let at = data.bvh_items.iter().position(|&item| item == triangle)? as u32;
+    let lists = |node: &BvhNode| node.count() > 0 && at.checked_sub(node.first).is_some_and(|i| i < node.count());
+    data.bvh_nodes.iter().position(lists).map(|leaf| leaf as u32)
 }

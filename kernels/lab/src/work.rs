@@ -1,6 +1,7 @@
 //! The cost of rays, and the share of launched threads that have work to do.
 
 mod lanes;
+mod visits;
 mod warps;
 
 use raystep_kernels::programs;
@@ -9,6 +10,7 @@ use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, StreamData, named};
 
 pub use lanes::{LANES, Lanes, Launch};
+pub use visits::{Visits, has_single_steps, most_of_half, single_steps, visits};
 pub use warps::{NO_RAY, PassLanes, Survey, WIDTHS, Warp, threads};
 
 /// How to measure a ray's cost.

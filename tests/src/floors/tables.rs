@@ -98,7 +98,7 @@ pub const KNOWN_CIRCLES: &[(&str, &[&str])] = &[
     ("raystep_lab::self_test", &["operations", "probe"]),
     ("raystep_lab::stability", &["make", "planes"]),
     ("raystep_lab::stability", &["beside", "page", "report", "table"]),
-    ("raystep_lab::work", &["lanes", "warps"]),
+    ("raystep_lab::work", &["lanes", "visits", "warps"]),
     ("raystep", COMMAND_LINE),
     ("raystep::commands::info::self_test", &["drive", "report"]),
     ("raystep::commands::sweep", &["gather", "page"]),

@@ -6,8 +6,8 @@ mod walk;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use super::Marked;
 use super::settings::Settings;
+use super::{Marked, PaintedBox};
 use crate::walk::{Aabb, WalkGeometry};
 pub(super) use frustum::Frustum;
 
@@ -134,6 +134,15 @@ impl Overlay {
             overlay.walk(walk, settings, &palette);
         }
         overlay
+    }
+
+    /// Fills boxes, with clearer edges.
+    pub(super) fn boxes(&mut self, boxes: &[PaintedBox]) {
+        for PaintedBox { bounds, color } in boxes {
+            bounds.faces().into_iter().for_each(|face| self.triangle(face, *color));
+            let [r, g, b, opacity] = *color;
+            self.edges(bounds, 0.8, [r, g, b, opacity.saturating_mul(3)]);
+        }
     }
 
     /// Outlines what was picked.

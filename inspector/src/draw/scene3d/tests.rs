@@ -216,6 +216,41 @@ fn the_teapot_is_seen_with_its_cells_its_tree_and_its_triangles() {
 }
 
 #[test]
+fn triangles_and_boxes_are_seen_in_the_colours_they_are_given() {
+    let gpu = gpu();
+    let scene = scene(CORNELL);
+    let (trace, data) = traced(&scene, &options(&scene), [20, 40]);
+    let (mut view, camera) = view_of(&gpu, &data);
+    let walk = WalkGeometry::new(&trace, &data, usize::MAX);
+    let hit = walk.hit.expect("a hit");
+    let middle = (hit.corners[0] + hit.corners[1] + hit.corners[2]) / 3.0;
+    let settings = Settings { edges: false, cut: false, ..Settings::default() };
+    // Seen through what is in front of it: everything but this triangle is black.
+    let mut colors = vec![[0, 0, 0, 255]; data.info.triangles as usize];
+    colors[hit.triangle as usize] = [30, 250, 30, 255];
+    let seen = |view: &mut Scene3d, name: &str| {
+        let picture = drawn(&gpu, view, &camera, None, &settings, format!("painted-{name}"));
+        let pixels = picture.0.as_chunks::<4>().0;
+        let green = pixels.iter().filter(|p| i32::from(p[1]) > 40 + i32::from(p[0].max(p[2]))).count();
+        (green, picture.at(&camera, middle))
+    };
+    let materials = seen(&mut view, "materials");
+    view.paint(&data, Some(&colors), Vec::new());
+    let (green, _) = seen(&mut view, "triangle");
+    // It is small, and seen at an angle.
+    assert!(green > 100, "{green} green pixels");
+    // Without a colour for it, nothing is green.
+    view.paint(&data, Some(&vec![[0, 0, 0, 255]; data.info.triangles as usize]), Vec::new());
+    assert_eq!(seen(&mut view, "black").0, 0);
+    let boxed = PaintedBox { bounds: walk.bounds, color: [30, 250, 30, 120] };
+    view.paint(&data, Some(&vec![[0, 0, 0, 255]; data.info.triangles as usize]), vec![boxed]);
+    let (green, _) = seen(&mut view, "box");
+    assert!(green > 50_000, "{green} green pixels");
+    view.paint(&data, None, Vec::new());
+    assert_eq!(seen(&mut view, "again"), materials);
+}
+
+#[test]
 fn of_more_triangles_than_can_be_drawn_every_nth_is() {
     assert_eq!(Shown::of(0), Shown { drawn: 0, of: 0, every: 1 });
     assert_eq!(Shown::of(MOST_TRIANGLES).every, 1);

@@ -37,6 +37,9 @@ impl std::fmt::Display for Shown {
     }
 }
 
+/// The colour of a triangle without a material, sRGB-encoded.
+const GREY: f32 = 0.72;
+
 /// Texels of a texture's row, and its most rows: 128 MB.
 const WIDTH: u32 = 2048;
 const MOST_ROWS: u32 = 4096;
@@ -49,7 +52,8 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    pub(super) fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, data: &SceneData) -> Self {
+    /// In these colours, or those of their materials.
+    pub(super) fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, data: &SceneData, colors: Option<&[[u8; 4]]>) -> Self {
         let most = gpu.device.limits().max_texture_dimension_2d;
         let (width, rows) = (WIDTH.min(most), MOST_ROWS.min(most));
         let (triangles, _) = data.vertices.as_chunks::<9>();
@@ -59,7 +63,8 @@ impl Triangles {
         for part in picked.chunks(((width * rows / 3) as usize).max(1)) {
             let mut texels: Vec<[u32; 4]> = Vec::with_capacity((3 * part.len()).next_multiple_of(width as usize));
             for &triangle in part {
-                let color = u32::from_le_bytes(color(data, triangle));
+                let painted = colors.and_then(|colors| colors.get(triangle)).copied();
+                let color = u32::from_le_bytes(painted.unwrap_or_else(|| material_color(data, triangle)));
                 let (corners, _) = triangles[triangle].as_chunks::<3>();
                 texels.extend(corners.iter().map(|[x, y, z]| [x.to_bits(), y.to_bits(), z.to_bits(), color]));
             }
@@ -100,8 +105,7 @@ fn group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, width: u32, texels: &[[u32; 
 }
 
 /// The material's colour if it is known, paler so that the walk stands out; otherwise grey.
-fn color(data: &SceneData, triangle: usize) -> [u8; 4] {
-    const GREY: f32 = 0.72;
+fn material_color(data: &SceneData, triangle: usize) -> [u8; 4] {
     let material = data.triangle_materials.get(triangle).map_or(0, |&material| material as usize);
     let base = data.materials.get(material).map_or([GREY; 3], |material| material.base_color.map(linear_to_srgb));
     let [r, g, b] = base.map(|v| ((0.55 * v + 0.45 * GREY).clamp(0.0, 1.0) * 255.0).round() as u8);

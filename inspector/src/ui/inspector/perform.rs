@@ -76,7 +76,9 @@ impl Inspector {
             C::ExportRay | C::ExportWalk | C::FrameWalk | C::SecondWalk => ray,
             C::NextBranch | C::PreviousBranch | C::MaskBranch => ray,
             C::EndCompare => needs(self.other.is_some(), "no second run is open"),
-            C::Compare | C::Judge | C::Measure => scene.or(needs(model.has_rays(), "this program has no rays")),
+            C::Compare | C::Judge | C::Measure | C::PaintScene => {
+                scene.or(needs(model.has_rays(), "this program has no rays"))
+            }
             C::NextSlice | C::PreviousSlice | C::SliceAxis => {
                 let has = model.opened.as_ref().is_some_and(|opened| opened.data.grid_cells.len() > 1);
                 scene.or(needs(has, "needs a run with a grid"))

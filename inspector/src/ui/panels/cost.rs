@@ -8,7 +8,7 @@ mod histogram;
 mod known;
 mod lanes;
 mod rays;
-mod scale;
+pub(super) mod scale;
 mod source;
 mod spread;
 mod warps;

@@ -12,7 +12,7 @@ use crate::draw::scene3d::Marked;
 use crate::session::Model;
 use crate::ui::state::{Display, Picked, Selection};
 use crate::ui::units::{Scale, Units};
-use crate::walk::{Aabb, WalkGeometry, corners, listed};
+use crate::walk::{Aabb, WalkGeometry, above, corners, leaf_of, listed};
 
 /// A cell by the coordinates of a walk.
 pub(super) fn cell([x, y, z]: [i32; 3]) -> Option<Picked> {
@@ -153,7 +153,14 @@ pub(super) fn describe(picked: Picked, data: &SceneData, walk: Option<&WalkGeome
 /// The sentence, made again only where it may have changed.
 #[derive(Default)]
 pub(super) struct About {
-    known: Option<(Key, String)>,
+    known: Option<(Key, Said)>,
+}
+
+/// The sentence, and the nodes from the root to what was picked, without itself.
+#[derive(Clone, Default)]
+struct Said {
+    text: String,
+    parents: Vec<u32>,
 }
 
 /// What was picked, the run, the history, whether the structure beside it is known, and the units.
@@ -163,7 +170,7 @@ impl About {
     /// Shows what is picked, with a button that clears it. Nothing is shown if nothing is picked.
     pub(super) fn show(&mut self, ui: &mut egui::Ui, model: &Model, selection: &mut Selection, display: &Display) {
         let Some(picked) = selection.picked else { return };
-        let text = self.text(picked, model, display);
+        let Said { text, parents } = self.said(picked, model, display);
         ui.horizontal(|ui| {
             let clear = ui.small_button("×").on_hover_text("clear this selection (Escape)");
             clear.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "clear selection"));
@@ -173,30 +180,66 @@ impl About {
             let text = egui::RichText::new(text).color(color(ui.visuals()));
             ui.add(egui::Label::new(text).truncate());
         });
+        if parents.is_empty() {
+            return;
+        }
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            ui.weak("in");
+            for (level, node) in parents.into_iter().enumerate() {
+                if level > 0 {
+                    ui.weak("›");
+                }
+                let link = ui.link(if level == 0 { "root".into() } else { node.to_string() });
+                link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, format!("select node {node}")));
+                if link.on_hover_text(format!("select node {node}, level {level}")).clicked() {
+                    selection.picked = Some(Picked::Node(node));
+                }
+            }
+        });
     }
 
-    fn text(&mut self, picked: Picked, model: &Model, display: &Display) -> String {
+    fn said(&mut self, picked: Picked, model: &Model, display: &Display) -> Said {
         let at = |history: Option<&Arc<Trace>>| history.map_or(0, |history| Arc::as_ptr(history) as usize);
         let beside = display.beside.as_ref().map_or(0, |data| Arc::as_ptr(data) as usize);
         let key = (picked, model.generation, at(model.history.as_ref()), beside, display.units);
-        if let Some((known, text)) = &self.known
+        if let Some((known, said)) = &self.known
             && *known == key
         {
-            return text.clone();
+            return said.clone();
         }
-        let text = model.opened.as_ref().map_or_else(String::new, |opened| {
+        let said = model.opened.as_ref().map_or_else(Said::default, |opened| {
             let walk = model.history.as_ref().map(|history| WalkGeometry::new(history, &opened.data, usize::MAX));
             // A node of the other structure, while this run has the grid.
             let is_here = marked(picked, &opened.data).is_some();
             let scale = model.history.as_ref().map_or(Scale::TRACED, |history| Scale::of(display.units, history));
             match display.beside.as_ref().filter(|_| !is_here) {
-                Some(other) => describe(picked, other, None, &scale),
-                None => describe(picked, &opened.data, walk.as_ref(), &scale),
+                Some(other) => Said { text: describe(picked, other, None, &scale), parents: parents(picked, other) },
+                None => Said {
+                    text: describe(picked, &opened.data, walk.as_ref(), &scale),
+                    parents: parents(picked, &opened.data),
+                },
             }
         });
-        self.known = Some((key, text.clone()));
-        text
+        self.known = Some((key, said.clone()));
+        said
     }
+}
+
+/// The nodes that contain what was picked, from the root on; none without a BVH.
+fn parents(picked: Picked, data: &SceneData) -> Vec<u32> {
+    let (node, leaf) = match picked {
+        _ if !data.features.bvh => return Vec::new(),
+        Picked::Cell(_) => return Vec::new(),
+        Picked::Node(node) => (Some(node), None),
+        Picked::Triangle(triangle) => {
+            let leaf = leaf_of(data, triangle);
+            (leaf, leaf)
+        }
+    };
+    let mut chain: Vec<u32> = leaf.into_iter().chain(node.into_iter().flat_map(|node| above(data, node))).collect();
+    chain.reverse();
+    chain
 }
 
 #[cfg(test)]
@@ -241,6 +284,19 @@ mod tests {
                     "{picked:?}"
                 );
                 assert_eq!(marked(picked, &data), Some(Marked::Box(visit.bounds)));
+                // From the root down, each is a child of the one before.
+                let chain: Vec<u32> = parents(picked, &data).into_iter().chain([visit.node]).collect();
+                assert_eq!((chain.first(), chain.len() - 1), (Some(&0), visit.depth as usize));
+                for pair in chain.windows(2) {
+                    let first = data.bvh_nodes[pair[0] as usize].first;
+                    assert!(pair[1] == first || pair[1] == first + 1, "{chain:?}");
+                }
+            }
+            for test in walk.tested.iter().filter(|_| accelerator == Accelerator::Bvh) {
+                let chain = parents(Picked::Triangle(test.triangle), &data);
+                let leaf = data.bvh_nodes[*chain.last().expect("a leaf") as usize];
+                let items = leaf.first as usize..(leaf.first + leaf.count()) as usize;
+                assert!(data.bvh_items[items].contains(&test.triangle), "{chain:?}");
             }
             // A grid has no nodes, although cells have indices; a BVH has no cells.
             let others = if accelerator == Accelerator::Bvh { Picked::Cell([0; 3]) } else { Picked::Node(0) };

@@ -5,6 +5,7 @@
 mod camera;
 mod control;
 mod glance;
+mod heat;
 mod labels;
 mod pick;
 mod tools;
@@ -30,6 +31,7 @@ use crate::ui::state::Picked;
 use crate::ui::units::Scale;
 use crate::walk::Aabb;
 use camera::Framed;
+use heat::{Heat, Paint};
 use labels::{LabelStyle, Ready};
 
 /// The saved part of the view.
@@ -37,6 +39,7 @@ use labels::{LabelStyle, Ready};
 #[serde(default)]
 struct Look {
     settings: Settings,
+    paint: Paint,
     #[default(true)]
     labels: bool,
     /// The scene that the camera was made for.
@@ -57,6 +60,7 @@ struct Drawn {
     camera: Orbit,
     settings: Settings,
     around: Around,
+    painted: u64,
     size: [u32; 2],
 }
 
@@ -83,6 +87,7 @@ pub(in crate::ui) struct Walk3d {
     /// The labels of the picture drawn last, and where it was.
     labels: Option<(Drawn, Rect, LabelStyle, Vec<Ready>)>,
     about: picked::About,
+    heat: Heat,
 }
 
 impl Panel for Walk3d {
@@ -93,11 +98,15 @@ impl Panel for Walk3d {
         };
         self.walked.update(cx.model);
         let traced_bounds = self.bounds(&opened, cx);
+        if let Some(scene) = &mut self.scene {
+            self.heat.update(cx, self.look.paint, scene, &opened.data);
+        }
         self.framed.update(cx.model.history.as_ref(), cx.model.generation, &opened);
         let scale = opened.data.units.scale();
         let aspect = f64::from(ui.available_rect_before_wrap().aspect_ratio());
         let mut camera = self.camera(&opened, &traced_bounds, scale, aspect);
         let wish = self.tools(ui, cx).or(self.wish.take());
+        self.heat.show(ui, cx, self.look.paint);
         self.about.show(ui, cx.model, cx.selection, cx.display);
         let size = ui.available_size().max(vec2(16.0, 16.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -141,10 +150,12 @@ impl Panel for Walk3d {
     saves!(look);
 
     fn command(&mut self, command: Command, _: &mut Context<'_>) -> bool {
-        if command == Command::FrameWalk {
-            self.wish = Some(Wish::FrameWalk);
+        match command {
+            Command::FrameWalk => self.wish = Some(Wish::FrameWalk),
+            Command::PaintScene => self.look.paint = self.look.paint.next(),
+            _ => return false,
         }
-        command == Command::FrameWalk
+        true
     }
 }
 
@@ -210,7 +221,8 @@ impl Walk3d {
         let most = cx.canvas.most_side();
         let size = [rect.width(), rect.height()].map(|side| ((side * points).round() as u32).clamp(1, most));
         let settings = Settings { is_dark: ui.visuals().dark_mode, line_width_px: 1.25 * points, ..self.look.settings };
-        let drawn = Drawn { generation: self.generation, walk: self.walked.version, camera, settings, around, size };
+        let (generation, walk, painted) = (self.generation, self.walked.version, self.heat.version);
+        let drawn = Drawn { generation, walk, camera, settings, around, painted, size };
         let target = self.picture.target(cx.canvas, size, self.drawn != Some(drawn));
         if let Some((scene, target)) = self.scene.as_mut().zip(target) {
             scene.draw(target, size, &camera, self.walked.walk.as_ref(), &around, &settings);

@@ -236,6 +236,11 @@ pub(super) fn row(command: Command) -> Row {
             is_shown(s, PaneKind::Walk3d);
             assert!(!s.reads("view moved by hand"), "{}", s.read_out());
         }),
+        C::PaintScene => (nothing, |s, _| {
+            s.settle();
+            is_shown(s, PaneKind::Walk3d);
+            assert!(s.reads("tests are of"), "{}", s.read_out());
+        }),
         C::SecondWalk => (nothing, |s, _| {
             s.settle();
             is_shown(s, PaneKind::Walk2d);

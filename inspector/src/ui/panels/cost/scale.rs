@@ -9,20 +9,20 @@ use crate::ui::style::SMALLEST;
 /// Height of the coloured strip, points.
 const STRIP: f32 = 10.0;
 /// Height of the strip with its numbers, points.
-pub(super) const HEIGHT: f32 = STRIP + 16.0;
+pub(in crate::ui::panels) const HEIGHT: f32 = STRIP + 16.0;
 
 /// Where values lie between 0 and the largest, and their colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub(super) struct Scale {
-    pub(super) colors: Colors,
+pub(in crate::ui::panels) struct Scale {
+    pub(in crate::ui::panels) colors: Colors,
     /// Logarithmic, of 1 + the value.
-    pub(super) is_log: bool,
+    pub(in crate::ui::panels) is_log: bool,
 }
 
 impl Scale {
     /// From 0 for 0 to 1 for the largest value.
-    pub(super) fn part(self, value: f64, most: u32) -> f64 {
+    pub(in crate::ui::panels) fn part(self, value: f64, most: u32) -> f64 {
         let most = f64::from(most);
         let part = if self.is_log { (value + 1.0).ln() / (most + 1.0).ln() } else { value / most };
         if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.0 }
@@ -57,7 +57,7 @@ impl Scale {
     }
 
     /// Paints colours and ticks below each other in the width of `rect`.
-    pub(super) fn paint(self, ui: &Ui, painter: &Painter, rect: Rect, most: u32) {
+    pub(in crate::ui::panels) fn paint(self, ui: &Ui, painter: &Painter, rect: Rect, most: u32) {
         let strip = Rect::from_min_size(rect.min, vec2(rect.width(), STRIP));
         let bars = (strip.width() / 2.0).ceil().max(1.0) as usize;
         for i in 0..bars {

@@ -1,6 +1,6 @@
 //! The toolbar of the 3D view.
 
-use super::{Context, TriangleStyle, Walk3d, Wish, event_buttons};
+use super::{Context, Heat, TriangleStyle, Walk3d, Wish, event_buttons};
 
 const STYLES: [(TriangleStyle, &str, &str); 4] = [
     (TriangleStyle::Opaque, "opaque", "solid triangles; items behind them are faint"),
@@ -18,6 +18,7 @@ impl Walk3d {
         ui.horizontal_wrapped(|ui| {
             event_buttons(ui, cx.asks);
             self.style(ui);
+            Heat::choose(ui, &mut self.look.paint);
             if self.look.is_moved && self.framed.has_walk() && !is_wide {
                 self.frame_button(ui, &mut wish);
             }

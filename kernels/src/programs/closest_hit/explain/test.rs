@@ -10,15 +10,32 @@ use crate::shared::constants::{INF, PAPER_EPSILON};
 use crate::shared::triangle::{Candidate, Shear, hit_triangle, plane_hit};
 use crate::shared::vector::{cross3, dot3};
 
+/// The triangle that a pass tested, if any.
+#[must_use]
+pub fn tested(data: &SceneData, before: &RayState, after: &RayState) -> Option<u32> {
+    candidate(data, before).filter(|_| !is_looked_for(before, after))
+}
+
+/// The next triangle of the ray's list.
+fn candidate(data: &SceneData, before: &RayState) -> Option<u32> {
+    let (first, count) = data.list(before.cell_index);
+    (before.item < count).then(|| data.listed(first + before.item))
+}
+
+/// Whether the search for an earlier test of the triangle goes on in the next pass.
+fn is_looked_for(before: &RayState, after: &RayState) -> bool {
+    after.item == before.item && after.tag == before.tag
+}
+
 /// The triangle that was tested, its result, and where the ray continues.
 pub(in super::super) fn explain_intersect(
     data: &SceneData,
     before: &RayState,
     after: &RayState,
 ) -> (Option<u32>, String) {
-    let (first, count) = data.list(before.cell_index);
-    let tested = (before.item < count).then(|| data.listed(first + before.item));
-    if let Some(triangle) = tested.filter(|_| after.item == before.item && after.tag == before.tag) {
+    let (_, count) = data.list(before.cell_index);
+    let tested = candidate(data, before);
+    if let Some(triangle) = tested.filter(|_| is_looked_for(before, after)) {
         return (None, format!("triangle {triangle}: looked for in the cells before this one, not all of them yet"));
     }
     let is_still_here = matches!(after.tag, states::ISECT_HIT | states::ISECT_NO_HIT);
