@@ -102,6 +102,10 @@ fn branch(kernel: &Interpreter, recording: &Recording, site: usize) -> Option<Br
     let because = recording.because(kernel, index).and_then(|index| recording.decisions.get(index));
     let because = because.and_then(|decision| kernel.sites().get(decision.site)).map(|site| site.line + 1);
     let mut notes = Vec::new();
+    // Of several comparisons none alone is the outcome.
+    if comparisons.len() > 1 {
+        notes.push(Note { text: outcome.clone(), differs: decision.differs });
+    }
     for comparison in comparisons.iter().take(MOST_TOLD) {
         let text = in_words(comparison);
         let text = if notes.is_empty() { format!("{outcome}: {text}") } else { text };

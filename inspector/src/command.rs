@@ -99,7 +99,7 @@ commands! {
     File exports {
         /// Opens the export dialog.
         Export "Export…", CTRL E;
-        ExportPasses "Export passes as CSV";
+        ExportPasses "Export pass timings as CSV";
         /// Exports passes as a trace for Perfetto.
         ExportTrace "Export passes as trace JSON";
         /// Exports the stream in view as EXR.

@@ -106,7 +106,7 @@ for (const [way, device] of [
             const tab = await browser.page(`${SMALL}&device=${device}`);
             await tab.settled();
             const download = tab.page.waitForEvent("download");
-            await tab.perform("Export passes as CSV");
+            await tab.perform("Export pass timings as CSV");
             const file = await download;
             assert.match(file.suggestedFilename(), /^cornell-box.*\.csv$/);
             const lines = readFileSync(await file.path(), "utf8").trim().split("\n").filter((line) => !line.startsWith("#"));

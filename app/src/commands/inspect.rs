@@ -14,6 +14,7 @@ use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::AdapterChoice;
 use raystep_kernels::Choices;
+use raystep_kernels::programs::registered;
 use raystep_lab::text::visible;
 
 use super::trace::Pixel;
@@ -298,7 +299,12 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     settings.choices = Choices { program, elements, ..settings.choices };
     let Wanted { scene, run, .. } = wanted;
     let read = scene.read;
-    let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });
+    let scene = match (is_empty, registered(program).alone.is_some()) {
+        (false, _) => Some(SceneChoice { path: scene.scene, index: scene.scene_index }),
+        // Any scene will do.
+        (true, true) => Some(SceneChoice { path: PathBuf::from(format!("{BUILT_IN}cornell-box")), index: None }),
+        (true, false) => None,
+    };
     let start = Start { scene, read, settings, arrival, size: window.0, measured_from, ..Start::default() };
     Ok((WindowArgs { screenshot, scale, commands, device: run.device }, start))
 }

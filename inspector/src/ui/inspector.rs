@@ -252,7 +252,9 @@ impl Inspector {
         if !std::mem::replace(&mut self.is_styled, true) {
             style::set(&ctx);
             text_size::set_up(&ctx, self.saved.text_size);
+            // Its fonts are there in the next pass.
             ctx.request_discard("the style was set");
+            return;
         }
         self.state.display.is_behind = false;
         let before = self.selection();

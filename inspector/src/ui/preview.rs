@@ -5,6 +5,7 @@ use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, Ui, 
 
 use crate::session::preview::Preview;
 use crate::session::{Model, Work};
+use crate::ui::style::strong;
 
 /// A preview as a texture.
 pub(super) struct PreviewTexture {
@@ -23,7 +24,7 @@ impl PreviewTexture {
         let [width, height] = self.texture.size();
         let progress = progress(model.work);
         ui.horizontal_wrapped(|ui| {
-            ui.strong("Preview");
+            strong(ui, "Preview");
             ui.label(format!("{width} × {height} pixels, without steps. The run: {progress}"));
         });
         let size = ui.available_size().max(vec2(16.0, 16.0));

@@ -1,6 +1,10 @@
 //! Text that can be read: at least 4.5:1 against the window, and 11 points high.
 
-use egui::{Color32, FontId, Style, TextStyle, Theme};
+use std::sync::Arc;
+
+use egui::{
+    Color32, FontData, FontDefinitions, FontFamily, FontId, FontTweak, Response, RichText, Style, TextStyle, Theme, Ui,
+};
 
 /// The smallest text, in points.
 pub(in crate::ui) const SMALLEST: f32 = 11.0;
@@ -13,8 +17,38 @@ fn shades(theme: Theme) -> [u8; 2] {
     }
 }
 
-/// Sets the style of both themes.
+/// Headings of tables and dialogs, and what a panel found.
+const STRONG: &str = "strong";
+
+/// Inter (Rasmus Andersson), regular and semibold, before egui's own fonts, which have the symbols that it lacks.
+fn fonts() -> FontDefinitions {
+    let mut fonts = FontDefinitions::default();
+    let others = fonts.families.get(&FontFamily::Proportional).cloned().unwrap_or_default();
+    // Its letters are larger than those of egui's fonts, for which sizes were chosen.
+    let tweak = FontTweak { scale: 0.94, ..FontTweak::default() };
+    for (family, name, bytes) in [
+        (FontFamily::Proportional, "Inter", &include_bytes!("fonts/Inter-Regular.ttf")[..]),
+        (FontFamily::Name(STRONG.into()), "Inter SemiBold", &include_bytes!("fonts/Inter-SemiBold.ttf")[..]),
+    ] {
+        fonts.font_data.insert(name.into(), Arc::new(FontData::from_static(bytes).tweak(tweak.clone())));
+        fonts.families.insert(family, std::iter::once(name.into()).chain(others.iter().cloned()).collect());
+    }
+    fonts
+}
+
+/// Text that stands out, such as a heading or what a panel found.
+pub(in crate::ui) fn strong(ui: &mut Ui, text: impl Into<String>) -> Response {
+    ui.label(in_strong(text))
+}
+
+/// The same, for other widgets than labels.
+pub(in crate::ui) fn in_strong(text: impl Into<String>) -> RichText {
+    RichText::new(text).strong().family(FontFamily::Name(STRONG.into()))
+}
+
+/// Sets the fonts, and the style of both themes.
 pub(super) fn set(ctx: &egui::Context) {
+    ctx.set_fonts(fonts());
     for theme in [Theme::Dark, Theme::Light] {
         ctx.style_mut_of(theme, |style| adapt(style, theme));
     }
@@ -37,6 +71,7 @@ fn adapt(style: &mut Style, theme: Theme) {
         style.visuals.selection.stroke.color = Color32::from_rgb(0, 55, 95);
     }
     style.text_styles.insert(TextStyle::Small, FontId::proportional(SMALLEST));
+    style.text_styles.insert(TextStyle::Heading, FontId::new(16.0, FontFamily::Name(STRONG.into())));
 }
 
 /// Black or white, whichever is easier to read on a fill: at least 4.5:1 on any.

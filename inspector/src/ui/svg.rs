@@ -10,7 +10,7 @@ use svg::{Document, Node};
 use super::style;
 
 /// egui's font first, then others that are hardly wider: not every viewer makes a text as wide as it is told.
-const SANS_SERIF: &str = "Ubuntu,'Segoe UI',Helvetica,Arial,sans-serif";
+const SANS_SERIF: &str = "Inter,Ubuntu,'Segoe UI',Helvetica,Arial,sans-serif";
 /// The height of a page, in points: a drawing is as high as its contents.
 const HIGHEST: f32 = 20_000.0;
 

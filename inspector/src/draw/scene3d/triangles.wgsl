@@ -50,19 +50,29 @@ fn edge(weights: vec3f, width_px: f32) -> f32 {
     return covered * clamp(1.5 - 4.0 * crowded, 0.0, 1.0);
 }
 
-// Opacity in relation to that of the scene: what is in front of the walk would hide it.
+// Opacity in relation to that of the scene: what is in front of the walk would hide it. It fades over a part of the
+// scene's depth, so that a cut does not look like an end.
 fn kept(behind: f32) -> f32 {
-    return select(view.in_front, 1.0, behind >= 0.0);
+    return mix(view.in_front, 1.0, smoothstep(-0.06, 0.0, behind * view.haze.w));
+}
+
+// Opaque triangles write depth and are not sorted: they fade by leaving out pixels, by interleaved gradient noise
+// (Jimenez, 2014).
+fn is_left_out(kept: f32, pixel: vec2f) -> bool {
+    let noise = fract(52.9829189 * fract(dot(pixel, vec2f(0.06711056, 0.00583715))));
+    return kept <= noise;
 }
 
 @fragment
 fn fs_solid(in: Varying) -> @location(0) vec4f {
-    let covered = edge(in.weights, 1.0) * view.edges;
-    let color = in.color * (1.0 - 0.4 * covered);
-    let opacity = mix(view.opacity, 1.0, 0.35 * covered) * kept(in.behind);
-    if (opacity == 0.0) {
+    let share = kept(in.behind);
+    let is_opaque = view.in_front == 0.0;
+    if (is_opaque && is_left_out(share, in.position.xy)) {
         discard;
     }
+    let covered = edge(in.weights, 1.0) * view.edges;
+    let color = in.color * (1.0 - 0.4 * covered);
+    let opacity = mix(view.opacity, 1.0, 0.35 * covered) * select(share, 1.0, is_opaque);
     return vec4f(color * opacity, opacity);
 }
 

@@ -22,7 +22,7 @@ use PaneKind as P;
 use Part::{Columns, Rows, Tabs};
 
 const OVERVIEW: Part = Rows(&[
-    (1.0, Columns(&[(0.85, Tabs(&[P::Stream])), (1.15, Rows(&[(0.9, Tabs(&[P::Walk2d])), (1.1, Tabs(&[P::Ray]))]))])),
+    (1.0, Columns(&[(0.85, Tabs(&[P::Stream])), (1.15, Rows(&[(1.1, Tabs(&[P::Walk2d])), (0.9, Tabs(&[P::Ray]))]))])),
     (0.23, Tabs(&[P::Timeline, P::Passes])),
 ]);
 
@@ -30,9 +30,9 @@ const STEP: Part = Rows(&[
     (
         1.0,
         Columns(&[
-            (0.5, Tabs(&[P::Passes, P::Options, P::Watches])),
+            (0.45, Tabs(&[P::Passes, P::Options, P::Watches])),
             (1.0, Tabs(&[P::Stream])),
-            (0.75, Tabs(&[P::Kernel, P::Ray])),
+            (0.85, Tabs(&[P::Kernel, P::Ray])),
         ]),
     ),
     (0.3, Tabs(&[P::Timeline, P::Timings, P::Dataflow, P::Plan, P::Log])),
@@ -43,17 +43,10 @@ const RAY: Part = Columns(&[
     (1.0, Rows(&[(1.0, Tabs(&[P::Ray])), (0.9, Tabs(&[P::Stream, P::Kernel]))])),
 ]);
 
-const COMPARE: Part =
-    Rows(&[(1.0, Tabs(&[P::Compare, P::Divergence])), (0.42, Tabs(&[P::Runs, P::Error, P::Choices]))]);
+const COMPARE: Part = Rows(&[(1.0, Tabs(&[P::Compare, P::Divergence])), (0.3, Tabs(&[P::Runs, P::Error, P::Choices]))]);
 
 const COST: Part = Rows(&[
-    (
-        1.0,
-        Columns(&[
-            (1.0, Tabs(&[P::Cost])),
-            (0.85, Rows(&[(1.0, Tabs(&[P::Timings])), (1.0, Tabs(&[P::Structure, P::Plan]))])),
-        ]),
-    ),
+    (1.0, Columns(&[(1.15, Tabs(&[P::Cost])), (0.85, Tabs(&[P::Timings, P::Structure, P::Walk3d, P::Plan]))])),
     (0.3, Tabs(&[P::Timeline, P::Choices])),
 ]);
 
@@ -63,7 +56,7 @@ const LEARN: Part = Rows(&[
         Columns(&[
             (0.7, Tabs(&[P::Lessons])),
             (1.0, Tabs(&[P::Stream])),
-            (1.2, Rows(&[(0.9, Tabs(&[P::Walk2d])), (1.1, Tabs(&[P::Ray]))])),
+            (1.2, Rows(&[(1.1, Tabs(&[P::Walk2d])), (0.9, Tabs(&[P::Ray]))])),
         ]),
     ),
     (0.23, Tabs(&[P::Timeline])),

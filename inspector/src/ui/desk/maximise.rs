@@ -6,6 +6,7 @@ use super::layout::{self, Panes};
 use super::{Desk, shown_by};
 use crate::command::{Command, PaneKind};
 use crate::ui::panes::Pane;
+use crate::ui::style::in_strong;
 
 /// The maximised panel.
 pub(super) struct Maximised {
@@ -118,7 +119,7 @@ fn head(ui: &mut egui::Ui, pane: &Pane) -> bool {
     let mut is_over = false;
     egui::Frame::NONE.inner_margin(egui::Margin::symmetric(6, 3)).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
-            let label = egui::Label::new(egui::RichText::new(&title).strong()).sense(egui::Sense::click());
+            let label = egui::Label::new(in_strong(&title)).sense(egui::Sense::click());
             is_over |= ui.add(label).on_hover_text("double-click: restore the layout").double_clicked();
             is_over |= ui.button("Restore layout").clicked();
             ui.weak("or F12, Escape, or double-click the title");

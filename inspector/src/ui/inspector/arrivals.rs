@@ -1,7 +1,9 @@
 //! What arrives at the inspector: answers of engines, events of the host, files, and runs that are ready.
 
+use crate::command::Layout;
 use crate::exports::EXPORTING;
 use crate::session_file;
+use crate::ui::desk::arranged::Now;
 use crate::ui::preview::PreviewTexture;
 use std::sync::Arc;
 
@@ -103,6 +105,10 @@ impl Inspector {
             let (scene, index) = self.host.scene_of(path);
             index.map_or_else(|| scene.clone(), |index| format!("{scene}#{index}"))
         });
+        if !self.model.has_rays() && self.desk.arranged.now == Now::Task(Layout::Overview) {
+            // Its panels are about rays.
+            self.desk.arrange(Now::Task(Layout::Step));
+        }
         let Some(opened) = &self.model.opened else { return };
         let plan = &opened.plan;
         self.state.bookmarks.keep(scene, [plan.width, plan.height]);

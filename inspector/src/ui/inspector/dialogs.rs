@@ -10,6 +10,7 @@ use super::Inspector;
 use super::asked_path::AskedPath;
 use super::palette::Palette;
 use crate::command::{COMMANDS, Command, Menu};
+use crate::ui::style::strong;
 
 /// A dialog.
 pub(super) enum Dialog {
@@ -191,7 +192,7 @@ fn help(ui: &mut egui::Ui) {
     ui.heading("Keyboard shortcuts");
     egui::ScrollArea::vertical().max_height(420.0).auto_shrink(false).show(ui, |ui| {
         for menu in Menu::ALL {
-            ui.strong(menu.name());
+            strong(ui, menu.name());
             egui::Grid::new(menu.name()).num_columns(2).striped(true).show(ui, |ui| {
                 for info in COMMANDS.iter().filter(|info| info.menu == menu && !info.keys.is_empty()) {
                     let keys = info.keys.iter().map(|&(modifiers, key)| {
@@ -205,7 +206,7 @@ fn help(ui: &mut egui::Ui) {
             });
             ui.add_space(6.0);
         }
-        ui.strong("In pictures");
+        strong(ui, "In pictures");
         ui.label("Click: select a ray. Drag: pan. Wheel: zoom. Double click: fit.");
     });
 }

@@ -5,6 +5,7 @@ use raystep_lab::text::counted;
 
 use super::Inspector;
 use crate::command::Command;
+use crate::ui::style::strong;
 
 impl Inspector {
     /// Shows the exports with what each would hold; returns the one that was chosen.
@@ -21,7 +22,7 @@ impl Inspector {
         let mut chosen = None;
         let mut group = |ui: &mut Ui, what: String, commands: &[Command]| {
             ui.separator();
-            ui.strong(what);
+            strong(ui, what);
             for &command in commands {
                 if ui.add_enabled(self.can(command), Button::new(command.name())).clicked() {
                     chosen = Some(command);

@@ -10,7 +10,14 @@ const LEAST_HEIGHT: f32 = 250.0;
 /// The next thing to try, after what was done, and whether the run is at its end.
 fn next(done: FirstSteps, is_at_end: bool) -> &'static str {
     match (done.has_clicked, done.has_followed, is_at_end) {
-        (false, ..) => "Click any pixel to follow its ray: Unfolded walk draws its way, and Ray says why, row by row.",
+        (false, _, true) => {
+            "Click any pixel to follow its ray: Unfolded walk draws its way through the voxels, and Ray says why. Start, \
+             then Next pass, runs the passes one by one."
+        }
+        (false, ..) => {
+            "Click any pixel to follow its ray: Unfolded walk draws its way through the voxels, and Ray says why, row by \
+             row."
+        }
         (true, false, true) => {
             "Now go back along this ray: Shift+F11 to its previous cell or triangle, F11 to the next. Home goes to the \
              start."

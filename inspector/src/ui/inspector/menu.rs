@@ -110,9 +110,20 @@ impl Inspector {
                     ui.weak("no scene: drop a scene file here, or open one");
                     return;
                 };
-                let end = if self.model.is_complete { self.model.passes.len().to_string() } else { "…".into() };
-                let kernel = self.model.last_pass().map_or("before the first pass", |pass| pass.kernel.name());
-                ui.label(format!("after {} of {end} passes: {kernel}", self.model.place));
+                ui.label(match (self.model.last_pass(), self.model.is_complete) {
+                    (None, _) => "before the first pass".into(),
+                    (Some(pass), true) => {
+                        format!(
+                            "after {} of {}: {}",
+                            self.model.place,
+                            counted(self.model.passes.len(), "pass"),
+                            pass.kernel.name()
+                        )
+                    }
+                    (Some(pass), false) => {
+                        format!("after {}: {}", counted(self.model.place, "pass"), pass.kernel.name())
+                    }
+                });
                 ui.separator();
                 if self.model.has_rays() {
                     ui.label(format!("{} × {}", opened.plan.width, opened.plan.height));

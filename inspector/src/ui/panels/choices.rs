@@ -25,6 +25,7 @@ use crate::settings::{DeviceKind, View};
 use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::ui::picture;
+use crate::ui::style::strong;
 
 /// The engine's job, named while it runs.
 const MEASURING: &str = "measuring choices";
@@ -271,7 +272,7 @@ fn table(ui: &mut Ui, answer: &Answer) {
     ScrollArea::horizontal().id_salt("choices").show(ui, |ui| {
         Grid::new("choices").striped(true).num_columns(answer.columns.len() + 1).spacing([16.0, 3.0]).show(ui, |ui| {
             for (i, name) in answer.columns.iter().enumerate() {
-                aligned(ui, i, |ui| ui.strong(*name));
+                aligned(ui, i, |ui| strong(ui, *name));
             }
             ui.label("");
             ui.end_row();

@@ -6,7 +6,7 @@ mod counted;
 mod pictures;
 mod settings;
 
-use egui::{ComboBox, RichText, Ui, Vec2, vec2};
+use egui::{ComboBox, Ui, Vec2, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Stream, StreamData};
@@ -20,6 +20,8 @@ use crate::session::{Model, Target};
 use crate::settings::Settings;
 use crate::ui::canvas::{Picture, Still};
 use crate::ui::pane::{Context, NO_RAYS, Panel};
+use crate::ui::state::Asks;
+use crate::ui::style::strong;
 use counted::{COUNTING, Counted, Question};
 use pictures::{Drawn, Look};
 use settings::{edit, text_of};
@@ -49,10 +51,7 @@ impl Panel for Compare {
         }
         let (model, selection, asks) = (&mut *cx.model, &mut *cx.selection, &mut *cx.asks);
         let Some(other) = cx.other.as_deref_mut() else {
-            ui.weak("a second run of the same scene, beside this one");
-            if ui.add_enabled(model.opened.is_some(), egui::Button::new(Command::Compare.name())).clicked() {
-                asks.commands.push(Command::Compare);
-            }
+            welcome(ui, model.opened.is_some(), asks);
             return;
         };
         let (Some(a), Some(b)) = (model.opened.clone(), other.opened.clone()) else {
@@ -67,10 +66,10 @@ impl Panel for Compare {
             return;
         };
         ui.horizontal_wrapped(|ui| {
-            ui.strong("A").on_hover_text("the run shown in all other panels");
+            strong(ui, "A").on_hover_text("the run shown in all other panels");
             ui.label(text_of(&a.settings));
             ui.separator();
-            ui.strong("B");
+            strong(ui, "B");
             if let Some(settings) = edit(ui, &b.settings) {
                 other.ask(Request::Plan(Box::new(settings)));
                 other.ask(Request::Step(Target::End));
@@ -82,6 +81,12 @@ impl Panel for Compare {
                 asks.commands.push(Command::EndCompare);
             }
         });
+        let has = |stream: Stream| a.plan.has_stream(stream) && b.plan.has_stream(stream);
+        let streams: Vec<Stream> = a.plan.streams.iter().map(|s| s.what).filter(|&s| has(s)).collect();
+        if !streams.contains(&self.stream) {
+            let states = a.plan.program.state_stream().filter(|stream| streams.contains(stream));
+            (self.stream, self.layer) = (states.or(streams.first().copied()).unwrap_or(self.stream), 0);
+        }
         ui.horizontal_wrapped(|ui| {
             ui.label(format!("A after {}, B after {}", counted(model.place, "pass"), counted(other.place, "pass")));
             if ui.button("Run both to the end").clicked() {
@@ -95,14 +100,9 @@ impl Panel for Compare {
             if ui.button("Move B to A's pass").clicked() {
                 other.ask(Request::Step(Target::Pass(model.place)));
             }
+            ui.separator();
+            self.choose_stream(ui, &streams);
         });
-        let has = |stream: Stream| a.plan.has_stream(stream) && b.plan.has_stream(stream);
-        let streams: Vec<Stream> = a.plan.streams.iter().map(|s| s.what).filter(|&s| has(s)).collect();
-        if !streams.contains(&self.stream) {
-            let states = a.plan.program.state_stream().filter(|stream| streams.contains(stream));
-            (self.stream, self.layer) = (states.or(streams.first().copied()).unwrap_or(self.stream), 0);
-        }
-        self.choose_stream(ui, &streams);
         let seen = |settings: &Settings| (settings.size, settings.view, settings.ray);
         if seen(&a.settings) != seen(&b.settings) {
             ui.label("the runs have different views");
@@ -118,9 +118,9 @@ impl Panel for Compare {
         }
         self.count(model, other);
         if let Some(found) = &self.found {
-            ui.label(RichText::new(&found.sentence).strong());
+            let sentence = strong(ui, &found.sentence);
             if !found.lines.is_empty() {
-                ui.small(found.lines.join("; "));
+                sentence.on_hover_text(found.lines.join("\n"));
             }
         }
         lives(ui, model.history.as_deref(), other.history.as_deref());
@@ -158,7 +158,19 @@ impl Panel for Compare {
     }
 }
 
-/// The history of the ray in both runs, one line each.
+/// In the middle of an empty panel: what is compared, and how to begin.
+fn welcome(ui: &mut Ui, has_scene: bool, asks: &mut Asks) {
+    ui.add_space((ui.available_height() * 0.35).max(0.0));
+    ui.vertical_centered(|ui| {
+        ui.label("A second run of the same scene beside this one: the same pixel, stream and pass in both, and where they differ.");
+        ui.add_space(6.0);
+        if ui.add_enabled(has_scene, egui::Button::new(Command::Compare.name())).clicked() {
+            asks.commands.push(Command::Compare);
+        }
+    });
+}
+
+/// The history of the ray in both runs, on one line.
 fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
     let line = |history: &Trace| {
         let of = |part: &str| history.rows.iter().filter(|row| row.kernel.starts_with(part)).count();
@@ -175,31 +187,31 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
             counted(history.rows.len(), "pass")
         )
     };
-    for (name, history) in [("A", a), ("B", b)] {
-        if let Some(history) = history {
-            let [x, y] = history.pixel;
-            ui.small(format!("{name}: ray {x},{y}: {}", line(history)));
-        }
+    let lives = [("A", a), ("B", b)].map(|(name, history)| {
+        let [x, y] = history?.pixel;
+        Some(format!("{name}: ray {x},{y}: {}", line(history?)))
+    });
+    let lives: Vec<String> = lives.into_iter().flatten().collect();
+    if !lives.is_empty() {
+        ui.small(lives.join("   "));
     }
 }
 
 impl Compare {
     fn choose_stream(&mut self, ui: &mut Ui, streams: &[Stream]) {
-        ui.horizontal_wrapped(|ui| {
-            let shown = ComboBox::from_id_salt("compared stream").selected_text(self.stream.name());
-            let response = shown.show_ui(ui, |ui| {
-                for &choice in streams {
-                    if ui.selectable_label(choice == self.stream, choice.name()).clicked() {
-                        (self.stream, self.layer) = (choice, 0);
-                    }
+        let shown = ComboBox::from_id_salt("compared stream").selected_text(self.stream.name());
+        let response = shown.show_ui(ui, |ui| {
+            for &choice in streams {
+                if ui.selectable_label(choice == self.stream, choice.name()).clicked() {
+                    (self.stream, self.layer) = (choice, 0);
                 }
-            });
-            response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "compared stream"));
-            self.layer = self.layer.min(self.stream.layers() - 1);
-            for (i, name) in self.stream.info().layers.iter().enumerate() {
-                ui.selectable_value(&mut self.layer, i, *name);
             }
         });
+        response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "compared stream"));
+        self.layer = self.layer.min(self.stream.layers() - 1);
+        for (i, name) in self.stream.info().layers.iter().enumerate() {
+            ui.selectable_value(&mut self.layer, i, *name);
+        }
     }
 
     /// Compares both streams once per pair of places: the second run's is read, and the first run's engine counts.

@@ -21,6 +21,7 @@ use super::table::{Table, version};
 use crate::command::{Command, PaneKind};
 use crate::draw::stream::Colors;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
+use crate::ui::style::strong;
 use heat::{Heat, HeatView};
 use histogram::Histogram;
 use known::Known;
@@ -46,7 +47,7 @@ struct Look {
     section: Section,
     scale: Scale,
     /// Of the colours over the picture.
-    #[default(0.6)]
+    #[default(1.0)]
     opacity: f32,
     /// Even if the costs of the whole run are known.
     is_up_to_here: bool,
@@ -145,7 +146,7 @@ impl Cost {
 
     fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
-            ui.strong("cost").on_hover_text("what counts as the cost of a ray");
+            strong(ui, "cost").on_hover_text("what counts as the cost of a ray");
             for (shown, name, about) in Shown::ALL {
                 let choice = ui.selectable_label(self.look.shown == shown, name);
                 if choice.on_hover_text(about).clicked() {

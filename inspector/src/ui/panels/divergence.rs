@@ -14,6 +14,7 @@ use raystep_lab::text::counted;
 use crate::command::Command;
 use crate::session::request::{Job, JobContext, Request, answered, flow, job};
 use crate::ui::pane::{Context, Panel};
+use crate::ui::style::strong;
 
 const WHAT: &str = "comparing every pass with the CPU reference";
 
@@ -88,10 +89,10 @@ impl Divergence {
         let total = found.compared.total();
         let compared = format!("{}, {}", counted(total.passes, "pass"), counted(total.components, "component"));
         let Some(first) = &found.first else {
-            ui.strong(format!("{compared}: the same bits as on the CPU reference."));
+            strong(ui, format!("{compared}: the same bits as on the CPU reference."));
             return;
         };
-        ui.strong("Differs from the CPU reference");
+        strong(ui, "Differs from the CPU reference");
         ui.label(format!("{compared} compared: {first}."));
         if ui.button("Go there").clicked() {
             cx.asks.go_to = Some(first.pass + 1);
@@ -130,7 +131,7 @@ impl Panel for Divergence {
             ui.weak("The first pass where a ray differs from the CPU reference, or where f32 and f64 disagree.");
             return;
         };
-        ui.strong(map.sentence());
+        strong(ui, map.sentence());
         ui.horizontal_wrapped(|ui| {
             for class in Class::ALL {
                 let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
@@ -173,7 +174,7 @@ impl Panel for Divergence {
         let is_clicked = response.clicked();
         if let Some(parting) = parting {
             response.on_hover_ui_at_pointer(|ui| {
-                ui.strong(format!("{}: {}", parting.class.name(), parting.class.summary()));
+                strong(ui, format!("{}: {}", parting.class.name(), parting.class.summary()));
                 let layer = parting.stream.info().layers[parting.layer];
                 ui.label(format!(
                     "pass {}, {}: {}.{layer}",

@@ -21,6 +21,7 @@ use crate::session::judged::why_not;
 use crate::session::request::{Job, JobContext, Request, answered, flow, job};
 use crate::session::{Model, Target};
 use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
+use crate::ui::style::strong;
 
 /// The engine's job, named while it runs.
 const JUDGING: &str = "judging hits";
@@ -177,7 +178,7 @@ impl ErrorOverTime {
             }
             ui.horizontal_wrapped(|ui| {
                 if has_other {
-                    ui.strong(name);
+                    strong(ui, name);
                 }
                 if let Some((_, judgement)) = judged {
                     if let Some((pixel, place)) = verdicts(ui, judgement, model, cx.selection.pixel) {

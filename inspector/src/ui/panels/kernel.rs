@@ -9,7 +9,6 @@ mod run;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use egui::RichText;
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::interpret::MOST_SITES;
@@ -24,6 +23,7 @@ use crate::source::{self, Mark};
 use crate::ui::mask::Mask;
 use crate::ui::pane::{Context, Panel, saves};
 use crate::ui::panels::walked::command_button;
+use crate::ui::style::strong;
 use crate::walk::row_after_passes;
 use listing::Listing;
 use run::{Heat, OneRay, PassKey, Runs};
@@ -292,7 +292,7 @@ impl KernelView {
             if ui.button("Copy").on_hover_text("copy the whole source to the clipboard").clicked() {
                 ui.ctx().copy_text(self.listing.text());
             }
-            ui.strong(shown.kernel.name()).on_hover_text(shown.kernel.info().summary);
+            strong(ui, shown.kernel.name()).on_hover_text(shown.kernel.info().summary);
             if matches!(self.known, Known::Ray(_)) {
                 listing::legend(ui);
             }
@@ -301,7 +301,7 @@ impl KernelView {
             Some(row) => {
                 let is_last = row.place() == Some(cx.model.place);
                 let when = if is_last { "" } else { " (the ray's last so far)" };
-                ui.label(RichText::new(format!("pass {}{when}: {}", row.number(), row.why)).strong());
+                strong(ui, format!("pass {}{when}: {}", row.number(), row.why));
             }
             None => drop(ui.weak(shown.kernel.info().summary)),
         }

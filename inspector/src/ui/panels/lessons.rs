@@ -8,6 +8,7 @@ use raystep_lab::text::counted;
 use crate::command::Command;
 use crate::lesson::{Lesson, built_in};
 use crate::ui::pane::{Context, Panel};
+use crate::ui::style::in_strong;
 
 /// The panel.
 pub(in crate::ui) struct Lessons {
@@ -30,7 +31,7 @@ impl Panel for Lessons {
             );
             for (index, lesson) in self.lessons.iter().enumerate() {
                 ui.add_space(10.0);
-                ui.add(Label::new(RichText::new(&lesson.title).strong()).wrap());
+                ui.add(Label::new(in_strong(&lesson.title)).wrap());
                 let steps: Vec<&str> = lesson.steps.iter().map(|step| step.title.as_str()).collect();
                 ui.add(Label::new(RichText::new(steps.join(" · ")).weak()).wrap());
                 let begin = Button::new(format!("Begin: {}", counted(steps.len(), "step")));

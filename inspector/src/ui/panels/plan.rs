@@ -4,7 +4,7 @@
 
 mod lists;
 
-use egui::{Align2, CollapsingHeader, Color32, FontId, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{Align2, CollapsingHeader, Color32, FontId, Rect, ScrollArea, Sense, Ui, pos2, vec2};
 use lists::List;
 use raystep_kernels::Plan;
 use raystep_kernels::options::mapping::Fragment;
@@ -12,7 +12,7 @@ use raystep_kernels::plan::{Bytes, DrawnPlan};
 use raystep_lab::text::counted;
 
 use crate::ui::pane::{Context, Panel};
-use crate::ui::style::{SMALLEST, ink_on, towards};
+use crate::ui::style::{SMALLEST, in_strong, ink_on, strong, towards};
 
 /// The panel.
 #[derive(Default)]
@@ -44,7 +44,7 @@ impl Panel for PlanView {
         }
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
-                ui.strong(Bytes(plan.bytes()).to_string()).on_hover_text(format!("{} bytes", plan.bytes()));
+                strong(ui, Bytes(plan.bytes()).to_string()).on_hover_text(format!("{} bytes", plan.bytes()));
                 ui.label(format!(
                     "for {} × {} texels, {}, {}",
                     plan.width,
@@ -86,7 +86,7 @@ fn drawn_as(drawn: &DrawnPlan) -> String {
 }
 
 fn section(ui: &mut Ui, id: &str, title: String, show: impl FnOnce(&mut Ui)) {
-    CollapsingHeader::new(RichText::new(title).strong()).id_salt(id).default_open(true).show(ui, show);
+    CollapsingHeader::new(in_strong(title)).id_salt(id).default_open(true).show(ui, show);
 }
 
 /// Streams and buffers, the largest first, streams before buffers.

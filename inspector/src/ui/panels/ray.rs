@@ -8,7 +8,7 @@ use crate::walk::row_after_passes;
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Ui, Vec2, vec2};
-use raystep_kernels::export::trace::Trace;
+use raystep_kernels::export::trace::{RayState, Trace};
 use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
 use rows::{RayRows, heads};
@@ -17,6 +17,7 @@ use super::picked::of_row;
 use super::table::{Table, View, version};
 use crate::session::{HistorySource, Model};
 use crate::ui::pane::{Context, NO_RAYS, Panel};
+use crate::ui::style::strong;
 use crate::ui::units::{self, Scale};
 
 /// The ray history.
@@ -65,13 +66,9 @@ impl Panel for RayView {
             picked: cx.selection.picked,
         };
         if let Some(row) = rows.current.and_then(|i| history.rows.get(i)) {
-            let text = format!("pass {}, {}: {}", row.number(), row.kernel, rows.why(row));
-            ui.horizontal_wrapped(|ui| {
-                ui.label(RichText::new(text).strong());
-                if let Some(meaning) = rows.meaning(row) {
-                    ui.label(format!("{}: {meaning}", row.after.state));
-                }
-            });
+            if let Some(meaning) = rows.meaning(row) {
+                ui.label(format!("{}: {meaning}", row.after.state));
+            }
         } else {
             ui.weak("No pass has processed this ray yet.");
         }
@@ -131,7 +128,10 @@ fn summary(ui: &mut Ui, history: &Trace, cx: &Context<'_>) {
     let scale = Scale::of(cx.display.units, history);
     let unit = scale.units.name();
     ui.horizontal_wrapped(|ui| {
-        ui.strong(format!("pixel {x},{y}"));
+        let pixel = strong(ui, format!("pixel {x},{y}"));
+        if let Some(first) = history.rows.first() {
+            pixel.on_hover_text(ray(&first.after, &scale));
+        }
         ui.label(match history.passes {
             Some(passes) => format!("processed by {} of {}", history.rows.len(), counted(passes, "pass")),
             None => format!("processed by {}", counted(history.rows.len(), "pass")),
@@ -152,17 +152,19 @@ fn summary(ui: &mut Ui, history: &Trace, cx: &Context<'_>) {
         }
         source(ui, cx.model);
     });
-    let Some(first) = history.rows.first() else { return };
-    let (origin, direction) = (first.after.origin, first.after.direction);
-    ui.horizontal_wrapped(|ui| {
-        let bits = |v: [f32; 3]| v.map(|c| format!("0x{:08x}", c.to_bits())).join(", ");
-        let [x, y, z] = origin;
-        ui.label(format!("origin {}", scale.point(origin).join(" ")))
-            .on_hover_text(format!("in {unit}; in traced units {x} {y} {z}\n{}", bits(origin)));
-        let [x, y, z] = direction;
-        ui.label(format!("direction {}", Scale::TRACED.point(direction).join(" ")))
-            .on_hover_text(format!("{x} {y} {z}\n{}", bits(direction)));
-    });
+}
+
+/// Origin and direction of the ray.
+fn ray(first: &RayState, scale: &Scale) -> String {
+    let bits = |v: [f32; 3]| v.map(|c| format!("0x{:08x}", c.to_bits())).join(", ");
+    let ([x, y, z], unit) = (first.origin, scale.units.name());
+    let [dx, dy, dz] = first.direction;
+    format!(
+        "origin {} in {unit}\n{x} {y} {z} in traced units ({})\ndirection {dx} {dy} {dz} ({})",
+        scale.point(first.origin).join(" "),
+        bits(first.origin),
+        bits(first.direction),
+    )
 }
 
 /// Whose kernels the history is from, and whether all of it has happened.

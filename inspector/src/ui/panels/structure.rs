@@ -23,6 +23,7 @@ use crate::command::Command;
 use crate::session::request::{Job, Request, answered, job};
 use crate::ui::pane::{Context, Panel};
 use crate::ui::state::{Picked, Selection};
+use crate::ui::style::strong;
 use crate::ui::units::{Scale, Units};
 
 /// The engine's job, named while it runs.
@@ -178,7 +179,7 @@ impl Structure {
         self.list(ui, selection, units, data);
         let [x, y, z] = stats.cells;
         ui.horizontal_wrapped(|ui| {
-            ui.strong(format!("{x} × {y} × {z} cells")).on_hover_text(format!("{} in total", stats.cells_in_all()));
+            strong(ui, format!("{x} × {y} × {z} cells")).on_hover_text(format!("{} in total", stats.cells_in_all()));
             ui.label(format!("{:.1}% list a triangle", stats.occupancy() * 100.0))
                 .on_hover_text(counted(stats.occupied, "cell"));
             ui.label(format!("{:.2} triangles per list", stats.mean_length()))
@@ -226,7 +227,7 @@ impl Structure {
         let [x, y, z] = cell;
         let triangles = triangles_in(data, data.grid.cell_index(cell));
         ui.horizontal_wrapped(|ui| {
-            ui.strong(format!("cell {x},{y},{z}")).on_hover_text(format!("index {}", data.grid.cell_index(cell)));
+            strong(ui, format!("cell {x},{y},{z}")).on_hover_text(format!("index {}", data.grid.cell_index(cell)));
             ui.label(match triangles.len() {
                 0 => "empty list".into(),
                 n => counted(n, "triangle"),
@@ -266,7 +267,7 @@ fn open(length: usize) -> &'static str {
 /// The position of a triangle.
 fn corners(ui: &mut Ui, data: &SceneData, triangle: u32, units: Units) {
     let scale = Scale::in_scene(units, data);
-    ui.strong(format!("triangle {triangle}"));
+    strong(ui, format!("triangle {triangle}"));
     let first = triangle as usize * 9;
     for corner in data.vertices.get(first..first + 9).unwrap_or_default().chunks_exact(3) {
         let [x, y, z] = scale.point([corner[0], corner[1], corner[2]]);
@@ -279,7 +280,7 @@ fn irregular_numbers(ui: &mut Ui, summary: &IrregularSummary) {
     let [x, y, z] = summary.virtual_cells;
     let finest = 1u64 << summary.levels;
     let listing = summary.cells - summary.empty_cells;
-    ui.strong(counted(summary.cells as usize, "cell"));
+    strong(ui, counted(summary.cells as usize, "cell"));
     ui.label(format!("{:.1}% list a triangle", listing as f64 / summary.cells.max(1) as f64 * 100.0));
     ui.label(format!("{:.2} triangles per list", summary.references as f64 / listing.max(1) as f64))
         .on_hover_text("average over non-empty cells");
@@ -295,7 +296,7 @@ fn tree_numbers(ui: &mut Ui, stats: &TreeStats) {
         _ => "The run has the compressed eight-wide BVH: a leaf is a slot of its node; the numbers of leaves exist only here.",
     });
     ui.horizontal_wrapped(|ui| {
-        ui.strong(counted(stats.inner, "inner node"))
+        strong(ui, counted(stats.inner, "inner node"))
             .on_hover_text(format!("with at most {} children each", stats.width));
         ui.label(counted(stats.leaves, "leaf"));
         ui.label(format!("deepest leaf at level {levels}")).on_hover_text("the root is level 0");

@@ -87,7 +87,7 @@ impl Panel for Timings {
             }
             self.table.tools(ui, &view);
             for (name, about, command) in [
-                ("CSV…", "save passes as CSV", Command::ExportPasses),
+                ("CSV…", "export the timings of passes as CSV", Command::ExportPasses),
                 ("Trace…", "save passes as trace events for Perfetto", Command::ExportTrace),
             ] {
                 if ui.button(name).on_hover_text(about).clicked() {

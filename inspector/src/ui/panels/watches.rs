@@ -2,7 +2,7 @@
 //!
 //! Touches: selection, asks, watches.
 
-use egui::{DragValue, RichText};
+use egui::DragValue;
 use raystep_lab::text::counted;
 
 use super::table::{Head, Listed, ListedCell, Table, View, version};
@@ -10,6 +10,7 @@ use crate::command::Command;
 use crate::session::request::Request;
 use crate::session::{Direction, Edit, Watch};
 use crate::ui::pane::{Context, Panel};
+use crate::ui::style::strong;
 
 /// Watches and edits.
 #[derive(Default)]
@@ -22,7 +23,7 @@ pub(in crate::ui) struct Watches {
 impl Panel for Watches {
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ui.strong("Stop when");
+            strong(ui, "Stop when");
             let has_rays = cx.has_rays();
             // Elements without states have values that change, and nothing else that can be watched.
             let is_shown = |watch: &Watch| has_rays || *watch == Watch::RayState;
@@ -52,10 +53,10 @@ impl Panel for Watches {
                 }
             });
             if let Some(text) = &cx.watches.fired {
-                ui.label(RichText::new(text).strong());
+                strong(ui, text);
             }
             ui.separator();
-            ui.strong("Edits");
+            strong(ui, "Edits");
             if cx.model.edits.is_empty() {
                 ui.weak("None. You can edit a texel of the selected ray or element; the run continues from there.");
             }
@@ -70,7 +71,7 @@ impl Panel for Watches {
                 }
             });
             ui.separator();
-            ui.strong("CPU reference first")
+            strong(ui, "CPU reference first")
                 .on_hover_text("To find a faulty kernel, increase this number until the image is right: the kernel of the last replaced pass is at fault.");
             ui.horizontal_wrapped(|ui| {
                 let label = ui.label("passes run on the CPU reference, the rest on the device");
@@ -79,7 +80,7 @@ impl Panel for Watches {
                     again(cx, Request::TwinsUntil(Some(self.until)));
                 }
                 if let Some(passes) = cx.model.twins {
-                    ui.strong(format!("{} on the CPU reference now", counted(passes, "pass")));
+                    strong(ui, format!("{} on the CPU reference now", counted(passes, "pass")));
                 }
                 if ui.button("Device only").clicked() {
                     again(cx, Request::TwinsUntil(None));

@@ -6,6 +6,7 @@ use super::Lesson;
 use crate::command::Command;
 use crate::lesson::{Action, Step};
 use crate::ui::inspector::Inspector;
+use crate::ui::style::in_strong;
 
 impl Lesson {
     /// How many choices the reader has now: none without a question, or once it is answered.
@@ -57,7 +58,7 @@ impl Lesson {
             let is_right = index == asked.right;
             let verdict = if is_right { "Right." } else { "Not right." };
             let color = if is_right { right_color(ui) } else { ui.visuals().warn_fg_color };
-            let label = ui.colored_label(color, RichText::new(verdict).strong());
+            let label = ui.colored_label(color, in_strong(verdict));
             let label = match choice.why_not.as_ref().filter(|_| !is_right) {
                 Some(why) => ui.add(egui::Label::new(why.job(ui)).wrap()),
                 None => label,

@@ -4,6 +4,7 @@ use egui::{Color32, Rect, Sense, Ui, vec2};
 
 use super::measured::Measured;
 use crate::lesson::{Clock, Value};
+use crate::ui::style::strong;
 
 const HEIGHT: f32 = 12.0;
 
@@ -34,7 +35,7 @@ pub(super) fn show(ui: &mut Ui, all: &[Measured], names: &[String]) {
     for run in &runs {
         ui.add_space(6.0);
         ui.horizontal_wrapped(|ui| {
-            ui.strong(&run.name);
+            strong(ui, &run.name);
             ui.label(format!("{}, {} passes", run.options, Value::count(run.passes as u64)));
         });
         let (launched, of_useful) = (Value::count(run.launched), Value::count(run.useful));

@@ -1,6 +1,6 @@
 //! The lesson beside the panels.
 
-use egui::{Align, Button, Label, Layout, Panel, RichText, ScrollArea, Ui};
+use egui::{Align, Button, Label, Layout, Panel, ScrollArea, Ui};
 
 use raystep_lab::text::counted;
 
@@ -8,6 +8,7 @@ use super::step_text::Shown;
 use super::{Lesson, bars, tables};
 use crate::command::Command;
 use crate::ui::inspector::Inspector;
+use crate::ui::style::strong;
 
 /// Widths in points: at first, and the least.
 const WIDTH: [f32; 2] = [330.0, 120.0];
@@ -23,7 +24,7 @@ impl Inspector {
         let mut chosen = None;
         let shown = panel.show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
-                ui.strong(RichText::new(&lesson.lesson.title).size(15.0));
+                ui.heading(&lesson.lesson.title);
             });
             self.steps(ui, &lesson, &mut chosen);
             self.problems(ui, &lesson, &mut chosen);
@@ -76,7 +77,7 @@ impl Inspector {
     /// The step's title, text, question and answer, and what it shows besides.
     fn contents(&self, ui: &mut Ui, lesson: &Lesson, is_chosen_now: bool, chosen: &mut Option<Command>) {
         let Some(step) = lesson.lesson.steps.get(lesson.step) else { return };
-        ui.strong(&step.title);
+        strong(ui, &step.title);
         paragraphs(ui, &lesson.text.first);
         if let Some(known) = lesson.set_up.before_after.filter(|_| !lesson.is_waiting()) {
             tables::before_after(ui, &self.model, known);

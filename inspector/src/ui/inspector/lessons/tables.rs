@@ -12,6 +12,7 @@ use crate::lesson::Value;
 use crate::lesson::command::Values;
 use crate::session::Model;
 use crate::session::request::Opened;
+use crate::ui::style::{in_strong, strong};
 use crate::walk::{AXES, row_after_passes};
 
 /// Shows the ray's next step from cell to cell, or the one just made. Of what comes after it, only `known` is shown.
@@ -73,7 +74,7 @@ pub(super) fn states(ui: &mut Ui, model: &Model) {
         let info = kernel.info();
         for &state in info.takes {
             let name = opened.plan.program.states.name(state);
-            let text = RichText::new(format!("{name}: {}", info.name)).strong();
+            let text = in_strong(format!("{name}: {}", info.name));
             ui.label(if current == Some(name) { text.background_color(ui.visuals().selection.bg_fill) } else { text });
             let mut shown = Vec::new();
             for sent in info.sends.iter().filter(|sent| sent.from == state && is_possible(sent, info, opened)) {
@@ -115,7 +116,7 @@ fn is_possible(sent: &Transition, kernel: &KernelInfo, opened: &Opened) -> bool 
 pub(super) fn candidates(ui: &mut Ui, candidates: &Candidates) {
     for candidate in &candidates.0 {
         ui.add_space(6.0);
-        ui.strong(format!("triangle {}", candidate.triangle));
+        strong(ui, format!("triangle {}", candidate.triangle));
         Grid::new(("candidate", candidate.triangle)).num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
             let [t, t_bound] = candidate.exact_t;
             let [weight, weight_bound] = candidate.weight;

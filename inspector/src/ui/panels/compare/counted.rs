@@ -2,7 +2,6 @@
 
 use raystep_kernels::{Stream, StreamData};
 use raystep_lab::compare::Comparison;
-use raystep_lab::human::grouped;
 use raystep_lab::layer_stats::LayerStats;
 use raystep_lab::text::counted;
 
@@ -58,7 +57,7 @@ fn sentence(stream: Stream, differing: u64, all: u64) -> String {
         0 => format!("No ray differs: {name} has the same bits in both runs, for {}.", counted(all, "ray")),
         _ => {
             let percent = 100.0 * differing as f64 / all.max(1) as f64;
-            format!("{} of {} ({percent:.2}%) differ in {name}.", grouped(differing), counted(all, "ray"))
+            format!("{differing} of {} ({percent:.2}%) differ in {name}.", counted(all, "ray"))
         }
     }
 }

@@ -12,6 +12,7 @@ use crate::draw::stream::{self, Colors, Meaning};
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::pane::Context;
 use crate::ui::panels::zoom::Zoom;
+use crate::ui::style::strong;
 
 /// Colours of the texture of costs.
 const SHADES: usize = 256;
@@ -105,7 +106,7 @@ impl HeatView {
         let ray = y as usize * width as usize + x as usize;
         if let Some((heat, (cost, rank))) = heat.zip(order.and_then(|o| o.cost(ray).zip(o.rank(ray)))) {
             response.on_hover_ui_at_pointer(|ui| {
-                ui.strong(format!("pixel {x},{y}: {cost} {}", heat.of.shown.unit()));
+                strong(ui, format!("pixel {x},{y}: {cost} {}", heat.of.shown.unit()));
                 ui.label(format!(
                     "{} of {} by cost; click to select the ray",
                     rank + 1,

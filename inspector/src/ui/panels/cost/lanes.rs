@@ -10,6 +10,7 @@ use crate::session::Edit;
 use crate::session::request::{Job, Request, answered, job};
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::Histogram;
+use crate::ui::style::strong;
 
 /// The engine's job, named while it runs.
 const COUNTING: &str = "counting useful lanes";
@@ -55,7 +56,7 @@ impl LanesView {
     /// Computes what it can, asks for the rest, and shows the result.
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ui.separator();
-        ui.strong("useful lanes").on_hover_text(
+        strong(ui, "useful lanes").on_hover_text(
             "Most GPUs run threads in lockstep in groups of 32: threads without a ray wait for those with one.",
         );
         let Some(plan) = cx.model.opened.as_ref().map(|opened| opened.plan.clone()) else { return };

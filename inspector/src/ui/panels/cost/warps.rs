@@ -17,6 +17,7 @@ use crate::session::request::Request;
 use crate::settings::DeviceKind;
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::kernel_color;
+use crate::ui::style::strong;
 use chart::Bar;
 pub(super) use survey::{SURVEYING, Surveyed};
 
@@ -114,7 +115,7 @@ impl WarpsView {
             return;
         };
         ui.separator();
-        ui.strong("slowest warps");
+        strong(ui, "slowest warps");
         ui.label(match known.is_listed {
             true => {
                 "Lists are rebuilt in every pass, so warps are full and rays move between warps. Here rays stay grouped \
@@ -125,7 +126,7 @@ impl WarpsView {
             }
         });
         if let Some(warp) = self.warp() {
-            ui.strong(table::reason(warp, known.counts.as_ref(), plan.width));
+            strong(ui, table::reason(warp, known.counts.as_ref(), plan.width));
         }
         let room = vec2(ui.available_width(), ui.available_height().clamp(150.0, 320.0));
         let clicked = ui.allocate_ui(room, |ui| table::show(ui, &known.slowest, self.selected, plan.width)).inner;
@@ -164,7 +165,7 @@ fn kernels(ui: &mut Ui, bars: &[Bar], only: &mut Option<Kernel>) {
             ("of busy warps", "share of lanes with work, of the warps with any work: the pale bars"),
             ("of all", "share of lanes with work, of all that are launched: the full bars"),
         ];
-        heads.into_iter().for_each(|(head, about)| drop(ui.strong(head).on_hover_text(about)));
+        heads.into_iter().for_each(|(head, about)| drop(strong(ui, head).on_hover_text(about)));
         ui.end_row();
         for of in chart::by_kernel(bars) {
             let (patch, _) = ui.allocate_exact_size(vec2(10.0, 10.0), egui::Sense::hover());

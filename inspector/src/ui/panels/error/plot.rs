@@ -7,6 +7,7 @@ use raystep_lab::judge::Judgement;
 use raystep_lab::text::counted;
 
 use super::scales::{Shares, Unit, percent};
+use crate::ui::style::strong;
 
 /// Points left of the plot area, for shares.
 const LEFT: f32 = 46.0;
@@ -230,7 +231,7 @@ impl<'a> Plot<'a> {
                 || "before the first pass".into(),
                 |pass| format!("after pass {}: {}", pass.index, pass.kernel.name()),
             );
-            ui.strong(format!("{name}{what}"));
+            strong(ui, format!("{name}{what}"));
             if self.unit != Unit::PASSES {
                 ui.label(format!("{} on the device", self.unit.text(curve.ends[place])));
             }

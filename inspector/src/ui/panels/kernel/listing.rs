@@ -17,15 +17,28 @@ enum Row {
     /// A line of the source, by its index.
     Line(usize),
     /// About the condition of a branch.
-    Note { site: usize, indent: usize, text: String, is_taken: bool, differs: bool },
+    Note(Note),
+}
+
+/// A line about the condition of a branch.
+#[derive(Clone)]
+struct Note {
+    site: usize,
+    indent: usize,
+    text: String,
+    is_taken: bool,
+    differs: bool,
 }
 
 /// Lines of a source.
 #[derive(Default)]
 pub(super) struct Listing {
     lines: Vec<Line>,
+    /// What was said of branches, by the lines' indices.
+    notes: Vec<(usize, Note)>,
     rows: Vec<Row>,
-    /// Characters of the longest row.
+    /// Characters that notes may take, and those of the longest row.
+    fits: usize,
     longest: usize,
     /// The row to scroll to.
     scroll_to: Option<usize>,
@@ -38,26 +51,38 @@ pub(super) struct Listing {
 impl Listing {
     /// Replaces the lines, each with the branches that are decided there.
     pub(super) fn set(&mut self, lines: Vec<Line>, branches: &[Vec<&Branch>]) {
-        self.rows.clear();
+        self.notes.clear();
         for (at, line) in lines.iter().enumerate() {
-            self.rows.push(Row::Line(at));
             let indent = line.text.len() - line.text.trim_start().len();
             for branch in branches.get(at).into_iter().flatten() {
-                self.rows.extend(branch.notes.iter().enumerate().map(|(i, note)| Row::Note {
-                    site: branch.site,
-                    indent,
-                    text: format!("{} {}", if i == 0 { "▸" } else { " " }, note.text),
-                    is_taken: branch.is_taken,
-                    differs: note.differs,
+                self.notes.extend(branch.notes.iter().enumerate().map(|(i, note)| {
+                    let text = format!("{} {}", if i == 0 { "▸" } else { " " }, note.text);
+                    (at, Note { site: branch.site, indent, text, is_taken: branch.is_taken, differs: note.differs })
                 }));
             }
         }
+        self.lines = lines;
+        self.lay_out();
+    }
+
+    /// Makes the rows: notes are wrapped, lines of the source are not.
+    fn lay_out(&mut self) {
+        self.rows.clear();
+        let mut notes = self.notes.iter().peekable();
+        for at in 0..self.lines.len() {
+            self.rows.push(Row::Line(at));
+            while let Some((_, note)) = notes.next_if(|(line, _)| *line == at) {
+                // One that is far to the right begins farther left instead of being wrapped at every word.
+                let indent = note.indent.min(self.fits / 4);
+                let parts = wrapped(&note.text, self.fits.saturating_sub(indent));
+                self.rows.extend(parts.into_iter().map(|text| Row::Note(Note { indent, text, ..note.clone() })));
+            }
+        }
         let length = |row: &Row| match row {
-            Row::Line(at) => lines.get(*at).map_or(0, |line| line.text.chars().count()),
-            Row::Note { indent, text, .. } => indent + text.chars().count(),
+            Row::Line(at) => self.lines.get(*at).map_or(0, |line| line.text.chars().count()),
+            Row::Note(note) => note.indent + note.text.chars().count(),
         };
         self.longest = self.rows.iter().map(length).max().unwrap_or(0);
-        self.lines = lines;
     }
 
     /// Shows how conditions came out for all rays of the pass.
@@ -78,7 +103,7 @@ impl Listing {
     }
 
     fn row_of(&self, wanted: usize) -> Option<usize> {
-        self.rows.iter().position(|row| matches!(row, Row::Note { site, .. } if *site == wanted))
+        self.rows.iter().position(|row| matches!(row, Row::Note(note) if note.site == wanted))
     }
 
     /// Scrolls to a branch's condition; to the first line that ran if there is none.
@@ -108,6 +133,10 @@ impl Listing {
         }
         let digits = self.lines.len().max(1).ilog10() as usize + 1;
         let margin = (digits as f32 + 1.0) * character + 10.0;
+        let fits = ((ui.available_width() - margin - ui.spacing().scroll.bar_width) / character).max(20.0) as usize;
+        if std::mem::replace(&mut self.fits, fits) != fits {
+            self.lay_out();
+        }
         let width = margin + (self.longest as f32 + 1.0) * character;
         let is_marked = self.lines.iter().any(|line| line.mark == Mark::Run);
         let mut clicked = None;
@@ -143,7 +172,7 @@ impl Listing {
                                 ui.add(egui::Label::new(egui::RichText::new(text).weak()).extend()).on_hover_text(about);
                             }
                         }
-                        Row::Note { site, indent, text, is_taken, differs } => {
+                        Row::Note(Note { site, indent, text, is_taken, differs }) => {
                             ui.add_space(*indent as f32 * character);
                             let color = note_color(ui.visuals(), *is_taken, *differs);
                             let mut text = egui::RichText::new(text).font(font.clone()).color(color);
@@ -161,6 +190,27 @@ impl Listing {
         });
         clicked
     }
+}
+
+/// Parts of a text of at most so many characters, split at spaces; those after the first are indented.
+fn wrapped(text: &str, most: usize) -> Vec<String> {
+    let mut parts = vec![String::new()];
+    let begin = text.len() - text.trim_start_matches([' ', '▸']).len();
+    for word in text[begin..].split(' ') {
+        let last = parts.last_mut().map_or(0, |last| last.chars().count());
+        if last > 4 && last + 1 + word.chars().count() > most {
+            parts.push("   ".into());
+        }
+        if let Some(last) = parts.last_mut() {
+            if last.is_empty() {
+                last.push_str(&text[..begin]);
+            } else {
+                last.push(' ');
+            }
+            last.push_str(word);
+        }
+    }
+    parts
 }
 
 /// Taken, not taken, and what f64 decides otherwise.
@@ -275,6 +325,16 @@ fn color(class: Class, visuals: &egui::Visuals) -> Color32 {
 mod tests {
     use super::*;
     use crate::source;
+
+    #[test]
+    fn notes_are_wrapped_at_spaces_and_keep_every_word() {
+        let text = "▸ false: nearest_t 0.81207854 <= exit 0.77371347 is false";
+        assert_eq!(wrapped(text, 100), [text]);
+        let parts = wrapped(text, 30);
+        assert_eq!(parts, ["▸ false: nearest_t 0.81207854", "    <= exit 0.77371347 is", "    false"]);
+        assert_eq!(wrapped("   in f64: 1", 9), ["   in", "    f64:", "    1"]);
+        assert_eq!(wrapped("averylongword", 4), ["averylongword"]);
+    }
 
     #[test]
     fn the_whole_line_is_laid_out_and_what_is_left_out_is_struck() {

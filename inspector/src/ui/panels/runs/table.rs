@@ -14,6 +14,7 @@ use crate::runs::{Kept, RunId};
 use crate::settings::Settings;
 use crate::ui::pane::Context;
 use crate::ui::state::kept_runs::Asked;
+use crate::ui::style::strong;
 
 /// Heads, with their explanations and the widths of columns that have a fixed one.
 const HEADS: [(&str, &str, Option<f32>); 15] = [
@@ -73,7 +74,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, most_height: f32) {
         }
         let table = table.header(height, |mut header| {
             for (i, (head, about, _)) in HEADS.into_iter().enumerate() {
-                header.col(|ui| aligned(ui, i, |ui| drop(ui.strong(head).on_hover_text(about))));
+                header.col(|ui| aligned(ui, i, |ui| drop(strong(ui, head).on_hover_text(about))));
             }
         });
         table.body(|body| {

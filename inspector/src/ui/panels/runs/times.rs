@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use egui::{Align, Label, Layout, RichText, ScrollArea, TextStyle, Ui};
+use egui::{Align, Label, Layout, ScrollArea, TextStyle, Ui};
 use egui_extras::{Column, TableBuilder, TableRow};
 use raystep_lab::statistics::Compared;
 
@@ -11,6 +11,7 @@ use crate::runs::Kept;
 use crate::runs::measure::Measured;
 use crate::runs::spread::{FEWEST_REPEATS, Ratio, Spread, Timed};
 use crate::ui::pane::Context;
+use crate::ui::style::{in_strong, strong};
 
 const ABOUT: &str = "Timing every pass costs several µs per pass. Use these times to compare kernels; for the time of a \
                      whole run, use `raystep bench`, which measures runs without timers.";
@@ -75,12 +76,12 @@ fn table(ui: &mut Ui, measured: &[(&Kept, &Measured)], reference: Option<(&Kept,
         builder = builder.column(Column::exact(TIME)).column(Column::exact(RATIO));
     }
     let table = builder.header(height, |mut header| {
-        header.col(|ui| left(ui, |ui| drop(ui.strong("kernel").on_hover_text(ABOUT))));
+        header.col(|ui| left(ui, |ui| drop(strong(ui, "kernel").on_hover_text(ABOUT))));
         for (kept, _) in measured {
             let is_reference = reference.is_some_and(|(own, _)| own.id == kept.id);
-            let name = Label::new(RichText::new(&kept.name).strong()).truncate();
+            let name = Label::new(in_strong(&kept.name)).truncate();
             header.col(|ui| drop(ui.add(name).on_hover_text(&kept.name)));
-            header.col(|ui| drop(ui.strong(if is_reference { "reference" } else { "× reference" })));
+            header.col(|ui| drop(strong(ui, if is_reference { "reference" } else { "× reference" })));
         }
     });
     table.body(|body| {

@@ -15,6 +15,7 @@ use super::tile::Tiles;
 use super::values::{self, Reader, Value};
 use crate::ui::canvas::Picture;
 use crate::ui::pane::Context;
+use crate::ui::style::strong;
 
 /// Texels along a side of the enlarged part; odd, so that one is in the middle.
 const TEXELS: f32 = 9.0;
@@ -124,7 +125,7 @@ fn inset(ui: &Ui, picture: Option<egui::TextureId>, texel: Rect, heading: &str, 
     area.show(ui.ctx(), |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
             ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
-            ui.strong(heading);
+            strong(ui, heading);
             let (rect, _) = ui.allocate_exact_size(vec2(TEXELS, TEXELS) * SCALE, Sense::hover());
             if let Some(picture) = picture {
                 ui.painter().image(picture, rect, WHOLE, Color32::WHITE);

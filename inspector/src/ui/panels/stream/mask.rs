@@ -9,6 +9,7 @@ use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 use super::super::legend::entry;
 use crate::ui::mask::{Mask, Outcome};
 use crate::ui::pane::Context;
+use crate::ui::style::strong;
 
 /// The picture of a mask.
 #[derive(Default)]
@@ -25,7 +26,7 @@ fn current(cx: &Context<'_>) -> Option<Arc<Mask>> {
 /// A line about the mask, with a button that removes it.
 pub(super) fn legend(ui: &mut egui::Ui, cx: &mut Context<'_>) {
     let Some(mask) = current(cx) else { return };
-    ui.label(egui::RichText::new(mask.sentence()).strong());
+    strong(ui, mask.sentence());
     ui.horizontal_wrapped(|ui| {
         ui.small(&mask.what);
         for (outcome, count) in Outcome::DRAWN.into_iter().zip(mask.counts) {

@@ -17,6 +17,7 @@ use crate::ui::pane::Context;
 use crate::ui::panels::picked;
 use crate::ui::panels::zoom::Zoom;
 use crate::ui::state::Picked;
+use crate::ui::style::strong;
 use path::Path;
 use placement::{Placement, others, place_in};
 
@@ -246,7 +247,7 @@ impl SliceView {
 /// A cell's list and its box.
 fn about(ui: &mut Ui, data: &SceneData, cell: [i32; 3], length: u32) {
     let [x, y, z] = cell;
-    ui.strong(format!("cell {x},{y},{z}: {} in its list", counted(length, "triangle")));
+    strong(ui, format!("cell {x},{y},{z}: {} in its list", counted(length, "triangle")));
     let bounds = crate::walk::Aabb::of_cells(&data.grid, cell, [1; 3]);
     for (name, corner) in [("from", bounds.min), ("to", bounds.max)] {
         let [x, y, z] = data.units.in_file(corner.to_array());

@@ -14,6 +14,7 @@ use raystep_lab::structure_stats::{Nodes, RankBy};
 use crate::ui::pane::Context;
 use crate::ui::panels::scroll::Scroll;
 use crate::ui::state::Picked;
+use crate::ui::style::strong;
 use rows::{Order, Rows};
 use visits::{Visit, Visits};
 
@@ -70,6 +71,8 @@ pub(super) struct TreeView {
     picked: Option<u32>,
     /// What was picked in any panel when it was last looked at.
     seen: Option<Picked>,
+    /// Whether the way to the selected ray's nodes was shown once.
+    has_begun: bool,
     visits: Visits,
     /// The place in each ranking that the next click goes to.
     next: [usize; 4],
@@ -87,6 +90,12 @@ impl TreeView {
             }
         }
         self.visits.update(cx, data);
+        if !self.has_begun && !nodes.is_wide() {
+            // A closed root alone says nothing.
+            let met: Vec<u32> = self.visits.met().collect();
+            self.has_begun = !met.is_empty();
+            met.iter().filter_map(|&node| nodes.get(node)?.parent).for_each(|above| self.rows.expand(nodes, above));
+        }
         self.tools(ui, cx, tree);
         self.rows.build(nodes);
         self.table(ui, cx, nodes);
@@ -181,7 +190,7 @@ impl TreeView {
         table
             .header(height, |mut header| {
                 for (i, (head, about)) in HEADS.into_iter().enumerate() {
-                    let show = |ui: &mut Ui| drop(ui.strong(head).on_hover_text(about));
+                    let show = |ui: &mut Ui| drop(strong(ui, head).on_hover_text(about));
                     header.col(|ui| match i {
                         0 => drop(ui.with_layout(Layout::left_to_right(Align::Center), show)),
                         _ => show(ui),

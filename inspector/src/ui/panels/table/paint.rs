@@ -33,7 +33,7 @@ impl Table {
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ColumnHeader, true, &name));
             let sort = self.sort.filter(|sort| sort.column == i);
             let color = match (response.hovered(), sort) {
-                (false, None) => ui.visuals().text_color(),
+                (false, None) => ui.visuals().weak_text_color(),
                 _ => ui.visuals().strong_text_color(),
             };
             let galley = painter.layout_no_wrap(head.name.to_owned(), font.clone(), color);

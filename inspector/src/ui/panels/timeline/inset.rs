@@ -7,6 +7,7 @@ use raystep_lab::text::counted;
 
 use crate::ui::pane::Context;
 use crate::ui::panels::timings::time_of;
+use crate::ui::style::strong;
 
 /// Height of the thumbnail.
 const PICTURE: f32 = 96.0;
@@ -26,7 +27,7 @@ pub(super) fn show(ui: &Ui, cx: &Context<'_>, at: Pos2, place: usize, turn: &[St
                     match turn {
                         [] => about(ui, cx, place),
                         [name, more @ ..] => {
-                            ui.strong(name);
+                            strong(ui, name);
                             more.iter().for_each(|line| _ = ui.label(line));
                         }
                     }
@@ -57,10 +58,10 @@ fn picture(ui: &mut Ui, cx: &Context<'_>, place: usize) {
 
 fn about(ui: &mut Ui, cx: &Context<'_>, place: usize) {
     let Some(pass) = place.checked_sub(1).and_then(|index| cx.model.passes.get(index)) else {
-        ui.strong("before the first pass");
+        strong(ui, "before the first pass");
         return;
     };
-    ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
+    strong(ui, format!("pass {}: {}", pass.index, pass.kernel.name()));
     ui.label(format!("processed {}", counted(pass.rays_in, if cx.has_rays() { "ray" } else { "element" })));
     if let Some(time) = time_of(pass) {
         ui.label(format!("{time} on the device"));

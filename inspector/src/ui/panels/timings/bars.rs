@@ -8,6 +8,7 @@ use raystep_lab::text::counted;
 use super::{duration, time_of};
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::kernel_color;
+use crate::ui::style::strong;
 
 /// A bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,7 +88,7 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
 }
 
 fn about(ui: &mut Ui, pass: &Pass, parts: &[DrawnPart], is_dearest: bool) {
-    ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
+    strong(ui, format!("pass {}: {}", pass.index, pass.kernel.name()));
     let what = if is_dearest { "slowest in this bar, " } else { "" };
     ui.label(time_of(pass).map_or_else(|| "duration unknown".into(), |time| format!("{what}{time}")));
     ui.label(format!("processed {}", counted(pass.rays_in, "ray")));

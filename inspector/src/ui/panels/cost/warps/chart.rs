@@ -5,7 +5,7 @@ use raystep_kernels::{Kernel, Pass, Plan};
 use raystep_lab::work::{Launch, PassLanes, threads};
 
 use crate::ui::panels::chart::kernel_color;
-use crate::ui::style::SMALLEST;
+use crate::ui::style::{SMALLEST, strong};
 
 /// Threads of a row of workgroups that take their rays from a list: whole rows are launched.
 const LIST_ROW: u64 = 256 * raystep_kernels::shared::constants::LIST_GROUPS as u64;
@@ -139,7 +139,7 @@ pub(super) fn show(ui: &mut Ui, bars: &[Bar], only: Option<Kernel>, place: usize
     };
     if let Some((pass, bar)) = response.hover_pos().and_then(under).and_then(|pass| Some((pass, bars.get(pass)?))) {
         response.clone().on_hover_ui_at_pointer(|ui| {
-            ui.strong(format!("pass {pass}: {}", bar.kernel.name()));
+            strong(ui, format!("pass {pass}: {}", bar.kernel.name()));
             ui.label(format!("{} rays, {:.1}% of all lanes launched", bar.rays, bar.of_all * 100.0));
             if let Some(useful) = bar.useful {
                 ui.label(format!("{:.1}% of the lanes of warps with any work", useful * 100.0));

@@ -6,6 +6,7 @@ use raystep_lab::work::Warp;
 
 use super::super::rays::pixel_of;
 use super::super::source::Counts;
+use crate::ui::style::strong;
 
 /// Heads of the columns.
 const HEADS: [(&str, &str); 7] = [
@@ -32,7 +33,7 @@ pub(super) fn show(ui: &mut Ui, warps: &[Warp], selected: Option<usize>, width: 
         .column(Column::remainder().at_least(60.0))
         .header(height, |mut header| {
             for (head, about) in HEADS {
-                header.col(|ui| drop(ui.strong(head).on_hover_text(about)));
+                header.col(|ui| drop(strong(ui, head).on_hover_text(about)));
             }
         })
         .body(|body| {

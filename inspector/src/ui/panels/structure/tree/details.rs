@@ -7,6 +7,7 @@ use raystep_lab::text::counted;
 
 use crate::ui::pane::Context;
 use crate::ui::state::Picked;
+use crate::ui::style::strong;
 use crate::ui::units::{Scale, Units};
 use crate::walk::AXES;
 
@@ -18,7 +19,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, nodes: &Nodes, data: &Scen
     let node = nodes.get(index)?;
     let mut clicked = None;
     ui.horizontal_wrapped(|ui| {
-        ui.strong(format!("node {index}"));
+        strong(ui, format!("node {index}"));
         ui.label(match node.is_leaf() {
             true => format!("leaf of {}", counted(node.listed, "triangle")),
             false => format!("{} in {}", counted(node.below, "triangle"), counted(node.leaves, "leaf")),
@@ -36,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, nodes: &Nodes, data: &Scen
     let unit = data.units.scene_units_per_stream_unit();
     egui::Grid::new("box").num_columns(4).show(ui, |ui| {
         ui.label("box").on_hover_text("in scene units; grown by the bound on rounding errors");
-        AXES.into_iter().for_each(|axis| drop(ui.strong(axis)));
+        AXES.into_iter().for_each(|axis| drop(strong(ui, axis)));
         ui.end_row();
         let size = [0, 1, 2].map(|axis| f64::from(node.max[axis]) - f64::from(node.min[axis]));
         let scale = Scale::new(Units::Scene, unit, data.units.offset.to_array(), unit);
