@@ -19,6 +19,7 @@ shot ../walk scenes/cornell-box.gltf --grid 5 --pixel 360,180 --window 1080x400 
 shot step $box --pass 35 --window 1600x1000 --do "Step layout"
 shot walk $box --pass 35 --window 1600x900 --do "Ray layout" --do "Kernel"
 shot tree scenes/teapot.glb --size 256x256 --accelerator bvh --pass 60 --window 1600x1000 --do "Ray layout"
+shot tests scenes/sphere-flake.glb --size 256x256 --window 1280x760 --do "Ray layout" --do "Colour 3D view by cost"
 shot compare scenes/teapot.glb --size 256x256 --window 1500x760 --do "Compare layout" --do "Compare with BVH"
 shot runs docs/cornell-box.raystep-session --window 1600x900 --do "Run kept runs again" --do "Runs"
 shot divergence scenes/terrain.glb --size 256x256 --window 1280x760 --do "Map GPU/CPU differences" --do "Maximise panel"

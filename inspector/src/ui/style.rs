@@ -25,7 +25,8 @@ fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::default();
     let others = fonts.families.get(&FontFamily::Proportional).cloned().unwrap_or_default();
     // Its letters are larger than those of egui's fonts, for which sizes were chosen.
-    let tweak = FontTweak { scale: 0.94, ..FontTweak::default() };
+    // Hinted at such sizes, a dot would touch its letter.
+    let tweak = FontTweak { scale: 0.94, hinting: Some(false), ..FontTweak::default() };
     for (family, name, bytes) in [
         (FontFamily::Proportional, "Inter", &include_bytes!("fonts/Inter-Regular.ttf")[..]),
         (FontFamily::Name(STRONG.into()), "Inter SemiBold", &include_bytes!("fonts/Inter-SemiBold.ttf")[..]),

@@ -148,7 +148,7 @@ fn a_program_without_rays_says_that_it_cannot_be_interpreted() {
         choices: Choices { program: raystep_kernels::options::ProgramName::GridBuild, ..Choices::stepped() },
         ..Settings::default()
     };
-    let mut stage = Stage::with_scene(CORNELL, settings, Arrival { place: Some(3), ..Arrival::default() });
-    stage.perform(Command::Show(PaneKind::Kernel));
+    let stage = Stage::with_scene(CORNELL, settings, Arrival { place: Some(3), ..Arrival::default() });
+    assert_eq!(stage.harness.state().layout(), "Step");
     assert!(stage.reads("its elements read each other"), "{}", stage.read_out());
 }

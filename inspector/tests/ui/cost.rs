@@ -149,6 +149,9 @@ fn the_tree_is_expanded_to_what_is_picked() {
         PaneKind::Structure,
     );
     assert!(stage.reads("binary BVH"), "{}", stage.read_out());
+    assert!(stage.find(Role::Button, |name| name == "collapse node 0").is_some(), "it opens at the ray's nodes");
+    stage.click(Role::Button, "collapse all");
+    stage.settle();
     assert!(stage.find(Role::Button, |name| name == "expand node 1" || name == "expand node 2").is_none());
     stage.click(Role::Button, "expand node 0");
     stage.settle();

@@ -222,32 +222,33 @@ fn triangles_and_boxes_are_seen_in_the_colours_they_are_given() {
     let (trace, data) = traced(&scene, &options(&scene), [20, 40]);
     let (mut view, camera) = view_of(&gpu, &data);
     let walk = WalkGeometry::new(&trace, &data, usize::MAX);
-    let hit = walk.hit.expect("a hit");
-    let middle = (hit.corners[0] + hit.corners[1] + hit.corners[2]) / 3.0;
-    let settings = Settings { edges: false, cut: false, ..Settings::default() };
-    // Seen through what is in front of it: everything but this triangle is black.
-    let mut colors = vec![[0, 0, 0, 255]; data.info.triangles as usize];
-    colors[hit.triangle as usize] = [30, 250, 30, 255];
-    let seen = |view: &mut Scene3d, name: &str| {
-        let picture = drawn(&gpu, view, &camera, None, &settings, format!("painted-{name}"));
-        let pixels = picture.0.as_chunks::<4>().0;
-        let green = pixels.iter().filter(|p| i32::from(p[1]) > 40 + i32::from(p[0].max(p[2]))).count();
-        (green, picture.at(&camera, middle))
+    let settings = Settings { edges: false, cut: false, axes: false, ..Settings::default() };
+    let seen =
+        |view: &mut Scene3d, name: &str| drawn(&gpu, view, &camera, None, &settings, format!("painted-{name}")).0;
+    let green = |pixels: &[u8]| {
+        pixels.as_chunks::<4>().0.iter().filter(|p| i32::from(p[1]) > 40 + i32::from(p[0].max(p[2]))).count()
     };
+    let (triangles, bright) = (data.info.triangles as usize, [30, 250, 30, 255]);
+    let black = vec![[0, 0, 0, 255]; triangles];
     let materials = seen(&mut view, "materials");
-    view.paint(&data, Some(&colors), Vec::new());
-    let (green, _) = seen(&mut view, "triangle");
-    // It is small, and seen at an angle.
-    assert!(green > 100, "{green} green pixels");
-    // Without a colour for it, nothing is green.
-    view.paint(&data, Some(&vec![[0, 0, 0, 255]; data.info.triangles as usize]), Vec::new());
-    assert_eq!(seen(&mut view, "black").0, 0);
+    view.paint(&data, Some(&black), Vec::new());
+    assert_eq!(green(&seen(&mut view, "black")), 0);
+    view.paint(&data, Some(&vec![bright; triangles]), Vec::new());
+    let all = green(&seen(&mut view, "green"));
+    // Each triangle has its own colour: alone, they have as many pixels as all together, but for those on their edges.
+    let alone = (0..triangles).map(|triangle| {
+        let mut colors = black.clone();
+        colors[triangle] = bright;
+        view.paint(&data, Some(&colors), Vec::new());
+        green(&seen(&mut view, "triangle"))
+    });
+    let alone: usize = alone.sum();
+    assert!(all > 50_000 && all.abs_diff(alone) < all / 20, "{all} green pixels, {alone} one by one");
     let boxed = PaintedBox { bounds: walk.bounds, color: [30, 250, 30, 120] };
-    view.paint(&data, Some(&vec![[0, 0, 0, 255]; data.info.triangles as usize]), vec![boxed]);
-    let (green, _) = seen(&mut view, "box");
-    assert!(green > 50_000, "{green} green pixels");
+    view.paint(&data, Some(&black), vec![boxed]);
+    assert!(green(&seen(&mut view, "box")) > 50_000);
     view.paint(&data, None, Vec::new());
-    assert_eq!(seen(&mut view, "again"), materials);
+    assert!(seen(&mut view, "again") == materials, "the colours of materials come back");
 }
 
 #[test]

@@ -10,14 +10,8 @@ const LEAST_HEIGHT: f32 = 250.0;
 /// The next thing to try, after what was done, and whether the run is at its end.
 fn next(done: FirstSteps, is_at_end: bool) -> &'static str {
     match (done.has_clicked, done.has_followed, is_at_end) {
-        (false, _, true) => {
-            "Click any pixel to follow its ray: Unfolded walk draws its way through the voxels, and Ray says why. Start, \
-             then Next pass, runs the passes one by one."
-        }
-        (false, ..) => {
-            "Click any pixel to follow its ray: Unfolded walk draws its way through the voxels, and Ray says why, row by \
-             row."
-        }
+        (false, _, true) => "Click any pixel to see its ray's walk through the voxels, or press Start, then Next pass.",
+        (false, ..) => "Click any pixel: Unfolded walk draws its ray's way through the voxels, and Ray says why.",
         (true, false, true) => {
             "Now go back along this ray: Shift+F11 to its previous cell or triangle, F11 to the next. Home goes to the \
              start."
@@ -86,7 +80,7 @@ mod tests {
     #[test]
     fn the_hint_for_beginners_depends_on_what_they_have_done() {
         let mut done = FirstSteps::default();
-        assert!(next(done, true).starts_with("Click any pixel"));
+        assert!(next(done, true).starts_with("Click any pixel to see"));
         done.has_clicked = true;
         assert!(next(done, true).contains("Shift+F11") && next(done, false).contains("F11 goes to its next"));
         done.has_followed = true;

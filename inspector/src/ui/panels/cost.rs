@@ -185,7 +185,7 @@ impl Cost {
         let mut height = height;
         if let Some(heat) = &heat {
             let (rect, response) =
-                ui.allocate_exact_size(vec2(ui.available_width(), scale::HEIGHT), egui::Sense::hover());
+                ui.allocate_exact_size(vec2(seen_width(ui), scale::HEIGHT), egui::Sense::hover());
             let painter = ui.painter_at(rect);
             self.look.scale.paint(ui, &painter, rect, heat.sorted.spread.most);
             let text = format!("colours from 0 to {} {}", heat.sorted.spread.most, self.look.shown.unit());

@@ -66,9 +66,10 @@ impl Panel for RayView {
             picked: cx.selection.picked,
         };
         if let Some(row) = rows.current.and_then(|i| history.rows.get(i)) {
-            if let Some(meaning) = rows.meaning(row) {
-                ui.label(format!("{}: {meaning}", row.after.state));
-            }
+            let state = format!("{}: {}", row.after.state, rows.meaning(row).unwrap_or_default());
+            // The row of the table has the rest.
+            let told = format!("pass {}, {}: {}; {state}", row.number(), row.kernel, rows.why(row));
+            ui.label(state).widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &told));
         } else {
             ui.weak("No pass has processed this ray yet.");
         }

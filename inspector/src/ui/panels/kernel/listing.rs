@@ -20,6 +20,15 @@ enum Row {
     Note(Note),
 }
 
+/// What to scroll to: rows change with the width.
+#[derive(Clone, Copy)]
+enum Goal {
+    /// A line, by its index.
+    Line(usize),
+    /// A branch's condition; the first line that ran if there is none.
+    Site(Option<usize>),
+}
+
 /// A line about the condition of a branch.
 #[derive(Clone)]
 struct Note {
@@ -40,8 +49,8 @@ pub(super) struct Listing {
     /// Characters that notes may take, and those of the longest row.
     fits: usize,
     longest: usize,
-    /// The row to scroll to.
-    scroll_to: Option<usize>,
+    /// What to scroll to.
+    scroll_to: Option<Goal>,
     /// Lines that are marked, by their indices.
     marked: Option<Range<usize>>,
     /// How the conditions of lines came out for all rays, by the lines' indices.
@@ -92,9 +101,8 @@ impl Listing {
 
     /// Marks lines, and scrolls to them.
     pub(super) fn mark(&mut self, lines: Option<Range<usize>>) {
-        let first = lines.as_ref().map(|lines| lines.start);
-        let row = self.rows.iter().position(|row| matches!(row, Row::Line(at) if Some(*at) == first));
-        (self.marked, self.scroll_to) = (lines, row.or(self.scroll_to));
+        self.scroll_to = lines.as_ref().map(|lines| Goal::Line(lines.start)).or(self.scroll_to);
+        self.marked = lines;
     }
 
     /// Whether a branch's condition is in the listing.
@@ -108,9 +116,17 @@ impl Listing {
 
     /// Scrolls to a branch's condition; to the first line that ran if there is none.
     pub(super) fn scroll_to(&mut self, site: Option<usize>) {
+        self.scroll_to = Some(Goal::Site(site));
+    }
+
+    /// The row of a goal, the first one if it has none.
+    fn row(&self, goal: Goal) -> usize {
         let ran = |row: &Row| matches!(row, Row::Line(at) if self.lines.get(*at).is_some_and(|l| l.mark == Mark::Run));
-        let row = site.and_then(|site| self.row_of(site));
-        self.scroll_to = Some(row.or_else(|| self.rows.iter().position(ran)).unwrap_or(0));
+        let row = match goal {
+            Goal::Line(line) => self.rows.iter().position(|row| matches!(row, Row::Line(at) if *at == line)),
+            Goal::Site(site) => site.and_then(|site| self.row_of(site)).or_else(|| self.rows.iter().position(ran)),
+        };
+        row.unwrap_or(0)
     }
 
     /// The whole source.
@@ -124,18 +140,19 @@ impl Listing {
         let height = ui.text_style_height(&TextStyle::Monospace) + 2.0;
         let character = ui.fonts_mut(|fonts| fonts.glyph_width(&font, '0'));
         ui.spacing_mut().item_spacing.y = 0.0;
-        let mut area = egui::ScrollArea::both().auto_shrink(false);
-        if let Some(row) = self.scroll_to.take() {
-            // The lines before the branch are visible as well.
-            let is_marked = self.marked.is_some();
-            let above = if is_marked { 2.0 * height } else { ui.available_height() * 0.3 };
-            area = area.vertical_scroll_offset((row as f32 * height - above).max(0.0));
-        }
         let digits = self.lines.len().max(1).ilog10() as usize + 1;
         let margin = (digits as f32 + 1.0) * character + 10.0;
         let fits = ((ui.available_width() - margin - ui.spacing().scroll.bar_width) / character).max(20.0) as usize;
         if std::mem::replace(&mut self.fits, fits) != fits {
             self.lay_out();
+        }
+        let mut area = egui::ScrollArea::both().auto_shrink(false);
+        if let Some(goal) = self.scroll_to.take() {
+            let row = self.row(goal);
+            // The lines before the branch are visible as well.
+            let is_marked = self.marked.is_some();
+            let above = if is_marked { 2.0 * height } else { ui.available_height() * 0.3 };
+            area = area.vertical_scroll_offset((row as f32 * height - above).max(0.0));
         }
         let width = margin + (self.longest as f32 + 1.0) * character;
         let is_marked = self.lines.iter().any(|line| line.mark == Mark::Run);
