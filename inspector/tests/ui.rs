@@ -17,6 +17,7 @@ mod mapping;
 mod measured;
 mod names;
 mod opening;
+mod passes;
 mod readable;
 mod retained;
 mod runs;

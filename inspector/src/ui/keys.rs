@@ -41,7 +41,7 @@ pub(super) fn pressed(ctx: &egui::Context, holds: Holds, had_focus: bool, in_les
             Holds::Buttons => !is_of_buttons(shortcut),
             Holds::Text => is_global(shortcut),
         })
-        .filter(|(_, shortcut)| !(in_table && table::is_key(shortcut.modifiers, shortcut.logical_key)))
+        .filter(|(_, shortcut)| !table::takes(ctx, shortcut.modifiers, shortcut.logical_key))
         .collect();
     // Most modifiers first: otherwise Ctrl+Shift+F10 would match Ctrl+F10.
     keys.sort_by_key(|(_, s)| {

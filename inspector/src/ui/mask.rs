@@ -3,6 +3,7 @@
 use egui::Color32;
 use raystep_kernels::interpret::Outcomes;
 use raystep_kernels::named;
+use raystep_lab::divergence::Fate;
 use raystep_lab::human::grouped;
 use raystep_lab::text::counted;
 
@@ -106,6 +107,9 @@ pub struct Mask {
     pub taken: u64,
     /// Rays with each outcome, in the order of [`Outcome::DRAWN`].
     pub counts: [u64; 4],
+    /// Of the rays that f64 decides otherwise: how many take another path after the pass in f64, with the same hit, and
+    /// how many have another hit; if that is known.
+    pub in_f64: Option<[u64; 2]>,
 }
 
 impl Mask {
@@ -126,22 +130,39 @@ impl Mask {
         let taken = outcomes.iter().flatten().filter(is_taken).count() as u64;
         let count = |outcome: Outcome| rays.iter().filter(|ray| **ray == outcome).count() as u64;
         let counts = Outcome::DRAWN.map(count);
-        Self { generation, place, what, size, processed, taken, counts, rays }
+        Self { generation, place, what, size, processed, taken, counts, rays, in_f64: None }
     }
 }
 
 impl Mask {
-    /// How many rays took the branch, and whether f64 would.
+    /// With how each ray fares in f64 in this pass.
+    #[must_use]
+    pub fn with_fates(self, fates: Option<&[Fate]>) -> Self {
+        let in_f64 = fates.map(|fates| {
+            let differing = || self.rays.iter().zip(fates).filter(|(ray, _)| **ray == Outcome::Differs);
+            [Fate::Path, Fate::Hit].map(|fate| differing().filter(|(_, of)| **of == fate).count() as u64)
+        });
+        Self { in_f64, ..self }
+    }
+
+    /// How many rays took the branch, whether f64 would, and whether that changes a hit.
     #[must_use]
     pub fn sentence(&self) -> String {
         let [.., differing, _] = self.counts;
         let taken = format!("{} of {} took this branch", grouped(self.taken), counted(self.processed, "ray"));
-        match differing {
-            0 => format!("{taken}; f64 would decide the same for all."),
-            _ => format!(
-                "{taken}; f64 would decide otherwise for {}. A hit changes only where the panel Divergence reports precision.",
-                grouped(differing)
-            ),
+        if differing == 0 {
+            return format!("{taken}; f64 would decide the same for all.");
+        }
+        let otherwise = format!("{taken}; f64 would decide otherwise for {}", grouped(differing));
+        let rays = |count: u64| if count == 1 { "1 ray goes".into() } else { format!("{} rays go", grouped(count)) };
+        match self.in_f64 {
+            None => format!("{otherwise}."),
+            Some([0, 0]) => format!("{otherwise}: no hit changes."),
+            Some([others, 0]) => {
+                format!("{otherwise}: no hit changes in this pass, but {} on to another test or cell.", rays(others))
+            }
+            Some([_, 1]) => format!("{otherwise}: 1 hit changes."),
+            Some([_, hits]) => format!("{otherwise}: {} hits change.", grouped(hits)),
         }
     }
 }
@@ -164,5 +185,35 @@ mod tests {
         assert_eq!(mask.rays, [Waiting, Elsewhere, NotTaken, Taken, Differs]);
         assert_eq!((mask.processed, mask.taken, mask.counts), (4, 2, [1; 4]));
         assert_eq!(Mask::new((1, 0), String::new(), [5, 1], &rays, 500).taken, 0, "no such condition");
+    }
+
+    #[test]
+    fn a_sentence_says_whether_a_hit_changes_where_that_is_known() {
+        let differs = Some(Outcomes { reached: 1, taken: 1, differs: 1 });
+        let same = Some(Outcomes { reached: 1, taken: 0, differs: 0 });
+        let of = |rays: &[Option<Outcomes>], fates: Option<&[Fate]>| {
+            let mask = Mask::new((1, 0), String::new(), [rays.len() as u32, 1], rays, 0).with_fates(fates);
+            mask.sentence().split("branch; ").nth(1).expect("a second part").to_owned()
+        };
+        use Fate::{Hit, Path, Same};
+        let rays = [differs, differs, same, None];
+        for (fates, told) in [
+            (None, "f64 would decide otherwise for 2."),
+            (Some([Same; 4]), "f64 would decide otherwise for 2: no hit changes."),
+            // Rays that this branch does not concern.
+            (Some([Same, Same, Hit, Path]), "f64 would decide otherwise for 2: no hit changes."),
+            (
+                Some([Path, Same, Same, Same]),
+                "f64 would decide otherwise for 2: no hit changes in this pass, but 1 ray goes on to another test or cell.",
+            ),
+            (Some([Path, Hit, Same, Same]), "f64 would decide otherwise for 2: 1 hit changes."),
+            (Some([Hit, Hit, Hit, Same]), "f64 would decide otherwise for 2: 2 hits change."),
+        ] {
+            assert_eq!(of(&rays, fates.as_ref().map(|fates| &fates[..])), told, "{fates:?}");
+        }
+        assert_eq!(of(&[same], Some(&[Same])), "f64 would decide the same for all.");
+        assert_eq!(of(&[], None), "f64 would decide the same for all.");
+        let one = Mask::new((1, 0), String::new(), [1, 1], &[differs], 0);
+        assert!(one.sentence().starts_with("1 of 1 ray took this branch"), "{}", one.sentence());
     }
 }

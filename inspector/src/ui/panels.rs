@@ -24,6 +24,7 @@ pub(super) mod structure;
 pub(super) mod table;
 pub(super) mod timeline;
 pub(super) mod timings;
+mod turns;
 pub(super) mod walk2d;
 pub(super) mod walk3d;
 mod walked;

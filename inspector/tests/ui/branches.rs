@@ -141,6 +141,41 @@ fn a_maximised_stream_stays_when_rays_of_a_branch_are_shown_over_it() {
     assert_eq!(in_view(&stage), [PaneKind::Kernel]);
 }
 
+/// The sentence of the mask of the branch in view.
+fn masked(stage: &mut Stage) -> String {
+    stage.perform(Command::MaskBranch);
+    stage.settle();
+    let text = |node: &egui_kittest::Node<'_>| node.accesskit_node().label().or(node.accesskit_node().value());
+    let found = stage.nodes().iter().filter_map(text).find(|text| text.contains(" took this branch"));
+    found.unwrap_or_else(|| panic!("no mask:\n{}", stage.read_out()))
+}
+
+#[test]
+fn where_f64_decides_otherwise_it_is_said_whether_a_hit_changes() {
+    let mut stage = stage(Settings { device: DeviceKind::Cpu, ..Settings::default() });
+    let mut told = Vec::new();
+    for _ in 0..30 {
+        let first = branch(&stage);
+        for _ in 0..20 {
+            told.push(masked(&mut stage));
+            stage.key(Modifiers::NONE, Key::F7);
+            stage.settle();
+            if branch(&stage) == first {
+                break;
+            }
+        }
+        if told.iter().any(|text| text.contains("otherwise")) {
+            break;
+        }
+        stage.perform(Command::NextEvent);
+    }
+    let others: Vec<_> = told.iter().filter(|text| text.contains("otherwise")).collect();
+    assert!(!others.is_empty(), "{told:?}");
+    for text in others {
+        assert!(["no hit changes", "hit changes.", "hits change."].iter().any(|end| text.contains(end)), "{text}");
+    }
+}
+
 #[test]
 fn a_program_without_rays_says_that_it_cannot_be_interpreted() {
     let settings = Settings {

@@ -57,6 +57,14 @@ fn below(stage: &Stage, heading: &str, text: &str) -> egui::Pos2 {
 fn costs_are_shown_before_the_end_and_of_the_whole_run_beside_it() {
     let mut stage = alone(settings(), 20, PaneKind::Cost);
     assert!(stage.reads("up to and including pass 19"), "{}", stage.read_out());
+    // What was found comes first.
+    let top = |wanted: &str| {
+        let nodes = stage.nodes().into_iter().filter(|node| node.accesskit_node().role() == Role::Label);
+        let mut found = nodes.filter(|node| node.accesskit_node().value().is_some_and(|text| text.contains(wanted)));
+        found.next().map(|node| node.rect().top())
+    };
+    assert!(top("half of it is in ") < top("up to and including pass 19"), "{}", stage.read_out());
+    assert!(top("half of it is in ").is_some());
     let early = heatmap(&stage);
     stage.click(Role::Button, "Count the whole run");
     stage.settle();

@@ -47,7 +47,8 @@ fn turns_of_loops() {
     for (settings, turns, kind, name) in [
         (sort(DeviceKind::Cpu), 3, PaneKind::Timeline, "loops-of-sort"),
         (sort(DeviceKind::Cpu), 3, PaneKind::Passes, "loops-in-passes"),
-        (samples, 30, PaneKind::Timeline, "loops-of-samples"),
+        (samples.clone(), 30, PaneKind::Timeline, "loops-of-samples"),
+        (samples, 30, PaneKind::Passes, "samples-in-passes"),
     ] {
         stage.open(CORNELL, settings, Arrival { place: Some(usize::MAX), ..Arrival::default() });
         stage.close_panels();

@@ -3,6 +3,7 @@
 //! Both comparisons are made one pass at a time. The twins start from the device's own streams before the pass, so that
 //! a pass is not blamed for an earlier one. A difference is judged by what f32 can decide, see [`crate::rounding`].
 
+mod fate;
 mod map;
 
 use std::ops::ControlFlow;
@@ -10,9 +11,10 @@ use std::ops::ControlFlow;
 use raystep_kernels::executor::cpu::CpuExecutor;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::{HIT_TRIANGLE, STATE_T};
-use raystep_kernels::{Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
+use raystep_kernels::{Kernel, Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
 
 use crate::rounding::{Rounding, judging_bytes};
+pub use fate::{Fate, fates};
 pub use map::{Against, Class, DivergenceMap, NEVER, Parting};
 
 /// Progress of the comparison, after a pass.
@@ -68,7 +70,7 @@ pub async fn divergence(
         double.run(pass.call(), renderer.data())?;
         map.begin(pass.kernel);
         let mut after = Vec::new();
-        for stream in written(&plan, &pass) {
+        for stream in written(&plan, pass.kernel) {
             let Some(twin) = single.read(stream) else { continue };
             let decides = (0..stream.layers()).any(|layer| is_decision(stream, layer));
             let in_f64 = if decides { double.read(stream) } else { None };
@@ -99,8 +101,8 @@ pub async fn divergence(
 }
 
 /// The streams that a pass may have changed.
-fn written(plan: &Plan, pass: &Pass) -> Vec<Stream> {
-    let variant = plan.variant(pass.kernel).into_iter();
+fn written(plan: &Plan, kernel: Kernel) -> Vec<Stream> {
+    let variant = plan.variant(kernel).into_iter();
     variant.flat_map(|v| v.streams()).filter(|(_, binding)| binding.writes).map(|(stream, _)| stream).collect()
 }
 

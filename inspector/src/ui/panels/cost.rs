@@ -78,6 +78,9 @@ impl Panel for Cost {
             return;
         }
         self.update(cx);
+        if let Some((of, sorted)) = self.known.shown(cx, &self.look, &self.warps) {
+            ui.strong(sorted.spread.sentence(of.shown.unit()));
+        }
         let size = ui.available_size();
         if size.x > 700.0 {
             ui.horizontal_top(|ui| {

@@ -268,7 +268,8 @@ impl KernelView {
         if let Some(all) = self.runs.all.as_ref().filter(|all| all.key == key) {
             let kernel = interpreter.kernel().name();
             let what = format!("pass {}, {kernel}, line {}: {}", key.pass, branch.line + 1, branch.condition);
-            let mask = Mask::new((key.generation, cx.model.place), what, all.size, &all.outcomes, branch.site);
+            let of = (key.generation, cx.model.place);
+            let mask = Mask::new(of, what, all.size, &all.outcomes, branch.site).with_fates(all.fates.as_deref());
             cx.display.mask = Some(Arc::new(mask));
         } else if wanted && branch.site < MOST_SITES {
             let interpreter = interpreter.clone();

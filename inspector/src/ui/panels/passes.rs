@@ -1,20 +1,28 @@
-//! The list of passes: kernel, duration, rays. A click goes there.
+//! The passes, with kernel, duration and rays, below the turns of the schedule's loops. A click goes there.
 //!
 //! Touches: asks, bookmarks.
 
+mod tree;
+
 use egui::{Ui, Vec2, vec2};
+use raystep_kernels::program::schedule::Schedule;
 use raystep_kernels::{Pass, Rounding};
 use raystep_lab::text::counted;
 
-use super::table::{Head, Look, Rows, Table, View, version};
+use super::table::{Fold, Head, Look, Rows, Table, View, version};
+use super::turns::{names, range};
 use crate::session_file::Bookmark;
 use crate::ui::pane::{Context, Panel};
 use crate::ui::units::TimeUnit;
+use tree::{Node, Time, Tree};
 
 /// The list of passes.
 #[derive(Default)]
 pub(in crate::ui) struct Passes {
     table: Table,
+    tree: Tree,
+    /// The turn that keys have gone to, and the place meanwhile.
+    at_turn: Option<(usize, usize)>,
     /// Show only the passes that processed the selected ray.
     only_ray: bool,
     /// The longest duration: of which passes, and how many of them were looked at.
@@ -28,21 +36,28 @@ impl Panel for Passes {
     }
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
-        if cx.model.opened.is_none() {
+        let Some(opened) = &cx.model.opened else {
             ui.weak("No run yet.");
             return;
-        }
+        };
         let (has_rays, passes) = (cx.has_rays(), &cx.model.passes);
         let unit = TimeUnit::of(self.longest(cx.model.edition, passes));
         let history = cx.model.history.as_ref().filter(|_| self.only_ray && has_rays);
-        let shown: Option<Vec<usize>> = history.map(|history| {
+        let only: Option<Vec<usize>> = history.map(|history| {
             let of_ray = history.rows.iter().filter_map(|row| row.pass);
             of_ray.filter(|&pass| pass < passes.len()).collect()
         });
-        let place = cx.model.place;
+        let (place, schedule) = (cx.model.place, &opened.plan.schedule);
+        self.tree.update([cx.model.generation, cx.model.edition], passes, schedule, place);
+        let is_tree = only.is_none() && self.table.is_plain() && !self.tree.is_list();
+        self.at_turn = self.at_turn.filter(|&(_, at)| is_tree && at == place);
         // Row 0 is before the first pass.
-        let current = shown.as_ref().map_or(place.min(passes.len()), |shown| shown.partition_point(|&i| i < place));
-        let about_times = match cx.model.opened.as_ref().and_then(|opened| opened.why_no_times.as_deref()) {
+        let current = match (&only, self.at_turn) {
+            (Some(only), _) => only.partition_point(|&i| i < place),
+            (None, Some((row, _))) => row,
+            (None, None) => self.tree.row_at(place),
+        };
+        let about_times = match opened.why_no_times.as_deref() {
             Some(why) => format!("duration of the pass by the device's clock: unknown, because {why}"),
             None => "duration of the pass by the device's clock".into(),
         };
@@ -53,23 +68,34 @@ impl Panel for Passes {
                 "elements that the pass works on: triangles, spans, references, cells or blocks",
             ),
         };
-        let mut heads = vec![
-            Head::number("pass", "index in the run"),
-            Head::text("kernel", "kernel"),
-            Head::number(unit.name(), &about_times),
-            rays,
-        ];
-        if cx.model.opened.as_ref().is_some_and(|opened| opened.plan.schedule.has_counted_loops()) {
-            heads.push(Head::text(
-                "loops",
-                "turns of the schedule's loops that the pass is in, from 0, outermost first",
-            ));
-        }
+        let columns: Vec<(Column, Head<'_>)> = [
+            (Column::Pass, Head::number("pass", "index in the run")),
+            (Column::Kernel, if is_tree { Head::tree("kernel", ABOUT_TREE) } else { Head::text("kernel", "kernel") }),
+            (Column::Time, Head::number(unit.name(), &about_times)),
+            (Column::Rays, rays),
+            // The last one, so that a column is the same in the tree and in the list.
+            (Column::Loops, Head::text("loops", "turns of the schedule's loops that the pass is in, outermost first")),
+        ]
+        .into_iter()
+        .filter(|(column, _)| *column != Column::Loops || !is_tree && !self.tree.is_list())
+        .collect();
+        let (columns, heads): (Vec<Column>, Vec<Head<'_>>) = columns.into_iter().unzip();
         let history = history.map(|history| (history.pixel, history.rows.len()));
         let bookmarks = &cx.bookmarks.list;
         let marked: Vec<usize> = bookmarks.iter().map(|bookmark| bookmark.place).collect();
-        let version = version((cx.model.generation, cx.model.edition, unit, has_rays, history, marked));
-        let list = List { passes, shown: shown.as_deref(), current, unit, bookmarks };
+        let of = (cx.model.generation, cx.model.edition, self.tree.is_list(), is_tree);
+        let version = version((of, unit, has_rays, history, marked));
+        let list = List {
+            passes,
+            schedule,
+            tree: &self.tree,
+            is_tree,
+            only: only.as_deref(),
+            place,
+            columns: &columns,
+            unit,
+            bookmarks,
+        };
         let view = View { name: "passes", heads: &heads, rows: &list, version, current: Some(current) };
         ui.horizontal_wrapped(|ui| {
             self.table.tools(ui, &view);
@@ -78,11 +104,24 @@ impl Panel for Passes {
                     .on_hover_text("show only passes that processed the selected ray");
             }
         });
-        if let Some(row) = self.table.show(ui, &view) {
-            cx.asks.go_to = Some(list.pass(row).map_or(0, |pass| pass.index + 1));
+        let chosen = self.table.show(ui, &view).map(|row| (row, list.node(row)));
+        match chosen {
+            Some((row, Node::Turn(..))) => self.at_turn = Some((row, place)),
+            Some((_, node)) => {
+                self.at_turn = None;
+                cx.asks.go_to = Some(if let Node::Pass(pass) = node { pass + 1 } else { 0 });
+            }
+            None => {}
+        }
+        if let Some(row) = self.table.take_folded() {
+            self.tree.toggle(row);
+            ui.ctx().request_repaint();
         }
     }
 }
+
+const ABOUT_TREE: &str = "Kernel, below the turns of the schedule's loops that the pass is in, counted from 0. An arrow or \
+                          a double click folds and unfolds a turn; that of the current pass is unfolded.";
 
 impl Passes {
     /// The longest duration so far. It only grows, so that the unit does not change to and fro.
@@ -97,21 +136,79 @@ impl Passes {
     }
 }
 
+/// A column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Column {
+    Pass,
+    Kernel,
+    Loops,
+    Time,
+    Rays,
+}
+
 /// The passes as rows.
 struct List<'a> {
     passes: &'a [Pass],
+    schedule: &'a Schedule,
+    tree: &'a Tree,
+    /// Whether turns have rows.
+    is_tree: bool,
     /// The indices of those that are listed; `None` for all.
-    shown: Option<&'a [usize]>,
-    current: usize,
+    only: Option<&'a [usize]>,
+    place: usize,
+    columns: &'a [Column],
     unit: TimeUnit,
     bookmarks: &'a [Bookmark],
 }
 
 impl List<'_> {
-    /// The pass of a row; none for the start.
+    fn node(&self, row: usize) -> Node {
+        match (self.only, row.checked_sub(1)) {
+            (None, _) => self.tree.node(row).0,
+            (Some(only), Some(at)) => only.get(at).map_or(Node::Start, |&pass| Node::Pass(pass)),
+            (Some(_), None) => Node::Start,
+        }
+    }
+
+    /// The pass of a row; none for the start, and for turns.
     fn pass(&self, row: usize) -> Option<&Pass> {
-        let at = row.checked_sub(1)?;
-        self.passes.get(self.shown.map_or(Some(at), |shown| shown.get(at).copied())?)
+        if let Node::Pass(pass) = self.node(row) { self.passes.get(pass) } else { None }
+    }
+
+    fn column(&self, column: usize) -> Column {
+        self.columns.get(column).copied().unwrap_or(Column::Pass)
+    }
+
+    /// The names of the turns around a pass from the outermost level to this one.
+    fn names(&self, first: usize, level: usize) -> Vec<String> {
+        let mut names = self.passes.get(first).map_or_else(Vec::new, |pass| names(self.schedule, pass));
+        names.truncate(level + 1);
+        names
+    }
+
+    /// A cell of a turn.
+    fn of_turn(&self, level: usize, first: usize, column: Column) -> String {
+        let turn = self.tree.turn(level, first);
+        match column {
+            Column::Pass => range(turn),
+            Column::Kernel => {
+                let name = self.names(first, level).pop().unwrap_or_default();
+                format!("{name}, {}", counted((turn[1] - turn[0]) as u64, "pass"))
+            }
+            Column::Time => match self.tree.time(turn) {
+                Time::Known(ns) => self.unit.text(ns),
+                Time::Below(ns) => format!("< {}", self.unit.text_above(ns)),
+                Time::Unknown => String::new(),
+            },
+            Column::Loops | Column::Rays => String::new(),
+        }
+    }
+
+    /// A pass's kernel; in a tree, after the turns that have no row.
+    fn kernel(&self, row: usize, pass: &Pass) -> String {
+        let turns = if self.is_tree { names(self.schedule, pass) } else { Vec::new() };
+        let own = turns.into_iter().skip(self.depth(row)).map(|name| name + ": ");
+        own.collect::<String>() + pass.kernel.name()
     }
 }
 
@@ -130,52 +227,81 @@ fn about_time(pass: &Pass) -> String {
 
 impl Rows for List<'_> {
     fn count(&self) -> usize {
-        1 + self.shown.map_or(self.passes.len(), <[usize]>::len)
+        self.only.map_or(self.tree.len(), |only| 1 + only.len())
+    }
+
+    fn unfolded(&self) -> Option<(u64, &[usize])> {
+        self.is_tree.then(|| self.tree.unfolded())
+    }
+
+    fn depth(&self, row: usize) -> usize {
+        if self.is_tree { self.tree.node(row).1 } else { 0 }
+    }
+
+    fn fold(&self, row: usize) -> Option<Fold> {
+        let is_open = self.tree.is_open(row).filter(|_| self.only.is_none())?;
+        Some(Fold { is_open, is_fixed: self.tree.is_current(row) })
+    }
+
+    fn fold_name(&self, row: usize) -> String {
+        let Node::Turn(level, first) = self.node(row) else { return String::new() };
+        self.names(first, level).join(", ")
     }
 
     fn text(&self, row: usize, column: usize) -> String {
         let is_marked = |place: usize| self.bookmarks.iter().any(|bookmark| bookmark.place == place);
-        match (self.pass(row), column) {
-            (None, 0) if is_marked(0) => "– •".into(),
-            (None, 0) => "–".into(),
-            (None, 1) => "start".into(),
+        let column = self.column(column);
+        let pass = match self.node(row) {
+            Node::Turn(level, first) => return self.of_turn(level, first, column),
+            Node::Pass(pass) => self.passes.get(pass),
+            Node::Start => None,
+        };
+        match (pass, column) {
+            (None, Column::Pass) if is_marked(0) => "– •".into(),
+            (None, Column::Pass) => "–".into(),
+            (None, Column::Kernel) => "start".into(),
             (None, _) => String::new(),
-            (Some(pass), 0) if is_marked(pass.index + 1) => format!("{} •", pass.index),
-            (Some(pass), 0) => pass.index.to_string(),
-            (Some(pass), 1) => pass.kernel.name().into(),
-            (Some(pass), 2) => match (pass.duration_ns, pass.below_ns()) {
+            (Some(pass), Column::Pass) if is_marked(pass.index + 1) => format!("{} •", pass.index),
+            (Some(pass), Column::Pass) => pass.index.to_string(),
+            (Some(pass), Column::Kernel) => self.kernel(row, pass),
+            (Some(pass), Column::Loops) => names(self.schedule, pass).join(", "),
+            (Some(pass), Column::Time) => match (pass.duration_ns, pass.below_ns()) {
                 (Some(ns), _) => self.unit.text(ns),
                 (None, Some(below)) => format!("< {}", self.unit.text_above(below)),
                 (None, None) => String::new(),
             },
-            (Some(pass), 3) => pass.rays_in.to_string(),
-            (Some(pass), _) => pass.loops_text(),
+            (Some(pass), Column::Rays) => pass.rays_in.to_string(),
         }
     }
 
     fn number(&self, row: usize, column: usize) -> Option<f64> {
-        let Some(pass) = self.pass(row) else { return (column == 0).then_some(-1.0) };
+        let column = self.column(column);
+        let Some(pass) = self.pass(row) else { return (column == Column::Pass).then_some(-1.0) };
         match column {
-            0 => Some(pass.index as f64),
+            Column::Pass => Some(pass.index as f64),
             // Compared in the unit of the head.
-            2 => pass.duration_ns.and_then(|ns| self.unit.text(ns).parse().ok()),
-            3 => Some(f64::from(pass.rays_in)),
-            _ => None,
+            Column::Time => pass.duration_ns.and_then(|ns| self.unit.text(ns).parse().ok()),
+            Column::Rays => Some(f64::from(pass.rays_in)),
+            Column::Kernel | Column::Loops => None,
         }
     }
 
     fn about(&self, row: usize, column: usize) -> Option<String> {
         let pass = self.pass(row)?;
-        match column {
-            1 => Some(pass.kernel.info().summary.into()),
-            2 => Some(about_time(pass)),
+        match self.column(column) {
+            Column::Kernel => Some(pass.kernel.info().summary.into()),
+            Column::Time => Some(about_time(pass)),
             _ => None,
         }
     }
 
     fn look(&self, ui: &Ui, row: usize, _column: usize) -> Look {
         // Passes ahead are known from an earlier run.
-        Look { color: (row > self.current).then(|| ui.visuals().weak_text_color()), ..Look::default() }
+        let is_ahead = match self.node(row) {
+            Node::Start => false,
+            Node::Turn(_, pass) | Node::Pass(pass) => pass >= self.place,
+        };
+        Look { color: is_ahead.then(|| ui.visuals().weak_text_color()), ..Look::default() }
     }
 }
 
@@ -198,13 +324,26 @@ mod tests {
             pass(2, None, None),
             pass(3, Some(20_000), None),
         ];
-        let list = List { passes: &passes, shown: None, current: 0, unit: TimeUnit::Micros, bookmarks: &[] };
+        let schedule = Schedule { steps: Vec::new() };
+        let mut tree = Tree::default();
+        tree.update([1, 1], &passes, &schedule, 0);
+        let list = List {
+            passes: &passes,
+            schedule: &schedule,
+            tree: &tree,
+            is_tree: false,
+            only: None,
+            place: 0,
+            columns: &[Column::Pass, Column::Time],
+            unit: TimeUnit::Micros,
+            bookmarks: &[],
+        };
         let rows =
             |column: fn(&List<'_>, usize) -> Option<String>| (1..=4).map(|row| column(&list, row)).collect::<Vec<_>>();
         let known = |text: &str| Some(text.to_owned());
-        assert_eq!(rows(|list, row| Some(list.text(row, 2))), ["< 67.6", "20.0", "", "20.0"].map(known));
+        assert_eq!(rows(|list, row| Some(list.text(row, 1))), ["< 67.6", "20.0", "", "20.0"].map(known));
         assert_eq!(
-            rows(|list, row| list.about(row, 2)),
+            rows(|list, row| list.about(row, 1)),
             [
                 "less than 67584 ns: too short to tell by the device's clock in 256 runs",
                 "20000 ± 2048 ns: the mean of 40 runs",
@@ -213,7 +352,7 @@ mod tests {
             ]
             .map(known)
         );
-        let numbers: Vec<_> = (1..=4).map(|row| list.number(row, 2)).collect();
+        let numbers: Vec<_> = (1..=4).map(|row| list.number(row, 1)).collect();
         assert_eq!(numbers, [None, Some(20.0), None, Some(20.0)], "a bound is no time to sort by");
     }
 }

@@ -15,10 +15,10 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use egui::{Align, Id, Rect, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
 
 use super::scroll::Scroll;
-pub(in crate::ui) use keys::{is_focused, is_key};
+pub(in crate::ui) use keys::{is_focused, takes};
 use measure::{Columns, GAP, PADDING, Widths};
 use order::Sort;
-pub(super) use rows::{Head, Listed, ListedCell, Look, Rows};
+pub(super) use rows::{Fold, Head, Listed, ListedCell, Look, Rows};
 
 /// What a table shows in a frame.
 #[derive(Clone, Copy)]
@@ -43,7 +43,7 @@ pub(super) fn version(of: impl Hash) -> u64 {
 }
 
 /// What the order of rows depends on.
-type Question = (u64, usize, Option<Sort>, String);
+type Question = (u64, usize, Option<u64>, Option<Sort>, String);
 
 /// What the heights of rows depend on.
 type Layout = (u64, u64, Columns, f32);
@@ -56,6 +56,8 @@ pub(super) struct Table {
     question: Option<Question>,
     /// The rows that are shown; `None` for all in their natural order.
     order: Option<Vec<usize>>,
+    /// How many rows there are to sort and filter.
+    all: usize,
     /// Incremented with the order.
     ordered: u64,
     widths: Widths,
@@ -68,6 +70,8 @@ pub(super) struct Table {
     seen: Option<(Id, [u32; 2])>,
     /// The current row, and the row that was chosen by a key since: keys may come faster than rows change.
     moved: Option<(Option<usize>, usize)>,
+    /// A row of a tree that is to be folded or unfolded.
+    folded: Option<usize>,
 }
 
 impl Table {
@@ -89,7 +93,7 @@ impl Table {
         if std::mem::replace(&mut self.seen, seen) != seen {
             self.scroll = Scroll::default();
         }
-        let focus = keys::area(ui, id, area, &self.sentence(view));
+        let focus = keys::area(ui, id, area, &self.sentence(view), self.is_tree(view));
         let mut chosen = None;
         let mut area_of_rows = ScrollArea::both().id_salt(view.name).auto_shrink(false).animated(false);
         if std::mem::take(&mut self.rewinds) {
@@ -135,13 +139,12 @@ impl Table {
     }
 
     /// The rows that are shown, and how many there are.
-    fn counts(&self, view: &View<'_>) -> [usize; 2] {
-        let all = view.rows.count();
-        [self.order.as_ref().map_or(all, Vec::len), all]
+    fn counts(&self) -> [usize; 2] {
+        [self.order.as_ref().map_or(self.all, Vec::len), self.all]
     }
 
     fn sentence(&self, view: &View<'_>) -> String {
-        let [shown, all] = self.counts(view);
+        let [shown, all] = self.counts();
         let which = if shown == all { format!("{all} rows") } else { format!("{shown} of {all} rows") };
         format!("{}: {which}", view.name)
     }
@@ -159,18 +162,47 @@ impl Table {
         }
     }
 
+    /// Whether all rows are shown in their natural order, as far as they are unfolded.
+    pub(super) fn is_plain(&self) -> bool {
+        self.sort.is_none() && self.filter.trim().is_empty()
+    }
+
+    /// Whether rows are shown as a tree: sorted or filtered, they are a list.
+    fn is_tree(&self, view: &View<'_>) -> bool {
+        self.is_plain() && view.rows.unfolded().is_some()
+    }
+
+    fn fold_in_tree(&self, view: &View<'_>, row: usize) -> Option<Fold> {
+        view.rows.fold(row).filter(|_| self.is_tree(view))
+    }
+
+    /// A row that the user has folded or unfolded, once.
+    pub(super) fn take_folded(&mut self) -> Option<usize> {
+        self.folded.take()
+    }
+
     /// Sorts, filters and measures what has changed.
     fn update(&mut self, ui: &Ui, view: &View<'_>) {
-        let is_plain = self.sort.is_none() && self.filter.trim().is_empty();
-        let is_same = self.question.as_ref().is_some_and(|(version, count, sort, filter)| {
+        let is_plain = self.is_plain();
+        let tree = view.rows.unfolded().filter(|_| is_plain);
+        let (count, unfolded) = (view.rows.count(), tree.map(|(version, _)| version));
+        let is_same = self.question.as_ref().is_some_and(|question| {
+            let (version, rows, folds, sort, filter) = question;
             let is_asked = (*sort, filter.as_str()) == (self.sort, self.filter.as_str());
-            is_asked && (*version, *count) == (view.version, view.rows.count())
+            is_asked && (*version, *rows, *folds) == (view.version, count, unfolded)
         });
         if !is_same {
-            let was_plain =
-                self.question.as_ref().is_none_or(|(_, _, sort, filter)| sort.is_none() && filter.is_empty());
-            self.question = Some((view.version, view.rows.count(), self.sort, self.filter.clone()));
-            self.order = order::order(view.rows, view.heads, self.sort, &self.filter);
+            let was_plain = self.question.as_ref().is_none_or(|(.., sort, filter)| sort.is_none() && filter.is_empty());
+            self.question = Some((view.version, count, unfolded, self.sort, self.filter.clone()));
+            self.order = match tree {
+                Some((_, rows)) => Some(rows.to_vec()),
+                None => order::order(view.rows, view.heads, self.sort, &self.filter),
+            };
+            // What is folded is not left out.
+            self.all = tree.map_or_else(
+                || (0..count).filter(|&row| view.rows.fold(row).is_none()).count(),
+                |(_, rows)| rows.len(),
+            );
             self.ordered += 1;
             if !(is_plain && was_plain) {
                 // The current row is elsewhere now.
@@ -186,7 +218,7 @@ impl Table {
         let columns = measure::place(view.heads, &self.widths, available);
         let layout = (self.ordered, self.widths.edition, columns.clone(), line);
         if self.layout.as_ref() != Some(&layout) {
-            let [shown, _] = self.counts(view);
+            let [shown, _] = self.counts();
             self.tops = measure::tops((0..shown).map(|at| self.row(at)), &self.widths, &columns, line);
             self.layout = Some(layout);
         }

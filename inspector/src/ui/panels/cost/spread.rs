@@ -1,11 +1,15 @@
-//! How a cost is spread over rays: a histogram, mean, median, the 95th percentile, and the largest.
+//! How a cost is spread over rays: a histogram, mean, median, the 95th percentile, and the largest; and in a sentence.
 
+use raystep_lab::human::{digits, grouped};
 use raystep_lab::work::CostOrder;
 
 use super::scale::Scale;
 
 /// Bars of a histogram at most.
 const BINS: usize = 64;
+
+/// Rays are few if they are a smaller share than this of all.
+const FEW: f64 = 0.25;
 
 /// A histogram: bar `i` counts rays that cost from `edges[i]` to less than `edges[i + 1]`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -55,6 +59,10 @@ pub(super) struct Spread {
     /// 95% of rays cost at most this.
     pub(super) most_of_95: u32,
     pub(super) most: u32,
+    least: u32,
+    rays: usize,
+    /// The fewest rays that have half of the cost.
+    half: usize,
     /// On a linear and on a logarithmic axis.
     bins: [Bins; 2],
 }
@@ -69,13 +77,45 @@ impl Spread {
             rays.len().checked_sub(rank).and_then(|at| costs().nth(at)).unwrap_or(0)
         };
         let most = costs().next().unwrap_or(0);
+        let sums = costs().scan(0, |sum, cost| {
+            *sum += u64::from(cost);
+            Some(*sum)
+        });
         Self {
+            least: costs().next_back().unwrap_or(0),
+            rays: rays.len(),
+            half: sums.take_while(|&sum| 2 * sum < order.total()).count() + 1,
             mean: order.total() as f64 / rays.len().max(1) as f64,
             median: at_most(0.5),
             most_of_95: at_most(0.95),
             most,
             bins: [false, true].map(|is_log| Bins::new(costs(), most, is_log)),
         }
+    }
+
+    /// What was found, and whether it matters. `unit`: what is counted.
+    pub(super) fn sentence(&self, unit: &str) -> String {
+        let Self { rays, least, most, median, half, .. } = *self;
+        let cost = grouped(u64::from(most));
+        match rays {
+            0 => return "There are no rays, and no cost.".into(),
+            _ if most == 0 => return format!("No ray costs anything: 0 {unit}."),
+            1 => return format!("The only ray costs {cost} {unit}."),
+            _ if least == most => return format!("Every ray costs the same: {cost} {unit}."),
+            _ => {}
+        }
+        let share = half as f64 / rays as f64;
+        let few = if share < FEW { "A few rays dominate the cost" } else { "Cost is spread over many rays" };
+        let percent = match 100.0 * share {
+            percent if percent < 1.0 => digits(percent),
+            percent => format!("{percent:.0}"),
+        };
+        let times = match f64::from(most) / f64::from(median) {
+            _ if median == 0 => "while at least half of the rays cost nothing".into(),
+            times if times < 10.0 => format!("{times:.1} times the median"),
+            times => format!("{} times the median", digits(times)),
+        };
+        format!("{few}: half of it is in {percent}% of rays. The dearest ray costs {cost} {unit}, {times}.")
     }
 
     pub(super) fn bins(&self, is_log: bool) -> &Bins {
@@ -111,5 +151,32 @@ mod tests {
         assert_eq!(Spread::new(&CostOrder::new(Vec::new())).most, 0);
         let free = Spread::new(&CostOrder::new(vec![0; 9]));
         assert_eq!((free.bins(false).counts.as_slice(), free.bins(true).counts.as_slice()), (&[9][..], &[9][..]));
+    }
+
+    #[test]
+    fn a_sentence_says_what_was_found_and_whether_it_matters() {
+        let of = |costs: &[u32]| Spread::new(&CostOrder::new(costs.to_vec())).sentence("cells");
+        assert_eq!(of(&[]), "There are no rays, and no cost.");
+        assert_eq!(of(&[0; 5]), "No ray costs anything: 0 cells.");
+        assert_eq!(of(&[1234]), "The only ray costs 1,234 cells.");
+        assert_eq!(of(&[0]), "No ray costs anything: 0 cells.");
+        assert_eq!(of(&[7; 4]), "Every ray costs the same: 7 cells.");
+        // 40 of 80 is in 1 of 21 rays, the median is 2.
+        let one_dear: Vec<u32> = (0..21).map(|i| if i == 3 { 40 } else { 2 }).collect();
+        assert_eq!(
+            of(&one_dear),
+            "A few rays dominate the cost: half of it is in 5% of rays. The dearest ray costs 40 cells, 20 times the median."
+        );
+        assert_eq!(
+            of(&[4, 5, 6, 5]),
+            "Cost is spread over many rays: half of it is in 50% of rays. The dearest ray costs 6 cells, 1.2 times the median."
+        );
+        let mut rare = vec![0; 999];
+        rare.push(3);
+        assert_eq!(
+            of(&rare),
+            "A few rays dominate the cost: half of it is in 0.1% of rays. The dearest ray costs 3 cells, while at least half of \
+             the rays cost nothing."
+        );
     }
 }

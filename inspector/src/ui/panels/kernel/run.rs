@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::interpret::{Element, InterpretError, Interpreter, MOST_SITES, Many, Outcomes};
-use raystep_kernels::{Kernel, StreamData};
+use raystep_kernels::program::schedule::Call;
+use raystep_kernels::{Kernel, Pass, StreamData};
+use raystep_lab::divergence::{Fate, fates};
 
 use crate::branches::Branches;
 use crate::session::Model;
@@ -32,6 +34,8 @@ pub(super) struct AllRays {
     pub(super) key: PassKey,
     pub(super) size: [u32; 2],
     pub(super) outcomes: Vec<Option<Outcomes>>,
+    /// How each ray fares in f64; `None` if f64 decides the same, or rays hit nothing.
+    pub(super) fates: Option<Vec<Fate>>,
     /// The lines with conditions, of the composed source.
     pub(super) heat: BTreeMap<usize, Heat>,
 }
@@ -171,7 +175,8 @@ impl Runs {
     /// Interprets all rays of a pass, unless they are known.
     pub(super) fn ask_for_all(&mut self, model: &mut Model, interpreter: &Arc<Interpreter>, key: PassKey) {
         if self.all.as_ref().is_none_or(|all| all.key != key) && !model.is_busy() {
-            model.ask(Request::Job(INTERPRETING, all_rays(interpreter.clone(), key)));
+            let Some(call) = model.passes.get(key.pass).map(Pass::call) else { return };
+            model.ask(Request::Job(INTERPRETING, all_rays(interpreter.clone(), key, call)));
         }
     }
 }
@@ -184,7 +189,7 @@ fn one_ray(interpreter: Arc<Interpreter>, key: PassKey, pixel: [u32; 2]) -> Job 
     })
 }
 
-fn all_rays(interpreter: Arc<Interpreter>, key: PassKey) -> Job {
+fn all_rays(interpreter: Arc<Interpreter>, key: PassKey, call: Call) -> Job {
     job!(context, {
         let JobContext { session, progress, .. } = context;
         let read = session.streams_before(key.pass, interpreter.streams(), None).await;
@@ -202,7 +207,11 @@ fn all_rays(interpreter: Arc<Interpreter>, key: PassKey) -> Job {
             pause().await;
         }
         let heat = heat(interpreter.sites().iter().map(|site| site.line), &outcomes);
-        answered(AllRays { key, size, outcomes, heat })
+        let fates = match outcomes.iter().flatten().any(|ray| ray.differs != 0) {
+            true => fates(&session.renderer().shared_plan(), &data, call, &streams).map_err(|e| e.to_string())?,
+            false => None,
+        };
+        answered(AllRays { key, size, outcomes, fates, heat })
     })
 }
 

@@ -10,6 +10,10 @@ pub(super) const GAP: f32 = 8.0;
 pub(super) const MARGIN: f32 = 4.0;
 /// Room of a swatch before a text.
 pub(super) const SWATCH: f32 = 11.0;
+/// Indentation of each level of a tree.
+pub(super) const INDENT: f32 = 12.0;
+/// Room of an arrow that folds.
+pub(super) const ARROW: f32 = 16.0;
 /// Most lines of a sentence; more are shown when hovering.
 pub(super) const MOST_LINES: f32 = 4.0;
 /// The least width of a column of sentences beside the others.
@@ -19,6 +23,11 @@ const LEAST_PROSE: f32 = 260.0;
 pub(super) fn font(ui: &Ui, kind: Kind) -> FontId {
     let style = if kind == Kind::Number { TextStyle::Monospace } else { TextStyle::Body };
     style.resolve(ui.style())
+}
+
+/// The room before a text of the column of branches.
+pub(super) fn indentation(rows: &dyn Rows, row: usize) -> f32 {
+    if rows.unfolded().is_none() { 0.0 } else { INDENT * rows.depth(row) as f32 + ARROW }
 }
 
 /// The widths that texts need.
@@ -59,6 +68,7 @@ impl Widths {
                 match head.kind {
                     Kind::Prose => self.prose.push(width),
                     Kind::Text | Kind::Number => self.columns[column] = self.columns[column].max(width),
+                    Kind::Tree => self.columns[column] = self.columns[column].max(width + indentation(rows, row)),
                 }
             }
         }

@@ -99,6 +99,9 @@ pub(super) fn order(rows: &dyn Rows, heads: &[Head<'_>], sort: Option<Sort>, fil
     }
     let has_words = terms.iter().any(|term| matches!(term, Term::Word(_)));
     let is_shown = |&row: &usize| {
+        if rows.fold(row).is_some() {
+            return false;
+        }
         let text = match has_words {
             true => (0..heads.len()).map(|column| rows.text(row, column).to_lowercase() + "\n").collect(),
             false => String::new(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{Color32, FontId, Galley, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
 
-use super::measure::{Columns, GAP, MARGIN, MOST_LINES, PADDING, SWATCH, font};
+use super::measure::{ARROW, Columns, GAP, MARGIN, MOST_LINES, PADDING, SWATCH, font, indentation};
 use super::order::Sort;
 use super::rows::{Kind, Look};
 use super::{Table, View};
@@ -41,7 +41,7 @@ impl Table {
             let left = cell.left() + 0.5 * GAP;
             let (text, arrow) = match head.kind {
                 Kind::Number => (left + width - galley.size().x, left + width - galley.size().x - 7.0),
-                Kind::Text | Kind::Prose => (left, left + galley.size().x + 7.0),
+                Kind::Text | Kind::Tree | Kind::Prose => (left, left + galley.size().x + 7.0),
             };
             painter.galley(pos2(text, y), galley, color);
             if let Some(sort) = sort {
@@ -90,6 +90,12 @@ impl Table {
             if response.clicked() {
                 chosen = Some(row);
             }
+            if let Some(fold) = self.fold_in_tree(view, row) {
+                ui.ctx().accesskit_node_builder(response.id, |node| node.set_expanded(fold.is_open));
+                if response.double_clicked() && !fold.is_fixed {
+                    self.folded = Some(row);
+                }
+            }
             response.context_menu(|ui| self.menu(ui, view, row));
         }
         chosen
@@ -125,10 +131,20 @@ impl Table {
             ui.painter().rect_filled(Rect::from_min_size(at, vec2(7.0, line - 4.0)), 1.0, swatch);
             left += SWATCH;
         }
+        let before = left;
+        if head.kind == Kind::Tree && self.is_tree(view) {
+            left += indentation(view.rows, row);
+            self.paint_fold(
+                ui,
+                view,
+                row,
+                Rect::from_min_size(pos2(left - ARROW, rect.top()), vec2(ARROW, rect.height())),
+            );
+        }
         let text = view.rows.text(row, column);
         let (wrap, lines) = match head.kind {
             Kind::Prose => (columns.prose, MOST_LINES),
-            Kind::Text | Kind::Number => (f32::INFINITY, 1.0),
+            Kind::Text | Kind::Tree | Kind::Number => (f32::INFINITY, 1.0),
         };
         let galley = laid_out(ui, text, font(ui, head.kind), look, wrap, lines as usize);
         let size = galley.size();
@@ -136,13 +152,36 @@ impl Table {
         let at = match head.kind {
             // In view however far the other columns are scrolled.
             Kind::Prose if is_below => pos2(clip.left().max(rect.left()) + MARGIN + GAP, top + line),
-            Kind::Prose | Kind::Text => pos2(left, top),
+            Kind::Prose | Kind::Text | Kind::Tree => pos2(left, top),
             Kind::Number => pos2(left + width - size.x, top),
         };
         ui.painter().galley(at, galley, color);
         let swatch = if look.swatch.is_some() { SWATCH } else { 0.0 };
-        if head.kind != Kind::Prose && self.widths.grow(column, size.x + swatch) {
+        if head.kind != Kind::Prose && self.widths.grow(column, size.x + swatch + left - before) {
             ui.ctx().request_discard("a column of a table grows");
+        }
+    }
+
+    /// The arrow that folds a row, if there are rows below it.
+    fn paint_fold(&mut self, ui: &Ui, view: &View<'_>, row: usize, rect: Rect) {
+        let Some(fold) = self.fold_in_tree(view, row) else { return };
+        let sense = if fold.is_fixed { Sense::hover() } else { Sense::CLICK };
+        let arrow = ui.interact(rect, ui.scope_id().with((view.name, "fold", row)), sense);
+        let does = if fold.is_open { "fold" } else { "unfold" };
+        let name = format!("{does} {}", view.rows.fold_name(row));
+        arrow.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, !fold.is_fixed, &name));
+        let color = match (fold.is_fixed, arrow.hovered()) {
+            (true, _) => ui.visuals().weak_text_color(),
+            (false, false) => ui.visuals().text_color(),
+            (false, true) => ui.visuals().strong_text_color(),
+        };
+        let corners = [vec2(-2.5, -4.0), vec2(3.0, 0.0), vec2(-2.5, 4.0)];
+        let turned = |corner: egui::Vec2| if fold.is_open { vec2(-corner.y, corner.x) } else { corner };
+        let center = pos2(rect.left() + 5.0, rect.center().y);
+        let corners = corners.map(|corner| center + turned(corner)).to_vec();
+        ui.painter().add(Shape::convex_polygon(corners, color, Stroke::NONE));
+        if arrow.clicked() {
+            self.folded = Some(row);
         }
     }
 
@@ -168,7 +207,7 @@ impl Table {
         if ui.button("Copy row").clicked() {
             ui.ctx().copy_text(line_of(view, row, "\t"));
         }
-        let [shown, _] = self.counts(view);
+        let [shown, _] = self.counts();
         if ui.button(format!("Copy {shown} rows")).on_hover_text("with heads, separated by tabs").clicked() {
             let heads = view.heads.iter().map(|head| head.name).collect::<Vec<_>>().join("\t");
             let rows = (0..shown).map(|at| line_of(view, self.row(at), "\t"));

@@ -9,6 +9,8 @@ pub(in crate::ui) enum Kind {
     Text,
     /// Right-aligned, in monospaced digits.
     Number,
+    /// As text; in a tree, indented, with arrows that fold.
+    Tree,
     /// A sentence: wraps, and goes below the other columns where the panel is narrow. At most one column.
     Prose,
 }
@@ -35,6 +37,11 @@ impl<'a> Head<'a> {
         Self { name, about, kind: Kind::Number }
     }
 
+    /// The column of a tree's branches.
+    pub(in crate::ui) const fn tree(name: &'a str, about: &'a str) -> Self {
+        Self { name, about, kind: Kind::Tree }
+    }
+
     /// A column of sentences.
     pub(in crate::ui) const fn prose(name: &'a str, about: &'a str) -> Self {
         Self { name, about, kind: Kind::Prose }
@@ -54,10 +61,35 @@ pub(in crate::ui) struct Look {
     pub(in crate::ui) bar: Option<(f32, Color32)>,
 }
 
+/// How a row with others below it is folded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::ui) struct Fold {
+    /// Whether the rows below it are shown.
+    pub(in crate::ui) is_open: bool,
+    /// Whether that cannot be changed.
+    pub(in crate::ui) is_fixed: bool,
+}
+
 /// The rows of a table. Texts must depend only on the [version](super::View::version); looks may change at any time.
 pub(in crate::ui) trait Rows {
     /// The number of rows.
     fn count(&self) -> usize;
+    /// The rows of a tree that are shown, unless sorted or filtered, and their version; `None` if this is no tree.
+    fn unfolded(&self) -> Option<(u64, &[usize])> {
+        None
+    }
+    /// How deep in the tree a row is.
+    fn depth(&self, _row: usize) -> usize {
+        0
+    }
+    /// For a row with others below it, which only a tree shows.
+    fn fold(&self, _row: usize) -> Option<Fold> {
+        None
+    }
+    /// Its name, for screen readers.
+    fn fold_name(&self, _row: usize) -> String {
+        String::new()
+    }
     /// A cell's text.
     fn text(&self, row: usize, column: usize) -> String;
     /// A cell's number, for sorting and comparing.

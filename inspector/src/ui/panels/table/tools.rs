@@ -12,7 +12,7 @@ impl Table {
     pub(in super::super) fn tools(&mut self, ui: &mut Ui, view: &View<'_>) {
         self.field(ui, view.name);
         self.update(ui, view);
-        let [shown, all] = self.counts(view);
+        let [shown, all] = self.counts();
         let rows = if all == 1 { "row" } else { "rows" };
         ui.weak(if shown == all { format!("{all} {rows}") } else { format!("{shown} of {all} {rows}") });
     }

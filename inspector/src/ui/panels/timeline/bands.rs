@@ -6,6 +6,7 @@ use raystep_kernels::program::schedule::Schedule;
 
 use super::axis::Axis;
 use crate::ui::panels::timings::duration;
+use crate::ui::panels::turns::{Turn, Turns, names, range};
 use crate::ui::style::{SMALLEST, ink_on};
 
 /// Height of a band.
@@ -14,9 +15,6 @@ const HEIGHT: f32 = 13.0;
 const LEAST: f32 = 4.0;
 /// Segments have gaps between them, and labels, only if they are wider than this.
 const WIDE: f32 = 3.0;
-
-/// A turn of a loop: its first pass, and the pass after its last one.
-pub(super) type Turn = [usize; 2];
 
 /// A turn as it is painted, or several that are narrower than a point.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +27,7 @@ struct Segment {
 /// The bands, made again with the axis.
 #[derive(Default)]
 pub(super) struct Bands {
-    /// The turns of each level, outermost first.
-    levels: Vec<Vec<Turn>>,
+    turns: Turns,
     /// The segments of each level in a lane, kept while it stays there.
     segments: Option<(Rect, Vec<Vec<Segment>>)>,
 }
@@ -38,45 +35,24 @@ pub(super) struct Bands {
 impl Bands {
     /// Those of these passes. None if no level has several turns.
     pub(super) fn new(passes: &[Pass]) -> Self {
-        let mut levels: Vec<Vec<Turn>> = Vec::new();
-        let mut before: &[u32] = &[];
-        for (index, pass) in passes.iter().enumerate() {
-            let continued = before.iter().zip(&pass.loops).take_while(|(a, b)| a == b).count();
-            levels.resize(levels.len().max(pass.loops.len()), Vec::new());
-            for (level, turns) in levels.iter_mut().take(pass.loops.len()).enumerate() {
-                match turns.last_mut() {
-                    Some(turn) if level < continued => turn[1] = index + 1,
-                    _ => turns.push([index, index + 1]),
-                }
-            }
-            before = &pass.loops;
-        }
-        if levels.iter().all(|turns| turns.len() < 2) {
-            levels.clear();
-        }
-        Self { levels, segments: None }
+        let mut turns = Turns::default();
+        turns.extend(passes);
+        Self { turns, segments: None }
     }
 
     /// The height of their lane, of the height that there is for it and the columns.
     pub(super) fn height(&self, room: f32) -> f32 {
-        let levels = self.levels.len() as f32;
+        let levels = self.turns.levels().len() as f32;
         let height = (HEIGHT * levels).min(0.5 * room);
         if height < LEAST * levels { 0.0 } else { height }
-    }
-
-    /// The turn of a level that a pass belongs to.
-    fn turn(&self, level: usize, pass: usize) -> Option<Turn> {
-        let turns = self.levels.get(level)?;
-        let at = turns.partition_point(|turn| turn[0] <= pass).checked_sub(1)?;
-        Some(turns[at]).filter(|turn| pass < turn[1])
     }
 
     /// The level and the turn at a position in the lane, above a pass.
     pub(super) fn at(&self, lane: Rect, pos: Pos2, pass: Option<usize>) -> Option<(usize, Turn)> {
         let is_met = lane.is_positive() && lane.contains(pos);
         let part = (pos.y - lane.top()) / lane.height();
-        let level = (part * self.levels.len() as f32) as usize;
-        Some((level, self.turn(level, pass.filter(|_| is_met)?)?))
+        let level = (part * self.turns.levels().len() as f32) as usize;
+        Some((level, self.turns.of(level, pass.filter(|_| is_met)?)?))
     }
 
     /// Paints them. The turns of the pass before `place` are emphasised.
@@ -86,9 +62,9 @@ impl Bands {
         }
         let x = |place: usize| lane.left() + (axis.part_of(place) * f64::from(lane.width())) as f32;
         if self.segments.as_ref().is_none_or(|(rect, _)| *rect != lane) {
-            self.segments = Some((lane, self.levels.iter().map(|turns| segments(turns, x)).collect()));
+            self.segments = Some((lane, self.turns.levels().iter().map(|turns| segments(turns, x)).collect()));
         }
-        let height = lane.height() / self.levels.len() as f32;
+        let height = lane.height() / self.turns.levels().len() as f32;
         let fills = [ui.visuals().widgets.inactive.bg_fill, ui.visuals().selection.bg_fill];
         for (level, segments) in self.segments.iter().flat_map(|(_, segments)| segments.iter().enumerate()) {
             let top = lane.top() + height * level as f32;
@@ -101,7 +77,7 @@ impl Bands {
                     label(ui, rect, of, pass, level, ink_on(fill));
                 }
             };
-            let current = place.checked_sub(1).and_then(|pass| self.turn(level, pass));
+            let current = place.checked_sub(1).and_then(|pass| self.turns.of(level, pass));
             for segment in segments.iter().filter(|segment| segment.turn.is_none() || segment.turn != current) {
                 paint(segment, fills[0]);
             }
@@ -115,7 +91,7 @@ impl Bands {
     /// What is said about a turn: its name within those of the levels above, its passes, and its time.
     pub(super) fn about((level, [first, end]): (usize, Turn), passes: &[Pass], of: &Schedule) -> Vec<String> {
         let Some(turn) = passes.get(first..end).filter(|turn| !turn.is_empty()) else { return Vec::new() };
-        let which = if end - first == 1 { format!("pass {first}") } else { format!("passes {first}–{}", end - 1) };
+        let which = format!("{} {}", if end - first == 1 { "pass" } else { "passes" }, range([first, end]));
         let time = turn.iter().try_fold(0u64, |sum, pass| Some(sum.saturating_add(pass.duration_ns?)));
         let time = time.map(|ns| format!("{} on the device", duration(ns)));
         let names = names(of, &turn[0]);
@@ -126,15 +102,9 @@ impl Bands {
 
     /// The turns of a pass in words, if there are bands.
     pub(super) fn words(&self, pass: &Pass, of: &Schedule) -> String {
-        let names = if self.levels.is_empty() { Vec::new() } else { names(of, pass) };
+        let names = if self.turns.levels().is_empty() { Vec::new() } else { names(of, pass) };
         names.into_iter().map(|name| format!(", {name}")).collect()
     }
-}
-
-/// The names of the turns that a pass is in, outermost first.
-fn names(of: &Schedule, pass: &Pass) -> Vec<String> {
-    let around = of.loops_around(pass.kernel, pass.loops.len());
-    around.iter().zip(&pass.loops).map(|(around, turn)| format!("{} {turn}", around.turn_name())).collect()
 }
 
 /// The name of a turn or, where that does not fit, its number.
@@ -186,16 +156,16 @@ mod tests {
     #[test]
     fn a_band_has_a_segment_from_the_first_to_the_last_pass_of_every_turn() {
         let bands = Bands::new(&stages(3));
-        assert_eq!(bands.levels[0], [[0, 1], [1, 3], [3, 6]]);
-        assert_eq!(bands.levels[1], [0, 1, 2, 3, 4, 5].map(|pass| [pass, pass + 1]), "step 0 follows step 0");
+        assert_eq!(bands.turns.levels()[0], [[0, 1], [1, 3], [3, 6]]);
+        assert_eq!(bands.turns.levels()[1], [0, 1, 2, 3, 4, 5].map(|pass| [pass, pass + 1]), "step 0 follows step 0");
         // Passes before, between and after loops are in no turn.
         let bands = Bands::new(&passes([vec![], vec![0], vec![0], vec![1], vec![], vec![0], vec![]]));
-        assert_eq!(bands.levels, [vec![[1, 3], [3, 4], [5, 6]]]);
-        let found = [0, 1, 2, 3, 4, 5, 6, 7].map(|pass| bands.turn(0, pass).map_or(0, |turn| turn[1]));
+        assert_eq!(bands.turns.levels(), [vec![[1, 3], [3, 4], [5, 6]]]);
+        let found = [0, 1, 2, 3, 4, 5, 6, 7].map(|pass| bands.turns.of(0, pass).map_or(0, |turn| turn[1]));
         assert_eq!(found, [0, 3, 3, 4, 0, 6, 0, 0]);
         for loops in [vec![], vec![vec![]; 3], vec![vec![0]; 3], vec![vec![], vec![0], vec![]]] {
             let bands = Bands::new(&passes(loops));
-            assert!(bands.levels.is_empty() && bands.height(100.0) == 0.0, "there is nothing to tell apart");
+            assert!(bands.turns.levels().is_empty() && bands.height(100.0) == 0.0, "there is nothing to tell apart");
         }
     }
 
@@ -222,7 +192,7 @@ mod tests {
         let passes = passes((0..100_000).map(|pass| vec![pass / 50_000, pass]));
         let (bands, axis) = (Bands::new(&passes), Axis::new(&passes, Scale::Passes, false));
         let x = |place| (axis.part_of(place) * 500.0) as f32;
-        let [outer, inner] = [0, 1].map(|level: usize| segments(&bands.levels[level], x));
+        let [outer, inner] = [0, 1].map(|level: usize| segments(&bands.turns.levels()[level], x));
         assert_eq!(
             outer.iter().map(|segment| [segment.left, segment.right]).collect::<Vec<_>>(),
             [[0.0, 250.0], [250.0, 500.0]]
