@@ -79,7 +79,7 @@ impl Panel for Cost {
         }
         self.update(cx);
         if let Some((of, sorted)) = self.known.shown(cx, &self.look, &self.warps) {
-            ui.strong(sorted.spread.sentence(of.shown.unit()));
+            strong(ui, sorted.spread.sentence(of.shown.unit()));
         }
         let size = ui.available_size();
         if size.x > 700.0 {
@@ -187,8 +187,7 @@ impl Cost {
         });
         let mut height = height;
         if let Some(heat) = &heat {
-            let (rect, response) =
-                ui.allocate_exact_size(vec2(seen_width(ui), scale::HEIGHT), egui::Sense::hover());
+            let (rect, response) = ui.allocate_exact_size(vec2(seen_width(ui), scale::HEIGHT), egui::Sense::hover());
             let painter = ui.painter_at(rect);
             self.look.scale.paint(ui, &painter, rect, heat.sorted.spread.most);
             let text = format!("colours from 0 to {} {}", heat.sorted.spread.most, self.look.shown.unit());

@@ -4,6 +4,7 @@ use egui::{Button, ScrollArea, Ui};
 
 use crate::command::{Command, PaneKind};
 use crate::ui::pane::Context;
+use crate::ui::style::strong;
 
 /// Comparisons that need no kept run.
 const AT_ONCE: [(Command, &str); 4] = [
@@ -45,7 +46,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>) {
 fn steps(ui: &mut Ui, cx: &mut Context<'_>) {
     let [keep, next, previous] =
         [Command::KeepRun, Command::NextRun, Command::PreviousRun].map(|command| command.key_text(ui.ctx()));
-    ui.strong("Keep two runs to see where they differ, and how long each takes.");
+    strong(ui, "Keep two runs to see where they differ, and how long each takes.");
     ui.label(format!("1. Keep this run: the button above, or {keep}."));
     ui.horizontal_wrapped(|ui| {
         ui.label("2. Change its options, and keep that run, too:");
@@ -59,7 +60,7 @@ fn steps(ui: &mut Ui, cx: &mut Context<'_>) {
 }
 
 fn at_once(ui: &mut Ui, cx: &mut Context<'_>) {
-    ui.strong("Or compare at once, without keeping a run.");
+    strong(ui, "Or compare at once, without keeping a run.");
     for (command, about) in AT_ONCE {
         ui.horizontal_wrapped(|ui| {
             if ui.add_enabled(!cx.model.is_busy(), Button::new(command.name())).clicked() {
