@@ -1,6 +1,7 @@
 #!/bin/sh
 # Opens the real window under a window manager, on a virtual display, with each device. It must open every time, survive
-# being resized and moved while it traces, trace to the end, and close without messages, also in the middle of its work.
+# being resized and moved while it traces, trace to the end, and close without messages, also in the middle of its work; it
+# must live with texels that are no numbers, and with a home that cannot be written to.
 # With RAYSTEP_THOROUGH, which tests/full.sh sets, it is opened more often.
 set -eu
 cd "$(dirname "$0")/.."
@@ -75,12 +76,13 @@ shows_the_scene() {
     [ -s "$folder/said" ] || wmctrl -l | grep -q "$scene"
 }
 
-# Closes the window as a user would.
+# Closes the window as a user would. It says nothing but $expected.
+expected=""
 close() {
     wmctrl -c "$scene" || fail "$*: the window is gone"
-    until_it_does 300 test -s "$folder/said" || fail "$*: the window does not close"
+    until_it_does 300 grep -q "exit code" "$folder/said" || fail "$*: the window does not close"
     wait "$opened"
-    [ "$(cat "$folder/said")" = "exit code 0" ] || fail "$*: the window did not stay open and silent"
+    [ "$(cat "$folder/said")" = "${expected}exit code 0" ] || fail "$*: the window did not stay open and silent"
 }
 
 # Every ten seconds it saves its state, which contains the current pass.
@@ -126,10 +128,32 @@ interrupt_with() {
     done
 }
 
+# Numbers that are none, in texels that the run goes on with; a home that cannot be written to, which is said in a line.
+mistakes_with() {
+    device=$1
+    cat >"$folder/nan.raystep-session" <<END
+{"version": 1, "here": {
+    "link": "raystep:1?scene=$PWD/scenes/cornell-box.gltf&size=256x256&device=$device&pixel=96,180",
+    "edits": [
+        {"place": 20, "stream": "tmax", "layer": 0, "x": 96, "y": 180, "bits": $((0x7fc00000))},
+        {"place": 20, "stream": "ray_direction", "layer": 1, "x": 97, "y": 180, "bits": $((0xff800000))}]}}
+END
+    open cornell-box "$folder/nan.raystep-session"
+    sleep 2
+    close "--device $device, NaN and -inf in texels"
+    # A file in place of the folder: nobody can write below it, not even root.
+    HOME="$folder/display"
+    expected="cannot save the window's settings: $HOME/.local/share/raystep: Not a directory
+"
+    open cornell-box scenes/cornell-box.gltf --device "$device"
+    close "--device $device, a home that cannot be written to"
+    HOME=$folder expected=""
+}
+
 # `--device auto` selects one of these. They mostly wait, so run both at once.
-(begin; test_with gpu; interrupt_with gpu) &
+(begin; test_with gpu; interrupt_with gpu; mistakes_with gpu) &
 gpu=$!
-(begin; test_with cpu; interrupt_with cpu) &
+(begin; test_with cpu; interrupt_with cpu; mistakes_with cpu) &
 cpu=$!
 failed=0
 wait "$gpu" || failed=1

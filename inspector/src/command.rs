@@ -1,9 +1,10 @@
 //! All commands, in one table that defines menus, keys, the palette and the tests.
 
+mod keys;
 mod layout;
 mod pane_kind;
 
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::{Key, Modifiers};
 
 pub use layout::{Layout, MOST_OWN};
 pub use pane_kind::PaneKind;
@@ -108,6 +109,9 @@ commands! {
         ExportNpy "Export stream as npy";
         /// Exports the ray's history as CSV.
         ExportRay "Export ray as CSV";
+        /// Exports the stream in view as PNG: a pixel for each texel, in the colours of the view.
+        ExportTexels "Export stream as PNG";
+        /// Exports what is seen of the stream as PNG, as large as the panel shows it.
         ExportView "Export stream view as PNG";
         /// Exports the ray's walk as SVG.
         ExportWalk "Export walk as SVG";
@@ -363,13 +367,6 @@ impl Command {
     #[must_use]
     pub fn name(self) -> &'static str {
         self.info().map_or("?", |info| info.name)
-    }
-
-    /// The first key in the system's notation; empty if there is none.
-    #[must_use]
-    pub fn key_text(self, ctx: &egui::Context) -> String {
-        let first = self.info().and_then(|info| info.keys.first());
-        first.map_or_else(String::new, |&(modifiers, key)| ctx.format_shortcut(&KeyboardShortcut::new(modifiers, key)))
     }
 }
 

@@ -6,6 +6,7 @@ import path from "node:path";
 import { after, before, describe, test } from "node:test";
 
 import { Browser, keyOf, scenes } from "./browser.mjs";
+import { unreadable } from "./readable.mjs";
 
 const CORNELL = "raystep:1?scene=scenes/cornell-box.gltf";
 const SMALL = `${CORNELL}&size=96x96`;
@@ -142,6 +143,7 @@ for (const [way, device] of [
             session.send("Browser.crashGpuProcess").catch(() => {});
             await tab.page.waitForFunction(() => window.raystep.failure !== undefined);
             assert.match(await tab.page.textContent("#message"), /lost|took back/);
+            assert.deepEqual(await unreadable(tab.page), []);
             await tab.page.click("#buttons button");
             // The page is loaded again.
             await tab.page.waitForFunction(() => window.raystep?.isReady);
@@ -224,5 +226,9 @@ test("without anything to draw with, the page says so, and shows pictures", asyn
     await tab.page.waitForFunction(() => [...document.images].length === 3 && [...document.images].every((i) => i.naturalWidth > 0));
     assert.match(await tab.page.textContent("#message"), /cannot run in this browser/);
     await tab.screenshot("nothing");
+    assert.deepEqual(await unreadable(tab.page), []);
+    // The lessons as a page.
+    await tab.page.goto(new URL("lessons.html", tab.page.url()).href);
+    assert.deepEqual(await unreadable(tab.page), []);
     await browser.close();
 });

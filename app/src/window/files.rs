@@ -5,6 +5,9 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
+use crate::error::reason;
+use crate::output::{Target, write};
+
 /// Waits for a dialog, on its own thread.
 pub(super) fn wait<T>(dialog: impl Future<Output = T>) -> T {
     let mut dialog = pin!(dialog);
@@ -26,15 +29,13 @@ pub(super) fn recall() -> Option<Vec<u8>> {
     crate::scene_file::read_file(&place()?, raystep_inspector::saved::MOST_BYTES as u64).ok()
 }
 
-/// Saves the session. If that fails, the next window starts with defaults.
-pub(super) fn remember(saved: &str) {
-    let Some(place) = place() else { return };
-    let folder = place.parent().map(std::fs::create_dir_all);
-    if folder.is_some_and(|made| made.is_ok())
-        && let Ok(target) = crate::output::Target::new(&place)
-    {
-        let _ = crate::output::write(vec![(target, saved.as_bytes().to_vec())]);
-    }
+/// Saves the session. If that fails, the next window starts with defaults; the error says why.
+pub(super) fn remember(saved: &str) -> Result<(), String> {
+    let Some(place) = place() else { return Ok(()) };
+    let folder = place.parent().unwrap_or(&place);
+    std::fs::create_dir_all(folder).map_err(|e| format!("{}: {}", folder.display(), reason(&e)))?;
+    let target = Target::new(&place).map_err(|e| e.message().to_owned())?;
+    write(vec![(target, saved.as_bytes().to_vec())]).map_err(|e| e.message().to_owned())
 }
 
 /// An unused path for a file of this name, in the current folder.

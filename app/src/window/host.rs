@@ -20,6 +20,7 @@ use super::{files, last_error};
 use crate::args::ReadArgs;
 use crate::output::{Target, write};
 use crate::session_file;
+use crate::terminal::say;
 use crate::threads;
 
 /// A scene's path, and which scene of a file with several.
@@ -63,6 +64,8 @@ pub(super) struct Desktop {
     tell: Sender<HostEvent>,
     /// The settings that were saved last.
     remembered: String,
+    /// Whether saving failed, and the user was told.
+    cannot_remember: bool,
     /// The scene that was loaded last.
     loaded: Option<Loaded>,
 }
@@ -101,7 +104,8 @@ fn written(file: &Path) -> Option<SystemTime> {
 impl Desktop {
     pub(super) fn new(ctx: egui::Context, gpu: Arc<Gpu>, read: ReadArgs, opening: Option<Opening>) -> Self {
         let (tell, events) = channel();
-        Self { ctx, gpu, read, opening, events, tell, remembered: String::new(), loaded: None }
+        let (remembered, cannot_remember) = (String::new(), false);
+        Self { ctx, gpu, read, opening, events, tell, remembered, cannot_remember, loaded: None }
     }
 
     /// Runs slow work in a thread, and reports its result.
@@ -217,9 +221,17 @@ impl Host for Desktop {
     }
 
     fn remember(&mut self, saved: &str) {
-        if self.remembered != saved {
-            files::remember(saved);
-            saved.clone_into(&mut self.remembered);
+        if self.remembered == saved {
+            return;
+        }
+        saved.clone_into(&mut self.remembered);
+        if let Err(why) = files::remember(saved)
+            && !std::mem::replace(&mut self.cannot_remember, true)
+        {
+            let message = format!("cannot save the window's settings: {why}");
+            // The window may close before it shows the message.
+            say(&message);
+            let _ = self.tell.send(HostEvent::Failed(message));
         }
     }
 }
@@ -262,6 +274,23 @@ impl Asking {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_cannot_be_written_is_kept_and_another_path_asked_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("file"), "no folder").expect("a file");
+        for path in ["file/passes.csv", "nowhere/passes.csv", ""] {
+            let path = folder.path().join(path);
+            let file = FileToSave { name: "passes.csv".into(), bytes: b"pass\n".to_vec(), holds: "0 rows".into() };
+            match save(file, "passes.csv", &path, true) {
+                HostEvent::AskPath { file: Some(file), path, why } => {
+                    assert_eq!((file.bytes.as_slice(), path.as_str()), (&b"pass\n"[..], "passes.csv"));
+                    assert!(!why.is_empty() && !why.contains('\n'), "{why}");
+                }
+                _ => panic!("{}: written, or given up", path.display()),
+            }
+        }
+    }
 
     #[test]
     fn a_file_has_changed_once_each_time_it_is_written() {

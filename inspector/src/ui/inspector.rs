@@ -75,6 +75,8 @@ struct OpenScene {
     generation: u64,
     /// What to do once the scene being opened is ready.
     arrival: Option<Arrival>,
+    /// The number of passes that a link, a session or an option asked for, until the run is there.
+    asked_place: Option<usize>,
     /// The path of the scene that was opened last, until its run has nothing more to do.
     opening: Option<String>,
 }

@@ -2,8 +2,10 @@
 
 use egui::{Key, Modifiers, Rect, Vec2};
 use raystep_inspector::command::{Command, Layout, PaneKind};
+use raystep_inspector::saved::Saved;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
+use raystep_kernels::programs::closest_hit::streams::{RAY_DIRECTION, RAY_ORIGIN, STATE, TMAX};
 
 use crate::ui::adapter::own_gpu;
 use crate::ui::desk::{BROKEN, CORNELL, EMPTY, TRIANGLE};
@@ -161,4 +163,74 @@ fn minimised_and_back() {
     let picture = stage.harness.render().expect("it can be drawn");
     assert_eq!((picture.width(), picture.height()), (1280, 800));
     assert!(stage.find(egui::Role::Image, |name| name.contains("after")).is_some(), "{}", stage.read_out());
+}
+
+#[test]
+fn numbers_that_are_none_can_be_typed_into_texels() {
+    let mut stage =
+        Stage::with_scene(CORNELL, small(), Arrival { pixel: Some([12, 20]), place: Some(9), ..Arrival::default() });
+    for (typed, stream) in [("NaN", TMAX), ("-inf", RAY_DIRECTION), ("0xffffffff", RAY_ORIGIN)] {
+        stage.show_stream(stream, "x");
+        stage.perform(Command::EditTexel);
+        stage.answer(typed);
+    }
+    let edits: Vec<f32> = stage.inspector().model().edits.iter().map(|edit| f32::from_bits(edit.bits)).collect();
+    assert!(edits.len() == 3 && edits[0].is_nan() && edits[1] == f32::NEG_INFINITY && edits[2].is_nan(), "{edits:?}");
+    // A state is no float.
+    stage.show_stream(STATE, "tag");
+    stage.perform(Command::EditTexel);
+    stage.answer("NaN");
+    assert!(stage.reads("\"NaN\": expected an integer of at least 0"), "{}", stage.read_out());
+    stage.key(Modifiers::NONE, Key::Escape);
+    stage.settle();
+    for &kind in PaneKind::ALL {
+        stage.perform(Command::Show(kind));
+    }
+    stage.arrange(Layout::Ray);
+    for command in [Command::End, Command::PreviousPass, Command::Start] {
+        stage.perform(command);
+        stage.harness.render().expect("it can be drawn");
+    }
+    let error = stage.inspector().last_error().unwrap_or_default().to_owned();
+    assert!(error.starts_with("\"NaN\": expected an integer"), "{error}");
+}
+
+/// A file that the user drops into the window.
+#[derive(Debug)]
+struct Dropped(&'static str);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &std::path::Path {
+        std::path::Path::new(self.0)
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("no such file".into())
+    }
+}
+
+#[test]
+fn a_dropped_or_recent_file_that_is_gone_is_named_and_keeps_what_is_open() {
+    const GONE: [&str; 2] = ["gone.glb", "gone.raystep-session"];
+    let mut saved = Saved::default();
+    GONE.iter().for_each(|path| saved.opened(path));
+    let mut stage = Stage::new(Plan::default());
+    stage.inspector().restore(saved.to_text().expect("JSON").as_bytes());
+    let error = |stage: &Stage| stage.harness.state().last_error().unwrap_or_default().to_owned();
+    for path in GONE {
+        stage.frame();
+        stage.click(egui::Role::Link, path);
+        stage.settle();
+        assert!(error(&stage).contains(&format!("{path}: no such file")), "{}", error(&stage));
+        // The other one can be tried.
+        assert!(stage.reads("or start with a lesson"), "{}", stage.read_out());
+    }
+    stage.open(CORNELL, small(), Arrival { place: Some(9), ..Arrival::default() });
+    for path in GONE {
+        stage.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
+        stage.frame();
+        stage.settle();
+        assert!(error(&stage).contains(&format!("{path}: no such file")), "{}", error(&stage));
+        assert_eq!(stage.place(), 9, "what was open is gone");
+    }
 }

@@ -200,9 +200,9 @@ fn a_stopped_set_up_says_so_and_can_be_repeated() {
     stage.until("the run", |stage| stage.harness.state().model().opened.is_some());
     assert!(stage.harness.state().is_busy());
     stage.perform(Command::Cancel);
-    assert_eq!(problems(&stage), ["test.md:8: not set up: cancelled"]);
-    assert!(stage.reads("not set up: cancelled") && !stage.harness.state().model().is_complete, "{}", stage.read_out());
-    stage.click(Role::Button, "Set up again");
+    assert_eq!(problems(&stage), ["test.md:3: not set up: it was cancelled"]);
+    assert!(stage.reads("it was cancelled") && !stage.harness.state().model().is_complete, "{}", stage.read_out());
+    stage.click(Role::Button, "Set up");
     stage.settle();
     assert_eq!(problems(&stage), Vec::<String>::new());
     assert_eq!(stage.place(), 4);

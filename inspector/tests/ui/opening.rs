@@ -110,3 +110,20 @@ fn from_the_start_the_stream_shows_what_differs_and_the_history_its_first_rows()
     assert!(is_on(&stage, "tag"), "{}", stage.read_out());
     stage.frame();
 }
+
+#[test]
+fn a_link_beyond_the_last_pass_says_so() {
+    let mut stage = Stage::new(Plan::default());
+    let link = |pass: usize| format!("raystep:1?scene={CORNELL}&size=32x32&device=cpu&pass={pass}");
+    let last_error = |stage: &Stage| stage.harness.state().last_error().map(str::to_owned);
+    stage.inspector().go_to_link(&link(99_999));
+    stage.settle();
+    let passes = stage.place();
+    let wanted = format!("pass 99999: the run has {passes} passes; it is shown after the last");
+    assert_eq!(last_error(&stage), Some(wanted.clone()));
+    // The last one itself is there.
+    let mut stage = Stage::new(Plan::default());
+    stage.inspector().go_to_link(&link(passes));
+    stage.settle();
+    assert_eq!((last_error(&stage), stage.place()), (None, passes));
+}

@@ -103,8 +103,11 @@ fn everywhere(stage: &mut Stage, mut look: impl FnMut(&mut Stage, &str)) {
         stage.settle();
     }
     stage.perform(Command::CloseLesson);
+    for layout in Layout::ALL {
+        stage.arrange(layout);
+        look(stage, &format!("layout {layout:?}"));
+    }
     stage.arrange(Layout::Step);
-    look(stage, "step layout");
     stage.perform(Command::Maximise);
     look(stage, "maximised");
 }
@@ -186,6 +189,17 @@ fn all_text_is_apart(scale: f32) {
     let mut found = Vec::new();
     everywhere(&mut stage, |stage, place| {
         found.push((place.to_owned(), unreadable(stage)));
+        // With less room, layouts put texts over other things than at 1.
+        if scale > 1.0 && place.starts_with("layout") {
+            for theme in [Theme::Light, Theme::Dark] {
+                stage.harness.ctx.set_theme(theme);
+                stage.frames(2);
+                let mut pale = pale(stage);
+                // The caption of the 3D view is over the scene, whatever its colours.
+                pale.retain(|text| !text.starts_with("\"t in "));
+                found.push((format!("{place}, {theme:?}"), pale));
+            }
+        }
         if !place.starts_with("menu") && !place.starts_with("Lesson") {
             found.push((place.to_owned(), without_hover(stage)));
         }

@@ -61,6 +61,8 @@ impl Inspector {
             self.scene.generation = self.model.generation;
             // Other options for the same scene: go to the place of the last run.
             let place = if is_at_end { usize::MAX } else { place };
+            let asked = self.scene.arrival.as_ref().and_then(|arrival| arrival.place);
+            self.scene.asked_place = asked.filter(|&place| place < usize::MAX);
             self.scene.arrival.get_or_insert(Arrival { place: Some(place), ..Arrival::default() });
             self.arrived();
         } else if !self.model.is_busy() {
@@ -70,6 +72,17 @@ impl Inspector {
         // Once the run is at its first place, or has failed, streams are shown.
         if !self.model.is_busy() {
             (self.scene.opening, self.state.display.preview) = (None, None);
+            self.tell_missing_place();
+        }
+    }
+
+    /// Says so if the run has fewer passes than it was to go to.
+    fn tell_missing_place(&mut self) {
+        let Some(asked) = self.scene.asked_place.take() else { return };
+        let passes = self.model.passes.len();
+        if self.model.opened.is_some() && self.model.next.is_none() && asked > passes {
+            let of_run = counted(passes, "pass");
+            self.fail(format!("pass {asked}: the run has {of_run}; it is shown after the last"));
         }
     }
 

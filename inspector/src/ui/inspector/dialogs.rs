@@ -195,11 +195,9 @@ fn help(ui: &mut egui::Ui) {
             strong(ui, menu.name());
             egui::Grid::new(menu.name()).num_columns(2).striped(true).show(ui, |ui| {
                 for info in COMMANDS.iter().filter(|info| info.menu == menu && !info.keys.is_empty()) {
-                    let keys = info.keys.iter().map(|&(modifiers, key)| {
-                        ui.ctx().format_shortcut(&egui::KeyboardShortcut::new(modifiers, key))
-                    });
-                    let keys: Vec<String> = keys.collect();
-                    ui.monospace(keys.join(", "));
+                    let mut keys: Vec<String> = info.command.key_texts(ui.ctx()).collect();
+                    keys.dedup();
+                    ui.monospace(keys.join(" or "));
                     ui.label(info.name);
                     ui.end_row();
                 }

@@ -39,7 +39,7 @@ impl Inspector {
             group(ui, self.which_ray(*is_up_to_here), &[C::ExportRay, C::ExportWalk]);
         }
         let stream = self.state.display.stream.map_or_else(|| "Stream".into(), |stream| self.which_stream(stream));
-        group(ui, stream, &[C::ExportExr, C::ExportNpy, C::ExportView]);
+        group(ui, stream, &[C::ExportExr, C::ExportNpy, C::ExportTexels, C::ExportView]);
         group(ui, "Data flow of the program".into(), &[C::ExportDataflow]);
         chosen
     }

@@ -42,6 +42,10 @@ pub(super) struct Lesson {
     set_up: SetUp,
     /// What is set up next.
     phase: Phase,
+    /// Whether all of the step is set up: its values can be told.
+    is_set_up: bool,
+    /// Whether the set-up of the step was cancelled: what is missing is offered again.
+    is_cancelled: bool,
     /// What went wrong with the current step.
     problems: Vec<LessonError>,
     /// Runs that were measured, for all steps.
@@ -82,6 +86,8 @@ impl Inspector {
             step: 0,
             set_up: SetUp::default(),
             phase: Phase::Done,
+            is_set_up: false,
+            is_cancelled: false,
             problems: Vec::new(),
             measured: Vec::new(),
             candidates: None,
@@ -134,6 +140,16 @@ impl Inspector {
         self.cancel_lesson_job();
         if let Some(lesson) = &mut self.lesson {
             lesson.go_to(step);
+        }
+    }
+
+    /// Sets the step up again; one that was cancelled keeps its answer.
+    pub(super) fn repeat_step(&mut self) {
+        self.cancel_lesson_job();
+        match &mut self.lesson {
+            Some(lesson) if lesson.is_cancelled => lesson.begin_set_up(),
+            Some(lesson) => lesson.go_to(lesson.step),
+            None => {}
         }
     }
 
@@ -202,7 +218,7 @@ impl Lesson {
         if self.is_answered && self.set_up.find.is_some() {
             self.set_up.pixel = before.pixel;
         }
-        self.phase = Phase::Open;
+        (self.phase, self.is_set_up, self.is_cancelled) = (Phase::Open, false, false);
         (self.candidates, self.play) = (None, None);
     }
 
@@ -214,10 +230,13 @@ impl Lesson {
     /// Stops the set-up of its step.
     pub(super) fn stop(&mut self) {
         if self.is_waiting() {
-            let problem = self.error(self.set_up.line, lesson::Wrong::SetUp("cancelled".into()));
-            self.problems.push(problem);
-            self.phase = Phase::Done;
+            (self.phase, self.is_cancelled) = (Phase::Done, true);
         }
+    }
+
+    /// Runs that the step needs and that are not measured yet.
+    fn unmeasured(&self) -> usize {
+        self.set_up.measurements.iter().filter(|wanted| !self.has_measured(&wanted.name)).count()
     }
 
     /// Whether its step is still being set up.

@@ -176,7 +176,8 @@ impl Inspector {
             C::NextRun | C::PreviousRun => self.flip(command == C::NextRun),
             C::NextDifferingRay if self.other.is_none() => self.next_differing(),
             C::Lesson(index) => self.begin_built_in(index),
-            C::NextStep | C::PreviousStep | C::RepeatStep => {
+            C::RepeatStep => self.repeat_step(),
+            C::NextStep | C::PreviousStep => {
                 if let Some((step, _)) = self.lesson_step() {
                     let by = usize::from(command == C::NextStep);
                     self.go_to_step((step + by).saturating_sub(usize::from(command == C::PreviousStep)));

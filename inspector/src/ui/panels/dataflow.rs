@@ -8,6 +8,7 @@ use egui::{Color32, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, vec2};
 use raystep_kernels::{Kernel, Plan};
 use raystep_lab::text::counted;
 
+use super::legend::painted;
 use crate::command::Command;
 use crate::dataflow::{DataFlow, NodeKind};
 use crate::session::Model;
@@ -122,9 +123,10 @@ fn add_titles(titles: &Titles, painter: &Painter, flow: &DataFlow, place: &dyn F
 /// The colours of edges.
 fn legend(ui: &mut Ui, flow: &DataFlow) {
     for access in flow.accesses() {
-        let (rect, _) = ui.allocate_exact_size(vec2(14.0, 10.0), Sense::hover());
-        ui.painter().hline(rect.x_range(), rect.center().y, Stroke::new(2.5, access_color(access, ui)));
-        ui.small(access.verb());
+        let stroke = Stroke::new(2.5, access_color(access, ui));
+        painted(ui, access.verb(), "", |painter, rect| {
+            painter.hline(rect.x_range(), rect.center().y, stroke);
+        });
     }
 }
 

@@ -19,7 +19,12 @@ pub(super) fn painted(ui: &mut Ui, name: &str, about: &str, paint: impl FnOnce(&
     if room < SIDE + 2.0 * ui.spacing().item_spacing.x + text {
         ui.end_row();
     }
-    let (rect, _) = ui.allocate_exact_size(vec2(SIDE, SIDE), Sense::hover());
-    paint(ui.painter(), rect);
-    ui.small(name).on_hover_text(about);
+    // As high as the name: in a row that begins with it, it would stand higher than the others.
+    let height = ui.text_style_height(&TextStyle::Small).max(SIDE);
+    let (rect, _) = ui.allocate_exact_size(vec2(SIDE, height), Sense::hover());
+    paint(ui.painter(), Rect::from_center_size(rect.center(), vec2(SIDE, SIDE)));
+    let name = ui.small(name);
+    if !about.is_empty() {
+        name.on_hover_text(about);
+    }
 }

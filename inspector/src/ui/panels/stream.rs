@@ -169,14 +169,8 @@ impl Panel for StreamView {
             Command::Normalise => self.look.range = None,
             Command::ResetRange => (self.look.range, self.look.exposure, self.look.offset) = (None, 1.0, 0.0),
             Command::Fit => self.look.zoom.fit(),
-            Command::ExportView => {
-                if let Some(texture) = self.picture.texture() {
-                    cx.model.ask(Request::Job(
-                        EXPORTING,
-                        png(cx.canvas, texture, self.title().unwrap_or_else(|| "Stream".into())),
-                    ));
-                }
-            }
+            Command::ExportTexels => self.export(cx, self.texels(cx)),
+            Command::ExportView => self.export(cx, self.picture.texture().cloned()),
             Command::Pin => {
                 if let Some(stream) = cx.display.stream {
                     cx.model.ask(Request::Pin(stream));
@@ -202,6 +196,13 @@ fn default_stream(plan: &Plan, streams: &[Stream], last: Option<Kernel>) -> Opti
 }
 
 impl StreamView {
+    fn export(&self, cx: &mut Context<'_>, picture: Option<wgpu::Texture>) {
+        if let Some(picture) = picture {
+            let name = self.title().unwrap_or_else(|| "Stream".into());
+            cx.model.ask(Request::Job(EXPORTING, png(cx.canvas, &picture, name)));
+        }
+    }
+
     /// A view of a copy.
     pub(in crate::ui) fn pinned(copy: Pinned) -> Self {
         let look = Look { stream: Some(copy.stream), ..Look::default() };

@@ -88,6 +88,20 @@ pub(super) fn row(command: Command) -> Row {
             assert_eq!(reader.records().count(), rows);
             assert!(rows > 10, "{rows}");
         }),
+        C::ExportTexels => (nothing, |s, _| {
+            let picture = image::load_from_memory(&file(s, "Stream.png")).expect("a PNG").to_rgba8();
+            assert_eq!(picture.dimensions(), (64, 64));
+            // However large it is shown, the view has the same pixels in the same colours.
+            s.perform(C::ExportView);
+            let view =
+                image::load_from_memory(&saved(s, "Stream.png").pop().expect("a view")).expect("a PNG").to_rgba8();
+            let side = view.width().min(view.height());
+            let corner = [(view.width() - side) / 2, (view.height() - side) / 2];
+            for (x, y, texel) in picture.enumerate_pixels() {
+                let at = |corner: u32, texel: u32| corner + (2 * texel + 1) * side / 128;
+                assert_eq!(view.get_pixel(at(corner[0], x), at(corner[1], y)), texel, "at {x},{y}");
+            }
+        }),
         C::ExportView => (nothing, |s, _| {
             let picture = image::load_from_memory(&file(s, "Stream.png")).expect("a PNG").to_rgba8();
             let colors: std::collections::HashSet<_> = picture.pixels().map(|p| p.0).collect();

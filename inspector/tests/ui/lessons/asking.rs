@@ -147,6 +147,34 @@ fn a_step_shows_what_it_knows_while_it_measures_and_lets_the_reader_go_on() {
     assert!(stage.reads("It takes"), "{}", stage.read_out());
 }
 
+/// A question whose choices are right or wrong by a run that has to be measured.
+const OF_MEASURED: &str =
+    "question \"Which?\"\nchoice \"few\" if slow.passes < 2\nchoice \"many\" if slow.passes > 1\n";
+
+#[test]
+fn a_cancelled_measurement_is_no_mistake_and_is_offered_again() {
+    let mut stage = stage();
+    let text = MEASURING.replace("bars slow\n", &format!("bars slow\n{OF_MEASURED}"));
+    begin(&mut stage, &text, 0);
+    stage.perform_without_waiting(Command::NextStep);
+    stage.until("its progress", |stage| stage.reads("measuring a run") && stage.paints("%"));
+    assert!(!stage.reads("Which?"), "it cannot be answered yet\n{}", stage.read_out());
+    stage.click(Role::Button, "Cancel");
+    stage.settle();
+    // Nor does it become one when the reader looks around.
+    for command in [Command::Start, Command::NudgeLeft, Command::End] {
+        stage.perform(command);
+        assert!(!stage.reads("not measured") && !stage.reads("test.md"), "{}", stage.read_out());
+        assert!(stage.reads("Plain.") && !stage.reads("It takes"), "{}", stage.read_out());
+    }
+    assert_eq!(problems(&stage), ["test.md:12: not set up: it was cancelled"]);
+    assert!(stage.reads("1 run of this step still to be measured."), "{}", stage.read_out());
+    stage.click(Role::Button, "Measure");
+    stage.settle();
+    assert_eq!(problems(&stage), Vec::<String>::new());
+    assert!(stage.reads("It takes") && stage.reads("Which?"), "{}", stage.read_out());
+}
+
 #[test]
 fn closing_a_lesson_brings_back_the_scene_its_options_and_the_place() {
     let settings = Settings {

@@ -45,6 +45,9 @@ impl Inspector {
         if problems.is_empty() && lesson.is_waiting() {
             problems.push(lesson.error(step.line, Wrong::SetUp("it is still in progress".into())));
         }
+        if problems.is_empty() && lesson.is_cancelled {
+            problems.push(lesson.error(step.line, Wrong::SetUp("it was cancelled".into())));
+        }
         // A step that is not set up fails for that reason alone.
         if problems.is_empty() {
             let seen = Seen::new(shapes, size, lesson.dock);

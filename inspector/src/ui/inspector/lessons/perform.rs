@@ -61,7 +61,7 @@ impl Inspector {
                 }
             }
         }
-        if lesson.phase == Phase::Done {
+        if lesson.phase == Phase::Done && lesson.is_set_up {
             // The device may have confirmed the ray since.
             self.tell_lesson(&mut lesson, false);
         }
@@ -209,7 +209,7 @@ impl Inspector {
             }
             Phase::Tell => {
                 // Nothing is still to come.
-                lesson.phase = Phase::Done;
+                (lesson.phase, lesson.is_set_up) = (Phase::Done, true);
                 self.tell_lesson(lesson, true);
                 let history = self.model.history.as_ref();
                 let play = lesson.set_up.play.zip(history);
@@ -274,6 +274,14 @@ impl Inspector {
 }
 
 impl Lesson {
+    /// Which of the step's runs is being measured, from 1, and how many there are.
+    pub(super) fn measures(&self) -> Option<[usize; 2]> {
+        match self.phase {
+            Phase::Measuring(index) => Some([index + 1, self.set_up.measurements.len()]),
+            _ => None,
+        }
+    }
+
     /// Whether the answer to a question has the panels that are there already: they stay as the reader left them.
     fn keeps_panels(&self) -> bool {
         let asked = self.lesson.set_up(self.step, false);

@@ -8,7 +8,7 @@ use raystep_kernels::export::trace::Trace;
 
 use super::Lesson;
 use super::facts::Facts;
-use crate::lesson::{self, Content, LessonError, Name, Paragraph, Question, Style};
+use crate::lesson::{self, Content, Expression, LessonError, Name, Paragraph, Question, Style};
 use crate::ui::inspector::Inspector;
 
 /// A paragraph as it is shown.
@@ -86,13 +86,17 @@ struct Teller<'a> {
 }
 
 impl Teller<'_> {
-    /// A paragraph; `None` if it has values that are still to be measured.
-    fn tell(&mut self, paragraph: &Paragraph) -> Option<Shown> {
-        let waits = |name: &Name| match name {
+    /// Whether an expression has values that are still to be measured.
+    fn waits(&self, expression: &Expression) -> bool {
+        expression.names().any(|name| match name {
             Name::Measured(of, _) => self.lesson.is_waiting() && !self.lesson.has_measured(of),
             Name::Fact(_) => false,
-        };
-        if paragraph.values().any(|(_, expression)| expression.names().any(waits)) {
+        })
+    }
+
+    /// A paragraph; `None` if it has values that are still to be measured.
+    fn tell(&mut self, paragraph: &Paragraph) -> Option<Shown> {
+        if paragraph.values().any(|(_, expression)| self.waits(expression)) {
             return None;
         }
         Some(shown(paragraph, |part| {
@@ -107,7 +111,12 @@ impl Teller<'_> {
         }))
     }
 
+    /// The question; `None` if it depends on values that are still to be measured.
     fn ask(&mut self, question: &Question) -> Option<Asked> {
+        let conditions = question.conditions().flat_map(|(_, condition)| condition.expressions());
+        if conditions.into_iter().any(|expression| self.waits(expression)) {
+            return None;
+        }
         let right = match question.right(|name| self.facts.value(name)) {
             Ok(right) => right,
             Err((line, wrong)) => {

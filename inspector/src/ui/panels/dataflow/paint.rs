@@ -102,6 +102,12 @@ impl Paint<'_> {
     fn node(&self, painter: &egui::Painter, node: &Node, sizes: [f32; 2], is_touched: bool) {
         let visuals = self.ui.visuals();
         let rect = Rect::from_two_pos((self.place)(node.min), (self.place)(node.max));
+        // The name of a node that is cut off is in the part that is left; a part without room for it says nothing.
+        let (visible, lines) = (rect.intersect(painter.clip_rect()), self.lines(node, rect.height()));
+        let fits = |line: &Line| line.fits(rect, visible) >= SMALLEST;
+        if visible != rect && !lines.first().is_some_and(fits) {
+            return;
+        }
         let (fill, corner) = match node.kind {
             NodeKind::Kernel(kernel) => (kernel_color(kernel), 0.15 * rect.height()),
             NodeKind::Stream(_) => (Color32::from_rgb(66, 124, 200), rect.height() / 2.0),
@@ -124,11 +130,10 @@ impl Paint<'_> {
                 4.0,
             ));
         }
-        for (i, line) in self.lines(node, rect.height()).into_iter().enumerate() {
-            let is_whole = painter.clip_rect().contains_rect(rect);
-            if is_whole && line.fits(rect) >= SMALLEST {
-                let middle = pos2(rect.center().x, rect.top() + line.middle * rect.height());
-                let font = FontId::proportional(sizes[i]);
+        for (i, line) in lines.into_iter().enumerate() {
+            if fits(&line) {
+                let middle = pos2(visible.center().x, rect.top() + line.middle * rect.height());
+                let font = FontId::proportional(sizes[i].min(line.fits(rect, visible)));
                 painter.text(middle, Align2::CENTER_CENTER, line.text, font, ink_on(fill));
             }
         }
@@ -156,7 +161,7 @@ impl Paint<'_> {
         for node in &self.flow.nodes {
             let rect = Rect::from_two_pos((self.place)(node.min), (self.place)(node.max));
             for (size, line) in sizes.iter_mut().zip(self.lines(node, rect.height())) {
-                *size = size.min(line.fits(rect));
+                *size = size.min(line.fits(rect, rect));
             }
         }
         sizes.map(|size| size.max(SMALLEST))
@@ -173,9 +178,13 @@ struct Line {
 }
 
 impl Line {
-    /// The largest font that fits the node.
-    fn fits(&self, rect: Rect) -> f32 {
-        (self.size * rect.height()).min(rect.width() / (WIDTH * self.text.chars().count().max(1) as f32))
+    /// The largest font that fits the visible part of a node; 0 where the line is above or below it.
+    fn fits(&self, rect: Rect, visible: Rect) -> f32 {
+        let size = (self.size * rect.height()).min(visible.width() / (WIDTH * self.text.chars().count().max(1) as f32));
+        let middle = rect.top() + self.middle * rect.height();
+        let is_inside = visible.y_range().expand(0.5).contains(middle - 0.6 * size)
+            && visible.y_range().expand(0.5).contains(middle + 0.6 * size);
+        if is_inside { size } else { 0.0 }
     }
 }
 

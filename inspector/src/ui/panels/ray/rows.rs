@@ -50,7 +50,7 @@ pub(super) const fn heads(is_grid: bool, is_dda: bool) -> [Head<'static>; 11] {
     };
     [
         Head::number("pass", "index in the run"),
-        Head::text("kernel", "kernel"),
+        Head::text("kernel", "kernel").minor(),
         Head::text("state", "the ray's state after the pass"),
         Head::prose("why", "why the pass left the ray in this state"),
         cell,
@@ -59,7 +59,7 @@ pub(super) const fn heads(is_grid: bool, is_dda: bool) -> [Head<'static>; 11] {
         z,
         Head::number("t", "nearest t so far"),
         Head::number("hit", "nearest triangle so far"),
-        Head::number("item", "position in the cell's or leaf's list"),
+        Head::number("item", "position in the cell's or leaf's list").minor(),
     ]
 }
 

@@ -7,6 +7,7 @@ use raystep_kernels::executor::gpu::StreamTexture;
 use raystep_kernels::tables::state::States;
 
 use super::StreamView;
+use crate::draw::picture::picture;
 use crate::draw::stream::{Colors, Meaning, Picture};
 use crate::ui::canvas::Moment;
 use crate::ui::pane::Context;
@@ -40,6 +41,19 @@ impl Drawn {
 }
 
 impl StreamView {
+    /// The stream in the colours of the view, with a pixel for each texel.
+    pub(super) fn texels(&self, cx: &Context<'_>) -> Option<wgpu::Texture> {
+        let (drawn, states) = (self.drawn?.of(), cx.model.opened.as_ref()?.plan.program.states);
+        let kept = self.kept.as_ref().and_then(|kept| kept.texture.as_ref()).map(|(_, texture)| texture);
+        let texture = match &self.pinned {
+            Some(pinned) => &pinned.texture,
+            None => kept.or_else(|| Some(self.still.of(drawn.stream)?.1))?,
+        };
+        let target = picture(&cx.canvas.gpu.device, [texture.width(), texture.height()]);
+        cx.canvas.streams.draw(&drawn.picture(states, texture), &target.create_view(&Default::default()));
+        Some(target)
+    }
+
     pub(super) fn paint(
         &mut self,
         ui: &egui::Ui,

@@ -101,6 +101,8 @@ pub(super) struct Columns {
     pub(super) is_below: bool,
     /// The width in which sentences wrap.
     pub(super) prose: f32,
+    /// Columns without room.
+    pub(super) left_out: Vec<usize>,
 }
 
 /// Places columns in the available width.
@@ -108,7 +110,14 @@ pub(super) fn place(heads: &[Head<'_>], widths: &Widths, available: f32) -> Colu
     let is_prose = |i: usize| heads.get(i).is_some_and(|head| head.kind == Kind::Prose);
     let has_prose = heads.iter().any(|head| head.kind == Kind::Prose);
     let columns = widths.columns.iter().enumerate();
-    let others: f32 = columns.filter(|(i, _)| !is_prose(*i)).map(|(_, width)| width + GAP).sum::<f32>() + MARGIN;
+    let mut others: f32 = columns.filter(|(i, _)| !is_prose(*i)).map(|(_, width)| width + GAP).sum::<f32>() + MARGIN;
+    let mut left_out = Vec::new();
+    for (i, width) in widths.columns.iter().enumerate().rev() {
+        if others > available && heads.get(i).is_some_and(|head| head.is_minor) {
+            left_out.push(i);
+            others -= width + GAP;
+        }
+    }
     let longest = widths.prose.iter().copied().fold(0.0, f32::max).max(80.0);
     let left_over = available - others - GAP;
     let is_below = has_prose && left_over < longest.min(LEAST_PROSE);
@@ -120,11 +129,12 @@ pub(super) fn place(heads: &[Head<'_>], widths: &Widths, available: f32) -> Colu
             (true, false) => left_over.min(longest + 2.0),
             (true, true) => 0.0,
         };
+        let width = if left_out.contains(&i) { 0.0 } else { width };
         at.push([x, width]);
-        x += if is_prose(i) && is_below { 0.0 } else { width + GAP };
+        x += if width > 0.0 { width + GAP } else { 0.0 };
     }
     let prose = if is_below { available - 2.0 * GAP } else { left_over.min(longest + 2.0) };
-    Columns { at, width: x.max(available), is_below, prose: prose.max(60.0) }
+    Columns { at, width: x.max(available), is_below, prose: prose.max(60.0), left_out }
 }
 
 /// The top of every row, and the bottom of the last.
@@ -184,6 +194,24 @@ mod tests {
             assert!(widths.grow(2, before + 5.0) && !widths.grow(2, before + 5.0));
         });
         output.drop_without_applying_deltas();
+    }
+
+    #[test]
+    fn minor_columns_are_left_out_where_not_all_have_room() {
+        let heads = [HEADS[0], HEADS[2].minor(), HEADS[0].minor(), HEADS[0]];
+        let widths = Widths { columns: vec![40.0, 60.0, 30.0, 50.0], ..Widths::default() };
+        let shown = |available: f32| {
+            let columns = place(&heads, &widths, available);
+            let shown: Vec<usize> = (0..4).filter(|&i| columns.at[i][1] > 0.0).collect();
+            let [x, width] = columns.at[3];
+            (shown, x + width)
+        };
+        assert_eq!(shown(300.0), (vec![0, 1, 2, 3], MARGIN + 180.0 + 3.0 * GAP));
+        // From the right, and no more than it takes.
+        assert_eq!(shown(200.0), (vec![0, 1, 3], MARGIN + 150.0 + 2.0 * GAP));
+        for available in [150.0, 20.0] {
+            assert_eq!(shown(available), (vec![0, 3], MARGIN + 90.0 + GAP));
+        }
     }
 
     #[test]

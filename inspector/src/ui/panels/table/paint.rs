@@ -17,13 +17,16 @@ impl Table {
         painter.rect_filled(rect, 0.0, ui.visuals().panel_fill);
         painter.hline(rect.x_range(), rect.bottom(), ui.visuals().widgets.noninteractive.bg_stroke);
         let font = font(ui, Kind::Text);
+        let left_out: Vec<_> = columns.left_out.iter().rev().filter_map(|&i| Some(view.heads.get(i)?.name)).collect();
+        let mut hidden =
+            (!left_out.is_empty()).then(|| format!("no room for {}: widen the panel", left_out.join(", ")));
         for (i, head) in view.heads.iter().enumerate() {
             let [x, width] = columns.at.get(i).copied().unwrap_or_default();
             if width <= 0.0 {
                 continue;
             }
             if is_cut(ui, rect.left(), [x, width], columns) {
-                more(ui, rect);
+                hidden = Some("more columns: scroll to the right (Shift and the wheel), or widen the panel".into());
                 break;
             }
             let cell =
@@ -51,6 +54,9 @@ impl Table {
                 self.sort = Sort::clicked(self.sort, i);
                 ui.ctx().request_repaint();
             }
+        }
+        if let Some(hidden) = hidden {
+            more(ui, rect, &hidden);
         }
     }
 
@@ -115,7 +121,7 @@ impl Table {
         let clip = ui.clip_rect();
         let mut left = rect.left() + x;
         let is_out = left + width < clip.left() || left > clip.right();
-        if !is_below && (is_out || is_cut(ui, rect.left(), [x, width], columns)) {
+        if !is_below && (width <= 0.0 || is_out || is_cut(ui, rect.left(), [x, width], columns)) {
             return;
         }
         let look = view.rows.look(ui, row, column);
@@ -192,7 +198,9 @@ impl Table {
             .widget_info(|| egui::WidgetInfo::selected(egui::Role::Row, true, is_current, line_of(view, row, ", ")));
         let Some(pointer) = response.hover_pos() else { return response };
         let left = response.rect.left();
-        let is_at = |[x, width]: &[f32; 2]| (x - 0.5 * GAP..x + width + 0.5 * GAP).contains(&(pointer.x - left));
+        let is_at = |[x, width]: &[f32; 2]| {
+            *width > 0.0 && (x - 0.5 * GAP..x + width + 0.5 * GAP).contains(&(pointer.x - left))
+        };
         let is_below =
             columns.is_below && pointer.y > response.rect.top() + ui.text_style_height(&egui::TextStyle::Body);
         let prose = || view.heads.iter().position(|head| head.kind == Kind::Prose);
@@ -229,12 +237,12 @@ fn is_cut(ui: &Ui, left: f32, [x, width]: [f32; 2], columns: &Columns) -> bool {
 }
 
 /// The sign of more columns at the end of the heads.
-fn more(ui: &Ui, rect: Rect) {
+fn more(ui: &Ui, rect: Rect, about: &str) {
     let at = pos2(ui.clip_rect().right() - 2.0, rect.center().y);
     let font = font(ui, Kind::Text);
     let text = ui.painter().text(at, egui::Align2::RIGHT_CENTER, "»", font, ui.visuals().strong_text_color());
     let response = ui.interact(text.expand(3.0), ui.scope_id().with("more columns"), Sense::hover());
-    response.on_hover_text("more columns: scroll to the right (Shift and the wheel), or widen the panel");
+    response.on_hover_text(about);
 }
 
 fn line_of(view: &View<'_>, row: usize, between: &str) -> String {

@@ -24,27 +24,34 @@ pub(in crate::ui) struct Head<'a> {
     pub(in crate::ui) about: &'a str,
     /// How it is laid out.
     pub(in crate::ui) kind: Kind,
+    /// Whether it is left out where not all columns have room.
+    pub(in crate::ui) is_minor: bool,
 }
 
 impl<'a> Head<'a> {
     /// A column of text.
     pub(in crate::ui) const fn text(name: &'a str, about: &'a str) -> Self {
-        Self { name, about, kind: Kind::Text }
+        Self { name, about, kind: Kind::Text, is_minor: false }
     }
 
     /// A column of numbers.
     pub(in crate::ui) const fn number(name: &'a str, about: &'a str) -> Self {
-        Self { name, about, kind: Kind::Number }
+        Self { name, about, kind: Kind::Number, is_minor: false }
     }
 
     /// The column of a tree's branches.
     pub(in crate::ui) const fn tree(name: &'a str, about: &'a str) -> Self {
-        Self { name, about, kind: Kind::Tree }
+        Self { name, about, kind: Kind::Tree, is_minor: false }
     }
 
     /// A column of sentences.
     pub(in crate::ui) const fn prose(name: &'a str, about: &'a str) -> Self {
-        Self { name, about, kind: Kind::Prose }
+        Self { name, about, kind: Kind::Prose, is_minor: false }
+    }
+
+    /// The same, left out where not all columns have room.
+    pub(in crate::ui) const fn minor(self) -> Self {
+        Self { is_minor: true, ..self }
     }
 }
 

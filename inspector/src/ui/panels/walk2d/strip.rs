@@ -55,6 +55,9 @@ struct Pen<'a> {
     /// Where labels were painted.
     #[cfg(test)]
     placed: Vec<Rect>,
+    /// Where bars were painted.
+    #[cfg(test)]
+    bars: Vec<Rect>,
 }
 
 impl<'a> Pen<'a> {
@@ -67,6 +70,8 @@ impl<'a> Pen<'a> {
             notes: Vec::new(),
             #[cfg(test)]
             placed: Vec::new(),
+            #[cfg(test)]
+            bars: Vec::new(),
         }
     }
 

@@ -12,8 +12,11 @@ use crate::walk::{AXES, Entry, Outcome, StripCell};
 
 /// Height of a line of numbers.
 const LINE: f32 = 12.5;
-/// Height of the space for labels of tests.
+/// Height of the space for labels of tests, and of that for a line of them.
 const NOTES: f32 = 32.0;
+const NOTE: f32 = 16.0;
+/// Lower bars have no names.
+const ROOM_FOR_NAMES: f32 = 22.0;
 /// Narrower columns have no numbers.
 const ROOM_FOR_TMAX: f32 = 54.0;
 
@@ -24,8 +27,9 @@ impl Pen<'_> {
         let names = if has_names { 13.0 } else { 0.0 };
         let bottom = self.body.bottom() - names;
         let top = (bottom - height).max(self.body.top());
-        // Labels of tests have a space of their own if there is enough.
-        let notes = if self.body.height() >= 130.0 { NOTES } else { 0.0 };
+        // Labels have a space of their own, not over the bars.
+        let notes = if self.body.height() >= 130.0 { NOTES } else { NOTE };
+        let notes = notes.min((top - self.body.top()).max(0.0));
         let columns = self.strip.columns(self.scene.spacing);
         let mut under = None;
         let count = self.strip.cells.len();
@@ -50,10 +54,7 @@ impl Pen<'_> {
             }
             under = self.tests_in(cell, column).or(under);
         }
-        let room = match notes > 0.0 {
-            true => Rect::from_min_max(pos2(self.body.left(), top - notes), pos2(self.body.right(), top - 1.0)),
-            false => Rect::from_min_max(self.body.min, pos2(self.body.right(), top - 1.0)),
-        };
+        let room = Rect::from_min_max(pos2(self.body.left(), top - notes), pos2(self.body.right(), top - 1.0));
         self.write_notes(room);
         under
     }
@@ -63,7 +64,7 @@ impl Pen<'_> {
         let has_come = self.has_come(cell.visit);
         let is_here = self.scene.progress.visit == Some(cell.visit);
         let is_wide = above.width() >= ROOM_FOR_TMAX;
-        let has_numbers = is_wide && above.height() >= 3.0 * LINE + 22.0;
+        let has_numbers = is_wide && above.height() >= 3.0 * LINE + 10.0;
         if has_numbers {
             self.numbers(cell, above, has_come);
         } else if is_here {
@@ -73,11 +74,14 @@ impl Pen<'_> {
             self.notes.push(Note { rank: 2, at: pos2(column.center().x, above.bottom()), text, color });
         }
         let down = if has_numbers { 3.0 * LINE } else { 0.0 };
-        // Where labels lie over the bars, these have no names.
-        let names = if above.bottom() < column.top() { 12.0 } else { 0.0 };
+        let height = above.height() - down;
+        // Low bars have no names.
+        let names = if height >= ROOM_FOR_NAMES { 12.0 } else { 0.0 };
         let bars = Rect::from_min_max(above.min + vec2(0.0, down), above.max - vec2(0.0, names));
         if bars.height() > 8.0 {
             self.bars(cell, bars, has_come, names > 0.0);
+            #[cfg(test)]
+            self.bars.push(bars);
         }
         if is_here {
             let stroke = Stroke::new(2.0, current_color(self.scene.visuals));

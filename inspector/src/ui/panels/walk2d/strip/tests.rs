@@ -164,6 +164,8 @@ fn painted_texts_lie_apart_and_within_at_every_size() {
                         // Whatever was noted has been placed, or left out.
                         let notes = std::mem::take(&mut pen.placed);
                         assert_apart(body, &notes, &format!("walk {i}, {size}, {spacing:?}, row {row}"));
+                        let is_over = |bar: &Rect| notes.iter().any(|note| note.shrink(0.5).intersects(*bar));
+                        assert!(!pen.bars.iter().any(is_over), "walk {i}, {size}: a label is over a bar");
                         notes.len()
                     });
                 }
