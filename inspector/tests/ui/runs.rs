@@ -1,6 +1,7 @@
 //! Kept runs: bit for bit those of other runs, flipped through, compared and measured.
 
 use egui::{Key, Modifiers, Role};
+use egui_kittest::kittest::NodeT as _;
 use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::runs::differ::{Aspect, differences};
 use raystep_inspector::session::go_on;
@@ -218,14 +219,93 @@ fn kept_runs_are_measured_in_turns() {
     assert!(runs.iter().all(|kept| kept.measured.as_ref().is_some_and(|measured| measured.together == 1)));
 }
 
-#[test]
-fn the_panel_with_three_runs() {
+/// Grid, BVH, and the paper's rules.
+fn three() -> [Settings; 3] {
     let bvh = Settings { choices: Choices { accelerator: Accelerator::Bvh, ..settings().choices }, ..settings() };
     let paper = Settings {
         choices: Choices { numerics: Numerics::Paper, schedule: ScheduleKind::First, ..settings().choices },
         ..settings()
     };
-    let mut stage = kept([1280.0, 800.0], &[settings(), bvh, paper]);
+    [settings(), bvh, paper]
+}
+
+#[test]
+fn the_table_fits_the_panel_and_says_once_what_all_runs_share() {
+    for (size, layout) in [([1280.0, 800.0], Some(Layout::Compare)), ([600.0, 700.0], None)] {
+        let mut stage = kept(size, &three());
+        match layout {
+            Some(layout) => stage.arrange(layout),
+            None => {
+                stage.close_panels();
+                stage.perform(Command::Show(PaneKind::Runs));
+            }
+        }
+        for head in ["ref.", "vs.", "name", "time", "passes", "hits", "own options"] {
+            let is_it = |node: &egui_kittest::Node<'_>| node.accesskit_node().value().as_deref() == Some(head);
+            let rect = stage.nodes().into_iter().find(is_it).map(|node| node.rect());
+            let rect = rect.unwrap_or_else(|| panic!("no {head}:\n{}", stage.read_out()));
+            assert!(rect.left() > 0.0 && rect.right() <= size[0] + 8.0, "{head} at {size:?}: {rect}");
+        }
+        assert!(stage.reads("all runs: CPU, f32 · 32 × 32"), "{}", stage.read_out());
+        for own in ["grid · compact · robust", "bvh · compact · robust", "grid · first · paper"] {
+            assert!(stage.reads(own), "{own} at {size:?}: {}", stage.read_out());
+        }
+        // The note is in the menu of actions, and beside the options.
+        stage.click(Role::Button, "actions: bvh compact robust");
+        stage.settle();
+        stage.get(Role::TextInput, "note on bvh compact robust").focus();
+        stage.frame();
+        stage.text("slow");
+        stage.settle();
+        assert_eq!(stage.harness.state().kept_runs().list()[1].note, "slow");
+        assert_eq!(stage.harness.unnamed_widgets(), Vec::<String>::new());
+    }
+}
+
+/// The layout Compare without kept runs, and with three.
+fn layout_compare(theme: egui::Theme, size: [f32; 2], name: &str) {
+    let mut stage = Stage::new(Plan { size, theme, ..Plan::default() });
+    open(&mut stage, settings());
+    stage.arrange(Layout::Compare);
+    stage.snapshot(&format!("runs-none-{name}"));
+    for settings in three() {
+        open(&mut stage, settings);
+        stage.perform(Command::KeepRun);
+    }
+    // Until the message is gone.
+    stage.frames(40);
+    stage.snapshot(&format!("runs-compare-{name}"));
+}
+
+#[test]
+fn the_layout_compare_with_kept_runs() {
+    layout_compare(egui::Theme::Dark, [1280.0, 800.0], "dark");
+}
+
+#[test]
+fn the_layout_compare_with_kept_runs_in_a_large_window() {
+    layout_compare(egui::Theme::Light, [1600.0, 1000.0], "light");
+}
+
+#[test]
+fn before_a_run_is_kept_there_is_a_start() {
+    let mut stage = Stage::new(Plan::default());
+    open(&mut stage, settings());
+    stage.arrange(Layout::Compare);
+    assert!(stage.reads("Keep two runs to see where they differ"), "{}", stage.read_out());
+    stage.click(Role::Button, "Measure choices");
+    stage.settle();
+    assert!(stage.harness.state().panes_in_view().contains(&PaneKind::Choices));
+    stage.perform(Command::Show(PaneKind::Runs));
+    stage.click(Role::Button, "Keep this run");
+    stage.settle();
+    assert_eq!(stage.harness.state().kept_runs().list().len(), 1);
+    assert!(!stage.reads("Keep two runs to see where they differ"), "{}", stage.read_out());
+}
+
+#[test]
+fn the_panel_with_three_runs() {
+    let mut stage = kept([1280.0, 800.0], &three());
     stage.arrange(Layout::Overview);
     stage.perform(Command::Show(PaneKind::Ray));
     stage.perform(Command::Show(PaneKind::Runs));

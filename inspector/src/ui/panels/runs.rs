@@ -3,6 +3,8 @@
 //! Touches: selection, asks, runs.
 
 mod difference;
+mod options;
+mod start;
 mod table;
 mod times;
 
@@ -18,6 +20,7 @@ use crate::runs::spread::FEWEST_REPEATS;
 use crate::ui::pane::{Context, Panel, saves};
 use crate::ui::state::kept_runs::Asked;
 use difference::DifferenceView;
+use options::Options;
 
 /// What is shown below the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,28 +46,27 @@ const ABOUT_MEASURING: &str = "Repeats the runs in turns, after a first one that
 
 impl Panel for RunsPanel {
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
-        if cx.model.opened.is_none() {
+        let Some(opened) = cx.model.opened.clone() else {
             ui.weak("Open a scene, then keep runs of it side by side.");
             return;
-        }
-        self.tools(ui, cx);
-        if cx.runs.runs.list().is_empty() {
-            let key = Command::KeepRun.key_text(ui.ctx());
-            ui.label(format!(
-                "Keep a run ({key}), change its options, and keep that run, too: then flip between their pictures, \
-                 find the rays that differ, and measure both."
-            ));
-        } else {
-            let most = (0.45 * ui.available_height()).max(60.0);
-            table::show(ui, cx, most);
+        };
+        let list = cx.runs.runs.list();
+        let options = Options::of(list.iter().map(|kept| (kept, cx.runs.is_of(kept, &opened))));
+        self.tools(ui, cx, &options);
+        let is_empty = cx.runs.runs.list().is_empty();
+        if !is_empty {
+            table::show(ui, cx, &options);
         }
         ui.horizontal_wrapped(|ui| {
             for (part, name) in [(Part::Difference, "Difference"), (Part::Times, "Times"), (Part::Notes, "Notes")] {
                 ui.selectable_value(&mut self.part, part, name);
             }
-            self.part_tools(ui, cx);
+            if !is_empty {
+                self.part_tools(ui, cx);
+            }
         });
         match self.part {
+            Part::Difference | Part::Times if is_empty => start::show(ui, cx),
             Part::Difference => self.difference.show(ui, cx),
             Part::Times => times::show(ui, cx),
             Part::Notes => {
@@ -81,13 +83,9 @@ impl Panel for RunsPanel {
 }
 
 impl RunsPanel {
-    fn tools(&self, ui: &mut Ui, cx: &mut Context<'_>) {
+    fn tools(&self, ui: &mut Ui, cx: &mut Context<'_>, options: &Options) {
         ui.horizontal_wrapped(|ui| {
-            let keep = Button::new(Command::KeepRun.name());
-            let about = "Completes the run if necessary, keeps its results and times, and returns to this pass.";
-            if ui.add_enabled(!cx.model.is_busy(), keep).on_hover_text(about).clicked() {
-                cx.asks.commands.push(Command::KeepRun);
-            }
+            start::keep(ui, cx);
             let is_unknown = cx.runs.runs.list().iter().any(|kept| kept.outcome.is_none());
             let again = Button::new("Run all again");
             let about = "runs kept runs of this scene that have no results";
@@ -109,6 +107,11 @@ impl RunsPanel {
             let about = "Memory for results of kept runs. Beyond it, the oldest pictures are dropped.";
             if ui.add(value).labelled_by(label.id).on_hover_text(about).changed() {
                 runs.asked.push(Asked::Budget(mib << 20));
+            }
+            if !options.shared.is_empty() {
+                ui.separator();
+                let whose = if options.own.len() == 1 { "the run" } else { "all runs" };
+                ui.weak(format!("{whose}: {}", options.shared)).on_hover_text("options that all kept runs share");
             }
         });
     }

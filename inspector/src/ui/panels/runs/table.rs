@@ -1,49 +1,50 @@
 //! The table of kept runs.
 
-use egui::{Align, Layout, ScrollArea, TextEdit, Ui};
+use egui::{Align, Button, Label, Layout, TextEdit, Ui};
 use egui_extras::{Column, TableBuilder, TableRow};
 use raystep_kernels::plan::Bytes;
-use raystep_kernels::{Accelerator, Choices, GridSize, ScheduleKind};
 use raystep_lab::text::counted;
 
 use super::super::timings::duration;
+use super::options::Options;
 use crate::runs::kept::LONGEST_NAME;
 use crate::runs::measure::Measured;
 use crate::runs::spread::{Spread, Timed};
 use crate::runs::{Kept, RunId};
-use crate::settings::Settings;
 use crate::ui::pane::Context;
 use crate::ui::state::kept_runs::Asked;
 
-/// Heads, with their explanations and the widths of columns that have a fixed one.
-const HEADS: [(&str, &str, Option<f32>); 15] = [
-    ("", "shows the run in stream views, in place of the open run", None),
-    ("ref.", "the run that others are compared with", None),
-    ("vs.", "the run that is compared with the reference", None),
-    ("name", "the run's name", Some(NAME)),
-    ("", "actions for this run", None),
-    (
-        "time",
-        "median [shortest–longest] of all passes by the device's clock, or of the whole run by the host's",
-        Some(175.0),
-    ),
-    ("passes", "number of passes", Some(50.0)),
-    ("hits", "rays that hit something; of the last sample, if there are several", Some(75.0)),
-    ("structure", "acceleration structure", None),
-    ("schedule", "the order in which kernels run", None),
-    ("numerics", "the rules for planes, steps and hits", None),
-    ("skip", "whether rays skip over empty cells", None),
-    ("device", "where passes ran", None),
-    ("size", "width and height in pixels", Some(85.0)),
-    ("note", "a note on the run", Some(NOTE)),
+/// Heads, with their explanations.
+const HEADS: [(&str, &str); 9] = [
+    ("", "shows the run in stream views, in place of the open run"),
+    ("ref.", "the run that others are compared with"),
+    ("vs.", "the run that is compared with the reference"),
+    ("name", "the run's name"),
+    ("", "actions for this run"),
+    ("time", "median [shortest–longest] of all passes by the device's clock, or of the whole run by the host's"),
+    ("passes", "number of passes"),
+    ("hits", "rays that hit something; of the last sample, if there are several"),
+    ("own options", "options in which the runs differ, and the note on the run"),
 ];
 
 /// Columns of numbers.
-const NUMBERS: [usize; 4] = [5, 6, 7, 13];
-/// Width of names.
-const NAME: f32 = 160.0;
-/// Width of notes.
-const NOTE: f32 = 180.0;
+const NUMBERS: [usize; 3] = [5, 6, 7];
+/// Between columns.
+const GAP: f32 = 8.0;
+/// A panel of this width has room for the spread of times.
+const WIDE: f32 = 900.0;
+
+/// The widths of columns in a panel of this width, from which only names and options take: they are cut off, and whole
+/// when hovering.
+fn widths(available: f32) -> [f32; 9] {
+    let time = if available >= WIDE { 165.0 } else { 80.0 };
+    let mut widths = [52.0, 26.0, 26.0, 0.0, 28.0, time, 48.0, 64.0, 0.0];
+    let others = widths.iter().map(|width| width + GAP).sum::<f32>();
+    let left = (available - others - GAP).max(160.0);
+    widths[3] = (0.5 * left).min(220.0);
+    widths[8] = left - widths[3];
+    widths
+}
 
 /// Changes that a row asks for, applied once the table is drawn.
 enum Change {
@@ -55,33 +56,35 @@ enum Change {
     Ask(Asked),
 }
 
-pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, most_height: f32) {
+pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, options: &Options) {
     let height = ui.spacing().interact_size.y + 4.0;
     let mut changes = Vec::new();
     let rows = cx.runs.runs.list().len();
-    ScrollArea::horizontal().id_salt("kept runs").auto_shrink([false, true]).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.x = 8.0;
-        let mut table = TableBuilder::new(ui)
-            .id_salt("kept runs")
-            .striped(true)
-            .auto_shrink(true)
-            .max_scroll_height(most_height)
-            .min_scrolled_height(most_height.min((rows as f32 + 1.0) * height))
-            .cell_layout(Layout::left_to_right(Align::Center));
-        for (_, _, width) in HEADS {
-            table = table.column(width.map_or_else(|| Column::auto().at_least(24.0), Column::exact));
+    // In a low panel, three runs.
+    let most_height = (0.45 * ui.available_height()).max(4.0 * height);
+    ui.spacing_mut().item_spacing.x = GAP;
+    let widths = widths(ui.available_width());
+    let mut table = TableBuilder::new(ui)
+        .id_salt("kept runs")
+        .striped(true)
+        .auto_shrink(true)
+        .max_scroll_height(most_height)
+        .min_scrolled_height(most_height.min((rows as f32 + 1.0) * height))
+        .cell_layout(Layout::left_to_right(Align::Center));
+    for width in widths {
+        table = table.column(Column::exact(width).clip(true));
+    }
+    let table = table.header(height, |mut header| {
+        for (i, (head, about)) in HEADS.into_iter().enumerate() {
+            header.col(|ui| aligned(ui, i, |ui| drop(ui.strong(head).on_hover_text(about))));
         }
-        let table = table.header(height, |mut header| {
-            for (i, (head, about, _)) in HEADS.into_iter().enumerate() {
-                header.col(|ui| aligned(ui, i, |ui| drop(ui.strong(head).on_hover_text(about))));
+    });
+    table.body(|body| {
+        body.rows(height, rows, |row| {
+            let own = options.own.get(row.index());
+            if let Some((kept, own)) = cx.runs.runs.list().get(row.index()).zip(own) {
+                self::row(row, cx, kept, (own, &widths), &mut changes);
             }
-        });
-        table.body(|body| {
-            body.rows(height, rows, |row| {
-                if let Some(kept) = cx.runs.runs.list().get(row.index()) {
-                    self::row(row, cx, kept, &mut changes);
-                }
-            });
         });
     });
     for change in changes {
@@ -129,7 +132,13 @@ fn apply(change: Change, cx: &mut Context<'_>) {
     }
 }
 
-fn row(mut row: TableRow<'_, '_>, cx: &Context<'_>, kept: &Kept, changes: &mut Vec<Change>) {
+fn row(
+    mut row: TableRow<'_, '_>,
+    cx: &Context<'_>,
+    kept: &Kept,
+    (own, widths): (&str, &[f32; 9]),
+    changes: &mut Vec<Change>,
+) {
     let Some(opened) = &cx.model.opened else { return };
     let (runs, id) = (&cx.runs, kept.id);
     let is_here = runs.is_of(kept, opened);
@@ -155,17 +164,25 @@ fn row(mut row: TableRow<'_, '_>, cx: &Context<'_>, kept: &Kept, changes: &mut V
     }
     row.col(|ui| {
         let mut name = kept.name.clone();
-        let response = ui.add(TextEdit::singleline(&mut name).id_salt(("name", id)).desired_width(NAME - 8.0));
+        let response = ui.add(TextEdit::singleline(&mut name).id_salt(("name", id)).desired_width(widths[3] - 8.0));
         let response = response.accessible_name(format!("name of run {id}"));
         if response.on_hover_text(&kept.name).changed() {
             changes.push(Change::Name(id, name));
         }
     });
     row.col(|ui| actions(ui, cx, kept, is_here, changes));
-    for (i, (text, about)) in cells(kept, is_here).into_iter().enumerate() {
+    let is_wide = widths[5] > 100.0;
+    let is_free = is_here && !cx.model.is_busy();
+    for (i, (text, about)) in cells(kept, is_wide).into_iter().enumerate() {
         row.col(|ui| {
             aligned(ui, 5 + i, |ui| {
-                let label = ui.add(egui::Label::new(text).extend());
+                if i == 0 && kept.outcome.is_none() {
+                    if ui.add_enabled(is_free, Button::new("Run again").small()).clicked() {
+                        changes.push(Change::Ask(Asked::Again(kept.id)));
+                    }
+                    return;
+                }
+                let label = ui.add(Label::new(text).truncate());
                 if !about.is_empty() {
                     label.on_hover_text(about);
                 }
@@ -173,14 +190,10 @@ fn row(mut row: TableRow<'_, '_>, cx: &Context<'_>, kept: &Kept, changes: &mut V
         });
     }
     row.col(|ui| {
-        let mut note = kept.note.clone();
-        let response = ui.add(TextEdit::singleline(&mut note).id_salt(("note", id)).desired_width(NOTE - 8.0));
-        response.widget_info(|| {
-            egui::WidgetInfo::text_edit(true, &kept.note, &kept.note, format!("note on {}", kept.name))
-        });
-        if response.changed() {
-            changes.push(Change::Note(id, note));
-        }
+        let about = [own, &kept.note, &kept.path].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>();
+        let text = if own.is_empty() { "–" } else { own };
+        let note = if kept.note.is_empty() { String::new() } else { format!(" · {}", kept.note) };
+        ui.add(Label::new(format!("{text}{note}")).truncate()).on_hover_text(about.join("\n"));
     });
 }
 
@@ -188,9 +201,6 @@ fn row(mut row: TableRow<'_, '_>, cx: &Context<'_>, kept: &Kept, changes: &mut V
 fn actions(ui: &mut Ui, cx: &Context<'_>, kept: &Kept, is_here: bool, changes: &mut Vec<Change>) {
     let id = kept.id;
     let is_free = is_here && !cx.model.is_busy();
-    if kept.outcome.is_none() && ui.add_enabled(is_free, egui::Button::new("Run again")).clicked() {
-        changes.push(Change::Ask(Asked::Again(id)));
-    }
     let menu = ui.menu_button("…", |ui| {
         let reference = cx.runs.reference.filter(|&reference| reference != id);
         for (name, about, can, asked) in [
@@ -209,62 +219,48 @@ fn actions(ui: &mut Ui, cx: &Context<'_>, kept: &Kept, is_here: bool, changes: &
                 ui.close();
             }
         }
+        let mut note = kept.note.clone();
+        let response = ui.add(TextEdit::singleline(&mut note).id_salt(("note", id)).hint_text("note"));
+        let response = response.accessible_name(format!("note on {}", kept.name));
+        if response.changed() {
+            changes.push(Change::Note(id, note));
+        }
     });
     let name = format!("actions: {}", kept.name);
     menu.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
 }
 
-/// The texts of the columns from the time to the size, with explanations.
-fn cells(kept: &Kept, is_here: bool) -> [(String, String); 9] {
-    let settings = &kept.recipe.settings;
-    let Settings { size, ray, device, .. } = settings;
-    let Choices { accelerator, schedule, skip, grid, steps_per_pass, .. } = settings.choices;
-    let cells = match grid {
-        GridSize::Cells([x, y, z]) if accelerator == Accelerator::Grid => format!(" {x}×{y}×{z}"),
-        GridSize::Auto | GridSize::Cells(_) => String::new(),
-    };
-    let other = if is_here { "" } else { " (other scene)" };
-    let steps = if steps_per_pass > 1 && schedule == ScheduleKind::Compact {
-        format!(" ×{steps_per_pass}")
-    } else {
-        String::new()
-    };
-    let edits = &kept.recipe.edits;
-    let edited = if edits.is_empty() { String::new() } else { format!(", {}", counted(edits.len(), "edit")) };
+/// The texts of the columns of numbers, with explanations; without the spread of times, unless there is room.
+fn cells(kept: &Kept, is_wide: bool) -> [(String, String); 3] {
     let outcome = kept.outcome.as_ref();
-    let plain = |text: String| (text, String::new());
-    let size = if ray.is_some() { "1 ray".into() } else { format!("{}×{}", size[0], size[1]) };
-    let is_grid = accelerator == Accelerator::Grid;
     let passes = outcome.map_or_else(|| "–".into(), |outcome| outcome.passes.len().to_string());
     let hits = outcome.and_then(|outcome| outcome.hits).map_or_else(|| "–".into(), |hits| hits.to_string());
     let memory = match &kept.picture {
         Ok(picture) => format!("{} of results: {}", Bytes(kept.bytes()), picture.names()),
         Err(why) => format!("no picture: {why}"),
     };
-    [
-        time(kept),
-        plain(passes),
-        (hits, memory),
-        (format!("{accelerator}{cells}{other}"), kept.path.clone()),
-        plain(format!("{}{steps}", settings.order())),
-        plain(format!("{}{edited}", settings.rules())),
-        plain(if is_grid { skip.to_string() } else { "–".into() }),
-        (device.name().into(), outcome.map_or_else(String::new, |outcome| outcome.device.clone())),
-        plain(size),
-    ]
+    let device = outcome.map_or_else(String::new, |outcome| outcome.device.clone());
+    [time(kept, is_wide), (passes, device), (hits, memory)]
 }
 
 /// The total time of a run, and how it was found.
-fn time(kept: &Kept) -> (String, String) {
-    let spread = |timed, measured: &Measured| Spread::of(timed, measured).map(|spread| text(&spread));
+fn time(kept: &Kept, is_wide: bool) -> (String, String) {
+    let spread = |timed, measured: &Measured| {
+        let spread = Spread::of(timed, measured)?;
+        let whole = text(&spread);
+        let shown = if is_wide { whole.clone() } else { text(&Spread { count: 1, ..spread }) };
+        Some((shown, whole))
+    };
     if let Some(measured) = &kept.measured {
         let count = counted(measured.repeats.len(), "repeat");
-        if let Some(text) = spread(Timed::Device, measured) {
-            return (text, format!("all passes by the device's clock: median [shortest–longest] of {count}"));
+        if let Some((text, whole)) = spread(Timed::Device, measured) {
+            let about = format!("{whole}: all passes by the device's clock, median [shortest–longest] of {count}");
+            return (text, about);
         }
         let why = measured.why_no_times.clone().unwrap_or_else(|| "no pass was timed".into());
-        if let Some(text) = spread(Timed::Host, measured) {
-            return (format!("{text} host"), format!("the whole run by the host's clock, {count}: {why}"));
+        if let Some((text, whole)) = spread(Timed::Host, measured) {
+            let about = format!("{whole}: the whole run by the host's clock, {count}: {why}");
+            return (format!("{text} host"), about);
         }
         return ("–".into(), why);
     }
@@ -304,5 +300,16 @@ mod tests {
         assert_eq!(of([1_500.0, 1_450.0, 2_000_000.0], 6), "1.5 [1.4–2000.0] µs");
         assert_eq!(of([2e9, 1e9, 3e9], 2), "2.00 [1.00–3.00] s");
         assert_eq!(of([1_500.0; 3], 1), "1.5 µs");
+    }
+
+    #[test]
+    fn the_columns_fit_a_panel() {
+        for available in [580.0, 899.0, 900.0, 1270.0, 1590.0] {
+            let widths = widths(available);
+            let whole = widths.iter().map(|width| width + GAP).sum::<f32>();
+            assert!(whole <= available, "{whole} of {available}");
+            assert!(widths[3] >= 80.0 && widths[8] >= 80.0, "{widths:?}");
+        }
+        assert!(widths(100.0).iter().all(|width| *width > 0.0));
     }
 }
