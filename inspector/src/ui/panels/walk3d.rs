@@ -304,13 +304,10 @@ impl Walk3d {
         let shown: Vec<String> = shown.into_iter().chain(unit).collect();
         if !shown.is_empty() {
             let font = egui::TextStyle::Small.resolve(ui.style());
-            painter.text(
-                rect.left_bottom() + vec2(6.0, -4.0),
-                egui::Align2::LEFT_BOTTOM,
-                shown.join("; "),
-                font,
-                ui.visuals().weak_text_color(),
-            );
+            let galley = painter.layout_no_wrap(shown.join("; "), font, ui.visuals().text_color());
+            let place = Rect::from_min_size(rect.left_bottom() + vec2(6.0, -4.0 - galley.size().y), galley.size());
+            painter.rect_filled(place.expand2(vec2(4.0, 1.0)), 3.0, ui.visuals().extreme_bg_color);
+            painter.galley(place.min, galley, ui.visuals().text_color());
         }
     }
 }
