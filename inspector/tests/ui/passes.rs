@@ -45,11 +45,11 @@ fn turns_fold_stay_so_while_the_run_is_stepped_and_open_for_the_current_pass() {
     let mut stage = stage(cornell(), PLACE);
     let (all, _) = rows(&stage);
     let model = stage.harness.state().model();
-    let (passes, turn) = (model.passes.clone(), at(&all, "4–5, iteration 1, 2 passes"));
+    let (passes, turn) = (model.passes.clone(), at(&all, "4–5, iteration 1"));
     assert_eq!(passes[4].loops, [1], "{:?}", passes[4]);
     // All is told of the passes.
     let sum: u64 = passes[4..=5].iter().filter_map(|pass| pass.duration_ns).sum();
-    let row = format!("4–5, iteration 1, 2 passes, {:.1}, ", sum as f64 / 1e3);
+    let row = format!("4–5, iteration 1, {:.1}, ", sum as f64 / 1e3);
     assert!(sum > 0 && stage.find(Role::Row, |name| name == row).is_some(), "{row}: {}", stage.read_out());
     stage.click(Role::Button, "fold iteration 1");
     stage.settle();
@@ -91,7 +91,7 @@ fn keys_fold_turns_and_go_into_and_out_of_them() {
     let mut stage = stage(sort(DeviceKind::Cpu), usize::MAX);
     // The last stage is the current one; stage 4 is passes 10 to 14.
     let (all, _) = rows(&stage);
-    let (turn, end) = (at(&all, "10–14, stage 4, 5 passes"), stage.place());
+    let (turn, end) = (at(&all, "10–14, stage 4"), stage.place());
     assert!(all[turn + 2].starts_with("11, step 1: exchange, "), "{all:?}");
     let last = stage.find(Role::Row, |row| row.starts_with("20, ")).expect("the current row").rect().center();
     stage.click_at(last);

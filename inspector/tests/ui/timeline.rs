@@ -283,10 +283,13 @@ fn a_turn_of_a_loop_is_named_and_clicks_go_to_its_first_pass_and_its_end() {
     s.click_at(at);
     s.settle();
     assert_eq!(s.place(), 11, "its first pass");
-    // The panel Passes has them with their numbers of passes.
-    let is_of_band = |text: &String| text.starts_with("stage ") && !text.contains("pass");
-    let band = s.painted().into_iter().filter(is_of_band).collect::<Vec<_>>();
-    assert_eq!(band, ["stage 0", "stage 1", "stage 2", "stage 3", "stage 5", "stage 4"], "the current one last");
+    // The panel Passes, which is painted before, has them too.
+    let band = s.painted().into_iter().filter(|text| text.starts_with("stage ")).collect::<Vec<_>>();
+    assert_eq!(
+        band[band.len().saturating_sub(6)..],
+        ["stage 0", "stage 1", "stage 2", "stage 3", "stage 5", "stage 4"],
+        "the current one last"
+    );
     s.event(Event::PointerMoved(at));
     // A frame of the harness is a quarter of a second, and the time between two clicks at most 0.3 seconds.
     for _ in 0..2 {

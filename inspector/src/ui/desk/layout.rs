@@ -30,7 +30,7 @@ const STEP: Part = Rows(&[
     (
         1.0,
         Columns(&[
-            (0.45, Tabs(&[P::Passes, P::Options, P::Watches])),
+            (0.56, Tabs(&[P::Passes, P::Options, P::Watches])),
             (1.0, Tabs(&[P::Stream])),
             (0.85, Tabs(&[P::Kernel, P::Ray])),
         ]),
@@ -43,7 +43,8 @@ const RAY: Part = Columns(&[
     (1.0, Rows(&[(1.0, Tabs(&[P::Ray])), (0.9, Tabs(&[P::Stream, P::Kernel]))])),
 ]);
 
-const COMPARE: Part = Rows(&[(1.0, Tabs(&[P::Compare, P::Divergence])), (0.3, Tabs(&[P::Runs, P::Error, P::Choices]))]);
+const COMPARE: Part =
+    Rows(&[(1.0, Tabs(&[P::Compare, P::Divergence])), (0.36, Tabs(&[P::Runs, P::Error, P::Choices]))]);
 
 const COST: Part = Rows(&[
     (1.0, Columns(&[(1.15, Tabs(&[P::Cost])), (0.85, Tabs(&[P::Timings, P::Structure, P::Walk3d, P::Plan]))])),

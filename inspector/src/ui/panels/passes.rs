@@ -191,10 +191,7 @@ impl List<'_> {
         let turn = self.tree.turn(level, first);
         match column {
             Column::Pass => range(turn),
-            Column::Kernel => {
-                let name = self.names(first, level).pop().unwrap_or_default();
-                format!("{name}, {}", counted((turn[1] - turn[0]) as u64, "pass"))
-            }
+            Column::Kernel => self.names(first, level).pop().unwrap_or_default(),
             Column::Time => match self.tree.time(turn) {
                 Time::Known(ns) => self.unit.text(ns),
                 Time::Below(ns) => format!("< {}", self.unit.text_above(ns)),

@@ -91,8 +91,8 @@ impl Pen<'_> {
         if self.is_picked(what) {
             self.painter.rect_stroke(column.expand(2.0), 0.0, self.picked_stroke(), StrokeKind::Inside);
         }
-        if column.width() >= 12.0 {
-            let at = column.center_top() + vec2(0.0, 1.0);
+        let at = column.center_top() + vec2(0.0, 1.0);
+        if column.width() >= 12.0 && at.y + LINE <= self.painter.clip_rect().bottom() {
             outlined(
                 self.painter,
                 at,
