@@ -72,6 +72,7 @@ const MAY_NAME_OPTIONS: &[(&str, &[&str])] = &[
         "options of the other run, and of a part of a link",
         &["inspector/src/link/read.rs", "inspector/src/settings.rs", "inspector/src/ui/panels/compare/settings.rs"],
     ),
+    ("the options in the name of a kept run", &["inspector/src/ui/panels/runs/options.rs"]),
     (
         "columns of tables, and words of WGSL",
         &[

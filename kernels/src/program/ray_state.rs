@@ -1,5 +1,6 @@
 //! A ray of a run, decoded from its texels: what explanations, histories and drawings of walks read.
 
+use crate::scene_data::SceneData;
 use crate::tables::state::Tag;
 use crate::tables::stream::Stream;
 
@@ -64,4 +65,6 @@ pub struct Decoding {
     pub streams: &'static [Stream],
     /// Decodes a ray's texels.
     pub decode: fn(Texel<'_>) -> RayState,
+    /// The triangle that a pass of a kernel that tests one tested, from the ray before and after it.
+    pub tested: fn(&SceneData, &RayState, &RayState) -> Option<u32>,
 }

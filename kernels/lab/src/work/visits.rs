@@ -4,18 +4,16 @@ use std::ops::ControlFlow;
 
 use raystep_kernels::options::features::StructureKind;
 use raystep_kernels::program::{Decoding, Path, RayState};
-use raystep_kernels::programs::closest_hit::explain::tested;
-use raystep_kernels::programs::closest_hit::streams::PREVIOUS;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::parent_of;
 use raystep_kernels::tables::kernel::Role;
-use raystep_kernels::tables::stream::STATE_TAG;
+use raystep_kernels::tables::stream::{STATE_TAG, Texel};
 use raystep_kernels::{
     Kernel, Options, Plan, Progress, RenderError, Renderer, Samples, ScheduleKind, Stream, StreamData,
 };
 
-/// Most layers of the streams that are read.
-const MOST_LAYERS: usize = 4;
+/// Most streams that are read, and their most layers.
+const MOST: [usize; 2] = [4, 4];
 
 /// Counts over all rays of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -38,7 +36,7 @@ impl Visits {
         Self { places: vec![0; places], triangles: vec![0; data.info.triangles as usize] }
     }
 
-    fn add(&mut self, kernel: Kernel, data: &SceneData, before: &RayState, after: &RayState) {
+    fn add(&mut self, kernel: Kernel, rays: Decoding, data: &SceneData, before: &RayState, after: &RayState) {
         let count = |counts: &mut Vec<u32>, at: Option<u32>| {
             if let Some(count) = at.and_then(|at| counts.get_mut(at as usize)) {
                 *count = count.saturating_add(1);
@@ -46,7 +44,7 @@ impl Visits {
         };
         count(&mut self.places, place(kernel, data, before, after));
         if kernel.role() == Role::Test {
-            count(&mut self.triangles, tested(data, before, after));
+            count(&mut self.triangles, (rays.tested)(data, before, after));
         }
     }
 }
@@ -121,7 +119,7 @@ pub async fn visits(
         for ray in 0..plan.rays as usize {
             if pass.kernel.takes().contains(&before.word(0, STATE_TAG, ray)) {
                 let [was, is] = [&before, &after].map(|columns| columns.ray(rays, ray));
-                visits.add(pass.kernel, &data, &was, &is);
+                visits.add(pass.kernel, rays, &data, &was, &is);
             }
         }
         before = after;
@@ -132,15 +130,18 @@ pub async fn visits(
     Ok(Some(visits))
 }
 
-/// The streams that tell where all rays are: the states first.
+/// The streams that tell where all rays are, which are those without floats: the states first.
 struct Columns(Vec<StreamData>);
 
 impl Columns {
     async fn read(renderer: &Renderer) -> Result<Self, RenderError> {
         let plan = renderer.plan();
-        let streams = plan.program.state_stream().into_iter().chain([PREVIOUS]);
+        let states = plan.program.state_stream();
+        let others = plan.program.rays.into_iter().flat_map(|rays| rays.streams.iter().copied());
+        let tells = |stream: &Stream| stream.info().texel == Texel::U32 && plan.has_stream(*stream);
+        let streams = states.into_iter().chain(others.filter(|&stream| Some(stream) != states));
         let mut columns = Vec::new();
-        for stream in streams.filter(|&stream| plan.has_stream(stream)) {
+        for stream in streams.filter(tells).take(MOST[0]) {
             columns.push(renderer.values(stream).await?);
         }
         Ok(Self(columns))
@@ -151,14 +152,14 @@ impl Columns {
     }
 
     fn ray(&self, rays: Decoding, ray: usize) -> RayState {
-        let mut texels = [[0; MOST_LAYERS]; 2];
+        let mut texels = [[0; MOST[1]]; MOST[0]];
         for (column, texel) in texels.iter_mut().enumerate().take(self.0.len()) {
-            let layers = self.0[column].stream.layers().min(MOST_LAYERS);
+            let layers = self.0[column].stream.layers().min(MOST[1]);
             (0..layers).for_each(|layer| texel[layer] = self.word(column, layer, ray));
         }
         (rays.decode)(&|wanted: Stream| {
             let column = self.0.iter().position(|values| values.stream == wanted)?;
-            Some(&texels[column][..wanted.layers().min(MOST_LAYERS)])
+            Some(&texels[column][..wanted.layers().min(MOST[1])])
         })
     }
 }

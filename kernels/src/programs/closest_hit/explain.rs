@@ -15,7 +15,7 @@ use crate::shared::constants::{LIGHTS_SUMMED, NO_TRIANGLE, NODES_A_STEP};
 use crate::tables::state::StateRole;
 use grid::{cell_at, explain_start, explain_step};
 pub(super) use test::explain_intersect as of_intersect;
-pub use test::tested;
+pub(super) use test::tested;
 use tree::explain_node;
 
 /// The triangle that a pass tested, if any, and why the pass left the ray as it did.

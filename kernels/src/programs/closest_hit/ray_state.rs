@@ -14,6 +14,7 @@ use crate::tables::stream::{STATE_TAG, Stream};
 pub(super) const DECODING: Decoding = Decoding {
     streams: &[STATE, HIT, RAY_ORIGIN, RAY_DIRECTION, RAY_INTERVAL, TMAX, CONTROL, PREVIOUS, COLOR, ACCUMULATED],
     decode,
+    tested: super::explain::tested,
 };
 
 fn decode(texel: Texel<'_>) -> RayState {

@@ -11,8 +11,7 @@ use crate::shared::triangle::{Candidate, Shear, hit_triangle, plane_hit};
 use crate::shared::vector::{cross3, dot3};
 
 /// The triangle that a pass tested, if any.
-#[must_use]
-pub fn tested(data: &SceneData, before: &RayState, after: &RayState) -> Option<u32> {
+pub(in super::super) fn tested(data: &SceneData, before: &RayState, after: &RayState) -> Option<u32> {
     candidate(data, before).filter(|_| !is_looked_for(before, after))
 }
 
