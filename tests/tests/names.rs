@@ -81,7 +81,6 @@ const MAY_NAME_OPTIONS: &[(&str, &[&str])] = &[
             "app/src/commands/sweep/page.rs",
             "inspector/src/source/words.rs",
             "inspector/src/ui/panels/passes.rs",
-            "inspector/src/ui/panels/runs/table.rs",
             "inspector/src/ui/panels/timings.rs",
         ],
     ),

@@ -6,7 +6,7 @@ pub(super) mod layout;
 mod maximise;
 
 use egui::Rect;
-use egui_tiles::{Tile, Tree};
+use egui_tiles::{Tile, TileId, Tree};
 use smart_default::SmartDefault;
 
 use super::pane::Context;
@@ -59,6 +59,13 @@ impl Desk {
     /// Notes whether something has focus that Escape leaves.
     pub(super) fn note_focus(&mut self, ctx: &egui::Context) {
         self.had_focus = self.has_focus(ctx);
+    }
+
+    /// Shows or hides a panel. Commands about a view go to one that is shown, until the cursor moves.
+    pub(super) fn toggle(&mut self, kind: PaneKind) {
+        layout::toggle(&mut self.tree, kind);
+        let is_kind = |id: &TileId| self.tree.tiles.get_pane(id).is_some_and(|pane| pane.kind == kind);
+        self.focus.under = self.tree.active_tiles().into_iter().find(is_kind).or(self.focus.under);
     }
 
     /// Whether something had it at the end of the last frame.

@@ -240,7 +240,7 @@ fn the_table_fits_the_panel_and_says_once_what_all_runs_share() {
                 stage.perform(Command::Show(PaneKind::Runs));
             }
         }
-        for head in ["ref.", "vs.", "name", "time", "passes", "hits", "own options"] {
+        for head in ["ref.", "vs.", "name", "time", "passes", "hits", "differs in"] {
             let is_it = |node: &egui_kittest::Node<'_>| node.accesskit_node().value().as_deref() == Some(head);
             let rect = stage.nodes().into_iter().find(is_it).map(|node| node.rect());
             let rect = rect.unwrap_or_else(|| panic!("no {head}:\n{}", stage.read_out()));

@@ -102,7 +102,7 @@ fn go_on(mut stage: Stage, settings: Settings) {
     let hit = tree.rows.last().and_then(|row| row.after.triangle.zip(row.after.t)).expect("a hit");
     let line = format!("B: ray {},{}: ", pixel[0], pixel[1]);
     let end = format!(
-        "{} passes: hits triangle {} at t {} scene units",
+        "{} passes: hits triangle {} at t {:.5} scene units",
         tree.rows.len(),
         hit.0,
         f64::from(hit.1) * tree.t_scale
@@ -111,7 +111,7 @@ fn go_on(mut stage: Stage, settings: Settings) {
         stage.nodes().iter().any(|node| {
             use egui_kittest::kittest::NodeT as _;
             let node = node.accesskit_node();
-            node.value().or(node.label()).is_some_and(|text| text.starts_with(part) && text.ends_with(end))
+            node.value().or(node.label()).is_some_and(|text| text.contains(part) && text.ends_with(end))
         })
     };
     assert!(reads(&line, &end), "{line}…{end}\n{}", stage.read_out());

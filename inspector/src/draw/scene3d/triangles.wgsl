@@ -53,7 +53,7 @@ fn edge(weights: vec3f, width_px: f32) -> f32 {
 // Opacity in relation to that of the scene: what is in front of the walk would hide it. It fades over a part of the
 // scene's depth, so that a cut does not look like an end.
 fn kept(behind: f32) -> f32 {
-    return mix(view.in_front, 1.0, smoothstep(-0.06, 0.0, behind * view.haze.w));
+    return mix(view.in_front, 1.0, smoothstep(-0.02, 0.0, behind * view.haze.w));
 }
 
 // Opaque triangles write depth and are not sorted: they fade by leaving out pixels, by interleaved gradient noise

@@ -42,12 +42,17 @@ pub(super) struct Dialogs {
     pub(super) asked: VecDeque<AskedPath>,
 }
 
+/// A dialog that is there at once: faded in, its text would be hard to read for a fifth of a second.
+fn dialog_at(id: Id) -> Modal {
+    Modal::new(id).area(Modal::default_area(id).fade_in(false))
+}
+
 impl Inspector {
     pub(super) fn show_dialog(&mut self, ctx: &egui::Context) {
         let asked = || self.dialogs.asked.pop_front().map(Dialog::Path);
         let Some(mut dialog) = self.dialogs.open.take().or_else(asked) else { return };
         let mut stays = true;
-        let response = Modal::new(Id::unique(("dialog", std::mem::discriminant(&dialog)))).show(ctx, |ui| {
+        let response = dialog_at(Id::unique(("dialog", std::mem::discriminant(&dialog)))).show(ctx, |ui| {
             match &mut dialog {
                 Dialog::Palette(palette) => {
                     if let Some(command) = palette.show(ui, &|command| self.why_not(command)) {

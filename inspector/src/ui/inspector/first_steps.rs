@@ -11,7 +11,9 @@ const LEAST_HEIGHT: f32 = 250.0;
 fn next(done: FirstSteps, is_at_end: bool) -> &'static str {
     match (done.has_clicked, done.has_followed, is_at_end) {
         (false, _, true) => "Click any pixel to see its ray's walk through the voxels, or press Start, then Next pass.",
-        (false, ..) => "Click any pixel: Unfolded walk draws its ray's way through the voxels, and Ray says why.",
+        (false, ..) => {
+            "Click any pixel: Unfolded walk shows its ray's path through the voxels, Ray explains each step."
+        }
         (true, false, true) => {
             "Now go back along this ray: Shift+F11 to its previous cell or triangle, F11 to the next. Home goes to the \
              start."

@@ -9,7 +9,6 @@ use crate::command::Command;
 use crate::session::request::Request;
 use crate::session::{Direction, Model, Target};
 use crate::ui::desk::arranged::Now;
-use crate::ui::desk::layout;
 use crate::ui::state::kept_runs::Asked;
 use raystep_kernels::export::trace::TraceRow;
 
@@ -215,7 +214,7 @@ impl Inspector {
                 self.dialogs.open = Some(Dialog::Layout(name));
             }
             C::ResetLayout => self.desk.reset_layout(),
-            C::Show(kind) => layout::toggle(&mut self.desk.tree, kind),
+            C::Show(kind) => self.desk.toggle(kind),
             C::Magnifier => self.state.display.is_magnified = !self.state.display.is_magnified,
             C::Palette => self.dialogs.open = Some(Dialog::Palette(Palette::default())),
             C::Help => self.dialogs.open = Some(Dialog::Help),

@@ -162,7 +162,7 @@ impl Panel for Compare {
 fn welcome(ui: &mut Ui, has_scene: bool, asks: &mut Asks) {
     ui.add_space((ui.available_height() * 0.35).max(0.0));
     ui.vertical_centered(|ui| {
-        ui.label("A second run of the same scene beside this one: the same pixel, stream and pass in both, and where they differ.");
+        ui.label("Run the scene a second time with other options, and see where the results differ.");
         ui.add_space(6.0);
         if ui.add_enabled(has_scene, egui::Button::new(Command::Compare.name())).clicked() {
             asks.commands.push(Command::Compare);
@@ -178,7 +178,10 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
         let hit = history.rows.last().and_then(|row| row.after.triangle.zip(row.after.t));
         let hit = hit.map_or_else(
             || "hits nothing".into(),
-            |(id, t)| format!("hits triangle {id} at t {} scene units", f64::from(t) * history.t_scale),
+            |(id, t)| {
+                let t = f64::from(t) * history.t_scale;
+                format!("hits triangle {id} at t {t:.*} scene units", crate::ui::units::decimals(t.abs()))
+            },
         );
         format!(
             "{}, {} tested, {}: {hit}",

@@ -226,7 +226,7 @@ impl Cost {
                 let picked = self.bin.map(|(.., bin)| bin);
                 let (spread, scale, unit) = (&sorted.spread, self.look.scale, self.look.shown.unit());
                 let histogram = Histogram { spread, scale, unit, picked, selected };
-                let clicked = histogram.show(ui, ui.available_height().clamp(140.0, 260.0));
+                let clicked = histogram.show(ui, ui.available_height().clamp(140.0, 420.0));
                 if let Some(bin) = clicked {
                     self.bin = (picked != Some(bin)).then_some((self.look.shown, is_log, bin));
                 }

@@ -301,8 +301,8 @@ impl KernelView {
         match shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)) {
             Some(row) => {
                 let is_last = row.place() == Some(cx.model.place);
-                let when = if is_last { "" } else { " (the ray's last so far)" };
-                strong(ui, format!("pass {}{when}: {}", row.number(), row.why));
+                let when = if is_last { "" } else { " (the last one of this ray so far)" };
+                strong(ui, format!("pass {}{when}: {}", row.number(), row.why)).on_hover_text("in traced units");
             }
             None => drop(ui.weak(shown.kernel.info().summary)),
         }

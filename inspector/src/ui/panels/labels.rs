@@ -51,6 +51,48 @@ pub(super) fn places(room: Rect, wanted: &[Wanted], avoid: &Avoid) -> Vec<Option
     places
 }
 
+/// Orders labels that are side by side as their marks are, so that their lines do not cross.
+pub(super) fn in_order(room: Rect, wanted: &[Wanted], places: &mut [Option<LabelRect>]) {
+    let mut left: Vec<usize> = (0..places.len()).filter(|&i| places[i].is_some()).collect();
+    while let Some(&first) = left.first() {
+        let top = |i: &usize| places[*i].map_or(f32::NAN, |place| place.rect.top());
+        let is_beside = |i: &usize| (top(i) - top(&first)).abs() < 1.0;
+        let (mut row, others): (Vec<usize>, Vec<usize>) = left.iter().partition(|i| is_beside(i));
+        left = others;
+        row.sort_by(|&a, &b| wanted[a].at.x.total_cmp(&wanted[b].at.x));
+        let rects: Vec<Rect> = row.iter().filter_map(|&i| places[i]).map(|place| place.rect).collect();
+        if rects.is_sorted_by(|a, b| a.left() <= b.left()) {
+            continue;
+        }
+        // As near to their marks as they can be without overlapping: from the left, then back into the room.
+        let mut x: Vec<f32> = Vec::with_capacity(row.len());
+        for (&i, rect) in row.iter().zip(&rects) {
+            let after =
+                x.last().zip(rects.get(x.len().wrapping_sub(1))).map_or(room.left(), |(x, r)| x + r.width() + GAP);
+            x.push((wanted[i].at.x - 0.5 * rect.width()).max(after));
+        }
+        let mut end = room.right();
+        for (x, rect) in x.iter_mut().zip(&rects).rev() {
+            *x = x.min(end - rect.width());
+            end = *x - GAP;
+        }
+        let moved = rects.iter().zip(&x).map(|(rect, &x)| Rect::from_min_size(egui::pos2(x, rect.top()), rect.size()));
+        let moved: Vec<Rect> = moved.collect();
+        let meets = |rect: &Rect| {
+            places
+                .iter()
+                .enumerate()
+                .any(|(i, place)| !row.contains(&i) && place.is_some_and(|place| place.rect.intersects(*rect)))
+        };
+        if moved.iter().any(|rect| meets(rect) || rect.left() < room.left()) {
+            continue;
+        }
+        for (&i, rect) in row.iter().zip(moved) {
+            places[i] = Some(LabelRect::new(rect, wanted[i].at));
+        }
+    }
+}
+
 /// Every place that is tried: right beside the mark, and on a lattice around it.
 fn candidates(room: Rect, Wanted { at, size }: Wanted) -> impl Iterator<Item = LabelRect> {
     let fits = size.x <= room.width() && size.y <= room.height() && at.x.is_finite() && at.y.is_finite();
@@ -65,11 +107,14 @@ fn candidates(room: Rect, Wanted { at, size }: Wanted) -> impl Iterator<Item = L
     let lattice =
         (0..=rows).flat_map(move |row| (0..=columns).map(move |column| first + STEP * vec2(column as f32, row as f32)));
     let all = beside.chain(lattice).filter(move |_| fits);
-    all.map(move |min| {
-        let rect = Rect::from_min_size(inside(min), size);
+    all.map(move |min| LabelRect::new(Rect::from_min_size(inside(min), size), at))
+}
+
+impl LabelRect {
+    fn new(rect: Rect, at: Pos2) -> Self {
         let end = rect.clamp(at);
-        LabelRect { rect, leader: (end.distance(at) > NEAR).then_some([end, at]) }
-    })
+        Self { rect, leader: (end.distance(at) > NEAR).then_some([end, at]) }
+    }
 }
 
 /// How bad a place is, in points of distance: covering something counts more than being near.
@@ -131,6 +176,24 @@ mod tests {
     use egui::pos2;
 
     use super::*;
+
+    #[test]
+    fn labels_side_by_side_are_in_the_order_of_their_marks() {
+        let room = Rect::from_min_size(pos2(0.0, 0.0), vec2(120.0, 14.0));
+        let size = |width| vec2(width, 14.0);
+        let wanted = [(100.0, 10.0), (90.0, 20.0), (80.0, 12.0), (95.0, 10.0), (20.0, 10.0)]
+            .map(|(x, width)| Wanted { at: pos2(x, 30.0), size: size(width) });
+        let mut places = places(room, &wanted, &Avoid::default());
+        assert!(places.iter().all(Option::is_some), "there is room for all");
+        in_order(room, &wanted, &mut places);
+        let rects: Vec<Rect> = places.iter().flatten().map(|place| place.rect).collect();
+        assert_apart(room, &rects, "in order");
+        let mut order: Vec<usize> = (0..wanted.len()).collect();
+        order.sort_by(|&a, &b| rects[a].left().total_cmp(&rects[b].left()));
+        assert_eq!(order, [4, 2, 1, 3, 0]);
+        let lines: Vec<_> = places.iter().flatten().filter_map(|place| place.leader).collect();
+        assert!(lines.iter().all(|a| lines.iter().all(|b| a == b || !do_cross(*a, *b))), "{lines:?}");
+    }
 
     #[test]
     fn labels_of_any_marks_lie_apart_and_within_or_are_left_out() {

@@ -27,7 +27,8 @@ impl Panel for Lessons {
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ui.add(
-                Label::new("Each lesson opens its own scene, asks before it answers, and returns to this one.").wrap(),
+                Label::new("Each lesson opens a scene of its own and asks questions; yours comes back afterwards.")
+                    .wrap(),
             );
             for (index, lesson) in self.lessons.iter().enumerate() {
                 ui.add_space(10.0);

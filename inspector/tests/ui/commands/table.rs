@@ -371,7 +371,7 @@ pub(super) fn row(command: Command) -> Row {
             |s, _| {
                 s.settle();
                 assert!(s.find(Role::Image, |name| name == "hit of run B").is_none());
-                assert!(s.reads("A second run of the same scene"));
+                assert!(s.reads("Run the scene a second time"));
             },
         ),
         C::Divergence => (nothing, |s, was| {

@@ -95,7 +95,7 @@ impl Inspector {
         let (count, name) = (kept.runs.list().len(), kept.runs.get(id).map_or(name, |kept| kept.name.clone()));
         if is_new {
             let kept = counted(count, "kept run");
-            self.note(format!("kept as \"{name}\": {kept} in the panel Runs; . and , flip through them"));
+            self.note(format!("kept as \"{name}\": {kept} in the panel Runs; press . or , to flip through them"));
         } else {
             // The table shows it.
             self.state.log.say(false, format!("\"{name}\" was run again"));

@@ -115,7 +115,7 @@ impl Spread {
             times if times < 10.0 => format!("{times:.1} times the median"),
             times => format!("{} times the median", digits(times)),
         };
-        format!("{few}: half of it is in {percent}% of rays. The dearest ray costs {cost} {unit}, {times}.")
+        format!("{few}: half of it is in {percent}% of rays. The most expensive ray costs {cost} {unit}, {times}.")
     }
 
     pub(super) fn bins(&self, is_log: bool) -> &Bins {
@@ -165,17 +165,17 @@ mod tests {
         let one_dear: Vec<u32> = (0..21).map(|i| if i == 3 { 40 } else { 2 }).collect();
         assert_eq!(
             of(&one_dear),
-            "A few rays dominate the cost: half of it is in 5% of rays. The dearest ray costs 40 cells, 20 times the median."
+            "A few rays dominate the cost: half of it is in 5% of rays. The most expensive ray costs 40 cells, 20 times the median."
         );
         assert_eq!(
             of(&[4, 5, 6, 5]),
-            "Cost is spread over many rays: half of it is in 50% of rays. The dearest ray costs 6 cells, 1.2 times the median."
+            "Cost is spread over many rays: half of it is in 50% of rays. The most expensive ray costs 6 cells, 1.2 times the median."
         );
         let mut rare = vec![0; 999];
         rare.push(3);
         assert_eq!(
             of(&rare),
-            "A few rays dominate the cost: half of it is in 0.1% of rays. The dearest ray costs 3 cells, while at least half of \
+            "A few rays dominate the cost: half of it is in 0.1% of rays. The most expensive ray costs 3 cells, while at least half of \
              the rays cost nothing."
         );
     }

@@ -145,6 +145,7 @@ impl Listing {
         let fits = ((ui.available_width() - margin - ui.spacing().scroll.bar_width) / character).max(20.0) as usize;
         if std::mem::replace(&mut self.fits, fits) != fits {
             self.lay_out();
+            self.scroll_to = self.scroll_to.or(selected.map(|site| Goal::Site(Some(site))));
         }
         let mut area = egui::ScrollArea::both().auto_shrink(false);
         if let Some(goal) = self.scroll_to.take() {

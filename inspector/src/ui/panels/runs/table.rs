@@ -25,7 +25,7 @@ const HEADS: [(&str, &str); 9] = [
     ("time", "median [shortest–longest] of all passes by the device's clock, or of the whole run by the host's"),
     ("passes", "number of passes"),
     ("hits", "rays that hit something; of the last sample, if there are several"),
-    ("own options", "options in which the runs differ, and the note on the run"),
+    ("differs in", "options in which the runs differ, and the note on the run"),
 ];
 
 /// Columns of numbers.

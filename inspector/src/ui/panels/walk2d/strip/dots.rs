@@ -7,7 +7,7 @@ use super::super::Under;
 use super::super::picture::{current_color, outcome_color};
 use super::words::{note_words, test_words};
 use super::{MOST, Pen, SIZE};
-use crate::ui::panels::labels::{Avoid, Wanted, places};
+use crate::ui::panels::labels::{Avoid, Wanted, in_order, places};
 use crate::ui::state::Picked;
 use crate::walk::{Outcome, StripTest};
 
@@ -101,7 +101,8 @@ impl Pen<'_> {
             notes.iter().map(|n| self.painter.layout_no_wrap(n.text.clone(), font.clone(), n.color)).collect();
         let wanted: Vec<Wanted> =
             notes.iter().zip(&galleys).map(|(n, g)| Wanted { at: n.at, size: g.size() + 2.0 * margin }).collect();
-        let places = places(room, &wanted, &Avoid::default());
+        let mut places = places(room, &wanted, &Avoid::default());
+        in_order(room, &wanted, &mut places);
         // Opaque: bars beneath it would take contrast from the text.
         let background = self.scene.visuals.panel_fill;
         for (note, place) in notes.iter().zip(&places) {
