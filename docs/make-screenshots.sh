@@ -14,7 +14,7 @@ shot() {
 
 box="scenes/cornell-box.gltf --size 256x256 --pixel 96,180"
 shot first scenes/cornell-box.gltf --window 1280x760
-shot ../walk scenes/cornell-box.gltf --grid 5 --pixel 360,180 --window 1080x400 --scale 1.5 --do "Toolbar words" \
+shot ../walk scenes/cornell-box.gltf --grid 5 --pixel 360,180 --window 1080x440 --scale 1.5 --do "Toolbar words" \
     --do "Maximise panel" --do "Unfolded walk" --do "Toggle light/dark theme"
 shot step $box --pass 35 --window 1600x1000 --do "Step layout"
 shot walk $box --pass 35 --window 1600x900 --do "Ray layout" --do "Kernel"

@@ -335,9 +335,15 @@ fn strip_height(whole: &Whole) -> f32 {
     }
 }
 
+/// A strip of this height has tMax as numbers and bars, and labels of tests, each in a place of its own.
+const NUMBERS_FIT: f32 = 156.0;
+
 /// Space for the picture, if there is enough, and for the strip.
 fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Option<Rect>) {
-    let lower = strip_height(whole).min(rect.height() * 0.5).max(64.0).min(rect.height());
+    let height = rect.height();
+    let lower = strip_height(whole).min((height * 0.5).max(NUMBERS_FIT)).max(64.0).min(height);
+    // What is too low for a picture belongs to the strip.
+    let lower = if height - lower < 40.0 { height } else { lower };
     let (upper, lower) = rect.split_top_bottom_at_y(rect.bottom() - lower);
     ((upper.height() >= 40.0).then_some(upper), Some(lower))
 }

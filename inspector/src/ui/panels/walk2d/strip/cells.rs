@@ -28,7 +28,7 @@ impl Pen<'_> {
         let bottom = self.body.bottom() - names;
         let top = (bottom - height).max(self.body.top());
         // Labels have a space of their own, not over the bars.
-        let notes = if self.body.height() >= 130.0 { NOTES } else { NOTE };
+        let notes = if self.body.height() >= 150.0 { NOTES } else { NOTE };
         let notes = notes.min((top - self.body.top()).max(0.0));
         let columns = self.strip.columns(self.scene.spacing);
         let mut under = None;
