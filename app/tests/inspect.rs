@@ -46,11 +46,11 @@ const STREAM: [std::ops::Range<u32>; 2] = [0..273, 75..318];
 /// In it, the image of 32 x 32 texels: its corner and side length, in pixels.
 const TEXELS: ([f32; 2], f32) = ([85.0, 210.0], 100.0);
 
-/// Where two images differ.
+/// Where two images differ, by more than rounding: a glyph need not have the same place in the atlas.
 fn differences(a: &RgbaImage, b: &RgbaImage) -> Vec<[u32; 2]> {
     assert_eq!(a.dimensions(), b.dimensions());
     let pairs = a.enumerate_pixels().zip(b.pixels());
-    pairs.filter(|((_, _, a), b)| a != b).map(|((x, y, _), _)| [x, y]).collect()
+    pairs.filter(|((_, _, a), b)| (0..3).any(|i| a[i].abs_diff(b[i]) > 2)).map(|((x, y, _), _)| [x, y]).collect()
 }
 
 #[test]

@@ -243,7 +243,11 @@ impl Table {
         if top >= clip.top() + head && bottom <= clip.bottom() {
             return;
         }
-        let row = Rect::from_min_max(pos2(clip.left(), top - head), pos2(clip.left(), bottom));
-        ui.scroll_to_rect_animation(row, Some(Align::Center), egui::style::ScrollAnimation::none());
+        // In the middle, below a whole row.
+        let above = top - 0.5 * (clip.height() - head - (bottom - top)).max(0.0) - body.top();
+        let first = self.tops.partition_point(|&at| at < above);
+        let first = body.top() + self.tops.get(first).copied().unwrap_or(0.0).min(top - body.top());
+        let shown = Rect::from_min_max(pos2(clip.left(), first - head), pos2(clip.left(), bottom));
+        ui.scroll_to_rect_animation(shown, Some(Align::Min), egui::style::ScrollAnimation::none());
     }
 }

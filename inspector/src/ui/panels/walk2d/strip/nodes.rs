@@ -29,7 +29,9 @@ impl Pen<'_> {
             if node.is_met {
                 self.painter.rect_filled(bar, 1.0, color.gamma_multiply(if has_come { 0.55 } else { 0.08 }));
             }
-            let stroke = Stroke::new(1.0, color.gamma_multiply(if has_come { 0.9 } else { 0.25 }));
+            // The last nodes are yellow, which is faint on white.
+            let ahead = if self.scene.visuals.dark_mode { 0.25 } else { 0.6 };
+            let stroke = Stroke::new(1.0, color.gamma_multiply(if has_come { 0.9 } else { ahead }));
             self.painter.rect_stroke(bar, 1.0, stroke, StrokeKind::Inside);
             if self.scene.now.and_then(|now| now.current_node) == Some(node.node) {
                 let stroke = Stroke::new(2.0, current_color(self.scene.visuals));
