@@ -50,7 +50,7 @@ const TEXELS: ([f32; 2], f32) = ([85.0, 210.0], 100.0);
 fn differences(a: &RgbaImage, b: &RgbaImage) -> Vec<[u32; 2]> {
     assert_eq!(a.dimensions(), b.dimensions());
     let pairs = a.enumerate_pixels().zip(b.pixels());
-    pairs.filter(|((_, _, a), b)| (0..3).any(|i| a[i].abs_diff(b[i]) > 2)).map(|((x, y, _), _)| [x, y]).collect()
+    pairs.filter(|((_, _, a), b)| (0..3).any(|i| a[i].abs_diff(b[i]) > 1)).map(|((x, y, _), _)| [x, y]).collect()
 }
 
 #[test]

@@ -10,7 +10,7 @@ use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, StreamData, named};
 
 pub use lanes::{LANES, Lanes, Launch};
-pub use visits::{Visits, has_single_steps, most_of_half, single_steps, visits};
+pub use visits::{Visits, has_single_steps, single_steps, visits};
 pub use warps::{NO_RAY, PassLanes, Survey, WIDTHS, Warp, threads};
 
 /// How to measure a ray's cost.
@@ -147,6 +147,18 @@ impl CostOrder {
         self.costs.iter().map(|&cost| u64::from(cost)).sum()
     }
 
+    /// The fewest rays that together have half of the total cost; 0 without any.
+    #[must_use]
+    pub fn half(&self) -> usize {
+        let (total, mut sum) = (self.total(), 0);
+        let is_needed = |&&ray: &&u32| {
+            let is_less = 2 * sum < total;
+            sum += u64::from(self.costs[ray as usize]);
+            is_less
+        };
+        self.rays.iter().take_while(is_needed).count()
+    }
+
     /// Share of the total cost in the most expensive `share` (0 to 1) of the rays.
     #[must_use]
     pub fn share_of_dearest(&self, share: f64) -> f64 {
@@ -183,6 +195,8 @@ mod tests {
         assert_eq!((order.dearer(6), order.cheaper(6), order.rank(6), order.cost(6)), (None, None, None, None));
         assert_eq!((order.total(), order.share_of_dearest(1.0 / 3.0)), (28, 18.0 / 28.0));
         assert_eq!((order.share_of_dearest(0.0), order.share_of_dearest(7.0)), (0.0, 1.0));
+        let half = |costs: &[u32]| CostOrder::new(costs.to_vec()).half();
+        assert_eq!([&[][..], &[0, 0], &[1], &[3, 1, 3], &[5, 1, 4]].map(half), [0, 0, 1, 2, 1]);
         assert_eq!((CostOrder::new(Vec::new()).dearest(), CostOrder::new(Vec::new()).total()), (None, 0));
     }
 

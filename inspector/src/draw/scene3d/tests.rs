@@ -235,14 +235,26 @@ fn triangles_and_boxes_are_seen_in_the_colours_they_are_given() {
     assert_eq!(green(&seen(&mut view, "black")), 0);
     view.paint(&data, Some(&vec![bright; triangles]), Vec::new());
     let all = green(&seen(&mut view, "green"));
-    // Each triangle has its own colour: alone, they have as many pixels as all together, but for those on their edges.
-    let alone = (0..triangles).map(|triangle| {
+    // Each triangle has its own colour, where it is: alone, they have as many pixels as all together, but for those on
+    // their edges.
+    let size = DVec2::new(f64::from(SIZE[0]), f64::from(SIZE[1]));
+    let mut alone = 0;
+    for triangle in 0..triangles {
         let mut colors = black.clone();
         colors[triangle] = bright;
         view.paint(&data, Some(&colors), Vec::new());
-        green(&seen(&mut view, "triangle"))
-    });
-    let alone: usize = alone.sum();
+        let pixels = seen(&mut view, "triangle");
+        alone += green(&pixels);
+        let corners = crate::walk::corners(&data, triangle as u32).expect("its corners");
+        let corners = corners.map(|corner| camera.pixel(corner, size).expect("in front").0);
+        let low = corners[0].min(corners[1]).min(corners[2]) - 1.0;
+        let high = corners[0].max(corners[1]).max(corners[2]) + 1.0;
+        for (i, pixel) in pixels.as_chunks::<4>().0.iter().enumerate().filter(|(_, pixel)| pixel[1] > 100) {
+            let at = DVec2::new((i % SIZE[0] as usize) as f64 + 0.5, (i / SIZE[0] as usize) as f64 + 0.5);
+            let is_green = i32::from(pixel[1]) > 40 + i32::from(pixel[0].max(pixel[2]));
+            assert!(!is_green || at.cmpge(low).all() && at.cmple(high).all(), "triangle {triangle}: {at}");
+        }
+    }
     assert!(all > 50_000 && all.abs_diff(alone) < all / 20, "{all} green pixels, {alone} one by one");
     let boxed = PaintedBox { bounds: walk.bounds, color: [30, 250, 30, 120] };
     view.paint(&data, Some(&black), vec![boxed]);

@@ -37,9 +37,6 @@ impl std::fmt::Display for Shown {
     }
 }
 
-/// The colour of a triangle without a material, sRGB-encoded.
-const GREY: f32 = 0.72;
-
 /// Texels of a texture's row, and its most rows: 128 MB.
 const WIDTH: u32 = 2048;
 const MOST_ROWS: u32 = 4096;
@@ -106,6 +103,7 @@ fn group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, width: u32, texels: &[[u32; 
 
 /// The material's colour if it is known, paler so that the walk stands out; otherwise grey.
 fn material_color(data: &SceneData, triangle: usize) -> [u8; 4] {
+    const GREY: f32 = 0.72;
     let material = data.triangle_materials.get(triangle).map_or(0, |&material| material as usize);
     let base = data.materials.get(material).map_or([GREY; 3], |material| material.base_color.map(linear_to_srgb));
     let [r, g, b] = base.map(|v| ((0.55 * v + 0.45 * GREY).clamp(0.0, 1.0) * 255.0).round() as u8);

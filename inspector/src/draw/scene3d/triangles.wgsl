@@ -65,12 +65,13 @@ fn is_left_out(kept: f32, pixel: vec2f) -> bool {
 
 @fragment
 fn fs_solid(in: Varying) -> @location(0) vec4f {
+    // Derivatives first: GLSL does not define them after some pixels are discarded.
+    let covered = edge(in.weights, 1.0) * view.edges;
     let share = kept(in.behind);
     let is_opaque = view.in_front == 0.0;
     if (is_opaque && is_left_out(share, in.position.xy)) {
         discard;
     }
-    let covered = edge(in.weights, 1.0) * view.edges;
     let color = in.color * (1.0 - 0.4 * covered);
     let opacity = mix(view.opacity, 1.0, 0.35 * covered) * select(share, 1.0, is_opaque);
     return vec4f(color * opacity, opacity);

@@ -60,23 +60,6 @@ fn place(kernel: Kernel, data: &SceneData, before: &RayState, after: &RayState) 
     (after.is_walking && has_moved).then_some(after.cell_index)
 }
 
-/// The least number of counts that together are half of all.
-#[must_use]
-pub fn most_of_half(counts: &[u32]) -> usize {
-    let mut sorted = counts.to_vec();
-    sorted.sort_unstable_by_key(|&count| std::cmp::Reverse(count));
-    let total: u64 = sorted.iter().map(|&count| u64::from(count)).sum();
-    let mut so_far = 0;
-    sorted
-        .iter()
-        .take_while(|&&count| {
-            let goes_on = 2 * so_far < total;
-            so_far += u64::from(count);
-            goes_on
-        })
-        .count()
-}
-
 /// Whether the passes of a run take one step at a time, so that its streams tell every step.
 #[must_use]
 pub fn has_single_steps(plan: &Plan) -> bool {
@@ -221,11 +204,6 @@ mod tests {
                 }
             }
         });
-    }
-
-    #[test]
-    fn half_of_all_counts_are_in_the_largest() {
-        assert_eq!([&[][..], &[0, 0], &[1], &[3, 1, 3], &[5, 1, 4]].map(most_of_half), [0, 0, 1, 2, 1]);
     }
 
     #[test]

@@ -77,14 +77,10 @@ impl Spread {
             rays.len().checked_sub(rank).and_then(|at| costs().nth(at)).unwrap_or(0)
         };
         let most = costs().next().unwrap_or(0);
-        let sums = costs().scan(0, |sum, cost| {
-            *sum += u64::from(cost);
-            Some(*sum)
-        });
         Self {
             least: costs().next_back().unwrap_or(0),
             rays: rays.len(),
-            half: sums.take_while(|&sum| 2 * sum < order.total()).count() + 1,
+            half: order.half(),
             mean: order.total() as f64 / rays.len().max(1) as f64,
             median: at_most(0.5),
             most_of_95: at_most(0.95),

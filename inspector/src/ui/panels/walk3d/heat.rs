@@ -7,7 +7,7 @@ use raystep_kernels::options::features::StructureKind;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Device, RenderError, Renderer};
 use raystep_lab::text::counted;
-use raystep_lab::work::{Visits, has_single_steps, most_of_half, single_steps, visits};
+use raystep_lab::work::{CostOrder, Visits, has_single_steps, single_steps, visits};
 use serde::{Deserialize, Serialize};
 
 use crate::draw::scene3d::{PaintedBox, Scene3d};
@@ -67,6 +67,23 @@ struct Counted {
     visits: Visits,
 }
 
+/// What the colours found, in words.
+struct Told {
+    text: String,
+    hottest: Option<Hottest>,
+    /// After its name.
+    rest: String,
+}
+
+/// What has the highest count.
+struct Hottest {
+    count: u32,
+    /// What is counted.
+    what: &'static str,
+    name: String,
+    picked: Option<Picked>,
+}
+
 /// The colours of the run.
 #[derive(Default)]
 pub(super) struct Heat {
@@ -74,6 +91,8 @@ pub(super) struct Heat {
     asked: Option<u64>,
     /// The run and what its triangles and boxes were painted by.
     painted: (u64, Option<(u64, Paint)>),
+    /// What was found, found once for each painting.
+    told: Option<Told>,
     /// Changes with every painting.
     pub(super) version: u64,
 }
@@ -120,7 +139,9 @@ impl Heat {
         if !is_done {
             let known = self.of(edition).filter(|_| by.is_some());
             let (colors, boxes) = known.map_or_else(Default::default, |known| known.painted(paint));
+            let told = known.map(|known| known.told(paint));
             scene.paint(data, colors.as_deref(), boxes);
+            self.told = told;
             self.version += 1;
         }
     }
@@ -130,7 +151,7 @@ impl Heat {
         if paint == Paint::Materials {
             return;
         }
-        let Some(known) = self.of(cx.model.edition) else {
+        let Some(told) = self.of(cx.model.edition).and(self.told.as_ref()) else {
             let text = match (cx.has_rays(), cx.model.passes.is_empty(), cx.model.is_busy()) {
                 (false, ..) => "This program traces no rays.".into(),
                 (_, true, _) => "No pass has run yet.".into(),
@@ -140,34 +161,21 @@ impl Heat {
             ui.weak(text);
             return;
         };
-        let counts = known.counts(paint);
-        let Some((most, first)) = hottest(&counts) else {
-            ui.label(match (paint, known.data.features.structure()) {
-                (Paint::Places, StructureKind::None) => "This run has no grid and no BVH: rays visit nothing.",
-                (Paint::Places, _) => "No ray comes to a cell or leaf.",
-                _ => "No ray is tested against a triangle.",
-            });
-            return;
-        };
-        let (noun, what) = known.words(paint);
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 0.0;
-            ui.label(sentence(&counts, noun, what) + " The most, ");
-            let name = known.name(paint, first);
-            let link = ui.link(format!("{most} of {name}"));
-            if link.on_hover_text(format!("select {name}")).clicked() {
-                cx.selection.picked = known.picked(paint, first);
+            ui.label(&told.text);
+            if let Some(Hottest { count, name, picked, .. }) = &told.hottest {
+                let link = ui.link(format!("{count} of {name}"));
+                if link.on_hover_text(format!("select {name}")).clicked() {
+                    cx.selection.picked = *picked;
+                }
+                ui.label(&told.rest);
             }
-            let seen = counts.iter().filter(|&&count| count > 0).count();
-            ui.label(match (paint, known.is_same) {
-                (Paint::Places, _) if seen > MOST_BOXES => format!(". The first {MOST_BOXES} of {seen} are shown."),
-                (_, false) => ", one step at a time.".into(),
-                _ => ".".into(),
-            });
         });
+        let Some(Hottest { count, what, .. }) = told.hottest else { return };
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), scale::HEIGHT), Sense::hover());
-        SCALE.paint(ui, &ui.painter_at(rect), rect, most);
-        let text = format!("colours from 0 to {most} {what}, logarithmic");
+        SCALE.paint(ui, &ui.painter_at(rect), rect, count);
+        let text = format!("colours from 0 to {count} {what}, logarithmic");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         response.on_hover_text(text);
     }
@@ -235,6 +243,28 @@ impl Counted {
         }
     }
 
+    fn told(&self, paint: Paint) -> Told {
+        let counts = self.counts(paint);
+        let Some((count, first)) = hottest(&counts) else {
+            let text = match (paint, self.data.features.structure()) {
+                (Paint::Places, StructureKind::None) => "This run has no grid and no BVH: rays visit nothing.",
+                (Paint::Places, _) => "No ray comes to a cell or leaf.",
+                _ => "No ray is tested against a triangle.",
+            };
+            return Told { text: text.into(), hottest: None, rest: String::new() };
+        };
+        let (noun, what) = self.words(paint);
+        let seen = counts.iter().filter(|&&count| count > 0).count();
+        let rest = match (paint, self.is_same) {
+            (Paint::Places, _) if seen > MOST_BOXES => format!(". The first {MOST_BOXES} of {seen} are shown."),
+            (_, false) => ", one step at a time.".into(),
+            _ => ".".into(),
+        };
+        let (name, picked) = (self.name(paint, first), self.picked(paint, first));
+        let hottest = Some(Hottest { count, what, name, picked });
+        Told { text: sentence(&counts, noun, what) + " The most, ", hottest, rest }
+    }
+
     /// Colours of triangles, and boxes.
     fn painted(&self, paint: Paint) -> (Option<Vec<[u8; 4]>>, Vec<PaintedBox>) {
         let counts = self.counts(paint);
@@ -266,8 +296,9 @@ fn hottest(counts: &[u32]) -> Option<(u32, usize)> {
 
 /// How many of the counted things have half of all counts.
 fn sentence(counts: &[u32], noun: &str, what: &str) -> String {
-    let (total, half) = (counts.iter().map(|&count| u64::from(count)).sum::<u64>(), most_of_half(counts));
     let seen = counts.iter().filter(|&&count| count > 0).count();
+    let order = CostOrder::new(counts.to_vec());
+    let (total, half) = (order.total(), order.half());
     match seen {
         1 => format!("All {total} {what} are of one {noun}."),
         _ => format!("Half of all {total} {what} are of {half} of {}.", counted(seen, noun)),
