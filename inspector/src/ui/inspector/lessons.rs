@@ -42,8 +42,6 @@ pub(super) struct Lesson {
     set_up: SetUp,
     /// What is set up next.
     phase: Phase,
-    /// Whether all of the step is set up: its values can be told.
-    is_set_up: bool,
     /// Whether the set-up of the step was cancelled: what is missing is offered again.
     is_cancelled: bool,
     /// What went wrong with the current step.
@@ -86,7 +84,6 @@ impl Inspector {
             step: 0,
             set_up: SetUp::default(),
             phase: Phase::Done,
-            is_set_up: false,
             is_cancelled: false,
             problems: Vec::new(),
             measured: Vec::new(),
@@ -218,7 +215,7 @@ impl Lesson {
         if self.is_answered && self.set_up.find.is_some() {
             self.set_up.pixel = before.pixel;
         }
-        (self.phase, self.is_set_up, self.is_cancelled) = (Phase::Open, false, false);
+        (self.phase, self.is_cancelled) = (Phase::Open, false);
         (self.candidates, self.play) = (None, None);
     }
 

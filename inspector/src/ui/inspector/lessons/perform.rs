@@ -61,7 +61,8 @@ impl Inspector {
                 }
             }
         }
-        if lesson.phase == Phase::Done && lesson.is_set_up {
+        // Values that were not measured cannot be told.
+        if lesson.phase == Phase::Done && !lesson.is_cancelled {
             // The device may have confirmed the ray since.
             self.tell_lesson(&mut lesson, false);
         }
@@ -209,7 +210,7 @@ impl Inspector {
             }
             Phase::Tell => {
                 // Nothing is still to come.
-                (lesson.phase, lesson.is_set_up) = (Phase::Done, true);
+                lesson.phase = Phase::Done;
                 self.tell_lesson(lesson, true);
                 let history = self.model.history.as_ref();
                 let play = lesson.set_up.play.zip(history);
