@@ -92,13 +92,14 @@ impl Tree {
     }
 
     fn add(&mut self, passes: &[Pass], schedule: &Schedule) {
+        let is_new = self.nodes.is_empty();
         let mut add = |node, depth: usize| {
             self.depths.resize(self.depths.len().max(depth + 1), 0);
             self.depths[depth] += 1;
             self.nodes.push((node, depth));
             self.nodes.len() - 1
         };
-        if self.of_pass.is_empty() {
+        if is_new {
             add(Node::Start, 0);
         }
         let levels = self.turns.levels().len();
@@ -326,11 +327,11 @@ mod tests {
     #[test]
     fn a_build_is_a_list_until_a_loop_turns_and_its_passes_may_come_one_by_one() {
         use grid_build::schedule::{Kind, of};
-        for (cells, digits) in [(200, 1), (5000, 2), (1 << 28, 4)] {
+        for (cells, turns) in [(200, 1), (5000, 2), (1 << 28, 3)] {
             let schedule = of(Kind::Uniform, cells);
             let passes = counted(&schedule);
             let pairs = passes.iter().filter_map(|pass| pass.loops.first()).max().map_or(0, |last| last + 1);
-            assert_eq!(pairs, digits);
+            assert_eq!(pairs, turns);
             let whole = tree(&passes, &schedule, 0);
             assert_eq!(whole.is_list(), pairs < 2, "{pairs} turns");
             let turns = shown(&whole).iter().filter(|row| row.1 == 't').count();
