@@ -100,7 +100,7 @@ commands! {
     File exports {
         /// Opens the export dialog.
         Export "Export…", CTRL E;
-        ExportPasses "Export pass timings as CSV";
+        ExportPasses "Export pass timings as CSV", CTRL_SHIFT E;
         /// Exports passes as a trace for Perfetto.
         ExportTrace "Export passes as trace JSON";
         /// Exports the stream in view as EXR.

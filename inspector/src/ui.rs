@@ -5,6 +5,7 @@
 //! what is above it.
 
 pub mod canvas;
+mod choice;
 mod desk;
 pub mod host;
 mod inspector;

@@ -4,11 +4,13 @@ use egui::Ui;
 pub use raystep_kernels::history::units::{Scale, Units, decimals, exact};
 use raystep_kernels::named;
 
+use crate::ui::choice::Choices as _;
+
 /// The choice of units. `per_traced` is the number of scene units in a traced unit.
 pub(in crate::ui) fn choose(ui: &mut Ui, units: &mut Units, per_traced: f64) {
     let about = format!("1 traced unit = {per_traced} scene units. Streams and kernels are in traced units.");
     for choice in [Units::Scene, Units::Traced] {
-        if ui.selectable_label(*units == choice, choice.name()).on_hover_text(&about).clicked() {
+        if ui.choice(*units == choice, choice.name()).on_hover_text(&about).clicked() {
             *units = choice;
         }
     }

@@ -167,6 +167,19 @@ fn an_adapter_without_valid_times_has_none_in_any_panel_or_file() {
 }
 
 #[test]
+fn pass_timings_are_exported_by_a_key_and_save() {
+    let mut stage = stage();
+    dialogs(&stage, Dialogs::Missing);
+    stage.key(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
+    stage.settle();
+    assert!(rows(&stage).is_empty());
+    stage.click(Role::Button, "Save");
+    stage.settle();
+    says(&stage, "rows written to /here/cornell-box.passes.csv");
+    assert_eq!(rows(&stage).len(), 1);
+}
+
+#[test]
 fn what_is_cancelled_is_said() {
     // So many rays that the run cannot end before it is cancelled.
     let mut stage = stage_of([512, 512]);

@@ -10,6 +10,7 @@ use super::Inspector;
 use super::asked_path::AskedPath;
 use super::palette::Palette;
 use crate::command::{COMMANDS, Command, Menu};
+use crate::ui::choice::Choices as _;
 use crate::ui::style::strong;
 
 /// A dialog.
@@ -129,13 +130,13 @@ impl Inspector {
             let shown = ComboBox::from_id_salt("edited stream").selected_text(stream.name());
             let response = shown.show_ui(ui, |ui| {
                 for choice in &opened.plan.streams {
-                    ui.selectable_value(stream, choice.what, choice.what.name());
+                    ui.choice_of(stream, choice.what, choice.what.name());
                 }
             });
             response.response.labelled_by(label);
             *layer = (*layer).min(stream.layers() - 1);
             for (i, name) in stream.info().layers.iter().enumerate() {
-                ui.selectable_value(layer, i, *name);
+                ui.choice_of(layer, i, *name);
             }
         });
         if let Some([x, y]) = self.state.selection.pixel {

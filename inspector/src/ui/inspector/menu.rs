@@ -8,6 +8,7 @@ use raystep_lab::text::counted;
 
 use super::Inspector;
 use crate::command::{COMMANDS, Command, Layout, Menu};
+use crate::ui::choice::Choices as _;
 use crate::ui::units::{Scale, Units};
 
 /// The window's background is behind it.
@@ -95,7 +96,7 @@ impl Inspector {
         for (command, name) in all {
             let is_on = self.desk.arranged.of(command).as_ref() == Some(&self.desk.arranged.now);
             let about = format!("{} ({})", command.name(), command.key_text(ui.ctx()));
-            let response = ui.selectable_label(is_on, &name).on_hover_text(&about);
+            let response = ui.choice(is_on, &name).on_hover_text(&about);
             response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_on, &about));
             if response.clicked() {
                 self.perform(command);

@@ -19,6 +19,7 @@ use crate::session::request::Request;
 use crate::session::{Model, Target};
 use crate::settings::Settings;
 use crate::ui::canvas::{Picture, Still};
+use crate::ui::choice::Choices as _;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::ui::state::Asks;
 use crate::ui::style::strong;
@@ -205,7 +206,7 @@ impl Compare {
         let shown = ComboBox::from_id_salt("compared stream").selected_text(self.stream.name());
         let response = shown.show_ui(ui, |ui| {
             for &choice in streams {
-                if ui.selectable_label(choice == self.stream, choice.name()).clicked() {
+                if ui.choice(choice == self.stream, choice.name()).clicked() {
                     (self.stream, self.layer) = (choice, 0);
                 }
             }
@@ -213,7 +214,7 @@ impl Compare {
         response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "compared stream"));
         self.layer = self.layer.min(self.stream.layers() - 1);
         for (i, name) in self.stream.info().layers.iter().enumerate() {
-            ui.selectable_value(&mut self.layer, i, *name);
+            ui.choice_of(&mut self.layer, i, *name);
         }
     }
 

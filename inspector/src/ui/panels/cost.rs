@@ -20,6 +20,7 @@ use smart_default::SmartDefault;
 use super::table::{Table, version};
 use crate::command::{Command, PaneKind};
 use crate::draw::stream::Colors;
+use crate::ui::choice::Choices as _;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::ui::style::strong;
 use heat::{Heat, HeatView};
@@ -151,14 +152,14 @@ impl Cost {
         ui.horizontal_wrapped(|ui| {
             strong(ui, "cost").on_hover_text("what counts as the cost of a ray");
             for (shown, name, about) in Shown::ALL {
-                let choice = ui.selectable_label(self.look.shown == shown, name);
+                let choice = ui.choice(self.look.shown == shown, name);
                 if choice.on_hover_text(about).clicked() {
                     self.look.shown = shown;
                 }
             }
             ui.separator();
             for colors in [Colors::Viridis, Colors::Cividis] {
-                ui.selectable_value(&mut self.look.scale.colors, colors, colors.name());
+                ui.choice_of(&mut self.look.scale.colors, colors, colors.name());
             }
             ui.checkbox(&mut self.look.scale.is_log, "log").on_hover_text("logarithmic colours and bars");
             let label = ui.label("overlay").on_hover_text("how much of the picture the colours cover").id;
@@ -205,7 +206,7 @@ impl Cost {
                 (Section::Rays, "Rays", "rays from the most expensive to the cheapest"),
                 (Section::Warps, "Warps", "useful lanes of every pass, and the slowest warps"),
             ] {
-                if ui.selectable_label(self.look.section == section, name).on_hover_text(about).clicked() {
+                if ui.choice(self.look.section == section, name).on_hover_text(about).clicked() {
                     self.look.section = section;
                 }
             }

@@ -20,6 +20,7 @@ use crate::command::Command;
 use crate::session::Model;
 use crate::settings::DeviceKind;
 use crate::source::{self, Mark};
+use crate::ui::choice::Choices as _;
 use crate::ui::mask::Mask;
 use crate::ui::pane::{Context, Panel, saves};
 use crate::ui::panels::walked::command_button;
@@ -287,9 +288,9 @@ impl KernelView {
     fn head(&mut self, ui: &mut egui::Ui, shown: &Shown, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
             let all = "the source given to the device: options resolved, shared functions included";
-            ui.selectable_value(&mut self.look.composed, true, "composed").on_hover_text(all);
+            ui.choice_of(&mut self.look.composed, true, "composed").on_hover_text(all);
             let own = "the kernel's own files, including their options (@if) and what they omit";
-            ui.selectable_value(&mut self.look.composed, false, "file").on_hover_text(own);
+            ui.choice_of(&mut self.look.composed, false, "file").on_hover_text(own);
             if ui.button("Copy").on_hover_text("copy the whole source to the clipboard").clicked() {
                 ui.ctx().copy_text(self.listing.text());
             }

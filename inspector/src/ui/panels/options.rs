@@ -11,6 +11,7 @@ use crate::command::Command;
 use crate::ray_text::GivenRay;
 use crate::session::request::Request;
 use crate::settings::{DeviceKind, Settings, View};
+use crate::ui::choice::Choices as _;
 use crate::ui::pane::{Context, Panel};
 
 /// Most pixels per side that the panel offers.
@@ -97,7 +98,7 @@ fn option(ui: &mut Ui, draft: &mut Settings, row: &Row, name: &str, about: &str)
             let combo = ComboBox::from_id_salt(name).selected_text(value.clone());
             let response = combo.show_ui(ui, |ui| {
                 for name in draft.offered(row) {
-                    ui.selectable_value(&mut value, name.into(), name);
+                    ui.choice_of(&mut value, name.into(), name);
                 }
             });
             response.response.labelled_by(label);
@@ -131,7 +132,7 @@ fn device(ui: &mut Ui, draft: &mut Settings) {
     let combo = ComboBox::from_id_salt("device").selected_text(draft.device.name());
     let response = combo.show_ui(ui, |ui| {
         for kind in DeviceKind::ALL {
-            ui.selectable_value(&mut draft.device, kind, kind.name());
+            ui.choice_of(&mut draft.device, kind, kind.name());
         }
     });
     response.response.labelled_by(label.id);
@@ -173,7 +174,7 @@ fn camera(ui: &mut Ui, draft: &mut Settings, cameras: usize) {
     let response = ComboBox::from_id_salt("camera").selected_text(text).show_ui(ui, |ui| {
         for index in 0..cameras.max(1) {
             let text = if cameras == 0 { "frames the scene".into() } else { format!("the scene's {index}") };
-            ui.selectable_value(&mut draft.view, View::Scene(index), text);
+            ui.choice_of(&mut draft.view, View::Scene(index), text);
         }
     });
     response.response.labelled_by(label.id);

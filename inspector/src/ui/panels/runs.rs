@@ -17,6 +17,7 @@ use crate::command::Command;
 use crate::runs::RunId;
 use crate::runs::measure::{MOST_REPEATS, why_not};
 use crate::runs::spread::FEWEST_REPEATS;
+use crate::ui::choice::Choices as _;
 use crate::ui::pane::{Context, Panel, saves};
 use crate::ui::state::kept_runs::Asked;
 use difference::DifferenceView;
@@ -59,7 +60,7 @@ impl Panel for RunsPanel {
         }
         ui.horizontal_wrapped(|ui| {
             for (part, name) in [(Part::Difference, "Difference"), (Part::Times, "Times"), (Part::Notes, "Notes")] {
-                ui.selectable_value(&mut self.part, part, name);
+                ui.choice_of(&mut self.part, part, name);
             }
             if !is_empty {
                 self.part_tools(ui, cx);

@@ -21,6 +21,7 @@ use super::chart::Histogram;
 use super::picked;
 use crate::command::Command;
 use crate::session::request::{Job, Request, answered, job};
+use crate::ui::choice::Choice;
 use crate::ui::pane::{Context, Panel};
 use crate::ui::state::{Picked, Selection};
 use crate::ui::style::strong;
@@ -234,8 +235,8 @@ impl Structure {
             });
             for &triangle in triangles.iter().take(MOST_CHIPS) {
                 let is_marked = self.slice.triangle() == Some(triangle);
-                let chip = egui::Button::selectable(is_marked, RichText::new(triangle.to_string()).monospace());
-                let chip = ui.add(chip.stroke(ui.visuals().widgets.noninteractive.bg_stroke));
+                let chip = Choice::new(is_marked, RichText::new(triangle.to_string()).monospace());
+                let chip = ui.add(chip);
                 if chip.on_hover_ui(|ui| corners(ui, data, triangle, units)).clicked() {
                     picked::toggle(selection, Picked::Triangle(triangle));
                 }

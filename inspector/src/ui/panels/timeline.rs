@@ -24,6 +24,7 @@ use ticks::{Mark, Tick, Ticks};
 
 use super::legend;
 use crate::command::Command;
+use crate::ui::choice::Choices as _;
 use crate::ui::pane::{Context, Panel};
 use crate::ui::style::SMALLEST;
 
@@ -180,8 +181,8 @@ impl Timeline {
         let has_walk = passes.iter().any(axis::is_of_walk);
         let why_no_times = cx.model.opened.as_ref().and_then(|opened| opened.why_no_times.clone());
         ui.horizontal_wrapped(|ui| {
-            ui.selectable_value(&mut self.look.scale, Scale::Passes, "by pass");
-            ui.add_enabled_ui(has_times, |ui| ui.selectable_value(&mut self.look.scale, Scale::Time, "by device time"))
+            ui.choice_of(&mut self.look.scale, Scale::Passes, "by pass");
+            ui.add_enabled_ui(has_times, |ui| ui.choice_of(&mut self.look.scale, Scale::Time, "by device time"))
                 .inner
                 .on_disabled_hover_text(why_no_times.unwrap_or_else(|| "no pass has a time".into()));
             ui.checkbox(&mut self.look.is_log, "log")

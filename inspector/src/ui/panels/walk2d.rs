@@ -21,6 +21,7 @@ use super::walked::{Walked, describe, event_buttons, go_on, number};
 use crate::command::Command;
 use crate::session::request::Request;
 use crate::session::{Model, Target};
+use crate::ui::choice::{Choice, Choices as _};
 use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
 use crate::ui::state::Picked;
 use crate::ui::svg::Titles;
@@ -286,9 +287,9 @@ impl Walk2d {
                  ({}), otherwise by the CPU reference kernels",
                 Command::Compare.key_text(ui.ctx())
             );
-            let mut is_beside = self.is_beside(cx);
-            if ui.toggle_value(&mut is_beside, name).on_hover_text(text).clicked() {
-                self.look.beside = Some(is_beside);
+            let is_beside = self.is_beside(cx);
+            if ui.choice(is_beside, name).on_hover_text(text).clicked() {
+                self.look.beside = Some(!is_beside);
             }
             let is_grid = self.whole.as_ref().is_some_and(|whole| whole.walk.structure == Structure::Grid);
             if is_grid && !is_beside {
@@ -297,8 +298,8 @@ impl Walk2d {
                     (true, "by t", "width of a cell proportional to its length along the ray"),
                 ] {
                     // In the next line rather than cut off.
-                    let button = egui::Button::selectable(self.look.by_t == by_t, name);
-                    if ui.add(button.wrap_mode(egui::TextWrapMode::Extend)).on_hover_text(text).clicked() {
+                    let button = Choice::new(self.look.by_t == by_t, name);
+                    if ui.add(button.extend()).on_hover_text(text).clicked() {
                         self.look.by_t = by_t;
                     }
                 }

@@ -10,6 +10,7 @@ use crate::command::Command;
 use crate::draw::stream::{self, Colors, Meaning};
 use crate::session::Model;
 use crate::ui::canvas::{Canvas, Moment};
+use crate::ui::choice::Choices as _;
 use crate::ui::pane::Context;
 use crate::ui::panels::zoom::{Placed, Zoom};
 use crate::ui::state::Asks;
@@ -58,7 +59,7 @@ impl Compare {
                 (Some(Side::Difference), "difference"),
             ];
             for (one, name) in views {
-                ui.selectable_value(&mut self.look.one, one, name).on_hover_text("Shift shows the other run meanwhile");
+                ui.choice_of(&mut self.look.one, one, name).on_hover_text("Shift shows the other run meanwhile");
             }
             let can = self.found.as_ref().is_some_and(|found| !found.rays.is_empty());
             let next = egui::Button::new(Command::NextDifferingRay.name());

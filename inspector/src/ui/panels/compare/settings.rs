@@ -5,6 +5,7 @@ use raystep_kernels::options::mapping::MappingName;
 use raystep_kernels::options::rows::Row;
 
 use crate::settings::{DeviceKind, Settings};
+use crate::ui::choice::Choices as _;
 
 /// The settings that distinguish a run.
 pub(super) fn text_of(settings: &Settings) -> String {
@@ -61,7 +62,7 @@ fn combo<T: Clone + PartialEq>(ui: &mut Ui, name: &str, all: &[T], text: fn(&T) 
     let shown = ComboBox::from_id_salt(("compare", name)).selected_text(text(value)).width(70.0);
     let response = shown.show_ui(ui, |ui| {
         for one in all {
-            ui.selectable_value(value, one.clone(), text(one));
+            ui.choice_of(value, one.clone(), text(one));
         }
     });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("B's {name}")));

@@ -15,6 +15,7 @@ use smart_default::SmartDefault;
 use super::lanes::LanesView;
 use crate::session::request::Request;
 use crate::settings::DeviceKind;
+use crate::ui::choice::Choices as _;
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::kernel_color;
 use crate::ui::style::strong;
@@ -79,7 +80,7 @@ impl WarpsView {
         ui.horizontal_wrapped(|ui| {
             ui.label("lanes per warp").on_hover_text("threads that run in lockstep");
             for choice in WIDTHS {
-                if ui.selectable_label(width.0 == choice, choice.to_string()).clicked() {
+                if ui.choice(width.0 == choice, choice.to_string()).clicked() {
                     width.0 = choice;
                 }
             }
@@ -171,7 +172,7 @@ fn kernels(ui: &mut Ui, bars: &[Bar], only: &mut Option<Kernel>) {
             let (patch, _) = ui.allocate_exact_size(vec2(10.0, 10.0), egui::Sense::hover());
             ui.painter().rect_filled(patch, 2.0, kernel_color(of.kernel));
             let is_chosen = *only == Some(of.kernel);
-            if ui.selectable_label(is_chosen, of.kernel.name()).clicked() {
+            if ui.choice(is_chosen, of.kernel.name()).clicked() {
                 *only = (!is_chosen).then_some(of.kernel);
             }
             let percent = |share: f64| format!("{:.1}%", share * 100.0);

@@ -1,5 +1,6 @@
 //! The rays in which two kept runs differ, as a picture and in numbers.
 
+use crate::ui::choice::Choices as _;
 use crate::ui::panels::zoom::Placed;
 use std::sync::Arc;
 
@@ -36,7 +37,7 @@ impl DifferenceView {
     pub(super) fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ui.separator();
         for aspect in Aspect::ALL {
-            ui.selectable_value(&mut cx.runs.aspect, aspect, aspect.name());
+            ui.choice_of(&mut cx.runs.aspect, aspect, aspect.name());
         }
         let can = cx.runs.why_not_compared().is_none();
         let next = egui::Button::new(Command::NextDifferingRay.name());

@@ -11,6 +11,7 @@ use crate::runs::kept::LONGEST_NAME;
 use crate::runs::measure::Measured;
 use crate::runs::spread::{Spread, Timed};
 use crate::runs::{Kept, RunId};
+use crate::ui::choice::Choice;
 use crate::ui::pane::Context;
 use crate::ui::state::kept_runs::Asked;
 use crate::ui::style::strong;
@@ -145,7 +146,7 @@ fn row(
     let is_here = runs.is_of(kept, opened);
     row.col(|ui| {
         let (is_shown, why) = (runs.flipped() == Some(id), runs.why_not_flipped(kept, opened));
-        let response = ui.add_enabled(why.is_none(), egui::Button::selectable(is_shown, "show"));
+        let response = ui.add_enabled(why.is_none(), Choice::new(is_shown, "show"));
         let name = format!("show {}", kept.name);
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, why.is_none(), is_shown, &name));
         let why = why.unwrap_or_default();

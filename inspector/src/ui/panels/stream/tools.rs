@@ -8,6 +8,7 @@ use raystep_lab::layer_stats::{LayerStats, Others, Span};
 use super::super::legend::entry;
 use super::StreamView;
 use crate::draw::stream::{Colors, Meaning};
+use crate::ui::choice::Choices as _;
 use crate::ui::units::{Scale, exact};
 
 impl StreamView {
@@ -26,7 +27,7 @@ impl StreamView {
                 combo
                     .show_ui(ui, |ui| {
                         for &choice in streams {
-                            if ui.selectable_label(choice == stream, choice.name()).clicked() {
+                            if ui.choice(choice == stream, choice.name()).clicked() {
                                 (self.look.stream, self.look.layer, self.look.range) = (Some(choice), None, None);
                             }
                         }
@@ -35,12 +36,12 @@ impl StreamView {
                     .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "stream"));
             }
             let names = stream.info().layers;
-            if stream.is_color() && ui.selectable_label(layer.is_none(), "rgb").clicked() {
+            if stream.is_color() && ui.choice(layer.is_none(), "rgb").clicked() {
                 (self.look.layer, self.look.range) = (None, None);
             }
             for (i, name) in names.iter().enumerate() {
                 let is_shown = layer == Some(i) || layer.is_none() && i == 0 && !stream.is_color();
-                if ui.selectable_label(is_shown, *name).clicked() {
+                if ui.choice(is_shown, *name).clicked() {
                     (self.look.layer, self.look.range) = (Some(i), None);
                 }
             }
@@ -51,7 +52,7 @@ impl StreamView {
                     .width(80.0)
                     .show_ui(ui, |ui| {
                         for choice in Colors::ALL {
-                            if ui.selectable_label(choice == now, choice.name()).clicked() {
+                            if ui.choice(choice == now, choice.name()).clicked() {
                                 self.look.colors = Some(choice);
                             }
                         }

@@ -5,6 +5,7 @@ mod path;
 mod placement;
 
 use crate::ui::canvas::WHOLE;
+use crate::ui::choice::Choices as _;
 use crate::walk::AXES;
 use egui::{Color32, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 use raystep_kernels::scene_data::SceneData;
@@ -206,7 +207,7 @@ impl SliceView {
             );
             ui.label("across").on_hover_text(keys);
             for (axis, name) in AXES.into_iter().enumerate() {
-                if ui.selectable_label(self.axis() == axis, name).clicked() {
+                if ui.choice(self.axis() == axis, name).clicked() {
                     self.turn(axis);
                 }
             }

@@ -11,6 +11,7 @@ use egui_extras::{Column, TableBuilder};
 use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::{Nodes, RankBy};
 
+use crate::ui::choice::Choices as _;
 use crate::ui::pane::Context;
 use crate::ui::panels::scroll::Scroll;
 use crate::ui::state::Picked;
@@ -158,7 +159,7 @@ impl TreeView {
             ui.separator();
             ui.label("children").on_hover_text("the order of the children of a node");
             for (order, name, about) in Order::ALL {
-                let choice = ui.selectable_label(self.rows.order() == order, name);
+                let choice = ui.choice(self.rows.order() == order, name);
                 if choice.on_hover_text(about).clicked() {
                     self.rows.set_order(order);
                 }

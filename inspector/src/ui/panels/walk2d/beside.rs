@@ -10,6 +10,7 @@ use super::picture::{outcome_color, ray_color};
 use super::progress::Progress;
 use super::second::Found;
 use super::{Scene, Under, Whole, strip};
+use crate::ui::choice::Choice;
 use crate::ui::pane::Context;
 use crate::ui::state::Picked;
 use crate::walk::{Both, Outcome, Spacing, Strip, Structure, WalkGeometry};
@@ -71,8 +72,7 @@ impl Beside {
                 });
                 for &triangle in only.iter().take(MOST_IDS) {
                     let what = Picked::Triangle(triangle);
-                    let button =
-                        egui::Button::selectable(cx.selection.picked == Some(what), triangle.to_string()).small();
+                    let button = Choice::new(cx.selection.picked == Some(what), triangle.to_string()).small();
                     let about = format!("triangle {triangle}, tested only in {side}");
                     let response = ui.add(button).on_hover_text(&about);
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &about));

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::draw::scene3d::{PaintedBox, Scene3d};
 use crate::draw::stream::Colors;
 use crate::session::request::{Job, JobContext, Request, answered, flow, job};
+use crate::ui::choice::Choices as _;
 use crate::ui::pane::Context;
 use crate::ui::panels::cost::scale::{self, Scale};
 use crate::ui::state::Picked;
@@ -105,7 +106,7 @@ impl Heat {
             .width(84.0)
             .show_ui(ui, |ui| {
                 for (choice, name, about) in Paint::ALL {
-                    ui.selectable_value(paint, choice, name).on_hover_text(about);
+                    ui.choice_of(paint, choice, name).on_hover_text(about);
                 }
             })
             .response

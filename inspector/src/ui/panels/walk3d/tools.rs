@@ -2,6 +2,8 @@
 
 use super::{Context, Heat, TriangleStyle, Walk3d, Wish, event_buttons};
 
+use crate::ui::choice::Choices as _;
+
 const STYLES: [(TriangleStyle, &str, &str); 4] = [
     (TriangleStyle::Opaque, "opaque", "solid triangles; items behind them are faint"),
     (TriangleStyle::Translucent, "translucent", "transparent triangles"),
@@ -40,7 +42,7 @@ impl Walk3d {
             .width(84.0)
             .show_ui(ui, |ui| {
                 for (style, name, text) in STYLES {
-                    ui.selectable_value(&mut settings.triangles, style, name).on_hover_text(text);
+                    ui.choice_of(&mut settings.triangles, style, name).on_hover_text(text);
                 }
             })
             .response

@@ -5,6 +5,7 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::Nodes;
 use raystep_lab::text::counted;
 
+use crate::ui::choice::Choice;
 use crate::ui::pane::Context;
 use crate::ui::state::Picked;
 use crate::ui::style::strong;
@@ -75,7 +76,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, nodes: &Nodes, data: &Scen
         ui.horizontal_wrapped(|ui| {
             for triangle in crate::walk::listed(data, index).take(MOST_CHIPS) {
                 let is_picked = cx.selection.picked == Some(Picked::Triangle(triangle));
-                let chip = egui::Button::selectable(is_picked, RichText::new(triangle.to_string()).monospace());
+                let chip = Choice::new(is_picked, RichText::new(triangle.to_string()).monospace());
                 if ui.add(chip).on_hover_text(format!("triangle {triangle}; click to show it")).clicked() {
                     cx.selection.picked = Some(Picked::Triangle(triangle));
                 }
