@@ -95,16 +95,28 @@ fn from_the_start_the_stream_shows_what_differs_and_the_history_its_first_rows()
     let is_on = |stage: &Stage, name: &str| {
         stage.get(Role::Button, name).accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
     };
-    for place in 1..=3 {
+    for place in 1..=4 {
         stage.key(Modifiers::NONE, Key::F10);
         stage.settle();
         assert_eq!(stage.place(), place);
-        assert!(is_on(&stage, "cell"), "after {place} passes all rays are in one state");
+        // All rays are in one state, and begin in one cell.
+        let [on, shown] = if place < 4 { ["x", "ray_direction after"] } else { ["cell", "state after"] };
+        assert!(is_on(&stage, on), "after {place} passes all rays are in one state");
+        assert!(stage.find(Role::Image, |name| name.starts_with(shown)).is_some(), "{}", stage.read_out());
     }
-    // A choice stays.
+    // A choice stays, and what it shows is said.
     stage.click(Role::Button, "tag");
     stage.settle();
     assert!(is_on(&stage, "tag") && !is_on(&stage, "cell"));
+    assert!(stage.paints("all texels have one value: ISECT_NO_HIT"), "{:?}", stage.painted());
+    // Also one of the directions.
+    let mut stage = Stage::with_scene(CORNELL, settings(), Arrival { place: Some(1), ..Arrival::default() });
+    stage.click(Role::Button, "y");
+    stage.settle();
+    stage.key(Modifiers::NONE, Key::End);
+    stage.settle();
+    assert!(is_on(&stage, "y"), "{}", stage.read_out());
+    assert!(stage.find(Role::Image, |name| name.starts_with("ray_direction after")).is_some());
     // Where rays are in several states, these are shown.
     let mut stage = Stage::with_scene(CORNELL, settings(), Arrival { place: Some(35), ..Arrival::default() });
     assert!(is_on(&stage, "tag"), "{}", stage.read_out());

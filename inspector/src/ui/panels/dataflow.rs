@@ -8,7 +8,7 @@ use egui::{Color32, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, vec2};
 use raystep_kernels::{Kernel, Plan};
 use raystep_lab::text::counted;
 
-use super::legend::painted;
+use super::legend::{Entry, line};
 use crate::command::Command;
 use crate::dataflow::{DataFlow, NodeKind};
 use crate::session::Model;
@@ -122,12 +122,14 @@ fn add_titles(titles: &Titles, painter: &Painter, flow: &DataFlow, place: &dyn F
 
 /// The colours of edges.
 fn legend(ui: &mut Ui, flow: &DataFlow) {
-    for access in flow.accesses() {
+    let entry = |access| {
         let stroke = Stroke::new(2.5, access_color(access, ui));
-        painted(ui, access.verb(), "", |painter, rect| {
+        Entry::painted(access.verb(), "", move |painter, rect| {
             painter.hline(rect.x_range(), rect.center().y, stroke);
-        });
-    }
+        })
+    };
+    let entries: Vec<_> = flow.accesses().map(entry).collect();
+    line(ui, &entries);
 }
 
 impl Dataflow {

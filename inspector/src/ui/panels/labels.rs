@@ -138,7 +138,7 @@ fn cost(place: &LabelRect, own: usize, wanted: &[Wanted], avoid: &Avoid, placed:
 }
 
 /// Whether a line passes through a rectangle (clipped as by Liang and Barsky, 1984).
-fn is_through([from, to]: [Pos2; 2], rect: Rect) -> bool {
+pub(super) fn is_through([from, to]: [Pos2; 2], rect: Rect) -> bool {
     let way = to - from;
     let (mut enter, mut leave) = (0.0f32, 1.0f32);
     for (start, by, min, max) in [(from.x, way.x, rect.min.x, rect.max.x), (from.y, way.y, rect.min.y, rect.max.y)] {

@@ -8,6 +8,7 @@ mod magnifier;
 mod mask;
 mod numbers;
 mod paint;
+mod telling;
 mod tile;
 mod tools;
 mod values;
@@ -18,7 +19,7 @@ use look::Look;
 use paint::Drawn;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::stream::Meaning as StreamMeaning;
-use raystep_kernels::{Accelerator, Kernel, Pass, Plan, Stream};
+use raystep_kernels::{Kernel, Plan, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others};
 use raystep_lab::text::counted;
 
@@ -46,6 +47,8 @@ pub(in crate::ui) struct StreamView {
     /// The range of the values, and which values.
     stats: Option<(u64, usize, Stream, usize, LayerStats)>,
     asked: Option<(u64, usize, Stream, usize)>,
+    /// The edition and place at which all rays are in one cell or node.
+    alike: Option<(u64, usize)>,
     /// A copy shown instead of the current stream.
     pinned: Option<Pinned>,
     mask: mask::Overlay,
@@ -90,7 +93,8 @@ impl Panel for StreamView {
         let Some(default) = default_stream(&plan, &streams, cx.model.last_pass().map(|pass| pass.kernel)) else {
             return;
         };
-        let stream = self.stream(&streams, default);
+        let telling = self.telling(&plan, &streams, default, cx.model);
+        let stream = telling.map_or_else(|| self.stream(&streams, default), |(stream, _)| stream);
         cx.display.stream = Some(stream);
         if self.pinned.is_none() {
             let (zoom, pan) = (self.look.zoom.scale, Some(self.look.zoom.center));
@@ -98,12 +102,19 @@ impl Panel for StreamView {
             cx.display.shown = self.look.stream.map(shown);
         }
         let layer = self.look.layer.filter(|&l| l < stream.layers());
-        let layer = layer.or_else(|| self.telling_layer(&plan, stream, cx.model.last_pass()));
+        let layer = layer.or(telling.and_then(|(_, layer)| layer));
         let meaning = Meaning::of(stream, layer);
+        let (was, is_other) = (self.look.layer, stream != default);
         self.tools(ui, &streams, stream, layer, meaning, &in_units);
+        if is_other && self.look.layer != was && self.look.stream.is_none() {
+            // A component that is chosen is one of the stream in view.
+            self.look.stream = Some(stream);
+        }
         let stats_of = layer.unwrap_or(0);
         self.read_range(cx, stream, stats_of);
-        self.legend(ui, plan.program, (stream, stats_of), meaning, &in_units);
+        self.find_alike(cx.model, stream, stats_of);
+        let now = self.pinned.as_ref().map_or(cx.model.place, |pinned| pinned.place);
+        self.legend(ui, plan.program, (stream, stats_of), meaning, &in_units, (now, cx.model.last_pass()));
         mask::legend(ui, cx);
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
@@ -252,16 +263,6 @@ impl StreamView {
             (None, chosen) => chosen,
         };
         wanted.filter(|s| streams.contains(s)).unwrap_or(default)
-    }
-
-    /// While all rays are in one state, their states are a picture in one colour: if nothing was chosen, their cells or
-    /// nodes are shown instead.
-    fn telling_layer(&self, plan: &Plan, stream: Stream, last: Option<&Pass>) -> Option<usize> {
-        let is_chosen = self.pinned.is_some() || self.look.stream.is_some();
-        let is_alike = last.is_some_and(|pass| pass.counts.iter().filter(|&&rays| rays > 0).count() == 1);
-        let is_walk = plan.program.state_stream() == Some(stream) && plan.accelerator != Accelerator::None;
-        let of_place = || stream.info().meaning.iter().position(|&meaning| meaning == StreamMeaning::Id);
-        (!is_chosen && is_alike && is_walk).then(of_place).flatten()
     }
 
     fn colors(&self, stream: Stream, layer: usize) -> Colors {

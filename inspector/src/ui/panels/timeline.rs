@@ -22,7 +22,7 @@ use raystep_lab::text::counted;
 use serde::{Deserialize, Serialize};
 use ticks::{Mark, Tick, Ticks};
 
-use super::legend;
+use super::legend::{Entry, line};
 use crate::command::Command;
 use crate::ui::choice::Choices as _;
 use crate::ui::pane::{Context, Panel};
@@ -193,16 +193,22 @@ impl Timeline {
                 .on_disabled_hover_text("this run has no passes of a walk");
             ui.separator();
             if let Some(pass) = passes.first() {
-                for state in columns::states(pass, self.look.is_walk_only && has_walk) {
-                    legend::entry(ui, columns::color(state), state.name, state.meaning);
-                }
+                let now = cx.model.last_pass().unwrap_or(pass);
+                let entries = columns::states(pass, self.look.is_walk_only && has_walk).map(|state| {
+                    let is_there = now.counts.get(state.tag as usize).is_some_and(|&rays| rays > 0);
+                    Entry::new(columns::color(state), state.name, state.meaning).unless(is_there)
+                });
+                line(ui, &entries.collect::<Vec<_>>());
             }
             if has_events(cx) {
                 ui.separator();
                 let color = ui.visuals().text_color();
-                for (mark, name, about) in Mark::ALL {
-                    legend::painted(ui, name, about, |painter, rect| mark.paint(painter, rect.center(), color));
-                }
+                line(
+                    ui,
+                    &Mark::ALL.map(|(mark, name, about)| {
+                        Entry::painted(name, about, move |painter, rect| mark.paint(painter, rect.center(), color))
+                    }),
+                );
             }
         });
         Look {

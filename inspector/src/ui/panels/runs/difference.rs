@@ -11,7 +11,7 @@ use raystep_kernels::tables::state::States;
 use raystep_lab::flip::Errors;
 use raystep_lab::text::counted;
 
-use super::super::legend::entry;
+use super::super::legend::{Entry, line};
 use crate::command::Command;
 use crate::draw::stream::{self, Colors, Meaning, drawable};
 use crate::runs::differ::{Aspect, CLASSES, Counts, Differences};
@@ -155,38 +155,30 @@ fn fitted(aspect: Aspect, found: &Differences) -> [f32; 2] {
 
 /// The meaning of colours; returns whether the range is to be fitted again.
 fn legend(ui: &mut Ui, aspect: Aspect, [lo, hi]: [f32; 2]) -> bool {
-    let patch = |ui: &mut Ui, value: f32, name: &str| {
+    let patch = |value: f32, name: String| {
         let [r, g, b] = colors(aspect).at(f64::from((value - lo) / (hi - lo)));
-        entry(ui, Color32::from_rgb(r, g, b), name, "");
+        Entry::new(Color32::from_rgb(r, g, b), name, "")
     };
-    entry(ui, Color32::from_rgb(28, 28, 33), "same bits", "");
+    let mut entries = vec![Entry::new(Color32::from_rgb(28, 28, 33), "same bits", "")];
     match aspect {
         Aspect::Triangle => {
-            for (class, name) in CLASSES.iter().enumerate().skip(1) {
-                patch(ui, class as f32, name);
-            }
-            return false;
+            let classes = CLASSES.iter().enumerate().skip(1);
+            entries.extend(classes.map(|(class, name)| patch(class as f32, (*name).into())));
         }
         Aspect::Distance => {
-            for power in [lo, (0.5 * (lo + hi)).round(), hi] {
-                patch(ui, power, &format!("|Δt| = 1e{power}"));
-            }
-            entry(ui, ONE_SIDED, CLASSES[3], "");
+            let powers = [lo, (0.5 * (lo + hi)).round(), hi];
+            entries.extend(powers.map(|power| patch(power, format!("|Δt| = 1e{power}"))));
+            entries.push(Entry::new(ONE_SIDED, CLASSES[3], ""));
         }
         Aspect::Color => {
-            for value in [lo, 0.5 * (lo + hi), hi] {
-                patch(ui, value, &format!("{value:.2e}"));
-            }
+            entries.extend([lo, 0.5 * (lo + hi), hi].map(|value| patch(value, format!("{value:.2e}"))));
         }
-        Aspect::Flip => {
-            for value in [0.0, 0.25, 0.5, 0.75, 1.0] {
-                patch(ui, value, &value.to_string());
-            }
-            return false;
-        }
+        Aspect::Flip => entries.extend([0.0, 0.25, 0.5, 0.75, 1.0].map(|value| patch(value, value.to_string()))),
     }
+    line(ui, &entries);
     let about = "Fits the range to this pair. Otherwise it stays the same for all pairs.";
-    ui.button("Fit range").on_hover_text(about).clicked()
+    let has_range = matches!(aspect, Aspect::Distance | Aspect::Color);
+    has_range && ui.button("Fit range").on_hover_text(about).clicked()
 }
 
 /// How many rays differ in which way.

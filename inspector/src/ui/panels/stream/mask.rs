@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 
-use super::super::legend::entry;
+use super::super::legend::{Entry, line};
 use crate::ui::mask::{Mask, Outcome};
 use crate::ui::pane::Context;
 use crate::ui::style::strong;
@@ -29,11 +29,11 @@ pub(super) fn legend(ui: &mut egui::Ui, cx: &mut Context<'_>) {
     strong(ui, mask.sentence());
     ui.horizontal_wrapped(|ui| {
         ui.small(&mask.what);
-        for (outcome, count) in Outcome::DRAWN.into_iter().zip(mask.counts) {
-            if count > 0 {
-                entry(ui, outcome.color(), &format!("{} {count}", outcome.name()), outcome.meaning());
-            }
-        }
+        let drawn = Outcome::DRAWN.into_iter().zip(mask.counts).filter(|(_, count)| *count > 0);
+        let entries = drawn.map(|(outcome, count)| {
+            Entry::new(outcome.color(), format!("{} {count}", outcome.name()), outcome.meaning())
+        });
+        line(ui, &entries.collect::<Vec<_>>());
         if ui.small_button("Remove mask").clicked() {
             cx.display.mask = None;
         }

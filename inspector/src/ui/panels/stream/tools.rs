@@ -1,12 +1,14 @@
 //! The toolbar: stream, component, colours, range, and their legend.
 
-use egui::{Color32, Rect, Sense, pos2, vec2};
+use egui::{Color32, Label, Rect, RichText, Sense, pos2, vec2};
+use raystep_kernels::tables::state::Tag;
 use raystep_kernels::tables::stream::Meaning as StreamMeaning;
-use raystep_kernels::{Program, Stream};
+use raystep_kernels::{Pass, Program, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others, Span};
 
-use super::super::legend::entry;
+use super::super::legend::{Entry, line};
 use super::StreamView;
+use super::telling::{only_value, sentence};
 use crate::draw::stream::{Colors, Meaning};
 use crate::ui::choice::Choices as _;
 use crate::ui::units::{Scale, exact};
@@ -101,15 +103,25 @@ impl StreamView {
         (stream, layer): (Stream, usize),
         meaning: Meaning,
         scale: &Scale,
+        (now, last): (usize, Option<&Pass>),
     ) {
+        // Of an earlier place, one value would be a lie.
+        let known = self.stats.as_ref().filter(|(_, place, of, l, _)| (*place, *of, *l) == (now, stream, layer));
+        let is_there = |tag: Tag| last.and_then(|pass| pass.counts.get(tag as usize)).is_some_and(|&rays| rays > 0);
         ui.horizontal_wrapped(|ui| {
             if meaning == Meaning::Tag {
-                for state in program.states.iter() {
+                let only = known.and_then(|(.., stats)| only_value(stats)?);
+                let states = program.states.iter().filter(|state| only.is_none_or(|only| f64::from(state.tag) == only));
+                let entries = states.map(|state| {
                     let [r, g, b] = state.colour;
-                    entry(ui, Color32::from_rgb(r, g, b), state.name, state.meaning);
-                }
+                    let name = only.map_or_else(|| state.name.into(), |_| sentence(state.name));
+                    Entry::new(Color32::from_rgb(r, g, b), name, state.meaning).unless(is_there(state.tag))
+                });
+                line(ui, &entries.collect::<Vec<_>>());
                 return;
             }
+            let (unit, name) = in_units(stream, layer, scale);
+            let mut texts = Vec::new();
             if matches!(meaning, Meaning::Scalar | Meaning::Count) {
                 let (rect, response) = ui.allocate_exact_size(vec2(120.0, 10.0), Sense::hover());
                 let colors = self.colors(stream, layer);
@@ -119,21 +131,22 @@ impl StreamView {
                     let bar = Rect::from_min_size(pos2(left, rect.top()), vec2(2.5, rect.height()));
                     ui.painter().rect_filled(bar, 0.0, Color32::from_rgb(r, g, b));
                 }
-                let [lo, hi] = self.range();
-                let (unit, name) = in_units(stream, layer, scale);
                 if let Some(span) = self.stats.as_ref().and_then(|(.., stats)| stats.span.as_ref()) {
                     response.on_hover_ui(|ui| histogram(ui, span, unit));
                 }
-                let [lo, hi] = [lo, hi].map(|end| exact(unit * f64::from(end)));
-                ui.small(format!("{lo} … {hi} {name}"));
+                let [lo, hi] = self.range().map(|end| exact(unit * f64::from(end)));
+                texts.push(format!("{lo} … {hi} {name}"));
             } else {
-                ui.small(stream.info().unit);
+                texts.push(stream.info().unit.into());
             }
             if let Some((.., stats)) = &self.stats {
-                for text in out_of_the_ordinary(stats) {
-                    ui.small(text);
-                }
+                texts.extend(out_of_the_ordinary(stats));
             }
+            if let Some((.., stats)) = known.filter(|_| meaning != Meaning::Color) {
+                let text = |value: Option<f64>| value.map_or_else(|| "none".into(), |value| exact(unit * value));
+                texts.extend(only_value(stats).map(|only| sentence(&text(only))));
+            }
+            ui.add(Label::new(RichText::new(texts.join("   ")).small()).truncate());
         });
     }
 }

@@ -10,6 +10,11 @@ use crate::ui::pane::Context;
 use crate::ui::panels::chart::kernel_color;
 use crate::ui::style::strong;
 
+/// Points below the bars, for numbers of passes.
+const FOOT: f32 = 15.0;
+/// Points that a number below a bar needs.
+const NUMBER: f32 = 40.0;
+
 /// A bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Column {
@@ -32,6 +37,19 @@ fn columns(passes: &[Pass], most: usize) -> Vec<Column> {
     (0..count).map(column).collect()
 }
 
+/// Passes whose numbers stand below the bars, and the middles of their bars: round ones, further apart where there is less
+/// room.
+fn numbers(columns: &[Column], passes: usize, width: f32) -> Vec<(usize, f32)> {
+    let most = (width / NUMBER) as usize;
+    let round = (0..).map(|k| 10usize.pow(k / 3) * [1, 2, 5][k as usize % 3]);
+    let step = round.take(28).find(|step| passes.div_ceil(*step) <= most.max(1)).unwrap_or(passes.max(1));
+    let middle = |pass: usize| {
+        let column = columns.partition_point(|column| column.first <= pass).saturating_sub(1);
+        (column as f32 + 0.5) * width / columns.len().max(1) as f32
+    };
+    (0..passes).step_by(step).map(|pass| (pass, middle(pass))).collect()
+}
+
 /// Paints them. A click goes to the place after the slowest pass of a bar. `kept` is cleared when passes change.
 pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: bool, cx: &mut Context<'_>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width().max(60.0), height), Sense::click());
@@ -41,7 +59,8 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
         *kept = columns(passes, most);
     }
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let field = rect.with_max_y(rect.bottom() - FOOT);
+    painter.rect_filled(field, 2.0, ui.visuals().extreme_bg_color);
     let (font, weak) = (FontId::proportional(11.0), ui.visuals().weak_text_color());
     let longest = kept.iter().filter_map(|c| c.ns).max().unwrap_or(0).max(1);
     let width = rect.width() / kept.len().max(1) as f32;
@@ -52,20 +71,26 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
         let color = if column.first >= place { color.gamma_multiply(0.45) } else { color };
         let gap = if width > 4.0 { 1.0 } else { 0.0 };
         let Some(ns) = column.ns else {
-            let middle = pos2(left + 0.5 * width, rect.bottom() - 6.0);
+            let middle = pos2(left + 0.5 * width, field.bottom() - 6.0);
             let sign = if pass.below_ns().is_some() { "<" } else { "?" };
             painter.text(middle, Align2::CENTER_CENTER, sign, font.clone(), weak);
             continue;
         };
-        let top = rect.bottom() - part(ns, longest, is_log) * (rect.height() - 16.0);
-        painter.rect_filled(Rect::from_min_max(pos2(left, top), pos2(left + width - gap, rect.bottom())), 0.0, color);
+        let top = field.bottom() - part(ns, longest, is_log) * (field.height() - 16.0);
+        painter.rect_filled(Rect::from_min_max(pos2(left, top), pos2(left + width - gap, field.bottom())), 0.0, color);
     }
     let scale = format!("{}{}", duration(longest), if is_log { ", logarithmic" } else { "" });
-    painter.text(rect.left_top() + vec2(3.0, 1.0), Align2::LEFT_TOP, scale, font, weak);
+    painter.text(rect.left_top() + vec2(3.0, 1.0), Align2::LEFT_TOP, scale, font.clone(), weak);
+    for (pass, middle) in numbers(kept, passes.len(), rect.width()) {
+        let galley = painter.layout_no_wrap(pass.to_string(), font.clone(), weak);
+        let most = (rect.width() - galley.size().x).max(0.0);
+        let left = rect.left() + (middle - 0.5 * galley.size().x).clamp(0.0, most);
+        painter.galley(pos2(left, rect.bottom() - galley.size().y), galley, weak);
+    }
     if let Some(current) = place.checked_sub(1) {
         let column = kept.partition_point(|c| c.first <= current).saturating_sub(1);
         let x = rect.left() + (column as f32 + 0.5) * width;
-        painter.vline(x, rect.y_range(), Stroke::new(1.5, ui.visuals().strong_text_color()));
+        painter.vline(x, field.y_range(), Stroke::new(1.5, ui.visuals().strong_text_color()));
     }
     let text = format!(
         "durations of {}, the longest {}; after pass {place}",
@@ -125,6 +150,21 @@ mod tests {
         assert_eq!(few.len(), 4);
         assert_eq!(few[3], Column { first: 3, dearest: 3, ns: None });
         assert_eq!((columns(&[], 100), columns(&passes, 0).len()), (Vec::new(), 1));
+    }
+
+    #[test]
+    fn numbers_of_passes_are_round_and_give_way_where_there_is_little_room() {
+        let passes: Vec<Pass> = (0..35).map(|i| pass(i, kernels::INTERSECT, 1, Some(10))).collect();
+        let of = |width: f32| numbers(&columns(&passes, width as usize), passes.len(), width);
+        let shown = |width: f32| of(width).into_iter().map(|(pass, _)| pass).collect::<Vec<_>>();
+        assert_eq!(shown(1500.0).len(), 35);
+        assert_eq!([shown(300.0), shown(100.0), shown(20.0)], [vec![0, 5, 10, 15, 20, 25, 30], vec![0, 20], vec![0]]);
+        for width in [20.0, 60.0, 333.0, 1500.0] {
+            let all = of(width);
+            assert!(all.windows(2).all(|pair| pair[1].1 - pair[0].1 >= NUMBER - 2.0), "{width}: {all:?}");
+            assert!(all.iter().all(|(_, middle)| (0.0..width).contains(middle)), "{width}: {all:?}");
+        }
+        assert_eq!((of(350.0)[1], numbers(&[], 0, 100.0)), ((5, 55.0), vec![]));
     }
 
     #[test]

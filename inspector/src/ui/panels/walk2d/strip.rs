@@ -16,6 +16,7 @@ use super::{Scene, Under};
 use crate::ui::state::Picked;
 use crate::walk::{Outcome, Spacing, Strip, Ticks};
 use dots::Note;
+use nodes::Name;
 
 /// Points above and below a BVH's bars: a margin, labels, and the scale of t.
 pub(super) const TREE_EDGES: f32 = 60.0;
@@ -52,12 +53,20 @@ struct Pen<'a> {
     scene: &'a Scene<'a>,
     /// Labels that are still to be placed.
     notes: Vec<Note>,
+    /// Names of bars that are still to be written.
+    names: Vec<Name>,
+    /// Where tests were painted, and lines from their labels to them: names keep off both.
+    dots: Vec<Rect>,
+    leaders: Vec<[Pos2; 2]>,
     /// Where labels were painted.
     #[cfg(test)]
     placed: Vec<Rect>,
     /// Where bars were painted.
     #[cfg(test)]
     bars: Vec<Rect>,
+    /// Where the letters of names were painted, and in which bar.
+    #[cfg(test)]
+    written: Vec<[Rect; 2]>,
 }
 
 impl<'a> Pen<'a> {
@@ -68,10 +77,15 @@ impl<'a> Pen<'a> {
             strip,
             scene,
             notes: Vec::new(),
+            names: Vec::new(),
+            dots: Vec::new(),
+            leaders: Vec::new(),
             #[cfg(test)]
             placed: Vec::new(),
             #[cfg(test)]
             bars: Vec::new(),
+            #[cfg(test)]
+            written: Vec::new(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Tests of triangles: dots, and labels with t and the result where there is room for them.
 
 use egui::epaint::CircleShape;
-use egui::{Color32, FontId, Pos2, Rect, Stroke, vec2};
+use egui::{Color32, FontId, Pos2, Rect, Stroke, Vec2, vec2};
 
 use super::super::Under;
 use super::super::picture::{current_color, outcome_color};
@@ -59,6 +59,7 @@ impl Pen<'_> {
             Outcome::NotNearest => self.painter.circle(at, radius, visuals.panel_fill, Stroke::new(1.5, color)),
             Outcome::Missed | Outcome::Nearest => self.painter.circle_filled(at, radius, color),
         };
+        self.dots.push(Rect::from_center_size(at, Vec2::splat(2.0 * radius + 4.0)));
         let is_now = self.scene.progress.row == Some(row);
         if is_now {
             self.painter.circle_stroke(at, radius + 2.0, Stroke::new(1.5, current_color(visuals)));
@@ -108,6 +109,7 @@ impl Pen<'_> {
         for (note, place) in notes.iter().zip(&places) {
             if let Some(line) = place.and_then(|place| place.leader) {
                 self.painter.line_segment(line, Stroke::new(1.0, note.color.gamma_multiply(0.6)));
+                self.leaders.push(line);
             }
         }
         for ((note, galley), place) in notes.iter().zip(galleys).zip(places) {

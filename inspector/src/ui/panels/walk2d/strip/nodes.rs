@@ -1,16 +1,28 @@
 //! Nodes of a BVH as bars over the interval in which the ray is in their boxes.
 
-use egui::{Align2, FontId, Rect, Stroke, StrokeKind, pos2, vec2};
+use egui::{Align2, Color32, FontId, Rect, Stroke, StrokeKind, Vec2, pos2, vec2};
 
 use super::super::Under;
 use super::super::picture::{current_color, in_order};
 use super::super::progress::row_of;
 use super::words::node_words;
 use super::{MOST, Pen, SIZE};
+use crate::ui::panels::labels::is_through;
 use crate::ui::state::Picked;
 
 /// Height of the space for labels of tests.
 const NOTES: f32 = 32.0;
+/// Points between a name and the ends, and the edges, of its bar.
+const MARGIN: Vec2 = vec2(4.0, 1.5);
+/// Height of capital letters, as a part of the text's size.
+const CAPITAL: f32 = 0.68;
+
+/// A node's index and interval, or its index alone, to be written in its bar.
+pub(super) struct Name {
+    bar: Rect,
+    texts: [String; 2],
+    color: Color32,
+}
 
 impl Pen<'_> {
     pub(super) fn nodes(&mut self) -> Option<Under> {
@@ -41,8 +53,11 @@ impl Pen<'_> {
             if self.is_picked(what) {
                 self.painter.rect_stroke(bar.expand(1.0), 1.0, self.picked_stroke(), StrokeKind::Outside);
             }
-            if line >= 12.0 {
-                self.name(node.node, t, bar, has_come);
+            // Digits are as high as capital letters.
+            if bar.height() >= CAPITAL * SIZE + 2.0 * MARGIN.y && bar.width() >= SIZE {
+                let [near, far] = t.map(|t| self.scene.t(t));
+                let texts = [format!("{}: {near} to {far}", node.node), node.node.to_string()];
+                self.names.push(Name { bar, texts, color: self.text_color(has_come) });
             }
             let words = || node_words(node, t, self.scene);
             if self.is_over(bar, words) {
@@ -56,20 +71,31 @@ impl Pen<'_> {
         if notes > 0.0 {
             self.write_notes(room);
         }
+        self.write_names();
         under
     }
 
-    /// The node's index and its interval, as far as there is room for them in the bar.
-    fn name(&self, node: u32, t: [f64; 2], bar: Rect, has_come: bool) {
-        let [near, far] = t.map(|t| self.scene.t(t));
-        let color = self.text_color(has_come);
-        let long = format!("{node}: {near} to {far}");
-        let layout = |text: String| self.painter.layout_no_wrap(text, FontId::proportional(SIZE), color);
-        let galleys = [long, node.to_string()].map(layout);
-        if let Some(galley) = galleys.into_iter().find(|galley| galley.size().x + 10.0 < bar.width()) {
-            // Beside the dots, which lie where the ray enters as often as not.
-            let rect = Align2::RIGHT_CENTER.anchor_size(bar.right_center() - vec2(4.0, 0.0), galley.size());
-            self.painter.galley(rect.min, galley, color);
+    /// Writes each name as far as there is room for it in its bar beside dots and lines: at the right, for dots lie where
+    /// the ray enters as often as not, otherwise at the left. A name without room is left out.
+    fn write_names(&mut self) {
+        for Name { bar, texts, color } in std::mem::take(&mut self.names) {
+            let places = texts.into_iter().flat_map(|text| {
+                let galley = self.painter.layout_no_wrap(text, FontId::proportional(SIZE), color);
+                let free = bar.shrink2(MARGIN);
+                let size = galley.mesh_bounds.size();
+                [Align2::RIGHT_CENTER, Align2::LEFT_CENTER]
+                    .map(|align| (align.align_size_within_rect(size, free), galley.clone()))
+            });
+            let is_free = |ink: &Rect| {
+                bar.contains_rect(ink.expand2(MARGIN - vec2(0.01, 0.01)))
+                    && !self.dots.iter().any(|dot| dot.intersects(*ink))
+                    && !self.leaders.iter().any(|&line| is_through(line, ink.expand(1.0)))
+            };
+            let Some((ink, galley)) = places.into_iter().find(|(ink, _)| is_free(ink)) else { continue };
+            #[cfg(test)]
+            self.written.push([ink, bar]);
+            let from = ink.min - galley.mesh_bounds.min.to_vec2();
+            self.painter.galley(from, galley, color);
         }
     }
 

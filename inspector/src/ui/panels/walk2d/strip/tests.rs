@@ -149,14 +149,14 @@ fn painted_texts_lie_apart_and_within_at_every_size() {
             all.push(traced(&teapot, &Options { accelerator, ..options(&teapot) }, [32, 32]));
         }
     }
-    let mut labels = 0;
+    let (mut labels, mut names) = (0, 0);
     for (i, (history, data)) in all.iter().enumerate() {
         let whole = Whole::of(history, data, usize::MAX);
         for size in [vec2(468.0, 65.0), vec2(468.0, 190.0), vec2(1200.0, 300.0), vec2(120.0, 40.0)] {
             let rect = Rect::from_min_size(pos2(5.0, 7.0), size);
             for spacing in [Spacing::ByT, Spacing::Equal] {
                 for row in [history.rows.len() / 3, history.rows.len() / 2, history.rows.len() - 1] {
-                    labels += in_a_frame(&whole, Some(row), |painter, scene| {
+                    let [placed, written] = in_a_frame(&whole, Some(row), |painter, scene| {
                         let (body, _) = split_scale(rect);
                         let scene = Scene { spacing, ..*scene };
                         let mut pen = Pen::new(painter, body, &whole.strip, &scene);
@@ -166,11 +166,19 @@ fn painted_texts_lie_apart_and_within_at_every_size() {
                         assert_apart(body, &notes, &format!("walk {i}, {size}, {spacing:?}, row {row}"));
                         let is_over = |bar: &Rect| notes.iter().any(|note| note.shrink(0.5).intersects(*bar));
                         assert!(!pen.bars.iter().any(is_over), "walk {i}, {size}: a label is over a bar");
-                        notes.len()
+                        for (i, [ink, bar]) in pen.written.iter().enumerate() {
+                            assert!(bar.contains_rect(ink.expand(1.0)), "{size}: {ink} is cut off by {bar}");
+                            let is_beneath = |dot: &Rect| dot.shrink(1.5).intersects(*ink);
+                            assert!(!pen.dots.iter().any(is_beneath), "{size}: {ink} is over a test");
+                            let is_over = |[other, _]: &[Rect; 2]| other.intersects(*ink);
+                            assert!(!pen.written[..i].iter().any(is_over), "{size}: {ink} is over another name");
+                        }
+                        [notes.len(), pen.written.len()]
                     });
+                    (labels, names) = (labels + placed, names + written);
                 }
             }
         }
     }
-    assert!(labels > 20, "{labels} labels in all");
+    assert!(labels > 20 && names > 20, "{labels} labels and {names} names in all");
 }
