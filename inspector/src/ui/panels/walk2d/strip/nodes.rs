@@ -13,9 +13,9 @@ use crate::ui::state::Picked;
 /// Height of the space for labels of tests.
 const NOTES: f32 = 32.0;
 /// Points between a name and the ends, and the edges, of its bar.
-const MARGIN: Vec2 = vec2(4.0, 1.5);
-/// Height of capital letters, as a part of the text's size.
-const CAPITAL: f32 = 0.68;
+const MARGIN: Vec2 = vec2(4.0, 1.0);
+/// Height of digits, which round ones surpass a little.
+const HEIGHT: f32 = 0.72 * SIZE + 0.5;
 
 /// A node's index and interval, or its index alone, to be written in its bar.
 pub(super) struct Name {
@@ -53,8 +53,7 @@ impl Pen<'_> {
             if self.is_picked(what) {
                 self.painter.rect_stroke(bar.expand(1.0), 1.0, self.picked_stroke(), StrokeKind::Outside);
             }
-            // Digits are as high as capital letters.
-            if bar.height() >= CAPITAL * SIZE + 2.0 * MARGIN.y && bar.width() >= SIZE {
+            if bar.height() >= HEIGHT + 2.0 * MARGIN.y && bar.width() >= SIZE {
                 let [near, far] = t.map(|t| self.scene.t(t));
                 let texts = [format!("{}: {near} to {far}", node.node), node.node.to_string()];
                 self.names.push(Name { bar, texts, color: self.text_color(has_come) });
@@ -82,7 +81,7 @@ impl Pen<'_> {
             let places = texts.into_iter().flat_map(|text| {
                 let galley = self.painter.layout_no_wrap(text, FontId::proportional(SIZE), color);
                 let free = bar.shrink2(MARGIN);
-                let size = galley.mesh_bounds.size();
+                let size = vec2(galley.mesh_bounds.width(), HEIGHT);
                 [Align2::RIGHT_CENTER, Align2::LEFT_CENTER]
                     .map(|align| (align.align_size_within_rect(size, free), galley.clone()))
             });
@@ -94,7 +93,7 @@ impl Pen<'_> {
             let Some((ink, galley)) = places.into_iter().find(|(ink, _)| is_free(ink)) else { continue };
             #[cfg(test)]
             self.written.push([ink, bar]);
-            let from = ink.min - galley.mesh_bounds.min.to_vec2();
+            let from = ink.center() - galley.mesh_bounds.center().to_vec2();
             self.painter.galley(from, galley, color);
         }
     }

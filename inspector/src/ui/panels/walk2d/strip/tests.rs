@@ -152,7 +152,8 @@ fn painted_texts_lie_apart_and_within_at_every_size() {
     let (mut labels, mut names) = (0, 0);
     for (i, (history, data)) in all.iter().enumerate() {
         let whole = Whole::of(history, data, usize::MAX);
-        for size in [vec2(468.0, 65.0), vec2(468.0, 190.0), vec2(1200.0, 300.0), vec2(120.0, 40.0)] {
+        for size in [[468, 65], [468, 190], [620, 190], [850, 240], [1200, 300], [120, 40]] {
+            let size = size.map(|side: u16| f32::from(side)).into();
             let rect = Rect::from_min_size(pos2(5.0, 7.0), size);
             for spacing in [Spacing::ByT, Spacing::Equal] {
                 for row in [history.rows.len() / 3, history.rows.len() / 2, history.rows.len() - 1] {
