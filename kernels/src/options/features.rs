@@ -63,6 +63,7 @@ features! {
     many_lights: "There is more than one light.",
     directional_lights: "A light is directional.",
     spot_lights: "A light is a spot.",
+    shadows: "A light counts only if a shadow ray reaches it.",
     samples: "A pixel has several samples, each with its own ray.",
     sobol: "Samples are spread evenly over the pixel, else at random.",
     blocks: "A pixel has several blocks of samples, each with its own mean.",
