@@ -50,6 +50,7 @@ features! {
     resumes_light: "The same for the sum over the lights.",
     intervals: "Rays have a smallest or a largest t: other hits do not count.",
     any_hit: "A ray ends at the first hit found, nearest or not.",
+    leaves: "A ray begins on a triangle, which it cannot hit again.",
     eye_rays: "The fused kernel generates its rays itself.",
     clip: "Rays may start outside of the grid.",
     perspective: "Rays fan out from the eye, else they are parallel.",

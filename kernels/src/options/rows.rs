@@ -8,7 +8,8 @@ use super::row::{parse, text, whole};
 use super::samples::Samples;
 use super::scene_data::SceneDataKind;
 use super::{
-    Accelerator, BuiltBy, Choices, GridSize, Integrator, MOST_ELEMENTS, Numerics, ProgramName, ScheduleKind, Skip, Traversal,
+    Accelerator, BuiltBy, Choices, GridSize, Integrator, MOST_ELEMENTS, Numerics, ProgramName, ScheduleKind, Skip,
+    Traversal,
 };
 use crate::shared::samples::Sampler;
 

@@ -58,6 +58,9 @@ impl Instance {
     }
 }
 
+/// The tag of a state that no element of an instance is ever in.
+const NEVER: Tag = Tag::MAX - 1;
+
 /// The states of a kernel as a program calls them in which it is a guest.
 #[derive(Debug)]
 pub struct Renamed {
@@ -70,7 +73,8 @@ pub struct Renamed {
 
 impl Renamed {
     /// The states of a kernel, by pairs of a name in its [`Home`](super::Home) and one in a program with these states; a state that no
-    /// pair names has the same name in both. `None` if one of the two does not have it.
+    /// pair names has the same name in both, and one whose name is empty in the program never occurs in it. `None` if one of the
+    /// two does not have it.
     #[must_use]
     pub fn new(kernel: &KernelInfo, states: States, names: &[(&str, &str)]) -> Option<Self> {
         let here = |name: &'static str| names.iter().find(|(own, _)| *own == name).map_or(name, |(_, here)| here);
@@ -78,24 +82,15 @@ impl Renamed {
         if !names.iter().all(is_known) {
             return None;
         }
-        let pairs = kernel.home.states.iter().filter_map(|own| Some((own.tag, states.tag(here(own.name))?)));
+        let tag = |name: &str| if name.is_empty() { Some(NEVER) } else { states.tag(name) };
+        let pairs = kernel.home.states.iter().filter_map(|own| Some((own.tag, tag(here(own.name))?)));
         let tags: Vec<(Tag, Tag)> = pairs.collect();
         let of = |own: Tag| tags.iter().find(|(tag, _)| *tag == own).map(|&(_, here)| here);
-        // Two states may be one here.
-        let mut takes = Vec::new();
-        for tag in kernel.takes {
-            let tag = of(*tag)?;
-            if !takes.contains(&tag) {
-                takes.push(tag);
-            }
-        }
-        let mut sends: Vec<Transition> = Vec::new();
-        for sent in kernel.sends {
-            let (from, to) = (of(sent.from)?, of(sent.to)?);
-            if !sends.iter().any(|other| (other.from, other.to) == (from, to)) {
-                sends.push(Transition { from, when: sent.when, to });
-            }
-        }
+        let mut takes = kernel.takes.iter().map(|&tag| of(tag)).collect::<Option<Vec<_>>>()?;
+        let send = |sent: &Transition| Some(Transition { from: of(sent.from)?, when: sent.when, to: of(sent.to)? });
+        let mut sends = kernel.sends.iter().map(send).collect::<Option<Vec<_>>>()?;
+        takes.retain(|&tag| tag != NEVER);
+        sends.retain(|sent| sent.from != NEVER && sent.to != NEVER);
         let counts = match kernel.counts {
             Counts::AllTo(tag) => Counts::AllTo(of(tag)?),
             other => other,
@@ -186,10 +181,10 @@ impl Kernel {
         self.program.stream(self.bound(own.name()))
     }
 
-    /// Whether its twin reads the program's streams as they are: they begin with those of its [`Home`](super::Home).
+    /// Whether its twin reads the program's streams as they are: those of its [`Home`](super::Home), or the first of them.
     pub(crate) fn is_at_home(self) -> bool {
         let (home, here) = (self.info().home.streams, self.program.streams);
-        std::ptr::eq(home.as_ptr(), here.as_ptr()) && home.len() <= here.len() && self.instance().binds.is_empty()
+        std::ptr::eq(home.as_ptr(), here.as_ptr()) && self.instance().binds.is_empty()
     }
 
     /// The triangle that a pass of it tested, if any, and why it left a ray as it did.

@@ -139,7 +139,10 @@ impl Schedule {
         // The first state that it sends rays to and such a kernel takes.
         let sent_to = |is_taker: fn(Role) -> bool| {
             let takers = kernels.iter().filter(|taker| is_taker(taker.role()));
-            takers.flat_map(|taker| taker.takes()).copied().find(|tag| kernel.sends().iter().any(|sent| sent.to == *tag))
+            takers
+                .flat_map(|taker| taker.takes())
+                .copied()
+                .find(|tag| kernel.sends().iter().any(|sent| sent.to == *tag))
         };
         let to = match kernel.role() {
             Role::Enter => sent_to(Role::is_walk),

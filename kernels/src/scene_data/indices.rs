@@ -221,9 +221,7 @@ mod tests {
         refused("too few distances", &built, |d| d.grid_distances.truncate(1));
         let full = built.1.grid_cells.windows(2).position(|w| w[0] < w[1]).expect("a list");
         refused("a leap from a cell with a list", &built, |d| d.grid_distances[full / 4] |= 2 << (8 * (full % 4)));
-        refused("fewer triangles than are listed", &built, |d| {
-            d.packed_triangles.truncate(1)
-        });
+        refused("fewer triangles than are listed", &built, |d| d.packed_triangles.truncate(1));
         refused("an id that is no triangle", &built, |d| d.packed_triangles[3][3] = 2000);
     }
 
@@ -246,9 +244,7 @@ mod tests {
         refused("a list beyond the items", &built, |d| d.irregular_cells[3].first = items as u32);
         refused("a box that ends outside of the grid", &built, |d| d.irregular_cells[3].high[1] = u16::MAX);
         refused("a box without an extent", &built, |d| d.irregular_cells[3].low = d.irregular_cells[3].high);
-        refused("fewer triangles than are listed", &built, |d| {
-            d.packed_triangles.truncate(1)
-        });
+        refused("fewer triangles than are listed", &built, |d| d.packed_triangles.truncate(1));
     }
 
     #[test]

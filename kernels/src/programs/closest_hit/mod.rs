@@ -38,7 +38,7 @@ use crate::shared;
 use crate::tables::stream::Component;
 
 /// The tables that its kernels name.
-pub static HOME: Home = Home { streams: streams::OWN, states: states::STATES };
+pub static HOME: Home = Home { streams: &streams::STREAMS, states: states::STATES };
 
 /// The course of a ray.
 pub(in crate::programs) const COURSE: Course = Course {

@@ -1,6 +1,6 @@
 //! A ray between two passes: its texels, decoded.
 
-use super::states::{ALL, ISECT_HIT, ISECT_NO_HIT, OCCLUDED, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, TRAV};
+use super::states::{ALL, ISECT_HIT, ISECT_NO_HIT, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, TRAV};
 use super::streams::{
     ACCUMULATED, ACCUMULATED_SAMPLES, BLOCKER, COLOR, CONTROL, HIT, HIT_TRIANGLE, LIGHT, PENDING, PREVIOUS,
     RAY_DIRECTION, RAY_INTERVAL, RAY_ORIGIN, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, STATE_CELL, STATE_ITEM, STATE_T,
@@ -44,8 +44,7 @@ fn decode(texel: Texel<'_>) -> RayState {
     let is_shadow = tag >= SHADOW_SETUP;
     let [hit, origin, direction] =
         if is_shadow { [BLOCKER, SHADOW_ORIGIN, SHADOW_DIRECTION] } else { [HIT, RAY_ORIGIN, RAY_DIRECTION] };
-    // A blocker ends the ray; before that, the stream has that of an earlier ray.
-    let triangle = if is_shadow && tag != OCCLUDED { NO_TRIANGLE } else { word(hit, HIT_TRIANGLE) };
+    let triangle = word(hit, HIT_TRIANGLE);
     let t = f32::from_bits(word(STATE, STATE_T));
     let is_hit = triangle != NO_TRIANGLE;
     RayState {

@@ -65,7 +65,13 @@ pub const ALL: States = States(&[
     ),
     row(DONE, "DONE", StateRole::Finished, [225, 225, 230], "finished"),
     row(SHADOW_SETUP, "SHADOW_SETUP", StateRole::Active, [214, 190, 120], "a shadow ray waits for the set-up kernel"),
-    row(SHADOW_TRAV, "SHADOW_TRAV", StateRole::Active, [140, 110, 60], "a shadow ray continues to the next cell or node"),
+    row(
+        SHADOW_TRAV,
+        "SHADOW_TRAV",
+        StateRole::Active,
+        [140, 110, 60],
+        "a shadow ray continues to the next cell or node",
+    ),
     row(
         SHADOW_ISECT,
         "SHADOW_ISECT",

@@ -20,13 +20,14 @@
 //!
 //! shadow_origin    f32  x  y  z          traced units: off the surface that was hit, on the side of the light
 //! shadow_direction f32  x  y  z          traced units per unit of t: to the light, which is at t = 1
+//! surface          u32  triangle         the triangle that it leaves, which it cannot hit again
 //! blocker          u32  u  v  triangle   what is between the hit and the light
 //! shadow_counters  u32  cells  triangles  repeated
 //! pending          f32  r  g  b          linear light that arrives if the light is visible
 //! light            u32  next  t          the light that is next, and t of the hit (f32 bits)
 //! ```
 //!
-//! The last six are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
+//! The last seven are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
 //! share `state` and what a walk keeps with the rays before them: a pixel's rays are traced one after the other.
 //!
 //! Lengths are in *traced units*: scene units times a power of two, see [`crate::numbers::units`]. `t` is the
@@ -152,7 +153,10 @@ streams! {
     /// Direction of the shadow ray: to a light at t = 1, or against that in which a directional light shines.
     SHADOW_DIRECTION of RAYS: "shadow_direction" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units per t",
         unwritten: &[0; 3], why_absent: |_| NO_SHADOWS;
-    /// Barycentrics and triangle of what the latest shadow ray that was occluded hit: any hit, not the nearest.
+    /// The triangle that the shadow ray leaves.
+    SURFACE of RAYS: "surface" U32 &["triangle"], meaning: &[Id], unit: "triangle id",
+        unwritten: &[NO_TRIANGLE], why_absent: |_| NO_SHADOWS;
+    /// Barycentrics and triangle of what occludes the latest shadow ray: any hit, not the nearest.
     BLOCKER of RAYS: "blocker" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
         unwritten: &[0, 0, NO_TRIANGLE], why_absent: |_| NO_SHADOWS;
     /// Cells visited and triangles tested by the latest shadow ray.

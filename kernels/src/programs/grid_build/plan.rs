@@ -107,8 +107,7 @@ pub(crate) fn of(
         scene_data: options.scene_data,
         ..Features::default()
     };
-    let data =
-        SceneData::new(features, Contents { units, grid, growth, build, vertices, ..Contents::default() });
+    let data = SceneData::new(features, Contents { units, grid, growth, build, vertices, ..Contents::default() });
 
     let cells: u64 = build.cells.iter().map(|&n| u64::from(n)).product();
     let run = Over {

@@ -6,10 +6,10 @@ use crate::programs::closest_hit::shade::light::received;
 use crate::programs::closest_hit::shade::surface::{diffuse_color, material_of, surface_normal};
 use crate::programs::closest_hit::states::{BACKGROUND, DONE, OCCLUDED, SHADE, SHADOW_SETUP, VISIBLE};
 use crate::programs::closest_hit::streams::{
-    COLOR, COUNTERS, HIT, LIGHT, PENDING, SHADOW_COUNTERS, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE,
+    BLOCKER, COLOR, COUNTERS, HIT, LIGHT, PENDING, SHADOW_COUNTERS, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, SURFACE,
 };
 use crate::scene_data::SceneData;
-use crate::shared::constants::{INF, LIGHTS_SUMMED};
+use crate::shared::constants::{INF, LIGHTS_SUMMED, NO_TRIANGLE};
 use crate::shared::shading::{DIRECTIONAL, Light};
 use crate::shared::start::{Start, end_before, leaving, start_of};
 use crate::shared::vector::dot3;
@@ -29,22 +29,27 @@ fn arrived<R: Real>(ray: &mut Texels<'_, R>, tag: u32, has_counters: bool) -> Ve
     sum
 }
 
-/// The shadow ray of light `i`, which brings `rgb`.
-fn cast_to<R: Real>(ray: &mut Texels<'_, R>, light: &Light, start: &Start<R>, i: u32, rgb: Vec3<R>) {
+/// Casts the shadow ray of light `i`, which brings `rgb`, unless the surface itself is in its way.
+fn is_cast<R: Real>(ray: &mut Texels<'_, R>, light: &Light, start: &Start<R>, i: u32, rgb: Vec3<R>) -> bool {
+    let origin = leaving(start);
     let mut direction = -Vec3::<R>::from_f32(light.direction);
-    let mut origin = leaving(start, direction);
     let mut end = R::from_f32(INF);
     if light.kind != DIRECTIONAL {
         let position = Vec3::<R>::from_f32(light.position);
-        origin = leaving(start, position - start.point);
         direction = position - origin;
         end = end_before(position, direction);
+    }
+    if dot3(start.normal, direction) <= R::zero() {
+        return false;
     }
     ray.store_vec3(SHADOW_ORIGIN, origin);
     ray.store_vec3(SHADOW_DIRECTION, direction);
     ray.store_vec3(PENDING, rgb);
+    ray.store_u32(SURFACE, 0, ray.load_u32(HIT, 2));
+    ray.store_u32(BLOCKER, 2, NO_TRIANGLE);
     ray.store_u32(LIGHT, 0, i + 1);
     ray.store(STATE, 1, end);
+    true
 }
 
 /// Processes one ray.
@@ -95,8 +100,11 @@ pub fn illuminate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     for i in first..end {
         let light = &scene.lights[i as usize];
         let rgb = received(light, position, normal);
-        if rgb != Vec3::splat(R::zero()) {
-            cast_to(ray, light, &start_of(scene.corners(triangle), u, v), i, rgb);
+        if rgb == Vec3::splat(R::zero()) {
+            continue;
+        }
+        let start = start_of(scene.corners(triangle), [u, v], direction);
+        if is_cast(ray, light, &start, i, rgb) {
             ray.store_vec3(COLOR, sum);
             ray.store_u32(STATE, 0, SHADOW_SETUP);
             return;

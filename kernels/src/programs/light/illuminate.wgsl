@@ -2,12 +2,12 @@
 // paper's equation (1), C_diff <N, L>, summed over the lights that are visible. Without another light, the sum is the
 // ray's colour; without a hit, the background.
 //
-// A light that shines on the other side of the surface, or a spot beyond its cone, costs no ray.
+// A light on the other side of the surface, or a spot beyond its cone, costs no ray and adds nothing.
 //
 // resumes_light: there are more lights than a dispatch has loop iterations. Without a ray to cast among these, the number of
 // the next light waits in the state's item, marked by LIGHTS_SUMMED.
 
-import package::constants::{INF, LIGHTS_SUMMED, LIST_SIDE, NOBODY, TURNS};
+import package::constants::{INF, LIGHTS_SUMMED, LIST_SIDE, NOBODY, NO_TRIANGLE, TURNS};
 import package::state::{SHADE, BACKGROUND, DONE, SHADOW_SETUP, OCCLUDED, VISIBLE};
 import package::corners::{vertex};
 import package::live::{send, tiled_texel};
@@ -27,6 +27,8 @@ struct Shading {
 @group(0) @binding(4) var color: texture_storage_2d_array<r32float, read_write>;
 @group(0) @binding(5) var pending: texture_storage_2d_array<r32float, read_write>;
 @group(0) @binding(6) var light: texture_storage_2d_array<r32uint, read_write>;
+@group(0) @binding(7) var blocker: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(8) var surface: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(9) var shadow_origin: texture_storage_2d_array<r32float, write>;
 @group(0) @binding(10) var shadow_direction: texture_storage_2d_array<r32float, write>;
 @if(counters) @group(0) @binding(11) var counters: texture_storage_2d_array<r32uint, read_write>;
@@ -58,15 +60,17 @@ fn arrived(texel: vec2u, tag: u32) -> vec3f {
     return sum;
 }
 
-// The shadow ray of light i, which brings rgb.
-fn cast_to(texel: vec2u, start: Start, i: u32, rgb: vec3f) {
+// Casts the shadow ray of light i, which brings rgb, unless the surface itself is in its way.
+fn is_cast(texel: vec2u, start: Start, i: u32, rgb: vec3f) -> bool {
+    let origin = leaving(start);
     var direction = -lights[i].direction;
-    var origin = leaving(start, direction);
     var end = INF;
     if (lights[i].kind != 1u) {
-        origin = leaving(start, lights[i].position - start.point);
         direction = lights[i].position - origin;
         end = end_before(lights[i].position, direction);
+    }
+    if (dot3(start.normal, direction) <= 0.0) {
+        return false;
     }
     textureStore(shadow_origin, texel, 0, vec4f(origin.x));
     textureStore(shadow_origin, texel, 1, vec4f(origin.y));
@@ -77,8 +81,11 @@ fn cast_to(texel: vec2u, start: Start, i: u32, rgb: vec3f) {
     textureStore(pending, texel, 0, vec4f(rgb.x));
     textureStore(pending, texel, 1, vec4f(rgb.y));
     textureStore(pending, texel, 2, vec4f(rgb.z));
+    textureStore(surface, texel, 0, vec4u(textureLoad(hit, texel, 2, 0).x));
+    textureStore(blocker, texel, 2, vec4u(NO_TRIANGLE));
     textureStore(light, texel, 0, vec4u(i + 1u));
     textureStore(state, texel, 1, vec4u(bitcast<u32>(end)));
+    return true;
 }
 
 fn next_light(texel: vec2u) -> u32 {
@@ -130,8 +137,11 @@ fn next_light(texel: vec2u) -> u32 {
     @if(resumes_light) end = min(end, first + TURNS);
     for (var i = first; i < end; i++) {
         let rgb = received(lights[i], position, normal);
-        if (any(rgb != vec3f(0.0))) {
-            cast_to(texel, start_of(vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u), u, v), i, rgb);
+        if (all(rgb == vec3f(0.0))) {
+            continue;
+        }
+        let start = start_of(vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u), u, v, direction);
+        if (is_cast(texel, start, i, rgb)) {
             store_color(texel, sum);
             textureStore(state, texel, 0, vec4u(SHADOW_SETUP));
             return SHADOW_SETUP;

@@ -21,7 +21,7 @@ const STATES: [(&str, &str); 6] = [
     ("TRAV_SETUP", "SHADOW_SETUP"),
     ("TRAV", "SHADOW_TRAV"),
     ("ISECT_NO_HIT", "SHADOW_ISECT"),
-    ("ISECT_HIT", "SHADOW_ISECT"),
+    ("ISECT_HIT", ""),
     ("SHADE", "OCCLUDED"),
     ("BACKGROUND", "VISIBLE"),
 ];
@@ -40,10 +40,7 @@ const BINDS: &[(&str, &str)] = &[
 pub(super) const LISTS: [ListInfo; 4] = [
     closest_hit::kernels::LISTS[0],
     closest_hit::kernels::LISTS[1],
-    ListInfo {
-        name: "shadow_intersect_list",
-        slots: ["shadow_intersect_list_even", "shadow_intersect_list_odd"],
-    },
+    ListInfo { name: "shadow_intersect_list", slots: ["shadow_intersect_list_even", "shadow_intersect_list_odd"] },
     ListInfo { name: "shadow_traverse_list", slots: ["shadow_traverse_list_even", "shadow_traverse_list_odd"] },
 ];
 
@@ -118,7 +115,18 @@ pub(super) const OF_ILLUMINATE: KernelInfo = KernelInfo {
 /// The instance of a kernel of the walk for shadow rays.
 pub(super) fn for_shadow_rays(of: Instance, (name, why_absent, colour): OfShadows) -> Option<Instance> {
     let renamed = Renamed::new(&of.kernel, ALL, &STATES)?.of_existing();
-    let changes: fn(&mut Features) = |features| (features.any_hit, features.intervals) = (true, false);
+    let changes: fn(&mut Features) = |features| {
+        (features.any_hit, features.leaves, features.intervals) = (true, true, false);
+        // A camera in the grid does not tell where its rays end.
+        features.clip = true;
+    };
     let kernel = KernelInfo { why_absent, colour, ..of.kernel };
-    Some(Instance { name, kernel, binds: BINDS, renamed: Some(Box::leak(Box::new(renamed))), changes: Some(changes), ..of })
+    Some(Instance {
+        name,
+        kernel,
+        binds: BINDS,
+        renamed: Some(Box::leak(Box::new(renamed))),
+        changes: Some(changes),
+        ..of
+    })
 }

@@ -6,7 +6,7 @@ use crate::programs::closest_hit::streams::{COLOR, PENDING, SHADOW_DIRECTION, SH
 /// Layers 0 to 2: x, y and z, or r, g and b.
 const ALL_3: &[usize] = &[0, 1, 2];
 /// A point, and what leads from it to a light: some square roots, divisions and sums of terms of the scene's size.
-const POINT: Off = Off::Roundings(16.0);
+const POINT: Off = Off::Roundings(4.0);
 
 /// Light as in `shade`; where rays begin, lead to and end.
 pub(super) const OF_ILLUMINATE: Rounding = Rounding {

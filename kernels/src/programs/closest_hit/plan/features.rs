@@ -61,6 +61,7 @@ pub(in crate::programs) fn features(
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
         intervals: has_intervals(&options.rays, any_hit),
         any_hit,
+        leaves: false,
         eye_rays: is_fused && !options.shade && !given,
         clip: keep(Item::Clipping) || !inside,
         perspective: match &options.rays {

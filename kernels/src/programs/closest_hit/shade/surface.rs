@@ -29,7 +29,12 @@ pub(in crate::programs) fn surface_normal<R: Real>(scene: &SceneData, triangle: 
 }
 
 /// The material's colour, times those of the vertices and of the texture.
-pub(in crate::programs) fn diffuse_color<R: Real>(scene: &SceneData, material: &Material, triangle: u32, [u, v]: [R; 2]) -> Vec3<R> {
+pub(in crate::programs) fn diffuse_color<R: Real>(
+    scene: &SceneData,
+    material: &Material,
+    triangle: u32,
+    [u, v]: [R; 2],
+) -> Vec3<R> {
     let features = &scene.features;
     let mut diffuse = Vec3::from_f32(material.base_color);
     let w = R::one() - u - v;
