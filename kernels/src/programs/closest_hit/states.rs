@@ -29,6 +29,19 @@ pub const OCCLUDED: Tag = 11;
 /// Nothing is.
 pub const VISIBLE: Tag = 12;
 
+/// The state of any ray: that of a shadow ray is called as in the walk of the ray before it.
+#[must_use]
+pub const fn of_any_ray(tag: Tag) -> Tag {
+    match tag {
+        SHADOW_SETUP => TRAV_SETUP,
+        SHADOW_TRAV => TRAV,
+        SHADOW_ISECT => ISECT_NO_HIT,
+        OCCLUDED => SHADE,
+        VISIBLE => BACKGROUND,
+        of_ray => of_ray,
+    }
+}
+
 const fn row(tag: Tag, name: &'static str, role: StateRole, colour: [u8; 3], meaning: &'static str) -> StateInfo {
     StateInfo { tag, name, role, colour, meaning }
 }
