@@ -178,7 +178,7 @@ impl Settings {
     /// Whether the program traces rays.
     #[must_use]
     pub fn traces_rays(&self) -> bool {
-        traces_rays(programs::named(self.choices.program))
+        traces_rays(programs::chosen(&self.choices).program())
     }
 
     /// A link with these settings, without scene and place. A link cannot express parallel rays of a custom camera: it

@@ -22,7 +22,8 @@ use std::ops::Range;
 use glam::DVec3;
 use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
 use raystep_kernels::program::Path;
-use raystep_kernels::programs::closest_hit::{PROGRAM, states};
+use raystep_kernels::programs::closest_hit::states;
+use raystep_kernels::programs::light::PROGRAM;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 
@@ -109,20 +110,23 @@ pub struct WalkGeometry {
 }
 
 impl WalkGeometry {
-    /// The walk up to and including row `row` of the trace.
+    /// The walk, up to and including row `row` of the trace, of the ray that the pixel has there.
     #[must_use]
     pub fn new(trace: &Trace, data: &SceneData, row: usize) -> Self {
         let row = trace.rows.len().checked_sub(1).map(|last| row.min(last));
         let rows = row.map_or(&[][..], |row| &trace.rows[..=row]);
         let mut walk = Self::before_the_walk(data, rows.last().map(|row| &row.after), row);
-        for (i, row) in rows.iter().enumerate() {
-            let before = i.checked_sub(1).map(|previous| &rows[previous].after);
+        let mut before = None;
+        for (i, row) in
+            rows.iter().enumerate().filter(|(_, row)| rows.last().is_some_and(|last| is_same_ray(row, last)))
+        {
             match walk.structure {
                 Structure::Grid => walk.move_to_cell(data, i, row, before),
                 Structure::Tree => walk.move_to_node(data, i, row, before),
                 Structure::Nothing => {}
             }
             walk.test_triangle(data, i, row, before);
+            before = Some(&row.after);
         }
         walk.hit = rows.last().and_then(|row| nearest_hit(data, &row.after));
         walk.t = walk.how_far();
@@ -207,7 +211,7 @@ impl WalkGeometry {
             tested: Vec::new(),
             hit: None,
             t: 0.0,
-            is_over: ray.is_some_and(|ray| states::STATES.is_decided(ray.tag)),
+            is_over: ray.is_some_and(|ray| states::ALL.is_decided(ray.tag)),
         }
     }
 
@@ -295,6 +299,12 @@ fn to_f64(v: [f32; 3]) -> DVec3 {
 
 fn finite(t: f32) -> Option<f64> {
     (t < INF).then_some(f64::from(t))
+}
+
+/// Whether two rows are of the same ray: a pixel may have others, to lights or for other samples.
+fn is_same_ray(a: &TraceRow, b: &TraceRow) -> bool {
+    let bits = |ray: &RayState| [ray.origin, ray.direction].map(|v| v.map(f32::to_bits));
+    bits(&a.after) == bits(&b.after)
 }
 
 /// Where the pass of a row took the ray.

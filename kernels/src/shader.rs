@@ -185,6 +185,7 @@ impl Variant {
     /// # Errors
     /// If the WGSL in this crate is invalid.
     pub fn new(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Result<Self, ShaderError> {
+        let features = &kernel.features(features);
         let key = (kernel, *features, lists.to_vec());
         if let Some(variant) = kept().get(&key) {
             return Ok(variant.clone());

@@ -81,7 +81,7 @@ static GUESTS: LazyLock<&'static Program> = LazyLock::new(|| {
         inputs: &[],
         unborn: tag(set, states::UNWRITTEN),
         born: tag(set, states::TRAV_SETUP),
-        given_up: tag(set, states::BACKGROUND),
+        given_up: if set == 0 { |_| tag(0, states::BACKGROUND) } else { |_| tag(1, states::BACKGROUND) },
         done: tag(set, states::DONE),
     };
     let program = Program {

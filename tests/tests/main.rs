@@ -16,6 +16,7 @@ mod floors;
 mod guests;
 mod intervals;
 mod library;
+mod light;
 mod mapping;
 mod names;
 mod parity;

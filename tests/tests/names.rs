@@ -94,7 +94,9 @@ fn code(text: &str) -> impl Iterator<Item = &str> {
 
 /// Whether code names a module of a program.
 fn names_a_program(text: &str) -> bool {
-    code(text).any(|line| ["closest_hit", "grid_build", "programs::sort"].iter().any(|name| line.contains(name)))
+    code(text).any(|line| {
+        ["closest_hit", "grid_build", "programs::light", "programs::sort"].iter().any(|name| line.contains(name))
+    })
 }
 
 /// Whether code has a text that begins with the name of an option.

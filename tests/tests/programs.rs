@@ -131,11 +131,9 @@ fn a_grid_built_on_the_device_is_traced_like_that_of_the_host() {
                 assert_eq!((data.grid, data.growth, data.bounds), (host.grid, host.growth, host.bounds));
                 assert_eq!((data.reach, plan.pass_bound), (host.reach, host_plan.pass_bound), "{}", scene.name);
                 let words = |data: &SceneData| {
-                    let SceneData { grid_cells, grid_items, grid_distances, .. } = data;
-                    let SceneData { irregular_map, irregular_items, irregular_lengths, .. } = data;
-                    let all =
-                        [grid_cells, grid_items, grid_distances, irregular_map, irregular_items, irregular_lengths];
-                    all.map(Clone::clone)
+                    let of_grid = [&data.grid_cells, &data.grid_items, &data.grid_distances];
+                    let of_irregular = [&data.irregular_map, &data.irregular_items, &data.irregular_lengths];
+                    [of_grid, of_irregular].as_flattened().iter().map(|&words| words.clone()).collect::<Vec<_>>()
                 };
                 assert!(words(&data) == words(&host), "{}", scene.name);
                 assert!(data.irregular_cells == host.irregular_cells, "{}", scene.name);

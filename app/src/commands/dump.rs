@@ -107,7 +107,8 @@ fn parse_stream(value: &str) -> Result<Wanted, Infallible> {
 
 /// The streams that are named, of the program that runs; none for all of them.
 fn named_streams(args: &DumpArgs) -> Result<Vec<Stream>, Error> {
-    let program = programs::named(args.program.values.program);
+    let Choices { program, .. } = args.program.values;
+    let program = programs::chosen(&Choices { program, ..args.run.tracing.values }).program();
     let mut named = Vec::new();
     for wanted in &args.stream {
         let Wanted::Named(name) = wanted else { return Ok(Vec::new()) };
@@ -153,7 +154,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         if !args.run.tracing.has("steps-per-pass") {
             options.steps_per_pass = 1;
         }
-        let program = programs::named(options.program);
+        let program = programs::chosen(&options.choices()).program();
         options.counters = args.counters || program.results.is_some_and(|results| named.contains(&results.counters));
         // Much of the scene data is for shading.
         options.shade = options.samples.count > 1

@@ -14,7 +14,7 @@ use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
 use raystep_kernels::AdapterChoice;
 use raystep_kernels::Choices;
-use raystep_kernels::programs::registered;
+use raystep_kernels::programs::chosen;
 use raystep_lab::text::visible;
 
 use super::trace::Pixel;
@@ -299,7 +299,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     settings.choices = Choices { program, elements, ..settings.choices };
     let Wanted { scene, run, .. } = wanted;
     let read = scene.read;
-    let scene = match (is_empty, registered(program).alone.is_some()) {
+    let scene = match (is_empty, chosen(&settings.choices).alone.is_some()) {
         (false, _) => Some(SceneChoice { path: scene.scene, index: scene.scene_index }),
         // Any scene will do.
         (true, true) => Some(SceneChoice { path: PathBuf::from(format!("{BUILT_IN}cornell-box")), index: None }),

@@ -118,7 +118,7 @@ fn alone() -> impl Iterator<Item = Runs> {
 }
 
 fn named(runs: Runs) -> PossibleValue {
-    PossibleValue::new(runs.name.name()).help(registered(runs.name).program.summary)
+    PossibleValue::new(runs.name.name()).help(registered(runs.name).program().summary)
 }
 
 fn parse(name: &str) -> Result<Runs, &'static str> {

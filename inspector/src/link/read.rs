@@ -4,7 +4,6 @@ use std::str::FromStr;
 
 use percent_encoding::percent_decode_str;
 use raystep_kernels::options::Choices;
-use raystep_kernels::options::ProgramName;
 use raystep_kernels::{Stream, programs};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -29,7 +28,6 @@ impl FromStr for Link {
         let pairs = Pairs::read(query)?;
         let default = Self::default();
         let choices = choices(&pairs, default.choices)?;
-        let program = choices.program;
         let link = Self {
             scene: pairs.take("scene", |v| not_empty(v).ok_or("expected a file".into()))?,
             scene_index: pairs.take("scene-index", count)?,
@@ -41,7 +39,7 @@ impl FromStr for Link {
             adapter: pairs.take("adapter", |v| not_empty(v).ok_or("expected part of an adapter's name".into()))?,
             ray: ray(&pairs)?,
             pass: pairs.take("pass", count)?,
-            stream: pairs.take("stream", |value| stream(value, program))?,
+            stream: pairs.take("stream", |value| stream(value, &choices))?,
             zoom: pairs.take("zoom", |v| {
                 let points = finite::<f32, 1>(v).map(|[points]| points).filter(|&points| points > 0.0);
                 points.ok_or("expected a number above 0".into())
@@ -164,12 +162,12 @@ fn size(value: &str) -> Result<[u32; 2], String> {
     sides.filter(fits).ok_or_else(|| format!("expected two numbers from 1 to {MOST_PIXELS}, such as 640x480"))
 }
 
-fn stream(value: &str, program: ProgramName) -> Result<LinkStream, String> {
+fn stream(value: &str, choices: &Choices) -> Result<LinkStream, String> {
     let (name, layer) = match value.split_once('.') {
         Some((name, layer)) => (name, Some(layer)),
         None => (value, None),
     };
-    let program = programs::named(program);
+    let program = programs::chosen(choices).program();
     let names = || program.streams().map(Stream::name).collect::<Vec<_>>().join(", ");
     let stream = program.stream(name).ok_or_else(|| format!("expected one of {}", names()))?;
     let layers = stream.info().layers;

@@ -102,7 +102,7 @@ impl WalkGeometry {
         let after = &row.after;
         let moved = starts || before.is_none_or(|before| before.cell_index != after.cell_index);
         // A pass of several steps may end the walk in the current cell, or in another one.
-        let left = path == Path::NextCell || moved || after.tag == states::BACKGROUND;
+        let left = path == Path::NextCell || moved || states::of_any_ray(after.tag) == states::BACKGROUND;
         if steps && left {
             self.leave_cell();
         }

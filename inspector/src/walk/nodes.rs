@@ -52,7 +52,7 @@ impl WalkGeometry {
         let went_down = after.previous == Some(index)
             && (after.cell_index == node.first || Some(after.cell_index) == node.first.checked_add(1))
             && after.is_walking;
-        let in_leaf = matches!(after.tag, states::ISECT_HIT | states::ISECT_NO_HIT);
+        let in_leaf = matches!(states::of_any_ray(after.tag), states::ISECT_HIT | states::ISECT_NO_HIT);
         let bounds = Aabb::of_f32(node.min, node.max);
         self.nodes.push(NodeVisit {
             row: i,

@@ -28,7 +28,7 @@ pub const MISSES_OUTSIDE: &str = "with a grid, the paper's rules can lose rays t
 /// How many rays start outside the grid, to which the paper's numerics do not clip them; 0 with other numerics.
 #[must_use]
 pub fn count_outside(rays: &[Ray], data: &SceneData) -> usize {
-    let SceneData { features, units, info, grid, .. } = data;
+    let (features, units, info, grid) = (&data.features, &data.units, &data.info, &data.grid);
     if features.robust || !features.grid || info.triangles == 0 {
         return 0;
     }

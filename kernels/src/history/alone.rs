@@ -172,7 +172,8 @@ impl<'a, R: Precision> Alone<'a, R> {
         let Twin::Element { f32, f64 } = pass.kernel.info().twin else { return None };
         pass.kernel.takes().contains(&tag).then_some(())?;
         let [x, y] = self.pixel;
-        OnElement::<R>::new(pass.kernel, R::twin(f32, f64), &self.layout).run(&mut self.row, x, y, self.data);
+        let data = self.data.for_kernel(pass.kernel);
+        OnElement::<R>::new(pass.kernel, R::twin(f32, f64), &self.layout).run(&mut self.row, x, y, &data);
         let before = self.state;
         self.state = self.decoded();
         Some(TraceRow::new(pass, self.data, &before, &self.state))

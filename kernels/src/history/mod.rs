@@ -189,7 +189,7 @@ impl TraceRow {
         let is_grid = structure == StructureKind::Grid;
         let has_places = structure != StructureKind::None;
         let index_after = (has_places && after.is_walking).then_some(after.cell_index);
-        let (tested, why) = (pass.kernel.info().explain)(data, before, after);
+        let (tested, why) = pass.kernel.explain(data, before, after);
         Self {
             pass: Some(pass.index),
             kernel: pass.kernel.name(),

@@ -28,12 +28,14 @@ pub enum Item {
     DirectionalLights,
     /// Spot lights.
     SpotLights,
+    /// Shadow rays: not needed if the only light is at the eye, from where every hit is visible.
+    ShadowRays,
 }
 
 named!(
     Item,
     "clipping, ray-padding, normals, textures, vertex-colors, many-materials, emission, double-sided, many-lights, \
-     directional-lights, spot-lights",
+     directional-lights, spot-lights, shadow-rays",
     Clipping "clipping",
     RayPadding "ray-padding",
     Normals "normals",
@@ -44,7 +46,8 @@ named!(
     DoubleSided "double-sided",
     ManyLights "many-lights",
     DirectionalLights "directional-lights",
-    SpotLights "spot-lights"
+    SpotLights "spot-lights",
+    ShadowRays "shadow-rays"
 );
 
 /// A set of [`Item`]s that a plan keeps even if the scene does not need them, to measure what omitting them saves.
@@ -115,6 +118,7 @@ impl Features {
             Item::ManyLights => self.many_lights,
             Item::DirectionalLights => self.directional_lights,
             Item::SpotLights => self.spot_lights,
+            Item::ShadowRays => self.shadows,
         }
     }
 }

@@ -33,6 +33,16 @@ pub enum ProgramName {
     Sort,
 }
 
+/// What light the colour of a ray consists of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Integrator {
+    /// The paper's equation (1) at the hit: all lights count, also those that do not reach it.
+    #[default]
+    Local,
+    /// The same, but a light counts only if a shadow ray reaches it: the shadow caster of Purcell et al. (2002).
+    Shadows,
+}
+
 /// The acceleration structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accelerator {
@@ -145,6 +155,7 @@ named!(
     None "none"
 );
 named!(ProgramName, "closest-hit, grid-build, sort", ClosestHit "closest-hit", GridBuild "grid-build", Sort "sort");
+named!(Integrator, "local, shadows", Local "local", Shadows "shadows");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
 named!(BuiltBy, "auto, host, device", Auto "auto", Host "host", Device "device");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
@@ -209,6 +220,8 @@ pub struct Options {
     pub program: ProgramName,
     /// `--elements`: how many elements a program works on that needs no scene.
     pub elements: u32,
+    /// `--integrator`
+    pub integrator: Integrator,
     /// `--accelerator`
     pub accelerator: Accelerator,
     /// `--schedule`
@@ -264,6 +277,7 @@ impl Options {
         Self {
             program: ProgramName::default(),
             elements: ELEMENTS,
+            integrator: Integrator::default(),
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             mapping: Mapping::default(),
@@ -318,6 +332,7 @@ macro_rules! choices {
 choices! {
     program: ProgramName,
     elements: u32,
+    integrator: Integrator,
     accelerator: Accelerator,
     mapping: Mapping,
     scene_data: SceneDataKind,

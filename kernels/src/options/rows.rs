@@ -8,7 +8,8 @@ use super::row::{parse, text, whole};
 use super::samples::Samples;
 use super::scene_data::SceneDataKind;
 use super::{
-    Accelerator, BuiltBy, Choices, GridSize, MOST_ELEMENTS, Numerics, ProgramName, ScheduleKind, Skip, Traversal,
+    Accelerator, BuiltBy, Choices, GridSize, Integrator, MOST_ELEMENTS, Numerics, ProgramName, ScheduleKind, Skip,
+    Traversal,
 };
 use crate::shared::samples::Sampler;
 
@@ -84,6 +85,22 @@ pub static ROWS: &[Row] = &[
     )
     .in_tables(None),
     whole!("elements", 1, MOST_ELEMENTS, elements, "How many elements a program without a scene works on: of sort, keys").in_tables(None),
+    named!(
+        "integrator",
+        Integrator,
+        integrator,
+        "The light that a pixel receives: equation (1) of Mølhave's paper, in which every light counts (local), or only \
+         those that a shadow ray from the hit reaches (shadows)"
+    )
+    .panel("light", "the light that a pixel receives: from all lights, or only from those that a shadow ray reaches")
+    .applies(|c| c.program == ProgramName::ClosestHit)
+    .refused(|c| {
+        let is_idle = c.integrator != Integrator::Local && c.program != ProgramName::ClosestHit;
+        is_idle.then(|| {
+            let why = format!("--integrator {}: program {} computes no light; omit it", c.integrator, c.program);
+            Refusal::Idle(why)
+        })
+    }),
     named!(
         "accelerator",
         Accelerator,

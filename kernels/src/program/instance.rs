@@ -5,8 +5,9 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 
 use super::kernel::KernelInfo;
-use super::{Course, Program};
+use super::{Course, Program, RayState};
 use crate::options::features::Features;
+use crate::scene_data::SceneData;
 use crate::tables::elements::Elements;
 use crate::tables::kernel::{Counts, Role, Transition};
 use crate::tables::state::{StateCounts, States, Tag};
@@ -28,6 +29,8 @@ pub struct Instance {
     pub binds: &'static [(&'static str, &'static str)],
     /// The states of the kernel, if the program calls them otherwise.
     pub renamed: Option<&'static Renamed>,
+    /// Changes of the run's options for this instance alone.
+    pub changes: Option<fn(&mut Features)>,
     /// Sets whose numbers of elements are read again before it runs. Their streams are unwritten then, unless the number
     /// is the same.
     pub renews: &'static [&'static Elements],
@@ -41,9 +44,22 @@ impl Instance {
     /// The only instance of a kernel in a program, over a set of elements.
     #[must_use]
     pub const fn of(kernel: KernelInfo, over: &'static Elements) -> Self {
-        Self { name: kernel.name, kernel, over, parameter: 0, binds: &[], renamed: None, renews: &[], adopts: &[] }
+        Self {
+            name: kernel.name,
+            kernel,
+            over,
+            parameter: 0,
+            binds: &[],
+            renamed: None,
+            changes: None,
+            renews: &[],
+            adopts: &[],
+        }
     }
 }
+
+/// The tag of a state that no element of an instance is ever in.
+const NEVER: Tag = Tag::MAX - 1;
 
 /// The states of a kernel as a program calls them in which it is a guest.
 #[derive(Debug)]
@@ -57,7 +73,8 @@ pub struct Renamed {
 
 impl Renamed {
     /// The states of a kernel, by pairs of a name in its [`Home`](super::Home) and one in a program with these states; a state that no
-    /// pair names has the same name in both. `None` if one of the two does not have it.
+    /// pair names has the same name in both, and one whose name is empty in the program never occurs in it. `None` if one of the
+    /// two does not have it.
     #[must_use]
     pub fn new(kernel: &KernelInfo, states: States, names: &[(&str, &str)]) -> Option<Self> {
         let here = |name: &'static str| names.iter().find(|(own, _)| *own == name).map_or(name, |(_, here)| here);
@@ -65,17 +82,27 @@ impl Renamed {
         if !names.iter().all(is_known) {
             return None;
         }
-        let pairs = kernel.home.states.iter().filter_map(|own| Some((own.tag, states.tag(here(own.name))?)));
+        let tag = |name: &str| if name.is_empty() { Some(NEVER) } else { states.tag(name) };
+        let pairs = kernel.home.states.iter().filter_map(|own| Some((own.tag, tag(here(own.name))?)));
         let tags: Vec<(Tag, Tag)> = pairs.collect();
         let of = |own: Tag| tags.iter().find(|(tag, _)| *tag == own).map(|&(_, here)| here);
-        let takes = kernel.takes.iter().map(|&tag| of(tag)).collect::<Option<_>>()?;
+        let mut takes = kernel.takes.iter().map(|&tag| of(tag)).collect::<Option<Vec<_>>>()?;
         let send = |sent: &Transition| Some(Transition { from: of(sent.from)?, when: sent.when, to: of(sent.to)? });
-        let sends = kernel.sends.iter().map(send).collect::<Option<_>>()?;
+        let mut sends = kernel.sends.iter().map(send).collect::<Option<Vec<_>>>()?;
+        takes.retain(|&tag| tag != NEVER);
+        sends.retain(|sent| sent.from != NEVER && sent.to != NEVER);
         let counts = match kernel.counts {
             Counts::AllTo(tag) => Counts::AllTo(of(tag)?),
             other => other,
         };
         Some(Self { tags, takes, sends, counts })
+    }
+
+    /// The same for an instance that never creates an element.
+    #[must_use]
+    pub fn of_existing(mut self) -> Self {
+        self.sends.retain(|sent| self.takes.contains(&sent.from));
+        self
     }
 }
 
@@ -154,9 +181,33 @@ impl Kernel {
         self.program.stream(self.bound(own.name()))
     }
 
-    /// Whether its twin reads the program's streams as they are.
+    /// Whether its twin reads the program's streams as they are: those of its [`Home`](super::Home), or the first of them.
     pub(crate) fn is_at_home(self) -> bool {
-        std::ptr::eq(self.info().home.streams, self.program.streams) && self.instance().binds.is_empty()
+        let (home, here) = (self.info().home.streams, self.program.streams);
+        std::ptr::eq(home.as_ptr(), here.as_ptr()) && self.instance().binds.is_empty()
+    }
+
+    /// The triangle that a pass of it tested, if any, and why it left a ray as it did.
+    #[must_use]
+    pub fn explain(self, data: &SceneData, before: &RayState, after: &RayState) -> (Option<u32>, String) {
+        let [before, after] = [before, after].map(|ray| self.as_its_own(ray));
+        (self.info().explain)(&data.for_kernel(self), &before, &after)
+    }
+
+    /// A ray whose state is called as the kernel's row and twin call it.
+    fn as_its_own(self, ray: &RayState) -> RayState {
+        let mut tags = self.instance().renamed.into_iter().flat_map(|renamed| &renamed.tags);
+        RayState { tag: tags.find(|(_, here)| *here == ray.tag).map_or(ray.tag, |&(own, _)| own), ..*ray }
+    }
+
+    /// The options that it is compiled with in a run with these options.
+    #[must_use]
+    pub fn features(self, of_run: &Features) -> Features {
+        let mut features = *of_run;
+        if let Some(change) = self.instance().changes {
+            change(&mut features);
+        }
+        features
     }
 
     /// Its name in the program.
@@ -186,7 +237,7 @@ impl Kernel {
         let info = self.info();
         match info.counts {
             Counts::Sent | Counts::None => false,
-            Counts::AllTo(_) => (info.resumes)(features),
+            Counts::AllTo(_) => (info.resumes)(&self.features(features)),
             Counts::Anew => true,
         }
     }
@@ -287,6 +338,7 @@ macro_rules! kernels {
                 parameter: 0,
                 binds: &[],
                 renamed: None,
+                changes: None,
                 renews: &[],
                 adopts: &[],
             }),*];

@@ -42,6 +42,12 @@ pub struct RayState {
     pub barycentric: Option<[f32; 2]>,
     /// Linear colour.
     pub color: Option<[f32; 3]>,
+    /// The light to which a shadow ray leads, from 1; absent if it is none.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub light: Option<u32>,
+    /// The linear light that arrives if the light is visible.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub pending: Option<[f32; 3]>,
     /// Samples in the pixel's mean; absent if a pixel has one.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub samples: Option<u32>,

@@ -135,13 +135,23 @@ impl Schedule {
     /// The counts after a kernel that is not part of the walk, assuming that it sends all of its rays to the next
     /// kernel.
     fn after_all(&self, kernel: Kernel, counts: &Population) -> Population {
-        let first_taken = |is_taker: fn(Role) -> bool| {
-            self.kernels().into_iter().find(|k| is_taker(k.role())).and_then(|k| k.takes().first().copied())
+        let kernels = self.kernels();
+        // The first state that it sends rays to and such a kernel takes.
+        let sent_to = |is_taker: fn(Role) -> bool| {
+            let takers = kernels.iter().filter(|taker| is_taker(taker.role()));
+            takers
+                .flat_map(|taker| taker.takes())
+                .copied()
+                .find(|tag| kernel.sends().iter().any(|sent| sent.to == *tag))
         };
         let to = match kernel.role() {
-            Role::Enter => first_taken(Role::is_walk),
+            Role::Enter => sent_to(Role::is_walk),
             // Every pixel asks for another sample.
-            Role::Sample => first_taken(|role| role == Role::Source),
+            Role::Sample => sent_to(|role| role == Role::Source),
+            // Every ray that is not done asks for another ray.
+            Role::Finish if kernel.sends_all_to().is_none() => {
+                sent_to(|role| matches!(role, Role::Enter | Role::Whole))
+            }
             _ => kernel.sends_all_to(),
         };
         let mut after = counts.clone();

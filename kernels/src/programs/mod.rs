@@ -2,14 +2,17 @@
 
 pub mod closest_hit;
 pub mod grid_build;
+pub mod light;
 pub mod primitives;
 pub mod sort;
 
 use raystep_scenes::Scene;
 
-use crate::options::{Options, ProgramName};
+use crate::options::features::Features;
+use crate::options::{Choices, Integrator, Options, ProgramName};
 use crate::plan::{Limits, Plan, PlanError, check_choices};
 use crate::program::Program;
+use crate::program::schedule::Schedule;
 use crate::scene_data::SceneData;
 use crate::tables::stream::{Stream, StreamData};
 pub(crate) use closest_hit::plan::Built;
@@ -20,8 +23,10 @@ type Planner = fn(&Scene, &Options, &Limits) -> Result<(Plan, SceneData), PlanEr
 pub struct Registered {
     /// Its name in the option `--program`.
     pub name: ProgramName,
+    /// The values of `--integrator` that choose it.
+    integrators: &'static [Integrator],
     /// What it is.
-    pub program: &'static Program,
+    program: fn() -> &'static Program,
     /// Plans a run of it, and prepares the data that it binds.
     plan: Planner,
     /// What `raystep run` does with it; `None` if it needs a scene.
@@ -38,16 +43,25 @@ pub struct Alone {
 }
 
 /// Every program.
-static REGISTRY: [Registered; 3] = [
+static REGISTRY: [Registered; 4] = [
     Registered {
         name: ProgramName::ClosestHit,
-        program: &closest_hit::PROGRAM,
-        plan: |scene, options, limits| closest_hit::plan::plan(scene, options, limits, None),
+        integrators: &[Integrator::Local],
+        program: || &closest_hit::PROGRAM,
+        plan: |scene, options, limits| closest_hit::plan::plan(tracer(options), scene, options, limits, None),
+        alone: None,
+    },
+    Registered {
+        name: ProgramName::ClosestHit,
+        integrators: &[Integrator::Shadows],
+        program: || &light::PROGRAM,
+        plan: |scene, options, limits| closest_hit::plan::plan(tracer(options), scene, options, limits, None),
         alone: None,
     },
     Registered {
         name: ProgramName::GridBuild,
-        program: &grid_build::PROGRAM,
+        integrators: Integrator::ALL,
+        program: || &grid_build::PROGRAM,
         plan: grid_build::plan::plan,
         alone: None,
     },
@@ -56,20 +70,43 @@ static REGISTRY: [Registered; 3] = [
 
 /// All programs.
 pub fn all() -> impl Iterator<Item = &'static Program> {
-    REGISTRY.iter().map(|registered| registered.program)
+    REGISTRY.iter().map(Registered::program)
 }
 
-/// How this program is registered.
+impl Registered {
+    /// The program.
+    #[must_use]
+    pub fn program(&self) -> &'static Program {
+        (self.program)()
+    }
+}
+
+/// How this program is registered, with the usual options.
 #[must_use]
 pub fn registered(name: ProgramName) -> &'static Registered {
-    // Every name is, as a test shows.
-    REGISTRY.iter().find(|registered| registered.name == name).unwrap_or(&REGISTRY[0])
+    chosen(&Choices { program: name, ..Choices::default() })
 }
 
-/// The program with this name.
+/// The program with this name, with the usual options.
 #[must_use]
 pub fn named(name: ProgramName) -> &'static Program {
-    registered(name).program
+    registered(name).program()
+}
+
+/// The program that these options choose.
+#[must_use]
+pub fn chosen(choices: &Choices) -> &'static Registered {
+    let is_it = |it: &&Registered| it.name == choices.program && it.integrators.contains(&choices.integrator);
+    // There is one for all of them, as a test shows.
+    REGISTRY.iter().find(is_it).unwrap_or(&REGISTRY[0])
+}
+
+/// The program that traces rays with these options, and how it orders its kernels.
+fn tracer(options: &Options) -> (&'static Program, fn(&Options, &Features) -> Schedule) {
+    match options.integrator {
+        Integrator::Local => (&closest_hit::PROGRAM, closest_hit::schedule::of),
+        Integrator::Shadows => (&light::PROGRAM, light::schedule),
+    }
 }
 
 impl Plan {
@@ -79,7 +116,7 @@ impl Plan {
     /// If the scene or the options do not fit `limits`, with the numbers.
     pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
         check_choices(options, limits)?;
-        (registered(options.program).plan)(scene, options, limits)
+        (chosen(&options.choices()).plan)(scene, options, limits)
     }
 
     /// Plans a run of rays through a grid that is built already, as the options ask for.
@@ -90,7 +127,7 @@ impl Plan {
         built: Built,
     ) -> Result<(Self, SceneData), PlanError> {
         check_choices(options, limits)?;
-        closest_hit::plan::plan(scene, options, limits, Some(built))
+        closest_hit::plan::plan(tracer(options), scene, options, limits, Some(built))
     }
 }
 

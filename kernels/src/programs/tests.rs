@@ -1,6 +1,6 @@
 //! Checks every program, and that the checks find what is wrong.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use super::*;
 use crate::program::{Course, Instance, Kernel, Renamed};
@@ -9,12 +9,12 @@ use crate::tables::state::{StateInfo, StateRole, States};
 use crate::tables::stream::{Meaning, StreamInfo};
 
 #[test]
-fn no_program_has_a_fault_and_no_stream_of_two_has_the_same_name() {
-    let mut names = BTreeSet::new();
+fn no_program_has_a_fault_and_streams_of_one_name_are_the_same() {
+    let mut names = BTreeMap::new();
     for program in all() {
         assert_eq!(program.faults(), [], "{program:?}");
         for stream in program.streams() {
-            assert!(names.insert(stream.name()), "{stream:?}");
+            assert_eq!(*names.entry(stream.name()).or_insert(stream), stream);
         }
         for kernel in program.kernels() {
             assert!(std::ptr::eq(kernel.program(), program), "{kernel:?}");
@@ -23,12 +23,18 @@ fn no_program_has_a_fault_and_no_stream_of_two_has_the_same_name() {
 }
 
 #[test]
-fn every_name_of_a_program_is_registered_once() {
-    for &name in ProgramName::ALL {
-        let found: Vec<_> = REGISTRY.iter().filter(|registered| registered.name == name).collect();
-        assert_eq!(registered(name).name, name);
-        assert!(matches!(found[..], [one] if one.program.name.replace('_', "-") == name.name()), "{name}");
+fn one_program_is_chosen_by_any_options() {
+    for &program in ProgramName::ALL {
+        assert_eq!(named(program).name.replace('_', "-"), program.name());
+        for &integrator in Integrator::ALL {
+            let choices = Choices { program, integrator, ..Choices::default() };
+            let is_it = |it: &&Registered| it.name == program && it.integrators.contains(&integrator);
+            assert_eq!(REGISTRY.iter().filter(is_it).count(), 1, "{program} {integrator}");
+            assert_eq!(chosen(&choices).name, program);
+        }
     }
+    let shadows = Choices { integrator: Integrator::Shadows, ..Choices::default() };
+    assert_eq!((chosen(&shadows).program().name, all().count()), ("light", 4));
 }
 
 /// A changed program, leaked for the duration of the test.

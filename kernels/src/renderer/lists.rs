@@ -129,8 +129,9 @@ impl Plan {
             Accelerator::Irregular => Built::Irregular(Box::new(IrregularData::of(&renderer).await?)),
             _ => {
                 let Lists { cells, items } = Lists::of(&renderer).await?;
-                let &SceneData { grid, growth, features, .. } = renderer.data();
-                Built::Uniform { data: GridData { grid, cells, items, growth }, leaps: features.skip }
+                let data = renderer.data();
+                let (grid, growth) = (data.grid, data.growth);
+                Built::Uniform { data: GridData { grid, cells, items, growth }, leaps: data.features.skip }
             }
         };
         drop(renderer);

@@ -6,6 +6,10 @@ mod indices;
 mod shading;
 mod traced;
 
+use std::borrow::Cow;
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
+
 use raystep_scenes::Scene;
 
 use crate::numbers::real::{Real, Vec3};
@@ -14,6 +18,7 @@ use crate::numbers::units::Units;
 use crate::options::features::{Features, StructureKind};
 use crate::options::samples::Samples;
 use crate::options::{Options, RaySource};
+use crate::program::Kernel;
 use crate::shared::build::Build;
 use crate::shared::bvh_walk::link_above;
 use crate::shared::camera::Camera;
@@ -37,11 +42,33 @@ use traced::packed_triangles;
 pub(crate) use traced::{bvh_growth, origins, traced_vertices};
 pub use traced::{traced_camera, traced_ray};
 
-/// The host's copy of all buffers and uniforms. Those that a run does not bind stay empty.
+/// What kernels read of a scene, and the options that they are compiled with.
+///
+/// The contents are shared: a kernel with options of its own has a view of them that costs no copy.
 #[derive(Clone, Default)]
 pub struct SceneData {
     /// Options of the kernels.
     pub features: Features,
+    contents: Arc<Contents>,
+}
+
+impl Deref for SceneData {
+    type Target = Contents;
+
+    fn deref(&self) -> &Contents {
+        &self.contents
+    }
+}
+
+impl DerefMut for SceneData {
+    fn deref_mut(&mut self) -> &mut Contents {
+        Arc::make_mut(&mut self.contents)
+    }
+}
+
+/// The host's copy of all buffers and uniforms. Those that a run does not bind stay empty.
+#[derive(Clone, Default)]
+pub struct Contents {
     /// Streams that a run begins with, of a program that is given them without a scene.
     pub inputs: Vec<StreamData>,
     /// Conversion between scene units and traced units.
@@ -127,6 +154,22 @@ impl std::fmt::Debug for SceneData {
 }
 
 impl SceneData {
+    /// These contents, for kernels with options of the run.
+    #[must_use]
+    pub fn new(features: Features, contents: Contents) -> Self {
+        Self { features, contents: Arc::new(contents) }
+    }
+
+    /// The same for a kernel, which may have options of its own.
+    #[must_use]
+    pub fn for_kernel(&self, kernel: Kernel) -> Cow<'_, Self> {
+        let features = kernel.features(&self.features);
+        if features == self.features {
+            return Cow::Borrowed(self);
+        }
+        Cow::Owned(Self { features, contents: self.contents.clone() })
+    }
+
     /// The corners of a triangle.
     #[must_use]
     pub fn corners<R: Real>(&self, triangle: u32) -> [Vec3<R>; 3] {
@@ -200,7 +243,7 @@ impl SceneData {
     ///
     /// # Errors
     /// If there is not enough memory.
-    pub(crate) fn new(
+    pub(crate) fn of(
         scene: &Scene,
         options: &Options,
         features: Features,
@@ -210,7 +253,7 @@ impl SceneData {
         wanted: impl Fn(&str) -> bool,
     ) -> Result<Self, SceneDataError> {
         let triangles = scene.triangles.len();
-        let mut data = Self { features, units, info, vertices, ..Self::default() };
+        let mut data = Self::new(features, Contents { units, info, vertices, ..Contents::default() });
         data.set_structure(structure);
         if wanted("camera")
             && let RaySource::Camera { camera, width, height } = &options.rays

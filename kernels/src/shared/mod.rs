@@ -12,6 +12,7 @@ pub mod launch;
 pub mod samples;
 pub mod scene;
 pub mod shading;
+pub mod start;
 pub mod texture;
 pub mod triangle;
 pub mod vector;
@@ -38,6 +39,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("irregular_walk", include_str!("irregular_walk.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),
     ("texture", include_str!("texture.wgsl")),
+    ("start", include_str!("start.wgsl")),
 ];
 
 /// The WGSL of the walk through a grid, with these rules.

@@ -5,7 +5,7 @@ mod scenes;
 
 use raystep_kernels::options::ProgramName::{ClosestHit, GridBuild, Sort};
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
-use raystep_kernels::programs::named;
+use raystep_kernels::programs::{light, named};
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Kernel, Limits, Options, Program};
 
@@ -40,7 +40,7 @@ fn checks_of(
 
 pub(super) fn checks_of_tracing() -> Vec<Check> {
     let shows = "every structure, schedule and set of rules was compared, in whole and in divided passes";
-    checks_of(named(ClosestHit), Group::Tracing, |_| true, shows)
+    checks_of(&light::PROGRAM, Group::Tracing, |_| true, shows)
 }
 
 pub(super) fn checks_of_building() -> Vec<Check> {
@@ -85,6 +85,10 @@ fn traced() -> Vec<Traced> {
         [Configuration::new(Irregular, Second, 1), several(Irregular), Configuration::new(Irregular, Fused, 1)]
             .map(of(Place::Knot)),
     );
+    // Rays from there to the light.
+    all.extend([STEPPED].into_iter().chain(FAST).map(|one| of(Place::Room)(one).with_shadows()));
+    all.push(of(Place::Room)(several(Bvh)).with_shadows().in_parts());
+    all.push(of(Place::Room)(several(Grid)).with_shadows().sampled(3));
     // From outside, where rays miss.
     all.extend(FAST.map(of(Place::Soup)));
     all

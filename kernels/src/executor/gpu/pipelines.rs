@@ -183,7 +183,7 @@ impl KernelPipeline {
 /// Whether no index of this kernel needs a check: it is the kernel as this crate composes it for the plan's options,
 /// even if the plan was changed since, and the data was validated for exactly these options.
 fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
-    variant.kernel.info().proof.holds(data, &plan.features)
+    variant.kernel.info().proof.holds(data, &variant.kernel.features(&plan.features))
         && Variant::new(variant.kernel, &plan.features, &live::lists(&plan.schedule.kernels(), &plan.features))
             .is_ok_and(|own| own.source == variant.source && own.bindings == variant.bindings)
 }

@@ -10,7 +10,7 @@ mod waiting_in_grid;
 
 use crate::numbers::real::Real;
 use crate::options::features::StructureKind;
-use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_surface};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
@@ -47,7 +47,7 @@ pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     };
     let has_end = features.any_hit && !features.eye_rays;
     let t = if has_end { ray.load(STATE, 1) } else { R::from_f32(INF) };
-    let mut trace = Trace::new(origin, direction, load_interval(ray, features), t);
+    let mut trace = Trace::new(origin, direction, load_interval(ray, features), load_surface(ray, features), t);
     if wait.before {
         resume(&mut trace, &mut wait, ray, features.counters);
     }

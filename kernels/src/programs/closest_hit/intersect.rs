@@ -6,7 +6,7 @@ mod repetition;
 
 use crate::numbers::real::Real;
 use crate::options::features::StructureKind;
-use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_surface};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
 use crate::scene_data::SceneData;
@@ -56,6 +56,7 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         if features.intervals {
             candidate = candidate.between(load_interval(ray, features));
         }
+        candidate.is_hit = candidate.is_hit && triangle != load_surface(ray, features);
         let accepted = if features.in_cell {
             candidate.t < nearest_t
                 && scene.grid.is_in_cell(origin + direction * candidate.t, scene.grid.cell_of_index(cell))

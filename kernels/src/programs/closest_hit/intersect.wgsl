@@ -10,7 +10,7 @@ import package::constants::{NOBODY, LIST_SIDE};
 import package::state::{ISECT_NO_HIT, ISECT_HIT, SHADE};
 import package::triangle::{hit_triangle, between, is_nearer, shear_of};
 import package::corners::{vertex};
-import package::ray::{load_ray, load_interval};
+import package::ray::{load_ray, load_interval, load_surface};
 import package::grid::{is_in_cell, cell_of_index};
 import package::live::{listed_texel, send};
 import package::intersect_structure::{list_of, has_item, entry_of, after_list};
@@ -49,6 +49,7 @@ fn step_item(texel: vec2u) -> u32 {
         let c = vertex(entry.triangle, 2u);
         var candidate = hit_triangle(ray.origin, ray.direction, shear_of(ray.direction), a, b, c);
         @if(intervals) candidate = between(candidate, load_interval(texel));
+        @if(leaves) candidate.is_hit = candidate.is_hit && entry.triangle != load_surface(texel);
         @if(in_cell) let accepted = candidate.t < nearest_t
             && is_in_cell(ray.origin + ray.direction * candidate.t, cell_of_index(cell));
         @else @if(robust && !any_hit) let accepted = is_nearer(candidate.t, entry.triangle, nearest_t, textureLoad(hit, texel, 2).x);

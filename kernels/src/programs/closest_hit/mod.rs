@@ -5,7 +5,7 @@
 
 pub mod accumulate;
 pub mod arrival;
-mod breaks;
+pub(in crate::programs) mod breaks;
 pub mod buffers;
 pub mod count;
 pub mod elements;
@@ -17,7 +17,7 @@ pub mod intersect;
 pub mod kernels;
 pub(crate) mod plan;
 pub mod ray;
-mod ray_state;
+pub(in crate::programs) mod ray_state;
 pub mod rounding;
 pub mod schedule;
 pub mod setup;
@@ -40,34 +40,40 @@ use crate::tables::stream::Component;
 /// The tables that its kernels name.
 pub static HOME: Home = Home { streams: &streams::STREAMS, states: states::STATES };
 
+/// The course of a ray.
+pub(in crate::programs) const COURSE: Course = Course {
+    stream: streams::STATE,
+    inputs: &streams::INPUTS,
+    unborn: states::UNWRITTEN,
+    born: states::TRAV_SETUP,
+    given_up: |_| states::BACKGROUND,
+    done: states::DONE,
+};
+
+/// Where the results of rays are.
+pub(in crate::programs) const RESULTS: Results = Results {
+    origin: streams::RAY_ORIGIN,
+    direction: streams::RAY_DIRECTION,
+    interval: streams::RAY_INTERVAL,
+    t: Component { stream: streams::STATE, layer: streams::STATE_T },
+    triangle: Component { stream: streams::HIT, layer: streams::HIT_TRIANGLE },
+    weights: [0, 1],
+    color: streams::COLOR,
+    mean: streams::ACCUMULATED,
+    blocks: streams::BLOCKS,
+    counters: streams::COUNTERS,
+};
+
 /// The program.
 pub static PROGRAM: Program = Program {
     name: "closest_hit",
     summary: "every ray to its closest hit, and its colour from there",
     elements: &[&elements::RAYS],
-    streams: &streams::STREAMS,
+    streams: streams::OWN,
     states: states::STATES,
-    courses: &[Course {
-        stream: streams::STATE,
-        inputs: &streams::INPUTS,
-        unborn: states::UNWRITTEN,
-        born: states::TRAV_SETUP,
-        given_up: states::BACKGROUND,
-        done: states::DONE,
-    }],
+    courses: &[COURSE],
     rays: Some(ray_state::DECODING),
-    results: Some(Results {
-        origin: streams::RAY_ORIGIN,
-        direction: streams::RAY_DIRECTION,
-        interval: streams::RAY_INTERVAL,
-        t: Component { stream: streams::STATE, layer: streams::STATE_T },
-        triangle: Component { stream: streams::HIT, layer: streams::HIT_TRIANGLE },
-        weights: [0, 1],
-        color: streams::COLOR,
-        mean: streams::ACCUMULATED,
-        blocks: streams::BLOCKS,
-        counters: streams::COUNTERS,
-    }),
+    results: Some(RESULTS),
     buffers: buffers::BUFFERS,
     lists: &kernels::LISTS,
     kernels: &kernels::KERNELS,

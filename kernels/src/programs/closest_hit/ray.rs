@@ -3,7 +3,7 @@
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;
 use crate::programs::closest_hit::streams;
-use crate::shared::constants::INF;
+use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::texels::Texels;
 
 /// Origin of the ray, traced units.
@@ -20,6 +20,12 @@ pub fn load_interval<R: Real>(ray: &Texels<'_, R>, features: &Features) -> [R; 2
     } else {
         [R::zero(), R::from_f32(INF)]
     }
+}
+
+/// The triangle that the ray leaves, if it begins on one.
+#[must_use]
+pub fn load_surface<R: Real>(ray: &Texels<'_, R>, features: &Features) -> u32 {
+    if features.leaves { ray.load_u32(streams::SURFACE, 0) } else { NO_TRIANGLE }
 }
 
 /// The virtual cell by which the ray came into its cell of an irregular grid.

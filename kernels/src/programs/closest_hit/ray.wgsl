@@ -6,6 +6,7 @@ import package::camera::{Ray};
 @group(0) @binding(1) var ray_direction: texture_2d_array<f32>;
 
 @if(intervals) @group(0) @binding(7) var ray_interval: texture_2d_array<f32>;
+@if(leaves) @group(0) @binding(13) var surface: texture_2d_array<u32>;
 @if(irregular) @group(0) @binding(8) var voxel: texture_storage_2d_array<r32uint, read_write>;
 
 fn load_origin(texel: vec2u) -> vec3f {
@@ -22,6 +23,12 @@ fn load_direction(texel: vec2u) -> vec3f {
         textureLoad(ray_direction, texel, 1, 0).x,
         textureLoad(ray_direction, texel, 2, 0).x,
     );
+}
+
+// The triangle that the ray leaves.
+@if(leaves)
+fn load_surface(texel: vec2u) -> u32 {
+    return textureLoad(surface, texel, 0, 0).x;
 }
 
 fn load_ray(texel: vec2u) -> Ray {

@@ -1,7 +1,7 @@
 //! Twin of `shade.wgsl`: colours the ray from its hit, or gives it the background's colour.
 
-mod light;
-mod surface;
+pub(in crate::programs) mod light;
+pub(in crate::programs) mod surface;
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::ray::{load_direction, load_origin};

@@ -18,13 +18,39 @@ pub const SHADE: Tag = 5;
 pub const BACKGROUND: Tag = 6;
 /// Finished.
 pub const DONE: Tag = 7;
+/// A shadow ray waits for its set-up kernel.
+pub const SHADOW_SETUP: Tag = 8;
+/// A shadow ray continues to its next cell or node.
+pub const SHADOW_TRAV: Tag = 9;
+/// A shadow ray tests the triangles of its cell or leaf.
+pub const SHADOW_ISECT: Tag = 10;
+/// Something is between the hit and a light.
+pub const OCCLUDED: Tag = 11;
+/// Nothing is.
+pub const VISIBLE: Tag = 12;
+
+/// The state of any ray: that of a shadow ray is called as in the walk of the ray before it.
+#[must_use]
+pub const fn of_any_ray(tag: Tag) -> Tag {
+    match tag {
+        SHADOW_SETUP => TRAV_SETUP,
+        SHADOW_TRAV => TRAV,
+        SHADOW_ISECT => ISECT_NO_HIT,
+        OCCLUDED => SHADE,
+        VISIBLE => BACKGROUND,
+        of_ray => of_ray,
+    }
+}
 
 const fn row(tag: Tag, name: &'static str, role: StateRole, colour: [u8; 3], meaning: &'static str) -> StateInfo {
     StateInfo { tag, name, role, colour, meaning }
 }
 
-/// Every state.
-pub const STATES: States = States(&[
+/// Every state of a ray.
+pub const STATES: States = States(ALL.0.split_at(DONE as usize + 1).0);
+
+/// The same, and those of a shadow ray.
+pub const ALL: States = States(&[
     row(UNWRITTEN, "UNWRITTEN", StateRole::Unborn, [40, 40, 46], "no ray yet"),
     row(TRAV_SETUP, "TRAV_SETUP", StateRole::Active, [190, 174, 212], "waits for the set-up kernel"),
     row(TRAV, "TRAV", StateRole::Active, [56, 108, 176], "continues to the next cell or node"),
@@ -51,6 +77,23 @@ pub const STATES: States = States(&[
         "hit nothing, waits for the background's colour",
     ),
     row(DONE, "DONE", StateRole::Finished, [225, 225, 230], "finished"),
+    row(SHADOW_SETUP, "SHADOW_SETUP", StateRole::Active, [214, 190, 120], "a shadow ray waits for the set-up kernel"),
+    row(
+        SHADOW_TRAV,
+        "SHADOW_TRAV",
+        StateRole::Active,
+        [140, 110, 60],
+        "a shadow ray continues to the next cell or node",
+    ),
+    row(
+        SHADOW_ISECT,
+        "SHADOW_ISECT",
+        StateRole::Active,
+        [190, 90, 120],
+        "a shadow ray tests the triangles of its cell or leaf",
+    ),
+    row(OCCLUDED, "OCCLUDED", StateRole::Resolved, [70, 60, 90], "something is between the hit and the light"),
+    row(VISIBLE, "VISIBLE", StateRole::Resolved, [250, 220, 90], "nothing is between the hit and the light"),
 ]);
 
 #[cfg(test)]

@@ -17,7 +17,18 @@
 //! place         u32  x  y  z  left  tx  ty  tz   cell, cells still allowed, tmax or control (f32 bits)
 //! trail         u32  levels 0, 8, 16, 24  4 bits per level
 //! scan          u32  cell  tx  ty  tz    cell, tmax or control (f32 bits)
+//!
+//! shadow_origin    f32  x  y  z          traced units: off the surface that was hit, on the side of the light
+//! shadow_direction f32  x  y  z          traced units per unit of t: to the light, which is at t = 1
+//! surface          u32  triangle         the triangle that it leaves, which it cannot hit again
+//! blocker          u32  u  v  triangle   what is between the hit and the light
+//! shadow_counters  u32  cells  triangles  repeated
+//! pending          f32  r  g  b          linear light that arrives if the light is visible
+//! light            u32  next  t          the light that is next, and t of the hit (f32 bits)
 //! ```
+//!
+//! The last seven are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
+//! share `state` and what a walk keeps with the rays before them: a pixel's rays are traced one after the other.
 //!
 //! Lengths are in *traced units*: scene units times a power of two, see [`crate::numbers::units`]. `t` is the
 //! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
@@ -34,7 +45,7 @@ use crate::options::features::Features;
 use crate::options::reasons::{Because, EYE_RAYS, NO_SHADE, ONE_SAMPLE, On, Passes, Reason, Run};
 use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
 use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
-use crate::tables::stream::{Stream, streams};
+use crate::tables::stream::{Stream, StreamInfo, streams};
 
 /// Layer of the `state` stream: bits of the nearest t so far, [`INF`] without a hit.
 pub const STATE_T: usize = 1;
@@ -80,6 +91,12 @@ fn of_control(run: &Run<'_>) -> Reason {
 pub fn of_walk(features: &Features) -> Stream {
     if features.dda { CONTROL } else { TMAX }
 }
+
+/// Nothing casts a shadow ray.
+const NO_SHADOWS: Reason = (Because::Options, "needed only with --integrator shadows");
+
+/// The streams of the program `closest_hit`: all but those of shadow rays.
+pub static OWN: &[StreamInfo] = STREAMS.split_at(SHADOW_ORIGIN.index()).0;
 
 streams! {
     /// Origin of the ray.
@@ -130,6 +147,27 @@ streams! {
     /// Where the search for repeated tests waits for the next dispatch.
     SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Distance, Distance, Distance], unit: "1-D index, t or control terms as f32 bits",
         unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "needed only if a search for repeated tests may take more loop turns than one dispatch allows");
+    /// Origin of the shadow ray.
+    SHADOW_ORIGIN of RAYS: "shadow_origin" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units",
+        unwritten: &[0; 3], why_absent: |_| NO_SHADOWS;
+    /// Direction of the shadow ray: to a light at t = 1, or against that in which a directional light shines.
+    SHADOW_DIRECTION of RAYS: "shadow_direction" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units per t",
+        unwritten: &[0; 3], why_absent: |_| NO_SHADOWS;
+    /// The triangle that the shadow ray leaves.
+    SURFACE of RAYS: "surface" U32 &["triangle"], meaning: &[Id], unit: "triangle id",
+        unwritten: &[NO_TRIANGLE], why_absent: |_| NO_SHADOWS;
+    /// Barycentrics and triangle of what occludes the latest shadow ray: any hit, not the nearest.
+    BLOCKER of RAYS: "blocker" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
+        unwritten: &[0, 0, NO_TRIANGLE], why_absent: |_| NO_SHADOWS;
+    /// Cells visited and triangles tested by the latest shadow ray.
+    SHADOW_COUNTERS of RAYS: "shadow_counters" U32 &["cells", "triangles", "repeated"], meaning: &[Count; 3], unit: "count",
+        unwritten: &[0; 3], why_absent: |_| (Because::Options, "needed only with --integrator shadows and --counters");
+    /// The light that arrives if the shadow ray reaches its light.
+    PENDING of RAYS: "pending" F32 &["r", "g", "b"], meaning: &[Light; 3], unit: "linear light",
+        unwritten: &[0; 3], why_absent: |_| NO_SHADOWS;
+    /// Which light is next, and t of the hit while `state` has that of the shadow ray.
+    LIGHT of RAYS: "light" U32 &["next", "t"], meaning: &[Count, Distance], unit: "count, t as f32 bits",
+        unwritten: &[0, INF.to_bits()], why_absent: |_| NO_SHADOWS;
 }
 
 /// The streams in which the caller supplies rays, as far as a run has them.

@@ -21,6 +21,8 @@ pub(crate) struct Trace<R> {
     pub(crate) triangle: u32,
     pub(crate) cells: u32,
     pub(crate) tests: u32,
+    /// The triangle that the ray leaves.
+    leaves: u32,
     /// Any hit was requested, and one was found.
     pub(crate) ended: bool,
     /// Loop iterations in this dispatch so far.
@@ -28,12 +30,13 @@ pub(crate) struct Trace<R> {
 }
 
 impl<R: Real> Trace<R> {
-    /// No hit so far; hits at `t` or beyond do not count, nor do those outside of `interval`.
-    pub(crate) fn new(origin: Vec3<R>, direction: Vec3<R>, interval: [R; 2], t: R) -> Self {
+    /// No hit so far; hits at `t` or beyond do not count, nor do those outside of `interval` or of the triangle `leaves`.
+    pub(crate) fn new(origin: Vec3<R>, direction: Vec3<R>, interval: [R; 2], leaves: u32, t: R) -> Self {
         Self {
             origin,
             direction,
             interval,
+            leaves,
             shear: Shear::of(direction),
             t,
             u: R::zero(),
@@ -82,7 +85,7 @@ impl<R: Real> Trace<R> {
         }
         self.tests += 1;
         self.turns += TURNS_A_TEST;
-        if !candidate.is_hit {
+        if !candidate.is_hit || id == self.leaves {
             return;
         }
         let accepted = if features.in_cell {

@@ -5,7 +5,7 @@ import package::state::{ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::camera::{Ray};
 import package::triangle::{Shear, shear_of, hit_triangle, between, is_nearer};
 import package::packed_triangles::{packed_triangle};
-import package::ray::{load_interval};
+import package::ray::{load_interval, load_surface};
 import package::grid::{is_in_cell};
 
 // The ray, its nearest hit so far, and counters.
@@ -21,6 +21,8 @@ struct Trace {
     triangle: u32,
     cells: u32,
     tests: u32,
+    // The triangle that the ray leaves.
+    @if(leaves) leaves: u32,
     // Any hit was requested, and one was found.
     ended: bool,
     // Loop iterations in this dispatch so far.
@@ -34,6 +36,7 @@ fn new_trace(texel: vec2u, ray: Ray, t: f32) -> Trace {
     trace.direction = ray.direction;
     trace.shear = shear_of(ray.direction);
     @if(intervals) trace.interval = load_interval(texel);
+    @if(leaves) trace.leaves = load_surface(texel);
     trace.t = t;
     trace.triangle = NO_TRIANGLE;
     return trace;
@@ -68,6 +71,7 @@ fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
     let triangle = packed_triangle(entry);
     var candidate = hit_triangle(trace.origin, trace.direction, trace.shear, triangle.a, triangle.b, triangle.c);
     @if(intervals) candidate = between(candidate, trace.interval);
+    @if(leaves) candidate.is_hit = candidate.is_hit && triangle.id != trace.leaves;
     // One inside the other: a miss, as most tests end, then costs no comparison of t.
     if (candidate.is_hit) {
         @if(in_cell) let accepted = candidate.t < trace.t

@@ -8,7 +8,7 @@ mod place;
 
 use crate::numbers::real::Real;
 use crate::options::features::StructureKind;
-use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_surface};
 use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
 use crate::programs::closest_hit::tracing::Trace;
@@ -24,7 +24,8 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     }
     let features = &scene.features;
     let interval = load_interval(ray, features);
-    let mut trace = Trace::new(load_origin(ray), load_direction(ray), interval, ray.load(STATE, 1));
+    let leaves = load_surface(ray, features);
+    let mut trace = Trace::new(load_origin(ray), load_direction(ray), interval, leaves, ray.load(STATE, 1));
     trace.triangle = ray.load_u32(HIT, 2);
     let before = (trace.triangle, trace.t);
     let mut place = Place { tag, cell: ray.load_u32(STATE, 2), item: ray.load_u32(STATE, 3), trace };

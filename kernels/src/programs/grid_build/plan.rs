@@ -12,7 +12,7 @@ use crate::plan::over::Over;
 use crate::plan::{Limits, Plan, PlanError, check_list, check_rays, check_scene};
 use crate::programs::closest_hit::plan::features::features;
 use crate::programs::closest_hit::plan::resolve::{self, ChosenGrid};
-use crate::scene_data::{SceneData, origins, traced_vertices};
+use crate::scene_data::{Contents, SceneData, origins, traced_vertices};
 use crate::shared::build::Build;
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid;
@@ -39,8 +39,10 @@ pub(in crate::programs) fn plan(
     let origins = origins(options, units);
     if options.accelerator == Accelerator::Irregular {
         let Site { vertices, aside, extent, layout, .. } = Site::new(&vertices, origins, is_grown, most_words)?;
-        let (plan, data) = of(&What::Irregular(layout), vertices.into_owned(), units, options, limits)?;
-        return Ok((plan, SceneData { set_aside: aside, bounds: extent.0, reach: extent.1, ..data }));
+        let (plan, mut data) = of(&What::Irregular(layout), vertices.into_owned(), units, options, limits)?;
+        data.set_aside = aside;
+        (data.bounds, data.reach) = extent;
+        return Ok((plan, data));
     }
     let bounds = grid::bounds(&vertices);
     let reach = grid::reach(bounds, origins);
@@ -56,8 +58,9 @@ pub(in crate::programs) fn plan(
         }
         None => return Err(PlanError::NotBuilt(options.accelerator)),
     };
-    let (plan, data) = of(&what, vertices, units, options, limits)?;
-    Ok((plan, SceneData { bounds, reach, ..data }))
+    let (plan, mut data) = of(&what, vertices, units, options, limits)?;
+    (data.bounds, data.reach) = (bounds, reach);
+    Ok((plan, data))
 }
 
 /// A grid before its lists are filled.
@@ -104,7 +107,7 @@ pub(crate) fn of(
         scene_data: options.scene_data,
         ..Features::default()
     };
-    let data = SceneData { features, units, grid, growth, build, vertices, ..SceneData::default() };
+    let data = SceneData::new(features, Contents { units, grid, growth, build, vertices, ..Contents::default() });
 
     let cells: u64 = build.cells.iter().map(|&n| u64::from(n)).product();
     let run = Over {

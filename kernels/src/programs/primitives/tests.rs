@@ -181,7 +181,8 @@ fn planned(
     let given = |stream, bits: Vec<u32>| StreamData { stream, width: size.width, height: size.height, bits };
     let twice = values.iter().copied().chain(values.iter().map(|value| !value)).collect();
     let inputs = vec![given(KEY, keys.clone()), given(VALUE, twice), given(WANTED, wanted.clone())];
-    let data = SceneData { inputs, ..SceneData::default() };
+    let mut data = SceneData::default();
+    data.inputs = inputs;
     let sets = [(&PAIRS, count as u64)];
     let run = Over { program: &GUESTS, schedule: schedule(1), given: &sets, accelerator: Accelerator::None };
     let options = Options::new(RaySource::Given(Vec::new()));

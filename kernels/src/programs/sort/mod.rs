@@ -11,7 +11,7 @@ use std::borrow::Cow;
 
 use super::{Alone, Registered};
 use crate::options::reasons::{Because, Reason, Run};
-use crate::options::{Options, ProgramName};
+use crate::options::{Integrator, Options, ProgramName};
 use crate::program::breaks::{Break, as_it_is};
 use crate::program::schedule::{Count as Counted, Schedule, Step};
 use crate::program::{Instance, Kernel, KernelInfo, Program};
@@ -60,7 +60,8 @@ pub static PROGRAM: Program = Program {
 
 pub(super) const REGISTERED: Registered = Registered {
     name: ProgramName::Sort,
-    program: &PROGRAM,
+    integrators: Integrator::ALL,
+    program: || &PROGRAM,
     plan: plan::plan,
     alone: Some(Alone { results: KEY, are_right: is_sorted }),
 };

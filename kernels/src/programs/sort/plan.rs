@@ -26,7 +26,8 @@ pub(super) fn plan(_: &Scene, options: &Options, limits: &Limits) -> Result<(Pla
     bits.resize(texels, 0);
     bits.extend(0..texels as u32);
     let inputs = vec![StreamData { stream: KEY, width, height, bits }];
-    let data = SceneData { inputs, ..SceneData::default() };
+    let mut data = SceneData::default();
+    data.inputs = inputs;
     let given = [(&KEYS, u64::from(keys))];
     let run = Over { program: &PROGRAM, schedule: schedule(keys), given: &given, accelerator: Accelerator::None };
     Ok((run.plan(&data, options, limits)?, data))

@@ -1,5 +1,6 @@
 //! What is traced to compare kernels: generated scenes, since no file may be at hand.
 
+use raystep_kernels::options::Integrator;
 use raystep_kernels::options::mapping::Fragment;
 use raystep_kernels::{GridSize, Options, RaySource, Sampler, Samples, named};
 use raystep_scenes::{Camera, Scene, generate};
@@ -64,6 +65,7 @@ pub(super) struct Traced {
     place: Place,
     configuration: Configuration,
     is_shaded: bool,
+    casts_shadows: bool,
     samples: u32,
     is_contracted: bool,
     how: Option<Fragment>,
@@ -73,11 +75,16 @@ pub(super) struct Traced {
 
 impl Traced {
     pub(super) fn new(place: Place, configuration: Configuration) -> Self {
-        Self { place, configuration, is_shaded: true, samples: 1, is_contracted: false, how: None, turns: None }
+        let (casts_shadows, is_contracted) = (false, false);
+        Self { place, configuration, is_shaded: true, casts_shadows, samples: 1, is_contracted, how: None, turns: None }
     }
 
     pub(super) fn unshaded(self) -> Self {
         Self { is_shaded: false, ..self }
+    }
+
+    pub(super) fn with_shadows(self) -> Self {
+        Self { casts_shadows: true, ..self }
     }
 
     pub(super) fn sampled(self, samples: u32) -> Self {
@@ -107,6 +114,7 @@ impl Traced {
         let how = self.how.map(|how| format!(", {}", raystep_kernels::options::mapping::Mapping::Fragment(how)));
         for (is_so, words) in [
             (!self.is_shaded, ", not shaded"),
+            (self.casts_shadows, ", shadows"),
             (self.samples > 1, &samples),
             (self.is_contracted, ", explicit fma"),
             (self.turns.is_some(), ", in parts"),
@@ -136,6 +144,7 @@ impl Traced {
         let is_any_hit = self.place == Place::Segments;
         let sampler = if self.samples > Samples::BLOCK { Sampler::Random } else { Sampler::Sobol };
         let options = Options {
+            integrator: if self.casts_shadows { Integrator::Shadows } else { Integrator::Local },
             counters: !is_any_hit,
             any_hit: is_any_hit,
             shade: self.is_shaded && !is_any_hit,

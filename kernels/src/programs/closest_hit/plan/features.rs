@@ -6,7 +6,7 @@ use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind, Traversal};
+use crate::options::{Accelerator, Integrator, Numerics, Options, RaySource, Rule, ScheduleKind, Traversal};
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
 
@@ -61,6 +61,7 @@ pub(in crate::programs) fn features(
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
         intervals: has_intervals(&options.rays, any_hit),
         any_hit,
+        leaves: false,
         eye_rays: is_fused && !options.shade && !given,
         clip: keep(Item::Clipping) || !inside,
         perspective: match &options.rays {
@@ -77,6 +78,9 @@ pub(in crate::programs) fn features(
         many_lights: keep(Item::ManyLights) || scene.lights.len() > 1,
         directional_lights: keep(Item::DirectionalLights) || any_light(|l| matches!(l, Light::Directional { .. })),
         spot_lights: keep(Item::SpotLights) || any_light(|l| matches!(l, Light::Spot { .. })),
+        shadows: options.shade
+            && options.integrator == Integrator::Shadows
+            && (keep(Item::ShadowRays) || !scene.lights.is_empty()),
         resumes: false,
         resumes_scan: false,
         resumes_light: false,

@@ -24,7 +24,7 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
             "code that grows boxes by their distance",
             "growth by the reach of the scene hardly enlarges boxes",
         ),
-        (Item::ManyLights, options.shade, "code for more than one light", one_light),
+        (Item::ManyLights, options.shade && !f.shadows, "code for more than one light", one_light),
         (Item::DirectionalLights, options.shade, "code for directional lights", "no directional light"),
         (Item::SpotLights, options.shade, "code for spot lights", "no spot light"),
         (Item::Emission, options.shade, "code for emitted light", "no emissive material"),

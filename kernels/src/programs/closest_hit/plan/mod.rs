@@ -9,8 +9,8 @@ mod view;
 
 use raystep_scenes::Scene;
 
-use super::{PROGRAM, schedule};
 use crate::numbers::units::Units;
+use crate::options::features::Features;
 use crate::options::mapping::Until;
 use crate::options::{Options, RaySource, ScheduleKind};
 use crate::plan::allocated::Allocated;
@@ -18,6 +18,8 @@ use crate::plan::{
     DrawnPlan, Limits, Plan, PlanError, bound_by, check_rays, check_samples, check_scene, check_texels, fit_bindings,
     image_size, variants,
 };
+use crate::program::Program;
+use crate::program::schedule::Schedule;
 use crate::scene_data::SceneData;
 use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
@@ -26,8 +28,12 @@ pub(crate) use resolve::Built;
 use resolve::{Resolved, resolve};
 use turns::{Resumes, Walk};
 
-/// Plans a run of rays; `built` is the grid that the options ask for, if it is built already.
+/// How a program that traces rays orders its kernels.
+type Scheduler = fn(&Options, &Features) -> Schedule;
+
+/// Plans a run of rays by a program, with the schedule that it has for options; `built` is the grid that the options ask for, if it is built already.
 pub(in crate::programs) fn plan(
+    (program, scheduler): (&'static Program, Scheduler),
     scene: &Scene,
     options: &Options,
     limits: &Limits,
@@ -40,12 +46,12 @@ pub(in crate::programs) fn plan(
     check_samples(options)?;
     let given = matches!(options.rays, RaySource::Given(_));
     let Resolved { accelerator, mut features, structure, vertices, extent } =
-        resolve(scene, options, units, limits, (width, height), built)?;
+        resolve(program, scene, options, units, limits, (width, height), built)?;
 
     // The last options of the kernels to be decided are those that depend on iterations of loops.
     let is_fused = options.schedule == ScheduleKind::Fused;
     let triangles = scene.triangles.len() as u64;
-    let lights = if options.shade { scene.lights.len() as u64 } else { 0 };
+    let lights = if options.shade { scene.lights.len().max(1) as u64 } else { 0 };
     let walk = Walk { features: &features, structure: &structure, triangles };
     let resumes = Resumes::of(&walk, is_fused, options.steps_per_pass, lights, limits);
     (features.resumes, features.resumes_scan, features.resumes_light) = (resumes.walk, resumes.scan, resumes.light);
@@ -56,10 +62,13 @@ pub(in crate::programs) fn plan(
     let is_queried = options.mapping.fragment().is_some_and(|how| how.until == Until::Query);
     let pass_bound = if is_queried { pass_bound.saturating_mul(2).saturating_add(4) } else { pass_bound };
 
-    let schedule = schedule::of(options, &features);
-    let variants = variants(&PROGRAM, &schedule, &features)?;
+    // The walks of shadow rays follow that of the ray.
+    let pass_bound = if features.shadows { pass_bound.saturating_mul(1 + lights) } else { pass_bound };
+
+    let schedule = scheduler(options, &features);
+    let variants = variants(program, &schedule, &features)?;
     let drawn = options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, &features, limits)).transpose()?;
-    let sharing = fit_bindings(&PROGRAM, &variants, drawn.as_ref(), features.scene_data, limits)?;
+    let sharing = fit_bindings(program, &variants, drawn.as_ref(), features.scene_data, limits)?;
     let bound = bound_by(&variants);
     if bound.contains("texels") {
         check_texels(scene, options.scene_data, limits)?;
@@ -72,14 +81,14 @@ pub(in crate::programs) fn plan(
         ..SceneInfo::default()
     };
     let is_bound = |name: &str| bound.contains(name);
-    let mut data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
+    let mut data = SceneData::of(scene, options, features, units, (vertices, structure), info, is_bound)?;
     (data.bounds, data.reach) = (extent.bounds, extent.reach);
 
     let size = Size { width, height, count: rays as u32 };
     let Allocated { sets, streams, buffers } =
-        Allocated::new(&PROGRAM, &bound, &data, size, given, limits, drawn.as_ref())?;
+        Allocated::new(program, &bound, &data, size, given, limits, drawn.as_ref())?;
     let mut plan = Plan {
-        program: &PROGRAM,
+        program,
         sets,
         image_side: limits.image_side,
         most_elements: limits.rays,

@@ -7,8 +7,8 @@ use crate::numbers::units::Units;
 use crate::options::features::{Features, StructureKind};
 use crate::options::{Accelerator, GridSize, MOST_LISTED, MOST_LISTED_IN_ONE_LEVEL, Options, Rule, ScheduleKind, Skip};
 use crate::plan::{Limits, PlanError, check_buffer, check_list};
+use crate::program::Program;
 use crate::program::live::{LIVE_RAYS, live_bytes};
-use crate::programs::closest_hit::PROGRAM;
 use crate::scene_data::{bvh_growth, origins, traced_vertices};
 use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
 use crate::structures::grid::{Corners, CountedGrid, GridData};
@@ -89,6 +89,7 @@ fn adopt(mut features: Features, built: Built) -> (Features, Structure) {
 /// # Errors
 /// If none of them can be built, or the scene does not fit `limits`.
 pub(super) fn resolve(
+    program: &Program,
     scene: &Scene,
     options: &Options,
     units: Units,
@@ -102,7 +103,7 @@ pub(super) fn resolve(
         let accelerator = candidates.next().copied().unwrap_or_default();
         let is_last = candidates.as_slice().is_empty();
         let features = features(scene, options, accelerator, units);
-        let attempt = check_sizes(scene, options, &features, limits, u64::from(width) * u64::from(height));
+        let attempt = check_sizes(program, scene, options, &features, limits, u64::from(width) * u64::from(height));
         let attempt = attempt.and_then(|()| {
             let (vertices, origins, extent) = corners.get_or_insert_with(|| {
                 let (vertices, origins) = (traced_vertices(scene, units), origins(options, units));
@@ -133,6 +134,7 @@ pub(super) fn resolve(
 
 /// Rejects what is known to be too large before anything is built.
 fn check_sizes(
+    program: &Program,
     scene: &Scene,
     options: &Options,
     features: &Features,
@@ -161,7 +163,7 @@ fn check_sizes(
         check_list("grid_cells", 4 * (grid::check_cells(cells)? + 1), options.scene_data, limits)?;
     }
     if features.live_lists {
-        check_buffer(LIVE_RAYS, live_bytes(&PROGRAM, texels), limits)?;
+        check_buffer(LIVE_RAYS, live_bytes(program, texels), limits)?;
     }
     Ok(())
 }

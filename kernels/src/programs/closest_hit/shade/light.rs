@@ -5,7 +5,7 @@ use crate::shared::shading::{DIRECTIONAL, Light, SPOT};
 use crate::shared::vector::{dot3, unit3};
 
 /// <N, L> of one light times its colour.
-pub(super) fn received<R: Real>(light: &Light, position: Vec3<R>, normal: Vec3<R>) -> Vec3<R> {
+pub(in crate::programs) fn received<R: Real>(light: &Light, position: Vec3<R>, normal: Vec3<R>) -> Vec3<R> {
     let color = Vec3::<R>::from_f32(light.color);
     let direction = Vec3::<R>::from_f32(light.direction);
     let zero = R::zero();

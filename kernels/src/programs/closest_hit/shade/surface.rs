@@ -7,7 +7,7 @@ use crate::shared::texture::sample_texture;
 use crate::shared::vector::{cross3, unit3};
 
 /// The material of a triangle.
-pub(super) fn material_of(scene: &SceneData, triangle: u32) -> &Material {
+pub(in crate::programs) fn material_of(scene: &SceneData, triangle: u32) -> &Material {
     let index = if scene.features.many_materials { scene.triangle_materials[triangle as usize] } else { 0 };
     &scene.materials[index as usize]
 }
@@ -19,7 +19,7 @@ fn interpolated<R: Real>(values: &[f32], triangle: u32, [w, u, v]: [R; 3]) -> Ve
     corner(0) * w + corner(3) * u + corner(6) * v
 }
 
-pub(super) fn surface_normal<R: Real>(scene: &SceneData, triangle: u32, u: R, v: R) -> Vec3<R> {
+pub(in crate::programs) fn surface_normal<R: Real>(scene: &SceneData, triangle: u32, u: R, v: R) -> Vec3<R> {
     if scene.features.normals {
         return unit3(interpolated(&scene.normals, triangle, [R::one() - u - v, u, v]));
     }
@@ -29,7 +29,12 @@ pub(super) fn surface_normal<R: Real>(scene: &SceneData, triangle: u32, u: R, v:
 }
 
 /// The material's colour, times those of the vertices and of the texture.
-pub(super) fn diffuse_color<R: Real>(scene: &SceneData, material: &Material, triangle: u32, [u, v]: [R; 2]) -> Vec3<R> {
+pub(in crate::programs) fn diffuse_color<R: Real>(
+    scene: &SceneData,
+    material: &Material,
+    triangle: u32,
+    [u, v]: [R; 2],
+) -> Vec3<R> {
     let features = &scene.features;
     let mut diffuse = Vec3::from_f32(material.base_color);
     let w = R::one() - u - v;

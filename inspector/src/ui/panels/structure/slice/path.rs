@@ -32,7 +32,7 @@ pub(super) fn visited(history: &Trace, data: &SceneData, place: usize) -> Vec<Vi
     // A pass that brings the ray to a cell has not worked in it yet.
     let now = row_after_passes(history, place)
         .and_then(|i| history.rows.get(i))
-        .filter(|row| row.after.tag > states::TRAV_SETUP);
+        .filter(|row| states::of_any_ray(row.after.tag) > states::TRAV_SETUP);
     if let Some(cell) = now.map(|row| data.grid.cell_of_index(row.after.cell_index))
         && let Some(next) = visits.iter().position(|v| !v.has_run)
         && visits[next].cell == cell

@@ -1,0 +1,132 @@
+//! Its kernels: those of the walk for shadow rays, and the one that casts them.
+
+use super::{breaks, explain, rounding};
+use crate::options::features::Features;
+use crate::options::reasons::{Because, NO_SHADE, Reason, Run};
+use crate::program::instance::twin;
+use crate::program::kernel::{Path, Proof};
+use crate::program::{Home, Instance, KernelInfo, Renamed};
+use crate::programs::closest_hit::kernels::{FUSED, SETUP};
+use crate::programs::closest_hit::states::{ALL, BACKGROUND, DONE, OCCLUDED, SHADE, SHADOW_SETUP, VISIBLE};
+use crate::programs::closest_hit::{self, streams};
+use crate::shared::constants::LIST_SIDE;
+use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};
+use crate::tables::state::Tag;
+
+/// The tables that its own kernel names.
+static HOME: Home = Home { streams: &streams::STREAMS, states: ALL };
+
+/// The states of a walk, and what they are called for a shadow ray: any hit ends it, so none is kept while it walks.
+const STATES: [(&str, &str); 6] = [
+    ("TRAV_SETUP", "SHADOW_SETUP"),
+    ("TRAV", "SHADOW_TRAV"),
+    ("ISECT_NO_HIT", "SHADOW_ISECT"),
+    ("ISECT_HIT", ""),
+    ("SHADE", "OCCLUDED"),
+    ("BACKGROUND", "VISIBLE"),
+];
+
+/// The streams and lists of a walk that shadow rays have of their own.
+const BINDS: &[(&str, &str)] = &[
+    ("ray_origin", "shadow_origin"),
+    ("ray_direction", "shadow_direction"),
+    ("hit", "blocker"),
+    ("counters", "shadow_counters"),
+    ("intersect_list", "shadow_intersect_list"),
+    ("traverse_list", "shadow_traverse_list"),
+];
+
+/// Lists of live rays, for each kind of ray.
+pub(super) const LISTS: [ListInfo; 4] = [
+    closest_hit::kernels::LISTS[0],
+    closest_hit::kernels::LISTS[1],
+    ListInfo { name: "shadow_intersect_list", slots: ["shadow_intersect_list_even", "shadow_intersect_list_odd"] },
+    ListInfo { name: "shadow_traverse_list", slots: ["shadow_traverse_list_even", "shadow_traverse_list_odd"] },
+];
+
+/// The names of the kernels of a walk for shadow rays, why a run does without each, and its colour.
+pub(super) type OfShadows = (&'static str, fn(&Run<'_>) -> Reason, [u8; 3]);
+pub(super) const SHADOWS: [OfShadows; 7] = [
+    ("shadow_setup", absent::<0>, [170, 130, 60]),
+    ("shadow_traverse_grid", absent::<1>, [140, 110, 60]),
+    ("shadow_traverse_irregular", absent::<2>, [140, 110, 60]),
+    ("shadow_traverse_bvh", absent::<3>, [140, 110, 60]),
+    ("shadow_intersect", absent::<4>, [190, 90, 120]),
+    ("shadow_walk", absent::<5>, [160, 120, 90]),
+    ("shadow_fused", absent::<6>, [150, 70, 110]),
+];
+const _: () = assert!(FUSED.index() - SETUP.index() + 1 == SHADOWS.len());
+
+/// Why nothing casts a shadow ray.
+fn no_shadows(run: &Run<'_>) -> Reason {
+    match run.options.shade {
+        true => (Because::Scene, "no light: one headlight at the eye, from where every hit is visible"),
+        false => NO_SHADE,
+    }
+}
+
+/// The same for a kernel of the walk: what it would be needed for, if there are shadow rays.
+fn absent<const OF: usize>(run: &Run<'_>) -> Reason {
+    match run.features.shadows {
+        true => (closest_hit::kernels::KERNELS[SETUP.index() + OF].kernel.why_absent)(run),
+        false => no_shadows(run),
+    }
+}
+
+const fn send(from: Tag, when: &'static str, to: Tag) -> Transition {
+    Transition { from, when, to }
+}
+
+/// Casts shadow rays, and adds up the light that they bring.
+pub(super) const OF_ILLUMINATE: KernelInfo = KernelInfo {
+    name: "illuminate",
+    wgsl: include_str!("illuminate.wgsl"),
+    twin: twin!(element illuminate),
+    home: &HOME,
+    takes: &[SHADE, BACKGROUND, OCCLUDED, VISIBLE],
+    sends: &[
+        send(SHADE, "casts a shadow ray", SHADOW_SETUP),
+        send(SHADE, "loop turns spent, lights are left", SHADE),
+        send(SHADE, "no light shines on it", DONE),
+        send(BACKGROUND, "background", DONE),
+        send(OCCLUDED, "casts the next shadow ray", SHADOW_SETUP),
+        send(OCCLUDED, "loop turns spent, lights are left", SHADE),
+        send(OCCLUDED, "it was the last light", DONE),
+        send(VISIBLE, "adds the light, and casts the next shadow ray", SHADOW_SETUP),
+        send(VISIBLE, "adds the light; loop turns spent, lights are left", SHADE),
+        send(VISIBLE, "adds the light of the last", DONE),
+    ],
+    role: Role::Finish,
+    workgroup: LIST_SIDE,
+    launch: Launch::Whole,
+    counts: Counts::Sent,
+    resumes: |features| features.resumes_light,
+    list: None,
+    proof: Proof::NONE,
+    colour: [90, 165, 90],
+    why_absent: no_shadows,
+    summary: "casts a shadow ray to the next light, and adds what the one before brought",
+    explain: explain::of_illuminate,
+    path: Path::Stays,
+    rounding: rounding::OF_ILLUMINATE,
+    breaks: breaks::OF_ILLUMINATE,
+};
+
+/// The instance of a kernel of the walk for shadow rays.
+pub(super) fn for_shadow_rays(of: Instance, (name, why_absent, colour): OfShadows) -> Option<Instance> {
+    let renamed = Renamed::new(&of.kernel, ALL, &STATES)?.of_existing();
+    let changes: fn(&mut Features) = |features| {
+        (features.any_hit, features.leaves, features.intervals) = (true, true, false);
+        // A camera in the grid does not tell where its rays end.
+        features.clip = true;
+    };
+    let kernel = KernelInfo { why_absent, colour, ..of.kernel };
+    Some(Instance {
+        name,
+        kernel,
+        binds: BINDS,
+        renamed: Some(Box::leak(Box::new(renamed))),
+        changes: Some(changes),
+        ..of
+    })
+}

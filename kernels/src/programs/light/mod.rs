@@ -1,0 +1,60 @@
+//! Light that reaches what the rays of [`closest_hit`] hit.
+//!
+//! The program has that one's kernels, streams and states, and the kernels of its walk once more, for shadow rays: under
+//! names of their own, bound to the streams and states of shadow rays, and compiled so that any hit ends a ray. What they
+//! share stays shared: a pixel's rays are traced one after the other, so they need the tag, tMax and the like only once.
+//!
+//! It is the shadow caster of Purcell, Buck, Mark and Hanrahan (2002), whose shading kernel emits a ray for each light.
+
+mod breaks;
+mod explain;
+pub mod illuminate;
+mod kernels;
+mod rounding;
+mod schedule;
+
+use std::sync::LazyLock;
+
+use super::closest_hit::kernels::{KERNELS, SETUP};
+use super::closest_hit::states::{ALL, BACKGROUND, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
+use super::closest_hit::{self, streams};
+use crate::program::{Course, Instance, Kernel, Program};
+use kernels::{LISTS, OF_ILLUMINATE, SHADOWS, for_shadow_rays};
+pub(super) use schedule::of as schedule;
+
+/// The program.
+pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
+    let of_walk = KERNELS[SETUP.index()..].iter().zip(SHADOWS);
+    let shadows = of_walk.filter_map(|(&of, shadow)| for_shadow_rays(of, shadow));
+    let illuminate = Instance::of(OF_ILLUMINATE, &closest_hit::elements::RAYS);
+    let kernels: Vec<Instance> = KERNELS.into_iter().chain(shadows).chain([illuminate]).collect();
+    let given_up = |tag| if matches!(tag, SHADOW_SETUP | SHADOW_TRAV | SHADOW_ISECT) { VISIBLE } else { BACKGROUND };
+    Program {
+        name: "light",
+        summary: "every ray to its closest hit, and shadow rays from there to the lights",
+        streams: &streams::STREAMS,
+        states: ALL,
+        courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }])),
+        lists: &LISTS,
+        kernels: Vec::leak(kernels),
+        ..closest_hit::PROGRAM
+    }
+});
+
+/// The kernel that is, in this program, one of [`closest_hit`].
+fn of(kernel: Kernel) -> Kernel {
+    Kernel::at(&PROGRAM, kernel.index())
+}
+
+/// A kernel of the walk, for shadow rays.
+fn of_shadow_rays(kernel: Kernel) -> Kernel {
+    Kernel::at(&PROGRAM, KERNELS.len() + kernel.index() - SETUP.index())
+}
+
+/// The kernel that casts shadow rays.
+fn illuminating() -> Kernel {
+    Kernel::at(&PROGRAM, PROGRAM.kernels.len() - 1)
+}
+
+#[cfg(test)]
+mod tests;
