@@ -30,7 +30,7 @@ use raystep_kernels::shared::constants::INF;
 pub use aabb::Aabb;
 pub use both::{Both, Work};
 pub use cells::{CellVisit, Crossing, Entry};
-pub use events::{Event, EventKind, events, next_event, previous_event, row_after_passes};
+pub use events::{Event, EventKind, events, last_row_of_ray, next_event, previous_event, row_after_passes};
 pub use nodes::NodeVisit;
 pub(crate) use nodes::{above, leaf_of};
 pub use projected::{Projected, ProjectedTriangle, Square};

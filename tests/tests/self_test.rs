@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use raystep_kernels::options::ProgramName;
+use raystep_kernels::options::{Integrator, ProgramName};
 use raystep_kernels::program::breaks::Break;
 use raystep_kernels::programs::{self, closest_hit};
 use raystep_kernels::{Accelerator, AdapterChoice, Gpu, GridSize, Limits, Options, Plan, Samples};
@@ -203,6 +203,8 @@ fn every_operation_of_every_kernel_is_probed() {
             let options = Options { counters: true, samples, ..configuration.of(&options(&scene, 8, 8)) };
             plans.push(Plan::new(&scene, &options, &limits).expect(file).0);
             plans.push(Plan::new(&scene, &options, &Limits::CPU).expect(file).0);
+            let with_shadows = Options { integrator: Integrator::Shadows, ..options };
+            plans.push(Plan::new(&scene, &with_shadows, &limits).expect(file).0);
         }
         for (accelerator, grid) in
             [(Accelerator::Grid, GridSize::Cells([32; 3])), (Accelerator::Irregular, GridSize::Auto)]

@@ -91,8 +91,8 @@ impl FromStr for Pixel {
 }
 
 /// Why `--all-rays` is implied.
-const NOT_ALONE: &str = "a ray's passes depend on the other rays here (--schedule first, or several samples per \
-                         pixel), so all are traced";
+const NOT_ALONE: &str = "a ray's passes depend on the other rays here (--schedule first, several samples per \
+                         pixel, or shadow rays), so all are traced";
 
 pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     let asked = match (args.pixel, args.ray) {

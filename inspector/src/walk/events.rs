@@ -4,7 +4,7 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::program::Path;
 use raystep_kernels::scene_data::SceneData;
 
-use super::{coordinates, has_cells, path_of};
+use super::{coordinates, has_cells, is_same_ray, path_of};
 
 /// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,4 +76,11 @@ pub fn previous_event(events: &[Event], row: usize) -> Option<Event> {
 #[must_use]
 pub fn row_after_passes(trace: &Trace, passes: usize) -> Option<usize> {
     trace.rows.partition_point(|row| row.is_within(passes)).checked_sub(1)
+}
+
+/// The last row of the ray that a pixel has at a row; of its last ray, without one.
+#[must_use]
+pub fn last_row_of_ray(trace: &Trace, row: Option<usize>) -> usize {
+    let here = row.and_then(|row| trace.rows.get(row));
+    here.and_then(|here| trace.rows.iter().rposition(|row| is_same_ray(row, here))).unwrap_or(usize::MAX)
 }

@@ -150,8 +150,8 @@ fn a_link_reads_as_the_options_do() {
 /// Defaults of version 1 never change: other defaults require a new version.
 #[test]
 fn the_defaults_of_version_1_stay() {
-    let all = "raystep:1?size=512x512&program=closest-hit&elements=4096&accelerator=grid&mapping=compute&scene-data=buffers\
-               &schedule=compact&numerics=robust&grid=auto&skip=auto&steps-per-pass=1&keep-all=false&spp=1&sampler=sobol\
+    let all = "raystep:1?size=512x512&program=closest-hit&elements=4096&integrator=local&accelerator=grid&mapping=compute&scene-data=\
+               buffers&schedule=compact&numerics=robust&grid=auto&skip=auto&steps-per-pass=1&keep-all=false&spp=1&sampler=sobol\
                &seed=0&device=auto";
     assert_eq!(all.parse(), Ok(Link::default()));
     for row in ROWS.iter().filter(|row| row.is_linked && (row.applies)(&Choices::stepped())) {

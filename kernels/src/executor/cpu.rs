@@ -160,7 +160,7 @@ impl<R: Precision> CpuExecutor<R> {
     /// If the run has found more elements than fit.
     pub fn run(&mut self, call: Call, scene: &SceneData) -> Result<PassResult, CpuError> {
         let kernel = call.kernel;
-        let scene = &*scene.for_kernel(kernel);
+        let scene = &*kernel.reads(scene);
         let mut sizes = self.sizes.clone();
         sizes.renew(self.plan.program, kernel);
         let adopted = sizes.adopt(self.plan.program, kernel)?;

@@ -172,7 +172,7 @@ impl<'a, R: Precision> Alone<'a, R> {
         let Twin::Element { f32, f64 } = pass.kernel.info().twin else { return None };
         pass.kernel.takes().contains(&tag).then_some(())?;
         let [x, y] = self.pixel;
-        let data = self.data.for_kernel(pass.kernel);
+        let data = pass.kernel.reads(self.data);
         OnElement::<R>::new(pass.kernel, R::twin(f32, f64), &self.layout).run(&mut self.row, x, y, &data);
         let before = self.state;
         self.state = self.decoded();

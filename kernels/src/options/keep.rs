@@ -28,14 +28,12 @@ pub enum Item {
     DirectionalLights,
     /// Spot lights.
     SpotLights,
-    /// Shadow rays: not needed if the only light is at the eye, from where every hit is visible.
-    ShadowRays,
 }
 
 named!(
     Item,
     "clipping, ray-padding, normals, textures, vertex-colors, many-materials, emission, double-sided, many-lights, \
-     directional-lights, spot-lights, shadow-rays",
+     directional-lights, spot-lights",
     Clipping "clipping",
     RayPadding "ray-padding",
     Normals "normals",
@@ -46,8 +44,7 @@ named!(
     DoubleSided "double-sided",
     ManyLights "many-lights",
     DirectionalLights "directional-lights",
-    SpotLights "spot-lights",
-    ShadowRays "shadow-rays"
+    SpotLights "spot-lights"
 );
 
 /// A set of [`Item`]s that a plan keeps even if the scene does not need them, to measure what omitting them saves.
@@ -118,7 +115,6 @@ impl Features {
             Item::ManyLights => self.many_lights,
             Item::DirectionalLights => self.directional_lights,
             Item::SpotLights => self.spot_lights,
-            Item::ShadowRays => self.shadows,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The instances of kernels in a program: what is bound to the names of each, also in a program that it was not written for.
 
+use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -187,11 +188,17 @@ impl Kernel {
         std::ptr::eq(home.as_ptr(), here.as_ptr()) && self.instance().binds.is_empty()
     }
 
+    /// What it reads of a scene in a run that reads this.
+    pub(crate) fn reads(self, data: &SceneData) -> Cow<'_, SceneData> {
+        let features = self.features(&data.features);
+        if features == data.features { Cow::Borrowed(data) } else { Cow::Owned(data.with(features)) }
+    }
+
     /// The triangle that a pass of it tested, if any, and why it left a ray as it did.
     #[must_use]
     pub fn explain(self, data: &SceneData, before: &RayState, after: &RayState) -> (Option<u32>, String) {
         let [before, after] = [before, after].map(|ray| self.as_its_own(ray));
-        (self.info().explain)(&data.for_kernel(self), &before, &after)
+        (self.info().explain)(&self.reads(data), &before, &after)
     }
 
     /// A ray whose state is called as the kernel's row and twin call it.

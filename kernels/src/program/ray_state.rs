@@ -42,6 +42,9 @@ pub struct RayState {
     pub barycentric: Option<[f32; 2]>,
     /// Linear colour.
     pub color: Option<[f32; 3]>,
+    /// The triangle that a shadow ray leaves; absent if it is none.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub surface: Option<u32>,
     /// The light to which a shadow ray leads, from 1; absent if it is none.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub light: Option<u32>,

@@ -6,7 +6,6 @@ mod indices;
 mod shading;
 mod traced;
 
-use std::borrow::Cow;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
@@ -18,7 +17,6 @@ use crate::numbers::units::Units;
 use crate::options::features::{Features, StructureKind};
 use crate::options::samples::Samples;
 use crate::options::{Options, RaySource};
-use crate::program::Kernel;
 use crate::shared::build::Build;
 use crate::shared::bvh_walk::link_above;
 use crate::shared::camera::Camera;
@@ -63,6 +61,13 @@ impl Deref for SceneData {
 impl DerefMut for SceneData {
     fn deref_mut(&mut self) -> &mut Contents {
         Arc::make_mut(&mut self.contents)
+    }
+}
+
+/// For kernels without options.
+impl From<Contents> for SceneData {
+    fn from(contents: Contents) -> Self {
+        Self::new(Features::default(), contents)
     }
 }
 
@@ -160,14 +165,10 @@ impl SceneData {
         Self { features, contents: Arc::new(contents) }
     }
 
-    /// The same for a kernel, which may have options of its own.
+    /// The same contents for kernels with other options.
     #[must_use]
-    pub fn for_kernel(&self, kernel: Kernel) -> Cow<'_, Self> {
-        let features = kernel.features(&self.features);
-        if features == self.features {
-            return Cow::Borrowed(self);
-        }
-        Cow::Owned(Self { features, contents: self.contents.clone() })
+    pub fn with(&self, features: Features) -> Self {
+        Self { features, contents: self.contents.clone() }
     }
 
     /// The corners of a triangle.

@@ -71,7 +71,9 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
     (
         "raystep_inspector::ui",
         &[
-            &["canvas", "host", "picture", "retained", "scrub", "style", "units"],
+            &["style"],
+            &["choice"],
+            &["canvas", "host", "picture", "retained", "scrub", "units"],
             &["mask", "preview", "svg", "thumbs"],
             &["state"],
             &["pane"],

@@ -26,7 +26,7 @@ use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
 use crate::ui::state::Picked;
 use crate::ui::svg::Titles;
 use crate::ui::units::{self, Scale};
-use crate::walk::{Projected, Spacing, Strip, Structure, WalkGeometry};
+use crate::walk::{Projected, Spacing, Strip, Structure, WalkGeometry, last_row_of_ray};
 use beside::Beside;
 use progress::Progress;
 use second::{Found, Second};
@@ -41,8 +41,10 @@ struct Look {
     beside: Option<bool>,
 }
 
-/// The ray's whole history: the drawing does not change while stepping.
+/// The ray's whole walk: the drawing does not change while stepping, until the pixel has another ray.
 struct Whole {
+    /// Its last row.
+    row: usize,
     walk: WalkGeometry,
     picture: Projected,
     strip: Strip,
@@ -52,7 +54,7 @@ impl Whole {
     /// The walk up to a row.
     fn of(history: &Trace, data: &SceneData, row: usize) -> Self {
         let walk = WalkGeometry::new(history, data, row);
-        Self { picture: Projected::new(&walk), strip: Strip::new(&walk), walk }
+        Self { row, picture: Projected::new(&walk), strip: Strip::new(&walk), walk }
     }
 }
 
@@ -245,8 +247,9 @@ impl Walk2d {
             (self.whole, self.progress) = (None, None);
             return;
         };
-        if is_other || self.whole.is_none() {
-            self.whole = Some(Whole::of(history, &opened.data, usize::MAX));
+        let last = last_row_of_ray(history, self.walked.row);
+        if is_other || self.whole.as_ref().is_none_or(|whole| whole.row != last) {
+            self.whole = Some(Whole::of(history, &opened.data, last));
             self.progress = None;
         }
         let version = self.walked.version;

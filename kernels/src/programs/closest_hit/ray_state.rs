@@ -4,7 +4,7 @@ use super::states::{ALL, ISECT_HIT, ISECT_NO_HIT, SHADOW_ISECT, SHADOW_SETUP, SH
 use super::streams::{
     ACCUMULATED, ACCUMULATED_SAMPLES, BLOCKER, COLOR, CONTROL, HIT, HIT_TRIANGLE, LIGHT, PENDING, PREVIOUS,
     RAY_DIRECTION, RAY_INTERVAL, RAY_ORIGIN, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, STATE_CELL, STATE_ITEM, STATE_T,
-    TMAX,
+    SURFACE, TMAX,
 };
 use crate::program::ray_state::{Decoding, RayState, Texel};
 use crate::shared::constants::{INF, NO_TRIANGLE};
@@ -26,6 +26,7 @@ pub(in crate::programs) const DECODING: Decoding = Decoding {
         ACCUMULATED,
         SHADOW_ORIGIN,
         SHADOW_DIRECTION,
+        SURFACE,
         BLOCKER,
         PENDING,
         LIGHT,
@@ -63,6 +64,7 @@ fn decode(texel: Texel<'_>) -> RayState {
         triangle: is_hit.then_some(triangle),
         barycentric: is_hit.then(|| [word(hit, 0), word(hit, 1)].map(f32::from_bits)),
         color: if ALL.role(tag) == Some(StateRole::Finished) { floats(COLOR) } else { None },
+        surface: is_shadow.then(|| word(SURFACE, 0)),
         light: is_shadow.then(|| word(LIGHT, 0)),
         pending: if is_shadow { floats(PENDING) } else { None },
         samples: texel(ACCUMULATED).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),

@@ -41,6 +41,7 @@
 //! hold the values of the latest sample. At the end of a run, only `color` is replaced by the mean.
 
 use super::elements::RAYS;
+use crate::options::Integrator;
 use crate::options::features::Features;
 use crate::options::reasons::{Because, EYE_RAYS, NO_SHADE, ONE_SAMPLE, On, Passes, Reason, Run};
 use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
@@ -92,8 +93,22 @@ pub fn of_walk(features: &Features) -> Stream {
     if features.dda { CONTROL } else { TMAX }
 }
 
-/// Nothing casts a shadow ray.
-const NO_SHADOWS: Reason = (Because::Options, "needed only with --integrator shadows");
+/// Why nothing casts a shadow ray.
+pub(in crate::programs) fn no_shadows(run: &Run<'_>) -> Reason {
+    match (run.options.integrator, run.options.shade) {
+        (Integrator::Local, _) => (Because::Options, "needed only with --integrator shadows"),
+        (_, true) => (Because::Scene, "no light: one headlight at the eye, from where every hit is visible"),
+        (_, false) => NO_SHADE,
+    }
+}
+
+/// Why the cost of shadow rays is not counted.
+fn no_shadow_counters(run: &Run<'_>) -> Reason {
+    match run.features.shadows {
+        true => (Because::Options, "needed only with --counters"),
+        false => no_shadows(run),
+    }
+}
 
 /// The streams of the program `closest_hit`: all but those of shadow rays.
 pub static OWN: &[StreamInfo] = STREAMS.split_at(SHADOW_ORIGIN.index()).0;
@@ -149,25 +164,25 @@ streams! {
         unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "needed only if a search for repeated tests may take more loop turns than one dispatch allows");
     /// Origin of the shadow ray.
     SHADOW_ORIGIN of RAYS: "shadow_origin" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units",
-        unwritten: &[0; 3], why_absent: |_| NO_SHADOWS;
+        unwritten: &[0; 3], why_absent: no_shadows;
     /// Direction of the shadow ray: to a light at t = 1, or against that in which a directional light shines.
     SHADOW_DIRECTION of RAYS: "shadow_direction" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units per t",
-        unwritten: &[0; 3], why_absent: |_| NO_SHADOWS;
+        unwritten: &[0; 3], why_absent: no_shadows;
     /// The triangle that the shadow ray leaves.
     SURFACE of RAYS: "surface" U32 &["triangle"], meaning: &[Id], unit: "triangle id",
-        unwritten: &[NO_TRIANGLE], why_absent: |_| NO_SHADOWS;
+        unwritten: &[NO_TRIANGLE], why_absent: no_shadows;
     /// Barycentrics and triangle of what occludes the latest shadow ray: any hit, not the nearest.
     BLOCKER of RAYS: "blocker" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
-        unwritten: &[0, 0, NO_TRIANGLE], why_absent: |_| NO_SHADOWS;
+        unwritten: &[0, 0, NO_TRIANGLE], why_absent: no_shadows;
     /// Cells visited and triangles tested by the latest shadow ray.
     SHADOW_COUNTERS of RAYS: "shadow_counters" U32 &["cells", "triangles", "repeated"], meaning: &[Count; 3], unit: "count",
-        unwritten: &[0; 3], why_absent: |_| (Because::Options, "needed only with --integrator shadows and --counters");
+        unwritten: &[0; 3], why_absent: no_shadow_counters;
     /// The light that arrives if the shadow ray reaches its light.
     PENDING of RAYS: "pending" F32 &["r", "g", "b"], meaning: &[Light; 3], unit: "linear light",
-        unwritten: &[0; 3], why_absent: |_| NO_SHADOWS;
+        unwritten: &[0; 3], why_absent: no_shadows;
     /// Which light is next, and t of the hit while `state` has that of the shadow ray.
     LIGHT of RAYS: "light" U32 &["next", "t"], meaning: &[Count, Distance], unit: "count, t as f32 bits",
-        unwritten: &[0, INF.to_bits()], why_absent: |_| NO_SHADOWS;
+        unwritten: &[0, INF.to_bits()], why_absent: no_shadows;
 }
 
 /// The streams in which the caller supplies rays, as far as a run has them.

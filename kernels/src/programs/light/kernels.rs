@@ -2,12 +2,13 @@
 
 use super::{breaks, explain, rounding};
 use crate::options::features::Features;
-use crate::options::reasons::{Because, NO_SHADE, Reason, Run};
+use crate::options::reasons::{Reason, Run};
 use crate::program::instance::twin;
 use crate::program::kernel::{Path, Proof};
 use crate::program::{Home, Instance, KernelInfo, Renamed};
 use crate::programs::closest_hit::kernels::{FUSED, SETUP};
 use crate::programs::closest_hit::states::{ALL, BACKGROUND, DONE, OCCLUDED, SHADE, SHADOW_SETUP, VISIBLE};
+use crate::programs::closest_hit::streams::no_shadows;
 use crate::programs::closest_hit::{self, streams};
 use crate::shared::constants::LIST_SIDE;
 use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};
@@ -57,15 +58,7 @@ pub(super) const SHADOWS: [OfShadows; 7] = [
 ];
 const _: () = assert!(FUSED.index() - SETUP.index() + 1 == SHADOWS.len());
 
-/// Why nothing casts a shadow ray.
-fn no_shadows(run: &Run<'_>) -> Reason {
-    match run.options.shade {
-        true => (Because::Scene, "no light: one headlight at the eye, from where every hit is visible"),
-        false => NO_SHADE,
-    }
-}
-
-/// The same for a kernel of the walk: what it would be needed for, if there are shadow rays.
+/// Why a run does without a kernel of the walk for shadow rays: what it would be needed for, if there are any.
 fn absent<const OF: usize>(run: &Run<'_>) -> Reason {
     match run.features.shadows {
         true => (closest_hit::kernels::KERNELS[SETUP.index() + OF].kernel.why_absent)(run),

@@ -21,7 +21,7 @@ fn room() -> Scene {
         Light::Point { position: at(0.3, 0.9, 0.5), color: [0.5, 0.6, 0.7], intensity: 1.0 },
         Light::Directional { direction: down, color: [0.3; 3], intensity: 1.0 },
         Light::Spot {
-            position: at(0.8, 0.8, 0.9),
+            position: at(0.8, 0.8, 0.4),
             direction: [0.0, -1.0, 0.0],
             color: [0.9, 0.2, 0.2],
             intensity: 1.0,

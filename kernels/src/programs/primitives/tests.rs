@@ -15,7 +15,7 @@ use crate::program::{Instance, Kernel, Program};
 #[cfg(feature = "gpu")]
 use crate::programs::grid_build::device::tests::gpu;
 use crate::renderer::{Device, RenderError, Renderer};
-use crate::scene_data::SceneData;
+use crate::scene_data::{Contents, SceneData};
 use crate::shared;
 use crate::shared::launch::MOST_ELEMENTS;
 use crate::tables::elements::Size;
@@ -181,8 +181,7 @@ fn planned(
     let given = |stream, bits: Vec<u32>| StreamData { stream, width: size.width, height: size.height, bits };
     let twice = values.iter().copied().chain(values.iter().map(|value| !value)).collect();
     let inputs = vec![given(KEY, keys.clone()), given(VALUE, twice), given(WANTED, wanted.clone())];
-    let mut data = SceneData::default();
-    data.inputs = inputs;
+    let data = SceneData::from(Contents { inputs, ..Contents::default() });
     let sets = [(&PAIRS, count as u64)];
     let run = Over { program: &GUESTS, schedule: schedule(1), given: &sets, accelerator: Accelerator::None };
     let options = Options::new(RaySource::Given(Vec::new()));

@@ -7,7 +7,7 @@ use crate::options::{Accelerator, MOST_ELEMENTS, Options};
 use crate::plan::over::Over;
 use crate::plan::{Limits, Plan, PlanError, check_buffer};
 use crate::program::sizes::TooMany;
-use crate::scene_data::SceneData;
+use crate::scene_data::{Contents, SceneData};
 use crate::tables::elements::Size;
 use crate::tables::stream::StreamData;
 
@@ -26,8 +26,7 @@ pub(super) fn plan(_: &Scene, options: &Options, limits: &Limits) -> Result<(Pla
     bits.resize(texels, 0);
     bits.extend(0..texels as u32);
     let inputs = vec![StreamData { stream: KEY, width, height, bits }];
-    let mut data = SceneData::default();
-    data.inputs = inputs;
+    let data = SceneData::from(Contents { inputs, ..Contents::default() });
     let given = [(&KEYS, u64::from(keys))];
     let run = Over { program: &PROGRAM, schedule: schedule(keys), given: &given, accelerator: Accelerator::None };
     Ok((run.plan(&data, options, limits)?, data))

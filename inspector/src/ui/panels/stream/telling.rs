@@ -1,6 +1,5 @@
 //! What is shown where the rays' states would be a picture in one colour, and what one value in all texels is said to be.
 
-use raystep_kernels::programs::closest_hit::streams::RAY_DIRECTION;
 use raystep_kernels::tables::stream::Meaning as StreamMeaning;
 use raystep_kernels::{Accelerator, Plan, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others};
@@ -33,7 +32,8 @@ impl StreamView {
         if let Some(layer) = of_place(default).filter(|_| has_places) {
             return Some((default, Some(layer)));
         }
-        streams.contains(&RAY_DIRECTION).then_some((RAY_DIRECTION, None))
+        let direction = plan.program.results?.direction;
+        streams.contains(&direction).then_some((direction, None))
     }
 
     /// Remembers where the cells or nodes of all rays are the same.

@@ -2,6 +2,8 @@ use raystep_kernels::structures::bvh::BvhNode;
 use raystep_kernels::{Accelerator, Limits, Options, Plan, RaySource, ScheduleKind};
 use raystep_scenes::{Scene, generate};
 
+use raystep_kernels::scene_data::Contents;
+
 use super::super::TreeStats;
 use super::*;
 
@@ -19,7 +21,7 @@ fn small() -> Nodes {
         across(1.0, 2.0, 3, 1),
         across(3.0, 4.0, 4, 2),
     ];
-    Nodes::of(&SceneData { bvh_nodes, ..SceneData::default() }).expect("a tree")
+    Nodes::of(&SceneData::from(Contents { bvh_nodes, ..Contents::default() })).expect("a tree")
 }
 
 #[test]
@@ -65,7 +67,7 @@ fn three_boxes_that_overlap_are_not_counted_twice() {
 fn links_to_nothing_and_backwards_end_the_tree() {
     let point = |first, link| bvh_node([0.0; 3], [1.0; 3], first, link);
     for first in [0, 1, 7, u32::MAX] {
-        let tree = Nodes::of(&SceneData { bvh_nodes: vec![point(first, 0), point(0, 1)], ..SceneData::default() });
+        let tree = Nodes::of(&Contents { bvh_nodes: vec![point(first, 0), point(0, 1)], ..Contents::default() }.into());
         let tree = tree.expect("a tree");
         assert!(tree.get(0).expect("a root").is_leaf() && tree.path(0) == [0] && tree.path(99).len() <= 2);
     }

@@ -76,6 +76,9 @@ fn explain_test(data: &SceneData, before: &RayState, after: &RayState, triangle:
     if let (true, Some(t), Some([u, v])) = (has_new_hit(before, after), after.t, after.barycentric) {
         return format!("triangle {triangle}: hit at t {t}, u {u}, v {v}");
     }
+    if before.surface == Some(triangle) {
+        return format!("triangle {triangle}: the one that the ray leaves");
+    }
     let [o, d] = [before.origin, before.direction].map(Vec3::<f32>::from_f32);
     let (rules, shear, corners) = (data.features.triangle_rules(), Shear::of(d), data.corners(triangle));
     let candidate = hit_triangle::<f32>(rules, o, d, &shear, corners);

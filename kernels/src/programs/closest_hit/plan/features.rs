@@ -78,9 +78,8 @@ pub(in crate::programs) fn features(
         many_lights: keep(Item::ManyLights) || scene.lights.len() > 1,
         directional_lights: keep(Item::DirectionalLights) || any_light(|l| matches!(l, Light::Directional { .. })),
         spot_lights: keep(Item::SpotLights) || any_light(|l| matches!(l, Light::Spot { .. })),
-        shadows: options.shade
-            && options.integrator == Integrator::Shadows
-            && (keep(Item::ShadowRays) || !scene.lights.is_empty()),
+        // From a light at the eye, every hit is visible.
+        shadows: options.shade && options.integrator == Integrator::Shadows && !scene.lights.is_empty(),
         resumes: false,
         resumes_scan: false,
         resumes_light: false,

@@ -9,7 +9,7 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::Slice;
 
 use super::placement::Placement;
-use crate::walk::{WalkGeometry, row_after_passes};
+use crate::walk::{WalkGeometry, last_row_of_ray, row_after_passes};
 
 /// A cell that the selected ray is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +92,7 @@ impl Path {
         (self.visits, self.segment) = (Vec::new(), None);
         if let Some((history, place)) = now {
             self.visits = visited(history, data, place);
-            let walk = WalkGeometry::new(history, data, usize::MAX);
+            let walk = WalkGeometry::new(history, data, last_row_of_ray(history, row_after_passes(history, place)));
             let span = walk.inside.map(|[enter, _]| [enter, walk.last_t().max(enter)]);
             let (origin, direction) = (walk.origin.to_array(), walk.direction.to_array());
             self.segment = span.map(|span| Segment { origin, direction, span });

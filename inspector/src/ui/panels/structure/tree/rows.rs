@@ -112,7 +112,7 @@ impl Rows {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use raystep_kernels::scene_data::SceneData;
+    use raystep_kernels::scene_data::{Contents, SceneData};
     use raystep_kernels::structures::bvh::BvhNode;
 
     use super::*;
@@ -128,7 +128,7 @@ pub(super) mod tests {
             across(1.0, 1.5, 3, 1),
             across(3.0, 4.0, 4, 2),
         ];
-        SceneData { bvh_nodes, ..SceneData::default() }
+        Contents { bvh_nodes, ..Contents::default() }.into()
     }
 
     #[test]
@@ -161,7 +161,7 @@ pub(super) mod tests {
             BvhNode { min: [0.0; 3], max: [1.0; 3], first, link }
         };
         let bvh_nodes = (0..2 * leaves - 1).map(node).collect();
-        let nodes = Nodes::of(&SceneData { bvh_nodes, ..SceneData::default() }).expect("a tree");
+        let nodes = Nodes::of(&SceneData::from(Contents { bvh_nodes, ..Contents::default() })).expect("a tree");
         assert_eq!((nodes.len(), nodes.get(0).map(|root| root.leaves)), (1_048_575, Some(leaves)));
         let mut rows = Rows::default();
         rows.build(&nodes);

@@ -7,7 +7,7 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::scene_data::SceneData;
 
 use crate::ui::pane::Context;
-use crate::walk::WalkGeometry;
+use crate::walk::{WalkGeometry, last_row_of_ray, row_after_passes};
 
 /// What the ray did at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,8 @@ impl Visits {
 }
 
 fn visits(history: &Trace, data: &SceneData, place: usize) -> HashMap<u32, Visit> {
-    let walk = WalkGeometry::new(history, data, usize::MAX);
+    let last = last_row_of_ray(history, row_after_passes(history, place));
+    let walk = WalkGeometry::new(history, data, last);
     let visit = |node: &crate::walk::NodeVisit| {
         let has_run = history.rows.get(node.row).is_some_and(|row| row.is_within(place));
         (node.node, Visit { is_met: node.is_met, has_run })
