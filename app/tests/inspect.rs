@@ -44,7 +44,7 @@ fn the_window_is_drawn_without_a_display_and_shows_what_it_is_asked_to() {
 /// The stream panel, with its tab.
 const STREAM: [std::ops::Range<u32>; 2] = [0..273, 75..318];
 /// In it, the image of 32 x 32 texels: its corner and side length, in pixels.
-const TEXELS: ([f32; 2], f32) = ([85.0, 210.0], 100.0);
+const TEXELS: ([f32; 2], f32) = ([90.0, 220.0], 90.0);
 
 /// Where two images differ, by more than rounding: a glyph need not have the same place in the atlas.
 fn differences(a: &RgbaImage, b: &RgbaImage) -> Vec<[u32; 2]> {
