@@ -3,7 +3,7 @@
 mod building;
 mod scenes;
 
-use raystep_kernels::options::ProgramName::{ClosestHit, GridBuild, Sort};
+use raystep_kernels::options::ProgramName::{GridBuild, Sort};
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
 use raystep_kernels::programs::{light, named};
 use raystep_kernels::tables::kernel::Role;
@@ -54,12 +54,7 @@ pub(super) fn checks_of_building() -> Vec<Check> {
 /// Kernels that take one step can be drawn, and those that begin and end a ray's course.
 pub(super) fn checks_of_drawing() -> Vec<Check> {
     let is_drawn = |kernel: &Kernel| !matches!(kernel.role(), Role::Walk | Role::Whole | Role::Sample);
-    checks_of(
-        named(ClosestHit),
-        Group::Drawing,
-        is_drawn,
-        "every structure was traced, with each choice of the mapping",
-    )
+    checks_of(&light::PROGRAM, Group::Drawing, is_drawn, "every structure was traced, with each choice of the mapping")
 }
 
 /// Configurations to compare.
@@ -115,7 +110,8 @@ fn drawn() -> Vec<Traced> {
         (Configuration::new(Irregular, First, 1), swapped),
         (Configuration::new(Grid, Second, 1).dda(), depths),
     ];
-    all.map(|(one, how)| Traced::new(Place::Room, one).drawn(how)).into()
+    let shadows = Traced::new(Place::Room, STEPPED).with_shadows().drawn(depths);
+    all.map(|(one, how)| Traced::new(Place::Room, one).drawn(how)).into_iter().chain([shadows]).collect()
 }
 
 pub(super) fn drawing() -> Vec<Step> {
