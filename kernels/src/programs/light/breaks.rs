@@ -20,5 +20,5 @@ pub(super) const OF_ILLUMINATE: &[Break] = &[
         "textureStore(state, texel, 1, vec4u(t_bits));\n    textureStore(state, texel, 0, vec4u(DONE));",
         "textureStore(state, texel, 0, vec4u(DONE));",
     ),
-    Break::new(counted, "textureLoad(shadow_counters, texel, i, 0).x", "0u"),
+    Break::new(counted, "textureLoad(shadow_counters, texel, 1, 0).x", "0u"),
 ];

@@ -52,10 +52,12 @@ fn arrived(texel: vec2u, tag: u32) -> vec3f {
         sum += vec3f(textureLoad(pending, texel, 0).x, textureLoad(pending, texel, 1).x, textureLoad(pending, texel, 2).x);
     }
     @if(counters) {
-        for (var i = 0; i < 3; i++) {
-            let rays = textureLoad(counters, texel, i).x + textureLoad(shadow_counters, texel, i, 0).x;
-            textureStore(counters, texel, i, vec4u(rays));
-        }
+        let cells = textureLoad(counters, texel, 0).x + textureLoad(shadow_counters, texel, 0, 0).x;
+        let tests = textureLoad(counters, texel, 1).x + textureLoad(shadow_counters, texel, 1, 0).x;
+        let repeated = textureLoad(counters, texel, 2).x + textureLoad(shadow_counters, texel, 2, 0).x;
+        textureStore(counters, texel, 0, vec4u(cells));
+        textureStore(counters, texel, 1, vec4u(tests));
+        textureStore(counters, texel, 2, vec4u(repeated));
     }
     return sum;
 }
