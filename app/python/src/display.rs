@@ -4,7 +4,7 @@ use numpy::{PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use raystep_inspector::draw::stream::{Colors, state_color};
-use raystep_kernels::programs::closest_hit::{states::STATES, streams::STREAMS};
+use raystep_kernels::programs::closest_hit::{states, streams::STREAMS};
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::stream::Meaning;
 use raystep_kernels::{Image, Stream};
@@ -81,7 +81,7 @@ fn colors(meaning: Meaning) -> Option<Colors> {
 fn color(meaning: Meaning, bits: u32, span: Option<(f64, f64)>) -> [u8; 3] {
     let Some(map) = colors(meaning) else {
         return match meaning {
-            Meaning::Tag => state_color(STATES, bits),
+            Meaning::Tag => state_color(states::ALL, bits),
             _ if bits == NONE => OTHER,
             _ => {
                 // Neighbouring ids get distant hues.
