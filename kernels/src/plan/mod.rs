@@ -158,6 +158,12 @@ impl Plan {
         self.program.course().is_some() && !self.features.samples && self.schedule.steps.iter().all(is_the_same_for_all)
     }
 
+    /// Whether a ray may walk again after its walk: for another sample, or to a light.
+    #[must_use]
+    pub fn has_more_walks(&self) -> bool {
+        self.features.samples || self.features.shadows
+    }
+
     /// A label for an object of this run, shown by debuggers and in wgpu's errors.
     #[must_use]
     pub fn label(&self, name: &str) -> String {

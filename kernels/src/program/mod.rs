@@ -22,7 +22,7 @@ use crate::scene_data::buffer::BufferInfo;
 use crate::tables::elements::Elements;
 use crate::tables::kernel::{ListInfo, Transition};
 use crate::tables::state::{States, Tag};
-use crate::tables::stream::{Stream, StreamInfo};
+use crate::tables::stream::{STATE_TAG, Stream, StreamData, StreamInfo};
 pub use check::Fault;
 pub use instance::{Instance, Kernel, Renamed};
 pub use kernel::{Home, KernelInfo, Path, Twin};
@@ -76,6 +76,16 @@ pub struct Course {
     pub given_up: fn(Tag) -> Tag,
     /// State of an element that no kernel has work for.
     pub done: Tag,
+}
+
+impl Course {
+    /// Gives up the walks of all elements, in the values of the course's stream; returns how many there were.
+    pub fn give_up_walks(&self, states: States, values: &mut StreamData) -> u64 {
+        let elements = values.layer(STATE_TAG).len();
+        let tags = &mut values.bits[STATE_TAG * elements..(STATE_TAG + 1) * elements];
+        let walking = tags.iter_mut().filter(|tag| states.is_walking(**tag));
+        walking.map(|tag| *tag = (self.given_up)(*tag)).count() as u64
+    }
 }
 
 impl Program {

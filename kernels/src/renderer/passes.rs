@@ -6,7 +6,6 @@ use super::{Pass, Progress, RenderError, Renderer};
 use crate::program::Kernel;
 use crate::tables::kernel::Role;
 use crate::tables::state::{Population, StateCounts};
-use crate::tables::stream::STATE_TAG;
 
 /// Most rays times passes per submission, unless that is fewer than two passes.
 const RAYS_A_BATCH: u64 = 1 << 26;
@@ -217,31 +216,21 @@ impl Renderer {
 
     /// Only possible with the paper's numerics: a ray wraps over a face of the grid.
     fn is_over_bound(&self) -> bool {
-        let is_first = self.unfinished == 0 || self.has_more_walks();
+        let is_first = self.unfinished == 0 || self.plan.has_more_walks();
         is_first && self.undecided() > 0 && self.records.of_sample() as u64 >= self.pass_bound
-    }
-
-    /// Whether an element may walk again after its walk.
-    fn has_more_walks(&self) -> bool {
-        self.plan.features.samples || self.plan.features.shadows
     }
 
     /// Ends the walks that are still active. If another sample or ray follows, their rays count as misses:
     /// otherwise they would keep walking through all following samples, a sample behind the others.
     async fn give_up_walks(&mut self) -> Result<(), RenderError> {
-        if !self.has_more_walks() {
+        if !self.plan.has_more_walks() {
             self.unfinished = self.undecided();
             self.cursor.leave_walk(&self.plan.schedule);
             return Ok(());
         }
         let Some(course) = self.plan.program.course() else { return Ok(()) };
         let mut state = self.values(course.stream).await?;
-        let rays = state.layer(STATE_TAG).len();
-        let tags = &mut state.bits[STATE_TAG * rays..(STATE_TAG + 1) * rays];
-        for tag in tags.iter_mut().filter(|tag| self.plan.program.states.is_walking(**tag)) {
-            *tag = (course.given_up)(*tag);
-            self.unfinished += 1;
-        }
+        self.unfinished += course.give_up_walks(self.plan.program.states, &mut state);
         self.write(&state);
         Ok(())
     }
