@@ -96,10 +96,8 @@ pub static ROWS: &[Row] = &[
     .applies(|c| c.program == ProgramName::ClosestHit)
     .refused(|c| {
         let is_idle = c.integrator != Integrator::Local && c.program != ProgramName::ClosestHit;
-        is_idle.then(|| {
-            let why = format!("--integrator {}: program {} computes no light; omit it", c.integrator, c.program);
-            Refusal::Idle(why)
-        })
+        let why = || format!("--integrator {}: program {} computes no light; omit it", c.integrator, c.program);
+        is_idle.then(|| Refusal::Idle(why()))
     }),
     named!(
         "accelerator",

@@ -317,9 +317,8 @@ macro_rules! kernels {
 
         /// Every kernel.
         pub static KERNELS: [$crate::program::Instance; [$(Index::$kernel as usize),*].len()] =
-            [$($crate::program::Instance {
-                name: stringify!($module),
-                kernel: $crate::program::KernelInfo {
+            [$($crate::program::Instance::of(
+                $crate::program::KernelInfo {
                     name: stringify!($module),
                     wgsl: include_str!(concat!(stringify!($module), ".wgsl")),
                     twin: $crate::program::instance::twin!($twin $module),
@@ -341,14 +340,8 @@ macro_rules! kernels {
                     rounding: $rounding,
                     breaks: $breaks,
                 },
-                over: &$over,
-                parameter: 0,
-                binds: &[],
-                renamed: None,
-                changes: None,
-                renews: &[],
-                adopts: &[],
-            }),*];
+                &$over,
+            )),*];
 
         $($(#[doc = $doc])* pub const $kernel: Kernel = Kernel::at(&PROGRAM, Index::$kernel as usize);)*
     };

@@ -48,14 +48,14 @@ static REGISTRY: [Registered; 4] = [
         name: ProgramName::ClosestHit,
         integrators: &[Integrator::Local],
         program: || &closest_hit::PROGRAM,
-        plan: |scene, options, limits| closest_hit::plan::plan(tracer(options), scene, options, limits, None),
+        plan: trace,
         alone: None,
     },
     Registered {
         name: ProgramName::ClosestHit,
         integrators: &[Integrator::Shadows],
         program: || &light::PROGRAM,
-        plan: |scene, options, limits| closest_hit::plan::plan(tracer(options), scene, options, limits, None),
+        plan: trace,
         alone: None,
     },
     Registered {
@@ -99,6 +99,10 @@ pub fn chosen(choices: &Choices) -> &'static Registered {
     let is_it = |it: &&Registered| it.name == choices.program && it.integrators.contains(&choices.integrator);
     // There is one for all of them, as a test shows.
     REGISTRY.iter().find(is_it).unwrap_or(&REGISTRY[0])
+}
+
+fn trace(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Plan, SceneData), PlanError> {
+    closest_hit::plan::plan(tracer(options), scene, options, limits, None)
 }
 
 /// The program that traces rays with these options, and how it orders its kernels.

@@ -60,14 +60,18 @@ pub fn of(options: &Options, features: &Features) -> Schedule {
     let given = matches!(options.rays, RaySource::Given(_));
     let Features { eye_rays, many_steps, samples, .. } = *features;
     let mut schedule = new(options.schedule, features.structure(), given, options.shade, eye_rays, many_steps);
-    for step in &mut schedule.steps {
-        if let Step::Run(kernel) = *step
-            && (kernel.info().resumes)(features)
-        {
-            *step = Step::RunUntilIdle(kernel);
-        }
-    }
+    schedule.steps = until_idle(schedule.steps, features);
     if samples { for_samples(schedule) } else { schedule }
+}
+
+/// The same, where kernels run again that leave rays for another dispatch.
+pub(in crate::programs) fn until_idle(steps: Vec<Step>, features: &Features) -> Vec<Step> {
+    let step = |step| match step {
+        Step::Run(kernel) if (kernel.info().resumes)(&kernel.features(features)) => Step::RunUntilIdle(kernel),
+        Step::LoopWhileActive(kernels, body) => Step::LoopWhileActive(kernels, until_idle(body, features)),
+        step => step,
+    };
+    steps.into_iter().map(step).collect()
 }
 
 /// The same for several samples per pixel: repeats all steps as long as a pixel asks for another sample.

@@ -24,7 +24,7 @@ pub(in crate::programs) fn of(options: &Options, features: &Features) -> Schedul
     steps.push(Step::Run(illuminating()));
     light.push(Step::Run(illuminating()));
     steps.push(Step::LoopWhileActive(starts.into_iter().collect(), light));
-    let mut steps = until_idle(steps, features);
+    let mut steps = of_rays::until_idle(steps, features);
     if features.samples {
         steps.push(Step::Run(here(ACCUMULATE)));
         steps = vec![Step::LoopWhileActive(vec![here(GENERATE)], steps)];
@@ -45,14 +45,4 @@ fn mapped(steps: &[Step], to: fn(Kernel) -> Kernel) -> Vec<Step> {
         Step::Repeat(name, times, body) => Step::Repeat(name, *times, mapped(body, to)),
     };
     steps.iter().map(step).collect()
-}
-
-/// The same, where kernels run again that leave elements for another dispatch.
-fn until_idle(steps: Vec<Step>, features: &Features) -> Vec<Step> {
-    let step = |step| match step {
-        Step::Run(kernel) if (kernel.info().resumes)(&kernel.features(features)) => Step::RunUntilIdle(kernel),
-        Step::LoopWhileActive(kernels, body) => Step::LoopWhileActive(kernels, until_idle(body, features)),
-        step => step,
-    };
-    steps.into_iter().map(step).collect()
 }
