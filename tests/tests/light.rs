@@ -255,6 +255,14 @@ fn a_broken_kernel_is_named() {
         let found = parity::compare_broken(&gpu(), &scene, &options, change(illuminate, broken.from, broken.to));
         assert_eq!(found.breaches.first().map(|b| b.kernel), Some(illuminate), "with {:?}", broken.to);
     }
+    let several = Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 8).of(&options(&scene, 24, 24));
+    // More lights than a dispatch has loop iterations: without one to cast a ray to, the next waits.
+    let several = with_shadows(several);
+    let whole = parity::compare_in_turns(&gpu(), &scene, &several, 1);
+    assert!(!whole.is_broken(), "{:?} {:?}", whole.breaches, whole.miscounts);
+    let (from, to) = ("LIGHTS_SUMMED + end", "LIGHTS_SUMMED + end + 1u");
+    let found = parity::compare_broken_in_turns(&gpu(), &scene, &several, 1, change(illuminate, from, to));
+    assert_eq!(found.breaches.first().map(|b| b.kernel), Some(illuminate), "lights are left out unnoticed");
     // Any hit before the light occludes it, whether the ray would be the nearest or not.
     for (accelerator, schedule, name, from, to) in [
         (Accelerator::Grid, ScheduleKind::Second, "shadow_intersect", "candidate.t < nearest_t", "true"),

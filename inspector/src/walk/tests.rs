@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use raystep_kernels::export::trace::{Rays, trace};
+use raystep_kernels::options::Integrator;
 use raystep_kernels::{Accelerator, Device, Numerics, Options, RaySource, Renderer, Skip};
 use raystep_scenes::{Camera, LoadOptions, NoFiles, Scene};
 
@@ -112,6 +113,33 @@ fn the_walk_grows_row_by_row_to_the_hit_of_the_trace() {
     for accelerator in [Accelerator::Grid, Accelerator::Irregular] {
         let (trace, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, [20, 40]);
         the_walk_grows(&trace, &data);
+    }
+}
+
+/// At a row of a shadow ray, the walk is that of this ray; at the end, that of the ray from the eye.
+#[test]
+fn a_shadow_ray_has_a_walk_of_its_own() {
+    let scene = scene(CORNELL);
+    for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh] {
+        let options = Options { integrator: Integrator::Shadows, accelerator, ..options(&scene) };
+        let (trace, data) = traced(&scene, &options, [15, 43]);
+        let first = trace.rows.iter().position(|row| row.kernel == "shadow_setup").expect("a shadow ray");
+        let last = last_row_of_ray(&trace, Some(first));
+        assert_eq!((trace.rows[last].kernel, trace.rows[last].after.state), ("shadow_intersect", "OCCLUDED"));
+        let walk = WalkGeometry::new(&trace, &data, last);
+        let rows = |walk: &WalkGeometry| -> Vec<usize> {
+            let visits = walk.cells.iter().map(|cell| cell.row).chain(walk.nodes.iter().map(|node| node.row));
+            visits.chain(walk.tested.iter().map(|test| test.row)).collect()
+        };
+        assert_eq!((walk.origin, walk.is_over), (to_f64(trace.rows[first].after.origin), true));
+        assert!(rows(&walk).len() > 10 && rows(&walk).iter().all(|&row| row >= first), "{accelerator}: {walk:?}");
+        assert_eq!(walk.hit.map(|hit| hit.triangle), trace.rows[last].after.triangle);
+        let of_eye = whole(&trace, &data);
+        assert_eq!(of_eye.origin, to_f64(trace.rows[0].after.origin));
+        assert!(rows(&of_eye).len() > 10 && rows(&of_eye).iter().all(|&row| row < first), "{accelerator}: {of_eye:?}");
+        assert!(
+            walk.nodes.iter().all(|node| !node.is_leaf) || walk.nodes.iter().any(|node| node.is_leaf && node.is_met)
+        );
     }
 }
 

@@ -102,9 +102,9 @@ fn a_light_counts_as_in_the_local_colour_or_not_at_all() {
     }
 }
 
-/// More lights than a dispatch has loop iterations, and by the paper's rules.
+/// The paper's rules lose some rays, and light nothing else.
 #[test]
-fn rules_and_parts_of_the_sum_change_nothing_but_rounding() {
+fn the_papers_rules_give_nearly_the_same_light() {
     let scene = room();
     let robust = options(&scene, 40, 40);
     let [color] = run(&scene, &robust, [COLOR]);
