@@ -1,4 +1,4 @@
-//! A scale of t: round numbers (Heckbert, "Nice numbers for graph labels", Graphics Gems, 1990).
+//! A scale: round numbers (Heckbert, "Nice numbers for graph labels", Graphics Gems, 1990).
 
 /// Values at round steps within a range, at most `most` of them, with the decimals that tell them apart.
 #[derive(Clone, Debug, Default, PartialEq)]

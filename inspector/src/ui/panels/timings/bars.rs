@@ -9,6 +9,7 @@ use super::{duration, time_of};
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::kernel_color;
 use crate::ui::style::strong;
+use crate::walk::Ticks;
 
 /// Points below the bars, for numbers of passes.
 const FOOT: f32 = 15.0;
@@ -40,14 +41,14 @@ fn columns(passes: &[Pass], most: usize) -> Vec<Column> {
 /// Passes whose numbers stand below the bars, and the middles of their bars: round ones, further apart where there is less
 /// room.
 fn numbers(columns: &[Column], passes: usize, width: f32) -> Vec<(usize, f32)> {
-    let most = (width / NUMBER) as usize;
-    let round = (0..).map(|k| 10usize.pow(k / 3) * [1, 2, 5][k as usize % 3]);
-    let step = round.take(28).find(|step| passes.div_ceil(*step) <= most.max(1)).unwrap_or(passes.max(1));
+    // No more ticks than passes, so that all are whole numbers.
+    let most = ((width / NUMBER) as usize).clamp(1, passes.max(1));
+    let round = Ticks::of([0.0, passes as f64], most).values.into_iter().map(|pass| pass as usize);
     let middle = |pass: usize| {
         let column = columns.partition_point(|column| column.first <= pass).saturating_sub(1);
         (column as f32 + 0.5) * width / columns.len().max(1) as f32
     };
-    (0..passes).step_by(step).map(|pass| (pass, middle(pass))).collect()
+    round.filter(|&pass| pass < passes).map(|pass| (pass, middle(pass))).collect()
 }
 
 /// Paints them. A click goes to the place after the slowest pass of a bar. `kept` is cleared when passes change.
