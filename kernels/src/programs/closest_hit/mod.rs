@@ -88,6 +88,7 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("arrival", include_str!("arrival.wgsl")),
         ("grid_lists", include_str!("grid_lists.wgsl")),
         ("tracing", include_str!("tracing.wgsl")),
+        ("tested", include_str!("tested.wgsl")),
         ("fused_waiting", include_str!("fused/waiting.wgsl")),
         ("fused_waiting_in_grid", include_str!("fused/waiting_in_grid.wgsl")),
         ("shade_surface", include_str!("shade/surface.wgsl")),

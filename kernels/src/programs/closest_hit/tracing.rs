@@ -1,4 +1,4 @@
-//! Twin of `tracing.wgsl`: the variables of a ray in a kernel that takes several steps, and its test of one triangle.
+//! Twin of `tracing.wgsl` and `tested.wgsl`: the variables of a ray in a kernel that takes several steps, and its test of one triangle.
 
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;

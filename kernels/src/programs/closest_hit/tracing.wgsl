@@ -1,12 +1,10 @@
-// The variables of a ray in a kernel that takes several steps, kept in registers, and its test of one triangle.
+// The variables of a ray in a kernel that takes several steps, kept in registers.
 
-import package::constants::{NO_TRIANGLE, TURNS, TURNS_A_TEST};
+import package::constants::{NO_TRIANGLE, TURNS};
 import package::state::{ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::camera::{Ray};
-import package::triangle::{Shear, shear_of, hit_triangle, between, is_nearer};
-import package::packed_triangles::{packed_triangle};
+import package::triangle::{Shear, shear_of};
 import package::ray::{load_interval, load_surface};
-import package::grid::{is_in_cell};
 
 // The ray, its nearest hit so far, and counters.
 struct Trace {
@@ -63,30 +61,4 @@ fn farthest(trace: Trace) -> f32 {
 // after some time. Tested between two steps, never before the first, so that every dispatch makes progress.
 fn is_spent(trace: Trace) -> bool {
     return trace.turns >= TURNS;
-}
-
-// Tests one triangle; cell matters only if hits must lie in it.
-fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
-    var trace = before;
-    let triangle = packed_triangle(entry);
-    var candidate = hit_triangle(trace.origin, trace.direction, trace.shear, triangle.a, triangle.b, triangle.c);
-    @if(intervals) candidate = between(candidate, trace.interval);
-    @if(leaves) candidate.is_hit = candidate.is_hit && triangle.id != trace.leaves;
-    // One inside the other: a miss, as most tests end, then costs no comparison of t.
-    if (candidate.is_hit) {
-        @if(in_cell) let accepted = candidate.t < trace.t
-            && is_in_cell(trace.origin + trace.direction * candidate.t, cell);
-        @else @if(robust && !any_hit) let accepted = is_nearer(candidate.t, triangle.id, trace.t, trace.triangle);
-        @else let accepted = candidate.t < trace.t;
-        if (accepted) {
-            trace.t = candidate.t;
-            trace.u = candidate.u;
-            trace.v = candidate.v;
-            trace.triangle = triangle.id;
-            @if(any_hit) trace.ended = true;
-        }
-    }
-    @if(counters) trace.tests += 1u;
-    @if(resumes) trace.turns += TURNS_A_TEST;
-    return trace;
 }

@@ -1,7 +1,8 @@
 // Without a structure: through all triangles.
 
 import package::scene::{scene};
-import package::tracing::{Trace, tested, is_spent};
+import package::tested::{tested};
+import package::tracing::{Trace, is_spent};
 import package::fused_waiting::{wait_at, waiting_item};
 
 fn traced(start: Trace) -> Trace {

@@ -10,7 +10,8 @@ import package::wide_walk::{
     TRAIL_WORDS, MOST_LEVELS, NO_CHILD, trail_child, with_trail_child,
     WideGroup, wide_ray, visit_wide, wide_child, wide_entry,
 };
-import package::tracing::{Trace, tested, farthest, is_spent};
+import package::tested::{tested};
+import package::tracing::{Trace, farthest, is_spent};
 import package::fused_waiting::{wait, wait_at};
 
 @if(resumes) @group(0) @binding(6) var trail: texture_storage_2d_array<r32uint, read_write>;

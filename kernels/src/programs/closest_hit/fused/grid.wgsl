@@ -5,7 +5,8 @@ import package::vector::{smallest3};
 import package::grid::{cell_index};
 import package::grid_walk::{grid_ray, next_cell};
 import package::grid_lists::{grid_cells, grid_items, empty_distance};
-import package::tracing::{Trace, tested, farthest, is_spent};
+import package::tested::{tested};
+import package::tracing::{Trace, farthest, is_spent};
 import package::fused_waiting::{wait, waiting_item};
 import package::fused_waiting_in_grid::{first_cell, cells_left, wait_in};
 

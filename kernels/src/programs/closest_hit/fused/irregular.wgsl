@@ -9,7 +9,8 @@ import package::irregular_walk::{
     VoxelWalk, irregular_items, enter_irregular, at_voxel, voxel_exit, step_voxel, unpacked_voxel,
 };
 import package::ray::{load_voxel, store_voxel};
-import package::tracing::{Trace, tested, farthest, is_spent};
+import package::tested::{tested};
+import package::tracing::{Trace, farthest, is_spent};
 import package::fused_waiting::{wait, wait_at, has_waited};
 
 // The first cell, or the one at which the ray waits.

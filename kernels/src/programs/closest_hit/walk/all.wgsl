@@ -2,7 +2,8 @@
 
 import package::state::{SHADE};
 import package::scene::{scene};
-import package::tracing::{tested, ended_as, is_spent};
+import package::tested::{tested};
+import package::tracing::{ended_as, is_spent};
 import package::walk_place::{Place};
 
 fn walked(start: Place, texel: vec2u) -> Place {

@@ -4,7 +4,8 @@ import package::constants::{NODES_A_STEP, NO_NODE};
 import package::state::{SHADE};
 import package::bvh_walk::{Visit, bvh_nodes, next_node, finite_inverse};
 import package::scene::{scene};
-import package::tracing::{tested, farthest, ended_as, is_spent};
+import package::tested::{tested};
+import package::tracing::{farthest, ended_as, is_spent};
 import package::walk_place::{Place, waiting_item};
 
 @group(0) @binding(4) var previous: texture_storage_2d_array<r32uint, read_write>;

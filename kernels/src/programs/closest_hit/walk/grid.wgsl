@@ -8,7 +8,8 @@ import package::grid_walk::{Walk, GridRay, grid_ray, next_cell, cell_exit, per_a
 import package::grid_lists::{grid_cells, grid_items, empty_distance};
 import package::per_axis::{load_per_axis, store_per_axis};
 import package::scene::{scene};
-import package::tracing::{tested, listed_as, is_spent};
+import package::tested::{tested};
+import package::tracing::{listed_as, is_spent};
 import package::walk_place::{Place, waiting_item, after_list};
 
 // robust: tmax is computed from the cell each time, so there is nothing to keep.

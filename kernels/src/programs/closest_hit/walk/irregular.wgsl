@@ -8,7 +8,8 @@ import package::grid_walk::{grid_ray};
 import package::irregular_walk::{irregular_items, at_voxel, voxel_exit, step_voxel, unpacked_voxel};
 import package::ray::{load_voxel, store_voxel};
 import package::scene::{scene};
-import package::tracing::{tested, listed_as, is_spent};
+import package::tested::{tested};
+import package::tracing::{listed_as, is_spent};
 import package::walk_place::{Place, waiting_item, after_list};
 
 fn walked(start: Place, texel: vec2u) -> Place {
