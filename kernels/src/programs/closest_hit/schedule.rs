@@ -64,11 +64,13 @@ pub fn of(options: &Options, features: &Features) -> Schedule {
     if samples { for_samples(schedule) } else { schedule }
 }
 
-/// The same, where kernels run again that leave rays for another dispatch.
+/// The same, where kernels run again that leave rays for another dispatch; a walk's own loop runs its kernels again anyway.
 pub(in crate::programs) fn until_idle(steps: Vec<Step>, features: &Features) -> Vec<Step> {
     let step = |step| match step {
         Step::Run(kernel) if (kernel.info().resumes)(&kernel.features(features)) => Step::RunUntilIdle(kernel),
-        Step::LoopWhileActive(kernels, body) => Step::LoopWhileActive(kernels, until_idle(body, features)),
+        Step::LoopWhileActive(kernels, body) if !kernels.iter().any(|kernel| kernel.is_walk()) => {
+            Step::LoopWhileActive(kernels, until_idle(body, features))
+        }
         step => step,
     };
     steps.into_iter().map(step).collect()
