@@ -4,7 +4,7 @@
 //! defaults and ranges. Programs call the functions beside it.
 //!
 //! The same numbers give the same scene everywhere: random numbers come from a seeded SplitMix64, and the coordinates
-//! of [`soup`], [`terrain`] and [`icosphere`] use only operations whose rounding IEEE 754 prescribes (+ − × ÷ √), so
+//! of [`soup`], [`terrain`], [`icosphere`] and [`whitted`] use only operations whose rounding IEEE 754 prescribes (+ − × ÷ √), so
 //! they have the same bits on every machine. [`sphere_flake`], [`hair`] and [`tiny_in_room`] also use sines and
 //! cosines, whose last bit may differ between systems.
 //!
@@ -19,6 +19,7 @@ mod random;
 mod soup;
 mod terrain;
 mod tiny;
+mod whitted;
 
 pub use cornell::cornell_box;
 pub use flake::sphere_flake;
@@ -28,6 +29,7 @@ pub(crate) use random::mix;
 pub use soup::soup;
 pub use terrain::terrain;
 pub use tiny::tiny_in_room;
+pub use whitted::whitted;
 
 use crate::Scene;
 use std::ops::RangeInclusive;
@@ -194,5 +196,11 @@ pub const GENERATORS: &[Generator] = &[
         summary: "a closed unit sphere whose triangles share their corners bit for bit",
         parameters: &[icosphere::SUBDIVISIONS],
         make: |v| icosphere(v[0]),
+    },
+    Generator {
+        name: "whitted",
+        summary: "a glass ball and a mirror over a checkered floor (Whitted 1980)",
+        parameters: &[whitted::SUBDIVISIONS],
+        make: |v| whitted(v[0]),
     },
 ];

@@ -12,4 +12,4 @@ pub mod scene;
 
 pub use glb::{WriteError, write_glb};
 pub use load::{ENDINGS, FileError, LoadError, LoadOptions, NoFiles, Resolver, external_files, load};
-pub use scene::{Bounds, Camera, Light, Material, Note, Projection, Scene, Texture, Wrap, offset_for};
+pub use scene::{Bounds, Camera, Light, Material, Note, Optics, Projection, Scene, Texture, Wrap, offset_for};

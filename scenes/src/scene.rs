@@ -55,11 +55,47 @@ pub struct Material {
     pub texture: Option<u32>,
     /// Shade the back with the normal turned to the viewer. Rays stop at both sides regardless.
     pub double_sided: bool,
+    /// What it does to light besides scattering it in all directions.
+    pub optics: Optics,
+}
+
+/// How a surface reflects and refracts light, of what a tracer of ideal surfaces distinguishes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Optics {
+    /// It scatters light in all directions.
+    #[default]
+    Diffuse,
+    /// A rough metal, or rough glass: drawn as a diffuse surface.
+    Rough,
+    /// It reflects light as a perfect mirror, by its `base_color`.
+    Mirror,
+    /// The smooth surface of something transparent, by whose `base_color` passing light is multiplied.
+    Dielectric {
+        /// Index of refraction, relative to the outside: where its corners are counterclockwise.
+        ior: f32,
+        /// Both sides of a thin sheet in one: light passes straight through.
+        is_thin: bool,
+    },
+}
+
+impl Optics {
+    /// Whether rays go on from it.
+    #[must_use]
+    pub const fn is_specular(&self) -> bool {
+        matches!(self, Self::Mirror | Self::Dielectric { .. })
+    }
 }
 
 impl Default for Material {
     fn default() -> Self {
-        Self { name: String::new(), base_color: [1.0; 3], emissive: [0.0; 3], texture: None, double_sided: false }
+        Self {
+            name: String::new(),
+            base_color: [1.0; 3],
+            emissive: [0.0; 3],
+            texture: None,
+            double_sided: false,
+            optics: Optics::Diffuse,
+        }
     }
 }
 

@@ -5,7 +5,8 @@
 use glam::DVec3;
 use raystep_scenes::generate::{self, GENERATORS};
 use raystep_scenes::{
-    Camera, Light, LoadOptions, Material, NoFiles, Projection, Scene, Texture, Wrap, WriteError, load, write_glb,
+    Camera, Light, LoadOptions, Material, NoFiles, Optics, Projection, Scene, Texture, Wrap, WriteError, load,
+    write_glb,
 };
 use serde_json::Value;
 
@@ -35,12 +36,13 @@ fn everything() -> Scene {
         wrap_v: Wrap::Clamp,
         linear: true,
     };
-    let material = |name: &str, texture| Material {
+    let material = |name: &str, texture, optics| Material {
         name: name.into(),
         base_color: [0.73, 0.1, 1.0 / 3.0],
         emissive: [0.0, 0.25, 1.0],
         texture,
         double_sided: texture.is_some(),
+        optics,
     };
     let axes = |projection, eye| Camera {
         name: "view".into(),
@@ -55,7 +57,11 @@ fn everything() -> Scene {
         texcoords: Some(all().map(|i| [0, 1, 2].map(|k| [i as f32 / 7.0, k as f32 - 0.5])).collect()),
         colors: Some(all().map(|i| [[i as f32 / 9.0, 0.5, 1.0]; 3]).collect()),
         triangle_materials: all().map(|i| (i % 3) as u32).collect(),
-        materials: vec![material("a", None), material("b", Some(0)), material("c", None)],
+        materials: vec![
+            material("a", None, Optics::Dielectric { ior: 1.45, is_thin: false }),
+            material("b", Some(0), Optics::Mirror),
+            material("c", None, Optics::Dielectric { ior: 2.4, is_thin: true }),
+        ],
         textures: vec![texture],
         lights: vec![
             Light::Point { position: [1.0, 2.0, 3.0], color: [1.0, 0.5, 0.25], intensity: 10.0 },

@@ -9,7 +9,7 @@ mod wrong;
 
 use crate::load_common::*;
 use glam::DVec3;
-use raystep_scenes::{Light, LoadOptions, Material, NoFiles, Projection, load};
+use raystep_scenes::{Light, LoadOptions, Material, NoFiles, Optics, Projection, load};
 use serde_json::json;
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
@@ -217,6 +217,44 @@ fn materials_and_their_defaults() {
     let glowing = &scene.materials[2];
     assert_eq!((glowing.base_color, glowing.emissive), ([0.1, 0.2, 0.3], [2., 0., 4.]));
     assert!(glowing.double_sided && !scene.materials[1].double_sided);
+}
+
+/// The surface of a material with this JSON, and the notes about it.
+fn optics_of(material: serde_json::Value) -> (Optics, Vec<String>) {
+    let mut doc = Doc::triangle();
+    doc.push("materials", material);
+    doc.primitive()["material"] = json!(0);
+    let scene = doc.scene();
+    let about = notes(&scene).into_iter().filter(|note| note.contains("material")).map(str::to_owned);
+    (scene.materials[0].optics, about.collect())
+}
+
+#[test]
+fn smooth_metals_are_mirrors_and_smooth_transmission_is_glass() {
+    let pbr = |metallic: f64, roughness: f64| json!({"metallicFactor": metallic, "roughnessFactor": roughness});
+    let glass = |roughness: f64, extensions: serde_json::Value| {
+        let transmission = json!({"transmissionFactor": 1});
+        let mut all = extensions;
+        all["KHR_materials_transmission"] = transmission;
+        json!({"pbrMetallicRoughness": pbr(0.0, roughness), "extensions": all})
+    };
+    let solid = json!({"KHR_materials_ior": {"ior": 1.33}, "KHR_materials_volume": {"thicknessFactor": 0.1}});
+    for (material, expected) in [
+        (json!({}), Optics::Diffuse),
+        (json!({"pbrMetallicRoughness": pbr(0.0, 0.0)}), Optics::Diffuse),
+        (json!({"pbrMetallicRoughness": pbr(1.0, 0.0)}), Optics::Mirror),
+        (json!({"pbrMetallicRoughness": pbr(1.0, 0.2)}), Optics::Rough),
+        (json!({"pbrMetallicRoughness": pbr(0.5, 0.0)}), Optics::Rough),
+        (glass(0.0, json!({})), Optics::Dielectric { ior: 1.5, is_thin: true }),
+        (glass(0.0, solid.clone()), Optics::Dielectric { ior: 1.33, is_thin: false }),
+        (glass(0.4, solid), Optics::Rough),
+    ] {
+        let text = material.to_string();
+        assert_eq!(optics_of(material), (expected, vec![]), "{text}");
+    }
+    let (optics, notes) = optics_of(glass(0.0, json!({"KHR_materials_ior": {"ior": 0.5}})));
+    assert_eq!(optics, Optics::Diffuse);
+    assert!(notes.len() == 1 && notes[0].contains("index of refraction of 0.5"), "{notes:?}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use raystep_kernels::plan::Bytes;
 use raystep_kernels::{AdapterChoice, AdapterSummary, Loops};
 use raystep_lab::block_on;
 use raystep_lab::text::visible;
-use raystep_scenes::{Light, Projection, Scene};
+use raystep_scenes::{Light, Optics, Projection, Scene};
 use serde::Serialize;
 
 use crate::args::{DeviceArgs, DeviceKind, ReadArgs, SceneArgs, counted};
@@ -210,6 +210,7 @@ struct AboutMaterial {
     texture: Option<u32>,
     is_emissive: bool,
     is_double_sided: bool,
+    optics: &'static str,
 }
 
 #[derive(Serialize)]
@@ -240,6 +241,13 @@ impl AboutScene {
             texture: m.texture,
             is_emissive: m.emissive != [0.0; 3],
             is_double_sided: m.double_sided,
+            optics: match m.optics {
+                Optics::Diffuse => "diffuse",
+                Optics::Rough => "rough",
+                Optics::Mirror => "mirror",
+                Optics::Dielectric { is_thin: false, .. } => "dielectric",
+                Optics::Dielectric { is_thin: true, .. } => "sheet",
+            },
         });
         let lights = scene.lights.iter().map(|light| match light {
             Light::Point { .. } => "point",
@@ -306,7 +314,8 @@ impl AboutScene {
             let texture = m.texture.map(|t| format!(", texture {t}")).unwrap_or_default();
             let emissive = if m.is_emissive { ", emissive" } else { "" };
             let sides = if m.is_double_sided { ", double-sided" } else { "" };
-            line("material", format!("{:?}: {} triangles{texture}{emissive}{sides}", m.name, m.triangles));
+            let optics = if m.optics == "diffuse" { String::new() } else { format!(", {}", m.optics) };
+            line("material", format!("{:?}: {} triangles{texture}{emissive}{sides}{optics}", m.name, m.triangles));
         }
         for (i, [width, height]) in self.textures.iter().enumerate() {
             line("texture", format!("{i}: {width} x {height}"));

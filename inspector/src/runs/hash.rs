@@ -1,7 +1,7 @@
 //! Identifies a scene by its contents.
 
 use raystep_lab::Hash;
-use raystep_scenes::{Light, Projection, Scene};
+use raystep_scenes::{Light, Optics, Projection, Scene};
 
 /// A hash of everything that results depend on: geometry, materials, textures, lights, cameras. Names do not count, nor
 /// does the file that the scene was read from.
@@ -29,6 +29,11 @@ pub fn scene_hash(scene: &Scene) -> Hash {
         part(5, bytemuck::cast_slice(&[material.base_color, material.emissive]));
         part(6, &material.texture.unwrap_or(u32::MAX).to_le_bytes());
         part(7, &[u8::from(material.double_sided)]);
+        match material.optics {
+            Optics::Diffuse | Optics::Rough => {}
+            Optics::Mirror => part(17, &[]),
+            Optics::Dielectric { ior, is_thin } => part(18, bytemuck::cast_slice(&[ior, f32::from(u8::from(is_thin))])),
+        }
     }
     for texture in &scene.textures {
         part(8, bytemuck::cast_slice(&[texture.width, texture.height]));

@@ -96,6 +96,7 @@ impl Rounding<'_> {
             }
             Off::PerAxis(each) => ulps(a, b) <= DIVISION * self.times(each),
             Off::Roundings(most) => within(most),
+            Off::Roots(most) => within((most / f32::EPSILON).sqrt()),
             Off::RoundingsOfLight(most) => {
                 within(most * self.data.lights.iter().fold(1.0f32, |m, light| m.max(light.cone_scale)))
             }

@@ -7,7 +7,7 @@ use crate::shared::triangle::TriangleRules;
 
 macro_rules! features {
     ($($name:ident: $doc:literal,)*) => {
-        /// One flag for every option named in an `@if` of the WGSL; the twins branch on them too. And two numbers, and where the lists are.
+        /// One flag for every option named in an `@if` of the WGSL; the twins branch on them too. And three numbers, and where the lists are.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
         pub struct Features {
             $(#[doc = $doc] pub $name: bool,)*
@@ -15,6 +15,8 @@ macro_rules! features {
             pub stack: u32,
             /// Loop iterations after which a thread leaves the rest to the next dispatch; 0 if no thread needs so many.
             pub turns: u32,
+            /// How many times a ray is reflected or refracted at most.
+            pub depth: u32,
             /// Where the lists of scene data are on the device; the WGSL that is composed does not depend on it.
             pub scene_data: SceneDataKind,
         }
@@ -51,6 +53,8 @@ features! {
     intervals: "Rays have a smallest or a largest t: other hits do not count.",
     any_hit: "A ray ends at the first hit found, nearest or not.",
     leaves: "A ray begins on a triangle, which it cannot hit again.",
+    specular: "Surfaces reflect or refract rays, each of which is traced like the first.",
+    dielectric: "A surface splits a ray in two.",
     eye_rays: "The fused kernel generates its rays itself.",
     clip: "Rays may start outside of the grid.",
     perspective: "Rays fan out from the eye, else they are parallel.",

@@ -41,6 +41,8 @@ pub enum Integrator {
     Local,
     /// The same, but a light counts only if a shadow ray reaches it: the shadow caster of Purcell et al. (2002).
     Shadows,
+    /// The same, and what mirrors reflect and transparent surfaces reflect and refract (Whitted, 1980).
+    Whitted,
 }
 
 /// The acceleration structure.
@@ -155,7 +157,7 @@ named!(
     None "none"
 );
 named!(ProgramName, "closest-hit, grid-build, sort", ClosestHit "closest-hit", GridBuild "grid-build", Sort "sort");
-named!(Integrator, "local, shadows", Local "local", Shadows "shadows");
+named!(Integrator, "local, shadows, whitted", Local "local", Shadows "shadows", Whitted "whitted");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
 named!(BuiltBy, "auto, host, device", Auto "auto", Host "host", Device "device");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
@@ -210,6 +212,12 @@ pub const ELEMENTS: u32 = 1 << 12;
 /// Most of them: a sort then takes 253 passes.
 pub const MOST_ELEMENTS: u32 = 1 << 22;
 
+/// Default number of times that a ray is reflected or refracted.
+pub const MAX_DEPTH: u32 = 5;
+
+/// Most of them: a pixel keeps a ray for each.
+pub const MOST_DEPTH: u32 = 8;
+
 /// Default steps per pass of the compact schedule.
 pub const STEPS_PER_PASS: u32 = 8;
 
@@ -222,6 +230,8 @@ pub struct Options {
     pub elements: u32,
     /// `--integrator`
     pub integrator: Integrator,
+    /// `--max-depth`: how many times a ray is reflected or refracted.
+    pub max_depth: u32,
     /// `--accelerator`
     pub accelerator: Accelerator,
     /// `--schedule`
@@ -278,6 +288,7 @@ impl Options {
             program: ProgramName::default(),
             elements: ELEMENTS,
             integrator: Integrator::default(),
+            max_depth: MAX_DEPTH,
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             mapping: Mapping::default(),
@@ -343,6 +354,7 @@ choices! {
     skip: Skip,
     steps_per_pass: u32,
     build: BuiltBy,
+    max_depth: u32,
     #[cfg_attr(feature = "serde", serde(rename = "keep_all"))]
     keep: Keep,
     samples: Samples,

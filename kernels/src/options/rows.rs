@@ -1,6 +1,8 @@
 //! Every option of a run that people choose, in one table: what reads an option from a command line, a link or a panel, or
 //! writes it to one of them, reads its row here and names no option.
 
+mod light;
+
 use super::keep::Keep;
 use super::mapping::{Cull, Fragment, Mapping, MappingName, ONE_SAMPLE, Targets, Until, Update, fault_of};
 pub use super::row::{Refusal, Row, Value, Values};
@@ -8,8 +10,7 @@ use super::row::{parse, text, whole};
 use super::samples::Samples;
 use super::scene_data::SceneDataKind;
 use super::{
-    Accelerator, BuiltBy, Choices, GridSize, Integrator, MOST_ELEMENTS, Numerics, ProgramName, ScheduleKind, Skip,
-    Traversal,
+    Accelerator, BuiltBy, Choices, GridSize, MOST_ELEMENTS, Numerics, ProgramName, ScheduleKind, Skip, Traversal,
 };
 use crate::shared::samples::Sampler;
 
@@ -85,20 +86,8 @@ pub static ROWS: &[Row] = &[
     )
     .in_tables(None),
     whole!("elements", 1, MOST_ELEMENTS, elements, "How many elements a program without a scene works on: of sort, keys").in_tables(None),
-    named!(
-        "integrator",
-        Integrator,
-        integrator,
-        "The light that a pixel receives: equation (1) of Mølhave's paper, in which every light counts (local), or only \
-         those that a shadow ray from the hit reaches (shadows)"
-    )
-    .panel("light", "the light that a pixel receives: from all lights, or only from those that a shadow ray reaches")
-    .applies(|c| c.program == ProgramName::ClosestHit)
-    .refused(|c| {
-        let is_idle = c.integrator != Integrator::Local && c.program != ProgramName::ClosestHit;
-        let why = || format!("--integrator {}: program {} computes no light; omit it", c.integrator, c.program);
-        is_idle.then(|| Refusal::Idle(why()))
-    }),
+    light::INTEGRATOR,
+    light::MAX_DEPTH,
     named!(
         "accelerator",
         Accelerator,

@@ -44,7 +44,7 @@ pub fn lists(kernels: &[Kernel], features: &Features) -> Vec<LiveList> {
 pub(crate) fn modules(kernel: Kernel, features: &Features, lists: &[LiveList]) -> [Module; 4] {
     let live = if features.fragments { include_str!("live_fragment.wgsl") } else { include_str!("live.wgsl") };
     [
-        ("constants", Cow::Owned(constants::wgsl_module(features.stack, features.turns))),
+        ("constants", Cow::Owned(constants::wgsl_module(features.stack, features.turns, features.depth))),
         ("state", Cow::Owned(state(kernel))),
         ("live", Cow::Borrowed(live)),
         ("lists", Cow::Owned(list_module(lists))),

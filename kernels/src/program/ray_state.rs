@@ -51,9 +51,24 @@ pub struct RayState {
     /// The linear light that arrives if the light is visible.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub pending: Option<[f32; 3]>,
+    /// How the ray came about; absent if all rays are the camera's.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub bounce: Option<Bounce>,
     /// Samples in the pixel's mean; absent if a pixel has one.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub samples: Option<u32>,
+}
+
+/// A ray in the tree of a pixel's rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Bounce {
+    /// How many surfaces have reflected or refracted it.
+    pub depth: u32,
+    /// The depths at which another ray waits: bit d for depth d.
+    pub waiting: u32,
+    /// The share of its light that reaches the pixel.
+    pub throughput: [f32; 3],
 }
 
 impl RayState {

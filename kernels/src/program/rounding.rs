@@ -23,6 +23,8 @@ pub enum Off {
     Roundings(f32),
     /// The same, times the largest factor by which a light's cone scales a cosine.
     RoundingsOfLight(f32),
+    /// The square root of such multiples: what is computed by way of the cosine of a refracted ray, where that is near 0.
+    Roots(f32),
     /// Twice the triangle's own bound for t. That bound allows the 10 roundings of a sheared corner; a ray that the
     /// kernel generates itself is off by 4 more, and twice the bound covers both.
     DistanceToTriangle,

@@ -53,7 +53,7 @@ static REGISTRY: [Registered; 4] = [
     },
     Registered {
         name: ProgramName::ClosestHit,
-        integrators: &[Integrator::Shadows],
+        integrators: &[Integrator::Shadows, Integrator::Whitted],
         program: || &light::PROGRAM,
         plan: trace,
         alone: None,
@@ -109,7 +109,7 @@ fn trace(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Plan, Sce
 fn tracer(options: &Options) -> (&'static Program, fn(&Options, &Features) -> Schedule) {
     match options.integrator {
         Integrator::Local => (&closest_hit::PROGRAM, closest_hit::schedule::of),
-        Integrator::Shadows => (&light::PROGRAM, light::schedule),
+        Integrator::Shadows | Integrator::Whitted => (&light::PROGRAM, light::schedule),
     }
 }
 

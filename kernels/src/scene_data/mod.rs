@@ -25,7 +25,7 @@ use crate::shared::grid_walk::Grid;
 use crate::shared::irregular_walk::{Irregular, IrregularCell};
 use crate::shared::samples::Sampling;
 use crate::shared::scene::SceneInfo;
-use crate::shared::shading::{Light, Material, Shading};
+use crate::shared::shading::{Light, Material, Optics, Shading};
 use crate::shared::texture::Texture;
 use crate::structures::Structure;
 use crate::structures::bvh::{BvhNode, WideNode};
@@ -34,7 +34,7 @@ use crate::tables::stream::StreamData;
 pub use error::SceneDataError;
 use error::reserve;
 pub use shading::BACKGROUND;
-use shading::{flat_normal, lights, material, textures};
+use shading::{flat_normal, lights, material, optics, textures};
 pub(crate) use traced::as_f32;
 use traced::packed_triangles;
 pub(crate) use traced::{bvh_growth, origins, traced_vertices};
@@ -136,6 +136,8 @@ pub struct Contents {
     pub triangle_materials: Vec<u32>,
     /// At least one.
     pub materials: Vec<Material>,
+    /// One per material.
+    pub optics: Vec<Optics>,
     /// At least one.
     pub lights: Vec<Light>,
     /// As many as materials refer to.
@@ -294,6 +296,9 @@ impl SceneData {
         }
         if wanted("materials") {
             data.materials = scene.materials.iter().map(material).collect();
+        }
+        if wanted("optics") {
+            data.optics = scene.materials.iter().map(|material| optics(material.optics)).collect();
         }
         if wanted("lights") {
             data.lights = lights(scene, options, units);

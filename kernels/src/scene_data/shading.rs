@@ -1,12 +1,14 @@
 //! Scene data for shading: normals, materials, lights, textures, colours.
 
-use raystep_scenes::{Light as SceneLight, Scene, Texture as SceneTexture, Wrap};
+use raystep_scenes::{Light as SceneLight, Optics as SceneOptics, Scene, Texture as SceneTexture, Wrap};
 
 use super::error::{SceneDataError, reserve};
 use crate::numbers::srgb::srgb_to_linear;
 use crate::numbers::units::Units;
 use crate::options::{Options, RaySource};
-use crate::shared::shading::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT};
+use crate::shared::shading::{
+    DIELECTRIC, DIFFUSE, DIRECTIONAL, Light, MIRROR, Material, NO_TEXTURE, Optics, POINT, SHEET, SPOT,
+};
 use crate::shared::texture::Texture;
 
 /// Linear colour of rays that hit nothing.
@@ -24,6 +26,16 @@ pub(super) fn material(m: &raystep_scenes::Material) -> Material {
         emissive: m.emissive,
         double_sided: u32::from(m.double_sided),
     }
+}
+
+pub(super) fn optics(optics: SceneOptics) -> Optics {
+    let (kind, ior) = match optics {
+        SceneOptics::Diffuse | SceneOptics::Rough => (DIFFUSE, 1.0),
+        SceneOptics::Mirror => (MIRROR, 1.0),
+        SceneOptics::Dielectric { ior, is_thin: false } => (DIELECTRIC, ior),
+        SceneOptics::Dielectric { ior, is_thin: true } => (SHEET, ior),
+    };
+    Optics { kind, ior }
 }
 
 /// The scene's lights in traced units, or a headlight.

@@ -66,15 +66,19 @@ pub const LIGHTS_SUMMED: u32 = 1 << 31;
 /// Loop iterations that a triangle test counts as: one of the list's loop, and three of the loop over its edges.
 pub const TURNS_A_TEST: u32 = 4;
 
+/// Words that a ray takes which waits for the other ray of a surface.
+pub const BRANCH: u32 = 10;
+
 /// Groups of siblings that the fused kernel's stack has room for, if a scene's BVH needs `needed`.
 #[must_use]
 pub fn wide_stack(needed: u32) -> u32 {
     needed.clamp(1, WIDE_MAX_DEPTH)
 }
 
-/// The WGSL module `package::constants`, for a stack of this many groups, and this many loop iterations per dispatch.
+/// The WGSL module `package::constants`, for a stack of this many groups, this many loop iterations per dispatch, and for
+/// rays that are reflected or refracted at most so often.
 #[must_use]
-pub fn wgsl_module(stack: u32, turns: u32) -> String {
+pub fn wgsl_module(stack: u32, turns: u32, depth: u32) -> String {
     // Rust prints the shortest decimal that parses to the same f32.
     format!(
         "const INF: f32 = {INF:e}f;\nconst PARALLEL: f32 = {PARALLEL:e}f;\n\
@@ -83,7 +87,8 @@ pub fn wgsl_module(stack: u32, turns: u32) -> String {
          const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n\
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
          const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n\
-         const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst NO_LIST: u32 = {NO_LIST}u;\nconst OUTSIDE: u32 = {OUTSIDE}u;\nconst LAST_ITEM: u32 = {LAST_ITEM}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n",
+         const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst NO_LIST: u32 = {NO_LIST}u;\nconst OUTSIDE: u32 = {OUTSIDE}u;\nconst LAST_ITEM: u32 = {LAST_ITEM}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n\
+         const DEPTH: u32 = {depth}u;\nconst BRANCH: u32 = {BRANCH}u;\n",
         wide_stack(stack)
     )
 }

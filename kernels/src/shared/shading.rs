@@ -19,6 +19,25 @@ pub struct Material {
     pub double_sided: u32,
 }
 
+/// `kind` of [`Optics`]: light is scattered in all directions.
+pub const DIFFUSE: u32 = 0;
+/// `kind` of [`Optics`]: a perfect mirror.
+pub const MIRROR: u32 = 1;
+/// `kind` of [`Optics`]: the surface of a transparent solid, whose outside is where its corners are counterclockwise.
+pub const DIELECTRIC: u32 = 2;
+/// `kind` of [`Optics`]: a transparent sheet, so thin that rays leave it as they came.
+pub const SHEET: u32 = 3;
+
+/// An entry of the buffer `optics`: how a material scatters light.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Optics {
+    /// [`DIFFUSE`], [`MIRROR`], [`DIELECTRIC`] or [`SHEET`].
+    pub kind: u32,
+    /// Index of refraction, relative to the outside.
+    pub ior: f32,
+}
+
 /// `kind` of a [`Light`].
 pub const POINT: u32 = 0;
 /// `kind` of a [`Light`].

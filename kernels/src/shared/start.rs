@@ -19,6 +19,8 @@ pub struct Start<R> {
     pub point: Vec3<R>,
     /// Across the triangle, to the side from which it is seen; length 1.
     pub normal: Vec3<R>,
+    /// It is seen from behind: its corners are clockwise.
+    pub is_back: bool,
     /// A ray that begins this far off the triangle is on the side where it is meant to be.
     pub distance: R,
 }
@@ -40,7 +42,8 @@ pub fn start_of<R: Real>([a, b, c]: [Vec3<R>; 3], [u, v]: [R; 2], seen_along: Ve
     let ac = c - a;
     let bc = c - b;
     let normal = unit3(cross3(unit3(ab), unit3(ac)));
-    let normal = if dot3(normal, seen_along) > R::zero() { -normal } else { normal };
+    let is_back = dot3(normal, seen_along) > R::zero();
+    let normal = if is_back { -normal } else { normal };
     let extent = largest3(largest(largest(ab.abs(), ac.abs()), bc.abs()));
     let size = largest3(largest(largest(a.abs(), b.abs()), c.abs()));
     let bound = extent * R::from_f32(OF_TRIANGLE * ROUNDOFF) + size * R::from_f32(OF_POINT * ROUNDOFF);
@@ -53,12 +56,17 @@ pub fn start_of<R: Real>([a, b, c]: [Vec3<R>; 3], [u, v]: [R; 2], seen_along: Ve
     let from_b = off_edge(u, reach * dot3(ac, ac).sqrt());
     let from_c = off_edge(v, reach * dot3(ab, ab).sqrt());
     let sum = from_a + from_b + from_c;
-    Start { point: a + (ab * (from_b / sum) + ac * (from_c / sum)), normal, distance }
+    Start { point: a + (ab * (from_b / sum) + ac * (from_c / sum)), normal, is_back, distance }
 }
 
 /// The origin of a ray that leaves the surface on that side.
 pub fn leaving<R: Real>(start: &Start<R>) -> Vec3<R> {
     start.point + start.normal * start.distance
+}
+
+/// The origin of a ray that goes through the surface.
+pub fn through<R: Real>(start: &Start<R>) -> Vec3<R> {
+    start.point - start.normal * start.distance
 }
 
 /// The t at which a ray ends whose direction leads to a light at t = 1: before the light, by what rounding can be wrong

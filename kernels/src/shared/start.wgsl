@@ -18,6 +18,8 @@ struct Start {
     point: vec3f,
     // Across the triangle, to the side from which it is seen; length 1.
     normal: vec3f,
+    // It is seen from behind: its corners are clockwise.
+    is_back: bool,
     // A ray that begins this far off the triangle is on the side where it is meant to be.
     distance: f32,
 }
@@ -35,7 +37,8 @@ fn start_of(a: vec3f, b: vec3f, c: vec3f, u: f32, v: f32, seen_along: vec3f) -> 
     let bc = c - b;
     var start: Start;
     let normal = unit3(cross3(unit3(ab), unit3(ac)));
-    start.normal = select(normal, -normal, dot3(normal, seen_along) > 0.0);
+    start.is_back = dot3(normal, seen_along) > 0.0;
+    start.normal = select(normal, -normal, start.is_back);
     let extent = largest3(max(max(abs(ab), abs(ac)), abs(bc)));
     let size = largest3(max(max(abs(a), abs(b)), abs(c)));
     let bound = extent * (OF_TRIANGLE * ROUNDOFF) + size * (OF_POINT * ROUNDOFF);
@@ -55,6 +58,11 @@ fn start_of(a: vec3f, b: vec3f, c: vec3f, u: f32, v: f32, seen_along: vec3f) -> 
 // The origin of a ray that leaves the surface on that side.
 fn leaving(start: Start) -> vec3f {
     return start.point + start.normal * start.distance;
+}
+
+// The origin of a ray that goes through the surface.
+fn through(start: Start) -> vec3f {
+    return start.point - start.normal * start.distance;
 }
 
 // The t at which a ray ends whose direction leads to a light at t = 1: before the light, by what rounding can be wrong

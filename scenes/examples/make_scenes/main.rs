@@ -41,6 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     write("quantized.glb", &surfaces::quantized())?;
     write("skin-and-morph.gltf", surfaces::skin_and_morph().as_bytes())?;
     write("sphere-flake.glb", &write_glb(&generate::sphere_flake(2, 2)?)?)?;
+    write("whitted.glb", &write_glb(&generate::whitted(3)?)?)?;
     write("terrain.glb", &write_glb(&generate::terrain(20_000, 1)?)?)?;
     if let Some(source) = arguments.next() {
         write("teapot.glb", &write_glb(&teapot::teapot(&fs::read_to_string(source)?)?)?)?;

@@ -2,7 +2,7 @@
 
 use super::vertices::{Primitive, attributes};
 use super::{WriteError, finite};
-use crate::{Camera, Light, Projection, Scene, Texture, Wrap};
+use crate::{Camera, Light, Optics, Projection, Scene, Texture, Wrap};
 use glam::{DVec3, Vec3};
 use serde_json::{Map, Value, json};
 
@@ -124,12 +124,21 @@ impl<'a> Document<'a> {
         if !scene.lights.is_empty() {
             let lights: Vec<_> = scene.lights.iter().map(light).collect();
             self.root.insert("extensions".into(), json!({ "KHR_lights_punctual": { "lights": lights } }));
-            self.root.insert("extensionsUsed".into(), json!(["KHR_lights_punctual"]));
             nodes.extend(scene.lights.iter().enumerate().map(|(i, l)| {
                 let mut node = placed(l);
                 node["extensions"] = json!({ "KHR_lights_punctual": { "light": i } });
                 node
             }));
+        }
+        let is_glass = |m: &crate::Material| matches!(m.optics, Optics::Dielectric { .. });
+        let of_glass: &[&str] = match scene.materials.iter().any(is_glass) {
+            true => &["KHR_materials_ior", "KHR_materials_transmission", "KHR_materials_volume"],
+            false => &[],
+        };
+        let of_lights: &[&str] = if scene.lights.is_empty() { &[] } else { &["KHR_lights_punctual"] };
+        let extensions = [of_lights, of_glass].concat();
+        if !extensions.is_empty() {
+            self.root.insert("extensionsUsed".into(), json!(extensions));
         }
         let roots = if scene.offset == DVec3::ZERO { (0..nodes.len()).collect() } else { put_below_first(&mut nodes) };
         // A file without scenes is valid; a scene without nodes is valid, too, but some readers reject it.
@@ -169,7 +178,13 @@ fn short(x: f32) -> f64 {
 fn material(m: &crate::Material) -> Value {
     let [r, g, b] = m.base_color.map(short);
     // Rough and not metallic, so that other viewers also show a Lambertian surface.
-    let mut pbr = json!({ "baseColorFactor": [r, g, b, 1], "metallicFactor": 0, "roughnessFactor": 1 });
+    let (metallic, roughness) = match m.optics {
+        Optics::Diffuse => (0, json!(1)),
+        Optics::Rough => (1, json!(0.5)),
+        Optics::Mirror => (1, json!(0)),
+        Optics::Dielectric { .. } => (0, json!(0)),
+    };
+    let mut pbr = json!({ "baseColorFactor": [r, g, b, 1], "metallicFactor": metallic, "roughnessFactor": roughness });
     if let Some(texture) = m.texture {
         pbr["baseColorTexture"] = json!({ "index": texture });
     }
@@ -179,6 +194,13 @@ fn material(m: &crate::Material) -> Value {
     }
     if m.double_sided {
         json["doubleSided"] = true.into();
+    }
+    if let Optics::Dielectric { ior, is_thin } = m.optics {
+        json["extensions"] = json!({
+            "KHR_materials_ior": { "ior": short(ior) },
+            "KHR_materials_transmission": { "transmissionFactor": 1 },
+            "KHR_materials_volume": { "thicknessFactor": if is_thin { 0 } else { 1 } },
+        });
     }
     json
 }

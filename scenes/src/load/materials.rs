@@ -8,7 +8,7 @@ use super::json::{self, Property, Root, Text};
 use super::lost::Lost;
 use super::notes::{Notes, Wrong};
 use super::{LoadError, at};
-use crate::{Material, Texture};
+use crate::{Material, Optics, Texture};
 use gltf::json::material::AlphaMode;
 use std::collections::{BTreeSet, HashMap};
 pub(super) use textures::TexcoordUse;
@@ -97,6 +97,10 @@ fn convert(i: usize, json: &json::Material<'_>, notes: &mut Notes) -> Material {
         lost(4, error);
         None
     });
+    let optics = optics(json, path("pbrMetallicRoughness, or an extension")).unwrap_or_else(|error| {
+        lost(5, error);
+        Optics::Diffuse
+    });
     if has_alpha {
         notes.add("the alpha modes MASK and BLEND are shown as opaque");
     }
@@ -104,7 +108,8 @@ fn convert(i: usize, json: &json::Material<'_>, notes: &mut Notes) -> Material {
     let own = color(&json.emissive_factor, String::new).ok().flatten().unwrap_or_default();
     let outside = [base_color, own].iter().filter(|color| color.iter().any(check::is_outside)).count();
     notes.found(Wrong::FactorOutside, i, outside);
-    Material { name: text(&json.name), base_color, emissive, texture: None, double_sided: double_sided == Some(&true) }
+    let name = text(&json.name);
+    Material { name, base_color, emissive, texture: None, double_sided: double_sided == Some(&true), optics }
 }
 
 /// A name, or nothing.
@@ -136,4 +141,34 @@ fn emissive(json: &json::Material<'_>, path: impl Fn() -> String) -> Result<[f32
     // As the factors of a shader, both are 32-bit numbers.
     let [emissive, strength] = [held(emissive, &path)?, held([strength; 3], &path)?];
     held([0, 1, 2].map(|i| f64::from(emissive[i] * strength[i])), path)
+}
+
+/// What a texture of 8 bits cannot tell from 0, or from 1.
+const NEARLY: f64 = 1.0 / 255.0;
+
+/// How the surface reflects and refracts light. Factors count without their textures.
+fn optics(json: &json::Material<'_>, path: impl Fn() -> String) -> Result<Optics, LoadError> {
+    let pbr = json.pbr_metallic_roughness.ok();
+    let factor = |of: Option<&Property<json::Number>>| of.map_or(Ok(1.0), |factor| factor.number(1.0, &path));
+    let metallic = factor(pbr.map(|pbr| &pbr.metallic_factor))?;
+    let roughness = factor(pbr.map(|pbr| &pbr.roughness_factor))?;
+    let extensions = json.extensions.ok();
+    let transmission = extensions.and_then(|all| all.transmission.ok());
+    let transmission = transmission.map_or(Ok(0.0), |it| it.transmission_factor.number(0.0, &path))?;
+    let is_glass = transmission > 1.0 - NEARLY && metallic < NEARLY;
+    if is_glass && roughness < NEARLY {
+        let ior = extensions.and_then(|all| all.ior.ok()).map_or(Ok(1.5), |it| it.ior.number(1.5, &path))?;
+        let volume = extensions.and_then(|all| all.volume.ok());
+        let thickness = volume.map_or(Ok(0.0), |it| it.thickness_factor.number(0.0, &path))?;
+        let [ior] = held([ior], &path)?;
+        if ior < 1.0 {
+            return Err(at(path(), format!("an index of refraction of {ior}: it must be 1 or more")));
+        }
+        return Ok(Optics::Dielectric { ior, is_thin: thickness <= 0.0 });
+    }
+    Ok(match metallic > 1.0 - NEARLY {
+        true if roughness < NEARLY => Optics::Mirror,
+        _ if transmission > 0.0 || metallic > 0.0 && roughness < 1.0 => Optics::Rough,
+        _ => Optics::Diffuse,
+    })
 }

@@ -2,6 +2,7 @@
 
 use bytemuck::{bytes_of, cast_slice};
 
+use super::streams::no_specular;
 use crate::options::Skip;
 use crate::options::keep::Item;
 use crate::options::reasons::{Because, GIVEN, ONE_SAMPLE, On, Passes, Reason, Run, SEVERAL_STEPS};
@@ -150,6 +151,12 @@ pub static BUFFERS: &[BufferInfo] = &[
         "32 bytes: base colour, texture, emissive, double-sided",
         |data| cast_slice(&data.materials),
         |run| run.of_shading("nothing refers to it"),
+    ),
+    storage(
+        "optics",
+        "8 bytes per material: how it scatters light, index of refraction",
+        |data| cast_slice(&data.optics),
+        no_specular,
     ),
     storage(
         "lights",

@@ -1,12 +1,12 @@
 //! A ray between two passes: its texels, decoded.
 
-use super::states::{ALL, ISECT_HIT, ISECT_NO_HIT, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, TRAV};
+use super::states::{ALL, ISECT_HIT, ISECT_NO_HIT, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, TRAV, VISIBLE};
 use super::streams::{
-    ACCUMULATED, ACCUMULATED_SAMPLES, BLOCKER, COLOR, CONTROL, HIT, HIT_TRIANGLE, LIGHT, PENDING, PREVIOUS,
+    ACCUMULATED, ACCUMULATED_SAMPLES, BLOCKER, BOUNCE, COLOR, CONTROL, HIT, HIT_TRIANGLE, LIGHT, PENDING, PREVIOUS,
     RAY_DIRECTION, RAY_INTERVAL, RAY_ORIGIN, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, STATE_CELL, STATE_ITEM, STATE_T,
-    SURFACE, TMAX,
+    SURFACE, THROUGHPUT, TMAX,
 };
-use crate::program::ray_state::{Decoding, RayState, Texel};
+use crate::program::ray_state::{Bounce, Decoding, RayState, Texel};
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::state::StateRole;
 use crate::tables::stream::{STATE_TAG, Stream};
@@ -30,6 +30,8 @@ pub(in crate::programs) const DECODING: Decoding = Decoding {
         BLOCKER,
         PENDING,
         LIGHT,
+        BOUNCE,
+        THROUGHPUT,
     ],
     decode,
     tested: super::explain::tested,
@@ -42,12 +44,17 @@ fn decode(texel: Texel<'_>) -> RayState {
     };
     let floats = |stream: Stream| texel(stream).map(|t| [t[0], t[1], t[2]].map(f32::from_bits));
     let tag = word(STATE, STATE_TAG);
-    let is_shadow = tag >= SHADOW_SETUP;
+    let is_shadow = (SHADOW_SETUP..=VISIBLE).contains(&tag);
     let [hit, origin, direction] =
         if is_shadow { [BLOCKER, SHADOW_ORIGIN, SHADOW_DIRECTION] } else { [HIT, RAY_ORIGIN, RAY_DIRECTION] };
     let triangle = word(hit, HIT_TRIANGLE);
     let t = f32::from_bits(word(STATE, STATE_T));
     let is_hit = triangle != NO_TRIANGLE;
+    let of_tree = |bounce: &[u32]| Bounce {
+        depth: bounce[0],
+        waiting: bounce[1],
+        throughput: floats(THROUGHPUT).filter(|_| bounce[0] > 0).unwrap_or([1.0; 3]),
+    };
     RayState {
         origin: floats(origin).unwrap_or_default(),
         direction: floats(direction).unwrap_or_default(),
@@ -67,6 +74,7 @@ fn decode(texel: Texel<'_>) -> RayState {
         surface: is_shadow.then(|| word(SURFACE, 0)),
         light: is_shadow.then(|| word(LIGHT, 0)),
         pending: if is_shadow { floats(PENDING) } else { None },
+        bounce: texel(BOUNCE).map(of_tree),
         samples: texel(ACCUMULATED).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),
     }
 }

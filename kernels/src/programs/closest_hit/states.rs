@@ -28,6 +28,8 @@ pub const SHADOW_ISECT: Tag = 10;
 pub const OCCLUDED: Tag = 11;
 /// Nothing is.
 pub const VISIBLE: Tag = 12;
+/// Has the light of its hit, and waits for rays that go on from there.
+pub const SCATTER: Tag = 13;
 
 /// The state of any ray: that of a shadow ray is called as in the walk of the ray before it.
 #[must_use]
@@ -94,6 +96,13 @@ pub const ALL: States = States(&[
     ),
     row(OCCLUDED, "OCCLUDED", StateRole::Resolved, [70, 60, 90], "something is between the hit and the light"),
     row(VISIBLE, "VISIBLE", StateRole::Resolved, [250, 220, 90], "nothing is between the hit and the light"),
+    row(
+        SCATTER,
+        "SCATTER",
+        StateRole::Resolved,
+        [110, 190, 200],
+        "the light of the hit is known, rays may go on from there",
+    ),
 ]);
 
 #[cfg(test)]

@@ -25,10 +25,20 @@
 //! shadow_counters  u32  cells  triangles  repeated
 //! pending          f32  r  g  b          linear light that arrives if the light is visible
 //! light            u32  next  t          the light that is next, and t of the hit (f32 bits)
+//!
+//! throughput f32  r  g  b                share of the light along the ray that reaches the pixel
+//! radiance   f32  r  g  b                linear light that reaches the pixel, of all rays so far
+//! bounce     u32  depth  waiting         reflections and refractions before the ray; bit d: a branch waits at depth d
+//! branches   u32  x y z dx dy dz r g b triangle   for each depth: the refracted ray that waits (f32 bits), its
+//!                                        throughput, and the triangle that it leaves
+//! primary    u32  x y z dx dy dz t u v triangle   the pixel's first ray and its hit (f32 bits)
+//! spent      u32  cells  triangles  repeated      counters of the rays before
 //! ```
 //!
-//! The last seven are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
-//! share `state` and what a walk keeps with the rays before them: a pixel's rays are traced one after the other.
+//! The seven from `shadow_origin` on, and the last six, are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
+//! share `state` and what a walk keeps with the rays before them: a pixel's rays are traced one after the other. So are
+//! those that surfaces reflect and refract, depth first: they are in `ray_origin`, `ray_direction` and `hit` in turn, and the
+//! pixel's first ray and its hit are put back at the end.
 //!
 //! Lengths are in *traced units*: scene units times a power of two, see [`crate::numbers::units`]. `t` is the
 //! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
@@ -41,12 +51,12 @@
 //! hold the values of the latest sample. At the end of a run, only `color` is replaced by the mean.
 
 use super::elements::RAYS;
-use crate::options::Integrator;
 use crate::options::features::Features;
 use crate::options::reasons::{Because, EYE_RAYS, NO_SHADE, ONE_SAMPLE, On, Passes, Reason, Run};
-use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
+use crate::options::{Integrator, MOST_DEPTH};
+use crate::shared::constants::{BRANCH, INF, NO_CELL, NO_NODE, NO_TRIANGLE};
 use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
-use crate::tables::stream::{Stream, StreamInfo, streams};
+use crate::tables::stream::{Meaning, Stream, StreamInfo, streams};
 
 /// Layer of the `state` stream: bits of the nearest t so far, [`INF`] without a hit.
 pub const STATE_T: usize = 1;
@@ -96,11 +106,61 @@ pub fn of_walk(features: &Features) -> Stream {
 /// Why nothing casts a shadow ray.
 pub(in crate::programs) fn no_shadows(run: &Run<'_>) -> Reason {
     match (run.options.integrator, run.options.shade) {
-        (Integrator::Local, _) => (Because::Options, "needed only with --integrator shadows"),
+        (Integrator::Local, _) => (Because::Options, "needed only with --integrator shadows or whitted"),
         (_, true) => (Because::Scene, "no light: one headlight at the eye, from where every hit is visible"),
         (_, false) => NO_SHADE,
     }
 }
+
+/// Why no ray goes on from a hit.
+pub(in crate::programs) fn no_specular(run: &Run<'_>) -> Reason {
+    match (run.options.integrator, run.options.shade) {
+        (Integrator::Local | Integrator::Shadows, _) => (Because::Options, "needed only with --integrator whitted"),
+        (Integrator::Whitted, true) => (Because::Scene, "no mirror and no transparent surface"),
+        (Integrator::Whitted, false) => NO_SHADE,
+    }
+}
+
+/// Why no ray is split in two.
+fn no_dielectric(run: &Run<'_>) -> Reason {
+    match run.features.specular {
+        true => (Because::Scene, "no transparent surface: a mirror reflects one ray"),
+        false => no_specular(run),
+    }
+}
+
+/// Why the cost of the rays before is not kept.
+fn no_spent(run: &Run<'_>) -> Reason {
+    match run.features.specular {
+        true => (Because::Options, "needed only with --counters"),
+        false => no_specular(run),
+    }
+}
+
+/// The names of what is kept of a ray that waits at each depth.
+macro_rules! branches {
+    ($($depth:literal)*) => {
+        &[$(
+            concat!("x_", $depth), concat!("y_", $depth), concat!("z_", $depth),
+            concat!("dx_", $depth), concat!("dy_", $depth), concat!("dz_", $depth),
+            concat!("r_", $depth), concat!("g_", $depth), concat!("b_", $depth),
+            concat!("triangle_", $depth),
+        )*]
+    };
+}
+const BRANCH_LAYERS: &[&str] = branches!(0 1 2 3 4 5 6 7);
+const _: () = assert!(BRANCH_LAYERS.len() == (BRANCH * MOST_DEPTH) as usize);
+
+/// What each of them is.
+const BRANCH_MEANING: [Meaning; BRANCH_LAYERS.len()] = {
+    let mut meaning = [Float; BRANCH_LAYERS.len()];
+    let mut last = BRANCH as usize - 1;
+    while last < meaning.len() {
+        meaning[last] = Id;
+        last += BRANCH as usize;
+    }
+    meaning
+};
 
 /// Why the cost of shadow rays is not counted.
 fn no_shadow_counters(run: &Run<'_>) -> Reason {
@@ -183,6 +243,24 @@ streams! {
     /// Which light is next, and t of the hit while `state` has that of the shadow ray.
     LIGHT of RAYS: "light" U32 &["next", "t"], meaning: &[Count, Distance], unit: "count, t as f32 bits",
         unwritten: &[0, INF.to_bits()], why_absent: no_shadows;
+    /// The share of the light along the ray that reaches the pixel.
+    THROUGHPUT of RAYS: "throughput" F32 &["r", "g", "b"], meaning: &[Light; 3], unit: "share of linear light",
+        unwritten: &[0; 3], why_absent: no_specular;
+    /// The light that reaches the pixel by all of its rays so far.
+    RADIANCE of RAYS: "radiance" F32 &["r", "g", "b"], meaning: &[Light; 3], unit: "linear light",
+        unwritten: &[0; 3], why_absent: no_specular;
+    /// How many surfaces have reflected or refracted the ray, and at which depths another ray waits.
+    BOUNCE of RAYS: "bounce" U32 &["depth", "waiting"], meaning: &[Count, Count], unit: "count, one bit for each depth",
+        unwritten: &[0; 2], why_absent: no_specular;
+    /// At each depth, the refracted ray that waits while the reflected one is traced.
+    BRANCHES of RAYS: "branches" U32 BRANCH_LAYERS, meaning: &BRANCH_MEANING, unit: "traced units, traced units per t, share of linear light, as f32 bits; triangle id",
+        unwritten: &[0; BRANCH_LAYERS.len()], why_absent: no_dielectric;
+    /// The pixel's first ray and its hit, while others are traced.
+    PRIMARY of RAYS: "primary" U32 &["x", "y", "z", "dx", "dy", "dz", "t", "u", "v", "triangle"], meaning: &[Float, Float, Float, Float, Float, Float, Distance, Float, Float, Id], unit: "traced units, traced units per t, t, barycentric weights, as f32 bits; triangle id",
+        unwritten: &[0, 0, 0, 0, 0, 0, INF.to_bits(), 0, 0, NO_TRIANGLE], why_absent: no_specular;
+    /// Cells visited, triangles tested, repeated tests of the pixel's rays before this one.
+    SPENT of RAYS: "spent" U32 &["cells", "triangles", "repeated"], meaning: &[Count; 3], unit: "count",
+        unwritten: &[0; 3], why_absent: no_spent;
 }
 
 /// The streams in which the caller supplies rays, as far as a run has them.

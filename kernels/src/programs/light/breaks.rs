@@ -1,6 +1,6 @@
-//! Deliberate defects of the program's own kernel.
+//! Deliberate defects of the program's own kernels.
 
-use crate::options::Options;
+use crate::options::{Integrator, Options};
 use crate::program::breaks::{Break, as_it_is};
 
 fn counted(options: &mut Options) {
@@ -21,4 +21,32 @@ pub(super) const OF_ILLUMINATE: &[Break] = &[
         "textureStore(state, texel, 0, vec4u(DONE));",
     ),
     Break::new(counted, "textureLoad(shadow_counters, texel, 1, 0).x", "0u"),
+];
+
+fn with_mirrors(options: &mut Options) {
+    options.integrator = Integrator::Whitted;
+}
+
+fn counted_with_mirrors(options: &mut Options) {
+    counted(options);
+    with_mirrors(options);
+}
+
+pub(super) const OF_SCATTER: &[Break] = &[
+    Break::new(with_mirrors, "sum *= carried", "sum *= 1.0"),
+    Break::new(with_mirrors, "depth < DEPTH", "depth <= DEPTH"),
+    Break::new(with_mirrors, "select(interpolated, -interpolated", "select(interpolated, interpolated"),
+    Break::new(with_mirrors, "next = Next(through(start)", "next = Next(leaving(start)"),
+    Break::new(with_mirrors, "tint * (1.0 - at.reflectance)", "tint"),
+    Break::new(with_mirrors, "waiting |= 1u << depth", "waiting = 1u << depth"),
+    Break::new(with_mirrors, "waiting ^= 1u << deepest", "waiting = 0u"),
+    Break::new(with_mirrors, "next_depth = deepest + 1u", "next_depth = depth + 1u"),
+    Break::new(with_mirrors, "first + 9u, vec4u(next.triangle)", "first + 9u, vec4u(NO_TRIANGLE)"),
+    Break::new(with_mirrors, "surface, texel, 0, vec4u(next.triangle)", "surface, texel, 0, vec4u(NO_TRIANGLE)"),
+    Break::new(with_mirrors, "keep_primary(texel);", ""),
+    Break::new(with_mirrors, "put_back_primary(texel);", ""),
+    Break::new(with_mirrors, "select(1.0 / optic.ior, optic.ior", "select(optic.ior, optic.ior"),
+    Break::new(with_mirrors, "ratio * cosine - cosine_beyond)", "ratio * cosine + cosine_beyond)"),
+    Break::new(with_mirrors, "across * across + along * along", "across * across + across * across"),
+    Break::new(counted_with_mirrors, "select(textureLoad(spent, texel, layer).x, 0u, is_first)", "0u"),
 ];

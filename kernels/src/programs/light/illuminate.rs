@@ -1,16 +1,17 @@
 //! Twin of `illuminate.wgsl`: casts a shadow ray to the next light, and adds what the ray before brought.
 
+use super::optics::optics_of;
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
 use crate::programs::closest_hit::shade::light::received;
 use crate::programs::closest_hit::shade::surface::{diffuse_color, material_of, surface_normal};
-use crate::programs::closest_hit::states::{BACKGROUND, DONE, OCCLUDED, SHADE, SHADOW_SETUP, VISIBLE};
+use crate::programs::closest_hit::states::{BACKGROUND, DONE, OCCLUDED, SCATTER, SHADE, SHADOW_SETUP, VISIBLE};
 use crate::programs::closest_hit::streams::{
     BLOCKER, COLOR, COUNTERS, HIT, LIGHT, PENDING, SHADOW_COUNTERS, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, SURFACE,
 };
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, LIGHTS_SUMMED, NO_TRIANGLE};
-use crate::shared::shading::{DIRECTIONAL, Light};
+use crate::shared::shading::{DIFFUSE, DIRECTIONAL, Light};
 use crate::shared::start::{Start, end_before, leaving, start_of};
 use crate::shared::vector::dot3;
 use crate::tables::texels::Texels;
@@ -54,16 +55,17 @@ fn is_cast<R: Real>(ray: &mut Texels<'_, R>, light: &Light, start: &Start<R>, i:
 
 /// Processes one ray.
 pub fn illuminate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
+    let features = &scene.features;
+    let lit = if features.specular { SCATTER } else { DONE };
     let tag = ray.load_u32(STATE, 0);
     if tag == BACKGROUND {
         ray.store_vec3(COLOR, Vec3::from_f32(scene.shading.background));
-        ray.store_u32(STATE, 0, DONE);
+        ray.store_u32(STATE, 0, lit);
         return;
     }
     if tag != SHADE && tag != OCCLUDED && tag != VISIBLE {
         return;
     }
-    let features = &scene.features;
 
     let mut first = 0;
     let mut sum = Vec3::splat(R::zero());
@@ -93,6 +95,9 @@ pub fn illuminate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         normal = -normal;
     }
 
+    if features.specular && optics_of(scene, triangle).kind != DIFFUSE {
+        first = scene.shading.lights;
+    }
     let mut end = scene.shading.lights;
     if features.resumes_light {
         end = end.min(first + features.turns);
@@ -123,5 +128,5 @@ pub fn illuminate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     }
     ray.store_vec3(COLOR, rgb);
     ray.store(STATE, 1, t);
-    ray.store_u32(STATE, 0, DONE);
+    ray.store_u32(STATE, 0, lit);
 }

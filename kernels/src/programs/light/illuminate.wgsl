@@ -6,16 +6,23 @@
 //
 // resumes_light: there are more lights than a dispatch has loop iterations. Without a ray to cast among these, the number of
 // the next light waits in the state's item, marked by LIGHTS_SUMMED.
+//
+// specular: a mirror or transparent surface has no diffuse colour, so no light is considered; and rays may go on from the hit.
 
 import package::constants::{INF, LIGHTS_SUMMED, LIST_SIDE, NOBODY, NO_TRIANGLE, TURNS};
-import package::state::{SHADE, BACKGROUND, DONE, SHADOW_SETUP, OCCLUDED, VISIBLE};
+import package::state::{SHADE, BACKGROUND, DONE, SHADOW_SETUP, OCCLUDED, VISIBLE, SCATTER};
 import package::corners::{vertex};
 import package::live::{send, tiled_texel};
+import package::optics::{DIFFUSE, optics_of};
 import package::ray::{load_origin, load_direction};
 import package::shade_light::{lights, received};
 import package::shade_surface::{material_of, surface_normal, diffuse_color};
 import package::start::{Start, start_of, leaving, end_before};
 import package::vector::{dot3};
+
+// Where a ray goes whose light is known.
+@if(specular) const LIT: u32 = SCATTER;
+@else const LIT: u32 = DONE;
 
 struct Shading {
     background: vec3f,
@@ -97,8 +104,8 @@ fn next_light(texel: vec2u) -> u32 {
     let tag = textureLoad(state, texel, 0).x;
     if (tag == BACKGROUND) {
         store_color(texel, shading.background);
-        textureStore(state, texel, 0, vec4u(DONE));
-        return DONE;
+        textureStore(state, texel, 0, vec4u(LIT));
+        return LIT;
     }
     if (tag != SHADE && tag != OCCLUDED && tag != VISIBLE) {
         return NOBODY;
@@ -135,6 +142,9 @@ fn next_light(texel: vec2u) -> u32 {
         }
     }
 
+    @if(specular) if (optics_of(triangle).kind != DIFFUSE) {
+        first = shading.lights;
+    }
     var end = shading.lights;
     @if(resumes_light) end = min(end, first + TURNS);
     for (var i = first; i < end; i++) {
@@ -162,8 +172,8 @@ fn next_light(texel: vec2u) -> u32 {
     }
     store_color(texel, rgb);
     textureStore(state, texel, 1, vec4u(t_bits));
-    textureStore(state, texel, 0, vec4u(DONE));
-    return DONE;
+    textureStore(state, texel, 0, vec4u(LIT));
+    return LIT;
 }
 
 @compute @workgroup_size(LIST_SIDE, LIST_SIDE)

@@ -7,8 +7,10 @@ use crate::program::instance::twin;
 use crate::program::kernel::{Path, Proof};
 use crate::program::{Home, Instance, KernelInfo, Renamed};
 use crate::programs::closest_hit::kernels::{FUSED, SETUP};
-use crate::programs::closest_hit::states::{ALL, BACKGROUND, DONE, OCCLUDED, SHADE, SHADOW_SETUP, VISIBLE};
-use crate::programs::closest_hit::streams::no_shadows;
+use crate::programs::closest_hit::states::{
+    ALL, BACKGROUND, DONE, OCCLUDED, SCATTER, SHADE, SHADOW_SETUP, TRAV_SETUP, VISIBLE,
+};
+use crate::programs::closest_hit::streams::{no_shadows, no_specular};
 use crate::programs::closest_hit::{self, streams};
 use crate::shared::constants::LIST_SIDE;
 use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};
@@ -81,13 +83,17 @@ pub(super) const OF_ILLUMINATE: KernelInfo = KernelInfo {
         send(SHADE, "casts a shadow ray", SHADOW_SETUP),
         send(SHADE, "loop turns spent, lights are left", SHADE),
         send(SHADE, "no light shines on it", DONE),
+        send(SHADE, "no light shines on it, rays may go on", SCATTER),
         send(BACKGROUND, "background", DONE),
+        send(BACKGROUND, "background, of a ray that may be one of several", SCATTER),
         send(OCCLUDED, "casts the next shadow ray", SHADOW_SETUP),
         send(OCCLUDED, "loop turns spent, lights are left", SHADE),
         send(OCCLUDED, "it was the last light", DONE),
+        send(OCCLUDED, "it was the last light, rays may go on", SCATTER),
         send(VISIBLE, "adds the light, and casts the next shadow ray", SHADOW_SETUP),
         send(VISIBLE, "adds the light; loop turns spent, lights are left", SHADE),
         send(VISIBLE, "adds the light of the last", DONE),
+        send(VISIBLE, "adds the light of the last, rays may go on", SCATTER),
     ],
     role: Role::Finish,
     workgroup: LIST_SIDE,
@@ -103,6 +109,33 @@ pub(super) const OF_ILLUMINATE: KernelInfo = KernelInfo {
     path: Path::Stays,
     rounding: rounding::OF_ILLUMINATE,
     breaks: breaks::OF_ILLUMINATE,
+};
+
+/// Adds the light of a hit to the pixel's, and goes on with what the surface reflects and refracts.
+pub(super) const OF_SCATTER: KernelInfo = KernelInfo {
+    name: "scatter",
+    wgsl: include_str!("scatter.wgsl"),
+    twin: twin!(element scatter),
+    home: &HOME,
+    takes: &[SCATTER],
+    sends: &[
+        send(SCATTER, "a ray is reflected or refracted, or one that waits is next", TRAV_SETUP),
+        send(SCATTER, "no ray goes on, and none waits", DONE),
+    ],
+    role: Role::Finish,
+    workgroup: LIST_SIDE,
+    launch: Launch::Whole,
+    counts: Counts::Sent,
+    resumes: |_| false,
+    list: None,
+    proof: Proof::NONE,
+    colour: [60, 150, 170],
+    why_absent: no_specular,
+    summary: "adds the light of the hit to the pixel's, and goes on with what the surface reflects and refracts",
+    explain: explain::of_scatter,
+    path: Path::Stays,
+    rounding: rounding::OF_SCATTER,
+    breaks: breaks::OF_SCATTER,
 };
 
 /// The instance of a kernel of the walk for shadow rays.

@@ -4,39 +4,46 @@
 //! names of their own, bound to the streams and states of shadow rays, and compiled so that any hit ends a ray. What they
 //! share stays shared: a pixel's rays are traced one after the other, so they need the tag, tMax and the like only once.
 //!
-//! It is the shadow caster of Purcell, Buck, Mark and Hanrahan (2002), whose shading kernel emits a ray for each light.
+//! It is the shadow caster of Purcell, Buck, Mark and Hanrahan (2002), whose shading kernel emits a ray for each light, and
+//! with mirrors and transparent surfaces the tracer of Whitted (1980), whose rays make a tree. A pixel's tree is traced depth
+//! first, so what it needs is known before the run: a ray for each depth.
 
 mod breaks;
 mod explain;
 pub mod illuminate;
 mod kernels;
+mod optics;
 mod rounding;
+pub mod scatter;
 mod schedule;
 
+use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use super::closest_hit::kernels::{KERNELS, SETUP};
 use super::closest_hit::states::{ALL, BACKGROUND, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
 use super::closest_hit::{self, streams};
+use crate::options::features::Features;
 use crate::program::{Course, Instance, Kernel, Program};
-use kernels::{LISTS, OF_ILLUMINATE, SHADOWS, for_shadow_rays};
+use kernels::{LISTS, OF_ILLUMINATE, OF_SCATTER, SHADOWS, for_shadow_rays};
 pub(super) use schedule::of as schedule;
 
 /// The program.
 pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
     let of_walk = KERNELS[SETUP.index()..].iter().zip(SHADOWS);
     let shadows = of_walk.filter_map(|(&of, shadow)| for_shadow_rays(of, shadow));
-    let illuminate = Instance::of(OF_ILLUMINATE, &closest_hit::elements::RAYS);
-    let kernels: Vec<Instance> = KERNELS.into_iter().chain(shadows).chain([illuminate]).collect();
+    let own = [OF_ILLUMINATE, OF_SCATTER].map(|kernel| Instance::of(kernel, &closest_hit::elements::RAYS));
+    let kernels: Vec<Instance> = KERNELS.into_iter().chain(shadows).chain(own).collect();
     let given_up = |tag| if matches!(tag, SHADOW_SETUP | SHADOW_TRAV | SHADOW_ISECT) { VISIBLE } else { BACKGROUND };
     Program {
         name: "light",
-        summary: "every ray to its closest hit, and shadow rays from there to the lights",
+        summary: "every ray to its closest hit, and from there shadow rays to the lights, and rays that are reflected and refracted",
         streams: &streams::STREAMS,
         states: ALL,
         courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }])),
         lists: &LISTS,
         kernels: Vec::leak(kernels),
+        modules,
         ..closest_hit::PROGRAM
     }
 });
@@ -53,7 +60,19 @@ fn of_shadow_rays(kernel: Kernel) -> Kernel {
 
 /// The kernel that casts shadow rays.
 fn illuminating() -> Kernel {
+    Kernel::at(&PROGRAM, PROGRAM.kernels.len() - 2)
+}
+
+/// The kernel that sends rays on from their hits.
+fn scattering() -> Kernel {
     Kernel::at(&PROGRAM, PROGRAM.kernels.len() - 1)
+}
+
+/// WGSL modules that kernels import from: those of the walk, and one more.
+fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
+    let mut modules = (closest_hit::PROGRAM.modules)(features);
+    modules.push(("optics", Cow::Borrowed(include_str!("optics.wgsl"))));
+    modules
 }
 
 #[cfg(test)]

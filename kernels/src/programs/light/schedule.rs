@@ -1,6 +1,6 @@
 //! Which kernels run, in what order and until which condition holds.
 
-use super::{illuminating, of as here, of_shadow_rays};
+use super::{illuminating, of as here, of_shadow_rays, scattering};
 use crate::options::features::Features;
 use crate::options::{Options, RaySource};
 use crate::program::Kernel;
@@ -8,7 +8,8 @@ use crate::program::schedule::{Schedule, Step};
 use crate::programs::closest_hit::kernels::{ACCUMULATE, GENERATE};
 use crate::programs::closest_hit::schedule as of_rays;
 
-/// The schedule for a run with these options: the rays, then a shadow ray to a light of each, until no ray has a light left.
+/// The schedule for a run with these options: the rays, then a shadow ray to a light of each, until no ray has a light left;
+/// and the same for the rays that go on from there, until none does.
 pub(in crate::programs) fn of(options: &Options, features: &Features) -> Schedule {
     if !features.shadows {
         return Schedule { steps: mapped(&of_rays::of(options, features).steps, here) };
@@ -18,18 +19,31 @@ pub(in crate::programs) fn of(options: &Options, features: &Features) -> Schedul
     let is_first = |step: &&Step| **step == Step::Run(GENERATE);
     let walk: Vec<Step> = rays.iter().filter(|step| !is_first(step)).cloned().collect();
 
-    let mut steps = mapped(&rays, here);
     let mut light = mapped(&walk, of_shadow_rays);
-    let starts = light.iter().find_map(|step| if let Step::Run(kernel) = step { Some(*kernel) } else { None });
-    steps.push(Step::Run(illuminating()));
     light.push(Step::Run(illuminating()));
-    steps.push(Step::LoopWhileActive(starts.into_iter().collect(), light));
+    let light = [Step::Run(illuminating()), while_begun(light)];
+    let mut steps = mapped(&rays, here);
+    if features.specular {
+        steps.truncate(rays.len() - walk.len());
+        let mut bounce = mapped(&walk, here);
+        bounce.extend(light);
+        bounce.push(Step::Run(scattering()));
+        steps.push(while_begun(bounce));
+    } else {
+        steps.extend(light);
+    }
     let mut steps = of_rays::until_idle(steps, features);
     if features.samples {
         steps.push(Step::Run(here(ACCUMULATE)));
         steps = vec![Step::LoopWhileActive(vec![here(GENERATE)], steps)];
     }
     Schedule { steps }
+}
+
+/// These steps, as long as there are rays for the first kernel among them.
+fn while_begun(steps: Vec<Step>) -> Step {
+    let first = steps.iter().find_map(|step| if let Step::Run(kernel) = step { Some(*kernel) } else { None });
+    Step::LoopWhileActive(first.into_iter().collect(), steps)
 }
 
 /// The same steps with other kernels.

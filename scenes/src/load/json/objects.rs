@@ -259,6 +259,8 @@ pub(crate) struct Material<'a> {
 pub(crate) struct Pbr {
     pub(crate) base_color_factor: Property<Vec<Number>>,
     pub(crate) base_color_texture: Property<TextureInfo>,
+    pub(crate) metallic_factor: Property<Number>,
+    pub(crate) roughness_factor: Property<Number>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -266,6 +268,30 @@ pub(crate) struct Pbr {
 pub(crate) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_emissive_strength")]
     pub(crate) emissive_strength: Property<EmissiveStrength>,
+    #[serde(rename = "KHR_materials_ior")]
+    pub(crate) ior: Property<Ior>,
+    #[serde(rename = "KHR_materials_transmission")]
+    pub(crate) transmission: Property<Transmission>,
+    #[serde(rename = "KHR_materials_volume")]
+    pub(crate) volume: Property<Volume>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct Ior {
+    pub(crate) ior: Property<Number>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(crate) struct Transmission {
+    pub(crate) transmission_factor: Property<Number>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(crate) struct Volume {
+    pub(crate) thickness_factor: Property<Number>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -1,6 +1,6 @@
 //! Decides which options of the kernels a run needs.
 
-use raystep_scenes::{Light, Projection, Scene};
+use raystep_scenes::{Light, Optics, Projection, Scene};
 
 use crate::numbers::units::Units;
 use crate::options::features::Features;
@@ -41,6 +41,9 @@ pub(in crate::programs) fn features(
     let any_hit = options.any_hit && robust && options.without.is_none();
     let any_light = |f: fn(&Light) -> bool| scene.lights.iter().any(f);
     let any_material = |f: fn(&raystep_scenes::Material) -> bool| scene.materials.iter().any(f);
+    // From a light at the eye, every hit of a camera's ray is visible, but not what these rays see in a mirror.
+    let is_lit = options.shade && options.integrator != Integrator::Local;
+    let specular = is_lit && options.integrator == Integrator::Whitted && any_material(|m| m.optics.is_specular());
     Features {
         robust,
         watertight: robust && options.without != Some(Rule::TriangleTest),
@@ -61,9 +64,12 @@ pub(in crate::programs) fn features(
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
         intervals: has_intervals(&options.rays, any_hit),
         any_hit,
-        leaves: false,
+        leaves: specular,
+        specular,
+        dielectric: specular && any_material(|m| matches!(m.optics, Optics::Dielectric { .. })),
+        depth: if specular { options.max_depth } else { 0 },
         eye_rays: is_fused && !options.shade && !given,
-        clip: keep(Item::Clipping) || !inside,
+        clip: keep(Item::Clipping) || !inside || specular,
         perspective: match &options.rays {
             RaySource::Camera { camera, .. } => matches!(camera.projection, Projection::Perspective { .. }),
             RaySource::Given(_) => true,
@@ -78,8 +84,7 @@ pub(in crate::programs) fn features(
         many_lights: keep(Item::ManyLights) || scene.lights.len() > 1,
         directional_lights: keep(Item::DirectionalLights) || any_light(|l| matches!(l, Light::Directional { .. })),
         spot_lights: keep(Item::SpotLights) || any_light(|l| matches!(l, Light::Spot { .. })),
-        // From a light at the eye, every hit is visible.
-        shadows: options.shade && options.integrator == Integrator::Shadows && !scene.lights.is_empty(),
+        shadows: is_lit && (specular || !scene.lights.is_empty()),
         resumes: false,
         resumes_scan: false,
         resumes_light: false,

@@ -31,6 +31,22 @@ use turns::{Resumes, Walk};
 /// How a program that traces rays orders its kernels.
 type Scheduler = fn(&Options, &Features) -> Schedule;
 
+/// Whether rays can be sent on from their hits.
+fn check_scattering(features: &Features) -> Result<(), PlanError> {
+    let why = match features {
+        Features { dielectric: true, fragments: true, .. } => {
+            "--integrator whitted: the rays that wait at each depth do not fit the outputs of a fragment program: use \
+             --mapping compute, or a scene without transparent surfaces"
+        }
+        Features { specular: true, intervals: true, .. } => {
+            "--integrator whitted: rays with a t_min or a t_max cannot be reflected or refracted: omit these, or use \
+             --integrator shadows"
+        }
+        _ => return Ok(()),
+    };
+    Err(PlanError::Refused(why.into()))
+}
+
 /// Plans a run of rays by a program, with the schedule that it has for options; `built` is the grid that the options ask for, if it is built already.
 pub(in crate::programs) fn plan(
     (program, scheduler): (&'static Program, Scheduler),
@@ -48,6 +64,7 @@ pub(in crate::programs) fn plan(
     let Resolved { accelerator, mut features, structure, vertices, extent } =
         resolve(program, scene, options, units, limits, (width, height), built)?;
 
+    check_scattering(&features)?;
     // The last options of the kernels to be decided are those that depend on iterations of loops.
     let is_fused = options.schedule == ScheduleKind::Fused;
     let triangles = scene.triangles.len() as u64;
@@ -62,8 +79,10 @@ pub(in crate::programs) fn plan(
     let is_queried = options.mapping.fragment().is_some_and(|how| how.until == Until::Query);
     let pass_bound = if is_queried { pass_bound.saturating_mul(2).saturating_add(4) } else { pass_bound };
 
-    // The walks of shadow rays follow that of the ray.
+    // The walks of shadow rays follow that of the ray, and a pixel's rays are a list or a binary tree.
     let pass_bound = if features.shadows { pass_bound.saturating_mul(1 + lights) } else { pass_bound };
+    let rays_of_pixel = if features.dielectric { (2 << features.depth) - 1 } else { 1 + u64::from(features.depth) };
+    let pass_bound = pass_bound.saturating_mul(rays_of_pixel);
 
     let schedule = scheduler(options, &features);
     let variants = variants(program, &schedule, &features)?;
