@@ -185,6 +185,11 @@ fn what_would_have_no_effect_is_refused() {
         ("accelerator auto chooses its own", &["--grid", "8", "--accelerator", "auto"]),
         ("use --numerics robust", &["--skip", "on", "--numerics", "paper"]),
         ("expected auto, on or off", &["--skip", "maybe"]),
+        (
+            "--max-depth 3 applies to --integrator whitted, not to shadows",
+            &["--max-depth", "3", "--integrator", "shadows"],
+        ),
+        ("--max-depth 9: expected an integer from 0 to 8", &["--max-depth", "9", "--integrator", "whitted"]),
     ];
     for (wanted, how) in cases {
         place.fails(2, wanted, &[&render[..], how].concat());
@@ -193,6 +198,7 @@ fn what_would_have_no_effect_is_refused() {
         &["--steps-per-pass", "1", "--schedule", "first"][..],
         &["--steps-per-pass", "4096"],
         &["--skip", "off", "--accelerator", "bvh"],
+        &["--max-depth", "0", "--integrator", "whitted"],
     ] {
         place.ok(&[&render[..], how].concat());
     }

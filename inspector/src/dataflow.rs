@@ -184,7 +184,7 @@ fn kernel_node(kernel: Kernel) -> Node {
 fn stream_node(stream: Stream, is_double: bool) -> Node {
     let info = stream.info();
     let textures = if is_double { ", 2 textures" } else { "" };
-    node(NodeKind::Stream(stream), info.name, info.layers.join(" ") + textures, info.unit.into())
+    node(NodeKind::Stream(stream), info.name, info.layer_names() + textures, info.unit.into())
 }
 
 /// `None` for buffers that are not scene data but belong to the executor.

@@ -34,3 +34,4 @@ mod stiff;
 mod traversal;
 mod truth;
 mod watertight;
+mod whitted;

@@ -142,7 +142,7 @@ impl Plan {
                 "  {:<19} {:>10}  {}  [{}]",
                 info.name,
                 Bytes(s.bytes).to_string(),
-                info.layers.join(" "),
+                info.layer_names(),
                 info.unit
             )?;
         }

@@ -68,6 +68,17 @@ pub struct StreamInfo {
     pub why_absent: fn(&Run<'_>) -> Reason,
 }
 
+impl StreamInfo {
+    /// The names of its layers; of many, the first ten and the last.
+    #[must_use]
+    pub fn layer_names(&self) -> String {
+        match self.layers {
+            [first @ .., last] if self.layers.len() > 12 => format!("{} … {last}", first[..10].join(" ")),
+            all => all.join(" "),
+        }
+    }
+}
+
 /// Layer with the tag in a program's stream of states.
 pub const STATE_TAG: usize = 0;
 

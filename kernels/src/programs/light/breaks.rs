@@ -17,8 +17,8 @@ pub(super) const OF_ILLUMINATE: &[Break] = &[
     Break::new(as_it_is, "max(weight, select", "min(weight, select"),
     Break::new(
         as_it_is,
-        "textureStore(state, texel, 1, vec4u(t_bits));\n    textureStore(state, texel, 0, vec4u(DONE));",
-        "textureStore(state, texel, 0, vec4u(DONE));",
+        "textureStore(state, texel, 1, vec4u(t_bits));\n    textureStore(state, texel, 0, vec4u(LIT));",
+        "textureStore(state, texel, 0, vec4u(LIT));",
     ),
     Break::new(counted, "textureLoad(shadow_counters, texel, 1, 0).x", "0u"),
 ];
@@ -36,7 +36,11 @@ pub(super) const OF_SCATTER: &[Break] = &[
     Break::new(with_mirrors, "sum *= carried", "sum *= 1.0"),
     Break::new(with_mirrors, "depth < DEPTH", "depth <= DEPTH"),
     Break::new(with_mirrors, "select(interpolated, -interpolated", "select(interpolated, interpolated"),
-    Break::new(with_mirrors, "next = Next(through(start)", "next = Next(leaving(start)"),
+    Break::new(
+        with_mirrors,
+        "start.point - start.normal * start.distance",
+        "start.point - start.normal * (64.0 * start.distance)",
+    ),
     Break::new(with_mirrors, "tint * (1.0 - at.reflectance)", "tint"),
     Break::new(with_mirrors, "waiting |= 1u << depth", "waiting = 1u << depth"),
     Break::new(with_mirrors, "waiting ^= 1u << deepest", "waiting = 0u"),

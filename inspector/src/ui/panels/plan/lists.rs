@@ -95,7 +95,7 @@ pub(super) fn of(plan: &Plan) -> [Listed; 5] {
         let info = stream.what.info();
         let group = plan.sharing.of(&stream.what);
         let shared = if group.len() > 1 { format!(", in one texture with {}", names(group)) } else { String::new() };
-        let layers = ListedCell::text(info.layers.join(" ") + &shared);
+        let layers = ListedCell::text(info.layer_names() + &shared);
         vec![ListedCell::text(info.name), bytes(stream.bytes), layers, ListedCell::text(info.unit)]
     });
     let buffers = plan.buffers.iter().map(|planned| {

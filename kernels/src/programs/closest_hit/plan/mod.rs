@@ -34,9 +34,9 @@ type Scheduler = fn(&Options, &Features) -> Schedule;
 /// Whether rays can be sent on from their hits.
 fn check_scattering(features: &Features) -> Result<(), PlanError> {
     let why = match features {
-        Features { dielectric: true, fragments: true, .. } => {
-            "--integrator whitted: the rays that wait at each depth do not fit the outputs of a fragment program: use \
-             --mapping compute, or a scene without transparent surfaces"
+        Features { specular: true, fragments: true, .. } => {
+            "--integrator whitted: what is kept of a ray's tree does not fit the outputs of a fragment program: use \
+             --mapping compute, or --integrator shadows"
         }
         Features { specular: true, intervals: true, .. } => {
             "--integrator whitted: rays with a t_min or a t_max cannot be reflected or refracted: omit these, or use \
