@@ -101,7 +101,12 @@ const COLUMNS: &[Column] = &[
     text("rays_kind", "primary, bounce, shadow or random; or file and the hash of the rays, with its method as prefix"),
     text("rule", "numerical rule replaced by the paper's; empty if none"),
     text("stratum", "group of rays that were chosen in the same way"),
-    count("rays", "rays traced in a run"),
+    count("rays", "rays of this kind traced in a run; of light, the primary ones"),
+    count(
+        "secondary_rays",
+        "rays that kernels cast from a hit to the next one in a run; empty where no light is measured",
+    ),
+    count("shadow_rays", "rays that kernels cast to lights in a run; empty where no light is measured"),
     count("seed", "seed of rays, samples and orders"),
     truth("is_automatic", "whether the grid's resolution is the automatic one"),
     // Times.
@@ -122,7 +127,11 @@ const COLUMNS: &[Column] = &[
         "time of a fixed piece of work just before a run, by the host's clock, or the median of these: it shows the speed of the machine",
     ),
     number("median_wall_ns", "median time of a run by the host's clock, including waits for the device"),
-    number("rays_per_s", "rays divided by the median time"),
+    number("rays_per_s", "rays, with those that kernels cast, divided by the median time"),
+    number(
+        "samples_per_s",
+        "samples of pixels, each with a primary ray, divided by the median time; empty for other kinds of rays",
+    ),
     number("median_ns", "median time of a run, in nanoseconds"),
     number("low_ns", "lower end of the interval of the median"),
     number("high_ns", "upper end of the interval of the median"),
@@ -258,6 +267,22 @@ const COLUMNS: &[Column] = &[
     truth("is_lower_bound", "whether a run was stopped: its time is at least this"),
     number("stiffness", "cells or nodes plus tests expected at a random point of a random triangle"),
     number("predicted_line", "the same along a random line through the scene"),
+    // Light.
+    count("undecided_shadow_rays", "rays to lights that f32 cannot decide"),
+    count(
+        "wrong_shadow_rays",
+        "rays to lights that pass through a triangle, or are stopped where there is none or by the one that they leave",
+    ),
+    number("wrong_shadow_per_million", "the same per million rays to lights"),
+    number(
+        "light_error_median",
+        "median error of a ray's light against f64, relative to its brightest channel, of rays that the same lights reach there",
+    ),
+    number("light_error_largest", "the largest of these errors"),
+    count(
+        "lit_otherwise_rays",
+        "rays that other lights reach in f64, where also the rays to lights are computed in f64",
+    ),
     // Passes, in order of time.
     number("pass_end_ns", "end of the pass, in nanoseconds since the start of the first one, by the clock"),
     count("resolved_rays", "rays with a final hit after the pass"),
