@@ -2,10 +2,12 @@
 //! columns' names.
 
 mod of_kernels;
+mod of_light;
 mod of_options;
 mod of_passes;
 
 use of_kernels::OF_KERNELS;
+use of_light::OF_LIGHT;
 use of_options::OF_OPTIONS;
 use of_passes::OF_PASSES;
 use raystep_kernels::named;
@@ -53,7 +55,13 @@ pub struct Column {
 /// The column with this name; `None` if no file has one.
 #[must_use]
 pub fn column(name: &str) -> Option<&'static Column> {
-    COLUMNS.iter().chain(OF_PASSES).chain(OF_KERNELS).chain(OF_OPTIONS.iter()).find(|column| column.name == name)
+    COLUMNS
+        .iter()
+        .chain(OF_PASSES)
+        .chain(OF_KERNELS)
+        .chain(OF_LIGHT)
+        .chain(OF_OPTIONS.iter())
+        .find(|column| column.name == name)
 }
 
 const fn text(name: &'static str, what: &'static str) -> Column {
@@ -102,11 +110,6 @@ const COLUMNS: &[Column] = &[
     text("rule", "numerical rule replaced by the paper's; empty if none"),
     text("stratum", "group of rays that were chosen in the same way"),
     count("rays", "rays of this kind traced in a run; of light, the primary ones"),
-    count(
-        "secondary_rays",
-        "rays that kernels cast from a hit to the next one in a run; empty where no light is measured",
-    ),
-    count("shadow_rays", "rays that kernels cast to lights in a run; empty where no light is measured"),
     count("seed", "seed of rays, samples and orders"),
     truth("is_automatic", "whether the grid's resolution is the automatic one"),
     // Times.
@@ -128,10 +131,6 @@ const COLUMNS: &[Column] = &[
     ),
     number("median_wall_ns", "median time of a run by the host's clock, including waits for the device"),
     number("rays_per_s", "rays, with those that kernels cast, divided by the median time"),
-    number(
-        "samples_per_s",
-        "samples of pixels, each with a primary ray, divided by the median time; empty for other kinds of rays",
-    ),
     number("median_ns", "median time of a run, in nanoseconds"),
     number("low_ns", "lower end of the interval of the median"),
     number("high_ns", "upper end of the interval of the median"),
@@ -267,22 +266,6 @@ const COLUMNS: &[Column] = &[
     truth("is_lower_bound", "whether a run was stopped: its time is at least this"),
     number("stiffness", "cells or nodes plus tests expected at a random point of a random triangle"),
     number("predicted_line", "the same along a random line through the scene"),
-    // Light.
-    count("undecided_shadow_rays", "rays to lights that f32 cannot decide"),
-    count(
-        "wrong_shadow_rays",
-        "rays to lights that pass through a triangle, or are stopped where there is none or by the one that they leave",
-    ),
-    number("wrong_shadow_per_million", "the same per million rays to lights"),
-    number(
-        "light_error_median",
-        "median error of a ray's light against f64, relative to its brightest channel, of rays that the same lights reach there",
-    ),
-    number("light_error_largest", "the largest of these errors"),
-    count(
-        "lit_otherwise_rays",
-        "rays that other lights reach in f64, where also the rays to lights are computed in f64",
-    ),
     // Passes, in order of time.
     number("pass_end_ns", "end of the pass, in nanoseconds since the start of the first one, by the clock"),
     count("resolved_rays", "rays with a final hit after the pass"),
@@ -375,7 +358,7 @@ mod tests {
 
     #[test]
     fn names_are_unique_and_fields_have_types() {
-        let all = [COLUMNS, OF_PASSES, OF_KERNELS].concat();
+        let all = [COLUMNS, OF_PASSES, OF_KERNELS, OF_LIGHT].concat();
         for (i, column) in all.iter().enumerate() {
             assert!(all[..i].iter().all(|other| other.name != column.name), "{} twice", column.name);
             assert!(
