@@ -15,7 +15,7 @@ pub(crate) const COLUMNS: &str = "schema_version,run_id,configuration,scene,acce
     width_px,height_px,repeat,is_warmup,pass_index,sample,iteration,kernel,begin_ns,duration_ns,encode_ns,rays_in,rays_out,\
     threads_launched,cells_visited,triangles_tested,repeated_tests,clock,clock_resolution_ns,valid,host_run_ns,\
     duration_runs,duration_error_ns,duration_below_ns,mapping,draw,targets,fragments_run,bytes_copied,traversal,\
-    loops,scene_data";
+    loops,scene_data,integrator";
 
 fn sum<'a>(rows: impl IntoIterator<Item = &'a Row>, column: &str) -> u64 {
     let number = |row: &Row| if row[column].is_empty() { 0 } else { row[column].parse().expect("a number") };

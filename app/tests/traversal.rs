@@ -41,8 +41,11 @@ fn both_walks_are_measured_side_by_side() {
     let ways = ["--accelerators", "grid,bvh", "--traversals", "amanatides-woo,3d-dda", "-o", "out"];
     place.ok(&[&all[..], &ways].concat());
     let summary = place.read("out/summary.csv");
-    let of = |row: csv::StringRecord| (row[7].to_owned(), row[row.len() - 1].to_owned(), row[row.len() - 4].to_owned());
     let mut rows = csv::Reader::from_reader(summary.as_slice());
+    let names = rows.headers().expect("a header").clone();
+    let column = |name: &str| names.iter().position(|n| n == name).expect(name);
+    let [accelerator, walk, hits] = ["accelerator", "traversal", "hits_hash"].map(column);
+    let of = |row: csv::StringRecord| (row[accelerator].to_owned(), row[walk].to_owned(), row[hits].to_owned());
     let rows: Vec<(String, String, String)> = rows.records().map(|row| of(row.expect("a row"))).collect();
     let ways: Vec<[&str; 2]> = rows.iter().map(|(accelerator, walk, _)| [accelerator.as_str(), walk]).collect();
     assert_eq!(ways, [["grid", "amanatides-woo"], ["grid", "3d-dda"], ["bvh", "amanatides-woo"]]);

@@ -16,6 +16,8 @@ use raystep_scenes::{Camera, Light, Projection, Scene};
 use raystep_tests::configurations::{COVERING, Configuration, STEPPED};
 use raystep_tests::{block_on, devices, gpu, gpu_of, options, parity, scene, scene_files, thorough, traced, values};
 
+mod stiff;
+
 fn with_shadows(options: Options) -> Options {
     Options { integrator: Integrator::Shadows, ..options }
 }

@@ -1,7 +1,9 @@
 // The page in Chromium: what a student does with a link, and what may go wrong meanwhile.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, readdirSync } from "node:fs";
+import { tmpdir } from "node:os";
 import path from "node:path";
 import { after, before, describe, test } from "node:test";
 
@@ -93,6 +95,36 @@ for (const [way, device] of [
             await tab.page.close();
         });
 
+        test("a link with shadows opens, and shows their picture", async () => {
+            // Without lists of live rays, of which kernels bind more than a pipeline may in WebGPU.
+            const lights = `${CORNELL}&size=48x40&schedule=second&stream=color.r`;
+            const tab = await browser.page(`${lights}&integrator=shadows&device=${device}`);
+            const pictures = [];
+            for (const integrator of ["shadows", null]) {
+                const seen = integrator ? await tab.settled() : await tab.go(`${lights}&device=${device}`);
+                assert.deepEqual([keyOf(seen.link, "integrator"), seen.error], [integrator, ""]);
+                const download = tab.page.waitForEvent("download");
+                await tab.perform("Export stream as npy");
+                pictures.push(floats(readFileSync(await (await download).path())));
+                await tab.screenshot(`${way}-light-${integrator ?? "local"}`);
+            }
+            const [shadows, local] = pictures;
+            assert.ok(shadows.length >= 3 * 48 * 40 && shadows.length === local.length, `${shadows.length} floats`);
+            assert.ok(shadows.every((value, i) => value <= local[i] * (1 + 1e-5)), "shadows take light away");
+            const darker = shadows.filter((value, i) => value < 0.5 * local[i]).length;
+            assert.ok(darker > 100 && darker < shadows.length / 2, `${darker} of ${shadows.length} are darker`);
+            // What the desktop computes; a few pixels at the edges of shadows may differ by device.
+            const folder = mkdtempSync(path.join(tmpdir(), "raystep-light-"));
+            const words = ["--integrator", "shadows", "--schedule", "second", "--size", "48x40", "--device", "cpu", "--pass", "last"];
+            execFileSync(process.env.RAYSTEP, ["dump", path.join(scenes, "cornell-box.gltf"), "-o", `${folder}/d`, ...words], { stdio: "pipe" });
+            const name = readdirSync(`${folder}/d`).find((name) => name.endsWith(".color.npy"));
+            const expected = floats(readFileSync(`${folder}/d/${name}`));
+            const differ = shadows.filter((value, i) => Math.abs(value - expected[i]) > 1e-4).length;
+            assert.ok(expected.length === shadows.length && differ <= (device === "cpu" ? 0 : 12), `${differ} differ`);
+            assert.deepEqual(tab.troubles, []);
+            await tab.page.close();
+        });
+
         test("a dropped scene is opened, with its files; a broken one is refused", async () => {
             const tab = await browser.page(SMALL);
             await tab.settled();
@@ -157,6 +189,12 @@ for (const [way, device] of [
             await tab.page.close();
         });
     });
+}
+
+/// The floats of a file of numpy, whose header says how long it is.
+function floats(file) {
+    const begin = 10 + file.readUInt16LE(8);
+    return Array.from({ length: (file.length - begin) / 4 }, (_, i) => file.readFloatLE(begin + 4 * i));
 }
 
 /// In the page: presses a key, and waits until another place is shown: for the worker's frame, and then for the display's next

@@ -98,6 +98,24 @@ class Run(unittest.TestCase):
             image.save(f"{folder}/u.png")
             self.assertEqual(os.path.getsize(f"{folder}/u.png"), os.path.getsize(f"{folder}/t.png"))
 
+    def test_a_picture_with_shadows_is_that_of_the_command(self) -> None:
+        lit = Renderer("lights", integrator="shadows", **SMALL).run()
+        local = Renderer("lights", **SMALL).run()
+        color, everywhere = (np.asarray(run.streams["color"]) for run in (lit, local))
+        darker = (color < everywhere).any(axis=2)
+        self.assertTrue((color <= everywhere * (1 + 1e-6)).all(), "shadows take light away")
+        self.assertTrue(20 < darker.sum() < darker.size, f"{darker.sum()} of {darker.size} pixels are darker")
+        self.assertTrue(any(row["kernel"].startswith("shadow") for row in rows(lit.timings())))
+        words = "--integrator shadows --size 32x24 --device cpu".split()
+        with tempfile.TemporaryDirectory() as folder:
+            command("render", "lights", "-o", f"{folder}/l.png", *words)
+            with open(f"{folder}/l.png", "rb") as file:
+                self.assertEqual(file.read(), lit.image().png())
+            command("dump", "lights", "--pass", "last", "-o", f"{folder}/d", *words)
+            (name,) = (name for name in os.listdir(f"{folder}/d") if name.endswith(".color.npy"))
+            dumped = np.moveaxis(np.load(f"{folder}/d/{name}"), 0, 2)
+            self.assertTrue(np.array_equal(dumped.view(np.uint32), color.view(np.uint32)))
+
     def test_steps_forwards_and_backwards_pass_the_same_places(self) -> None:
         scene = Scene("teapot", device="cpu")
         run = Renderer(scene, size=(24, 16), schedule="second")

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
-use raystep_kernels::options::ParseOptionError;
 use raystep_kernels::options::mapping::Mapping;
+use raystep_kernels::options::{Integrator, ParseOptionError};
 use raystep_kernels::{Accelerator, Numerics, RaySource, ScheduleKind, Traversal};
 use raystep_lab::bench::gate::{self, Gate, Verdict};
 use raystep_lab::bench::{self, Baseline};
@@ -40,7 +40,8 @@ use crate::terminal::{Progress, print, say};
 /// all equally. Building and compiling are timed separately. DIR/summary.csv has one row per configuration: median time
 /// of a run with its interval, rays per second, counters, and the ratio to the fastest of the group; DIR/runs.csv has
 /// every timed run; DIR/passes.csv has the passes of one more run of each, made before these, in which every pass is timed; DIR/run.json describes machine and
-/// options, DIR/datapackage.json the columns. Shading is excluded.
+/// options, DIR/datapackage.json the columns. Hits are measured, and shading is excluded, unless --integrators asks for light:
+/// then the image is measured, with shading and with the rays that it casts, which DIR/summary.csv counts by kind.
 ///
 /// Rays: primary, from the camera; bounce, one from each primary hit, cosine-weighted about the normal; shadow, from each
 /// primary hit to a light that its visible side faces, or, if the scene has none, to the top centre of its box; random,
@@ -62,6 +63,7 @@ Examples:
   raystep bench cornell-box -o bench
   raystep bench teapot --accelerators grid,bvh --schedules second,compact,fused -o bench
   raystep bench teapot --size 512x512,1920x1080 --rays primary,bounce,shadow -o bench
+  raystep bench cornell-box --integrators local,shadows -o bench
   raystep bench teapot terrain --shard 1/2 -o bench-1
   raystep bench teapot --repeats 50 -o before
   raystep bench teapot --repeats 50 --baseline before -o after
@@ -89,6 +91,11 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "T,U…", value_delimiter = ',', default_value = "amanatides-woo",
           value_parser = named(Traversal::ALL, Traversal::name), help_heading = "What is measured")]
     traversals: Vec<Traversal>,
+    /// What light is measured: none, only hits, without shading (local), or the image with shading and the rays to
+    /// lights that it takes (shadows); see 'raystep render --help'. For primary rays
+    #[arg(long, value_name = "I,J…", value_delimiter = ',', default_value = Integrator::default().name(),
+          value_parser = named(Integrator::ALL, Integrator::name), help_heading = "What is measured")]
+    integrators: Vec<Integrator>,
     /// Width and height in pixels, of one image or of several
     #[arg(
         long = "size",
@@ -186,6 +193,7 @@ impl BenchArgs {
                 &distinct(&self.schedules),
                 &distinct(&self.mappings),
                 &distinct(&self.traversals),
+                &distinct(&self.integrators),
                 &tuning,
             ),
             sizes: distinct(&self.sizes),
@@ -236,6 +244,15 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
             "--traversals: 3d-dda walks through a uniform grid with the paper's rules: add --accelerators grid --numerics \
              paper",
         ));
+    }
+    if let Some(integrator) = args.integrators.iter().find(|&&integrator| integrator != Integrator::default()) {
+        let is_camera = args.rays_file.is_none() && args.rays.iter().all(|&kind| kind == RayKind::Primary);
+        if !is_camera {
+            return Err(Error::usage(format!(
+                "--integrators {integrator}: light is measured in an image, by primary rays: omit --rays and --rays-file, or \
+                 measure these rays in another benchmark"
+            )));
+        }
     }
     if args.serve {
         return serve::run(args);

@@ -35,8 +35,9 @@ use crate::usage::did_you_mean;
 ///
 /// With --cost, families of stiff scenes are traced, too: scenes in which a structure gets slower as one parameter
 /// grows, such as a small object in an ever larger room, slivers or coincident layers. For every structure, with all
-/// rules and without each, this measures time, cells and tests per ray, building and memory, and wrong rays. It takes up
-/// to 20 minutes. If it is interrupted, the same command continues from DIR.stiff.csv.part.
+/// rules and without each, this measures time, cells and tests per ray, building and memory, and wrong rays. In some
+/// families light gets harder instead: near or grazing lights, many, or very unequal ones. There, rays to lights are traced,
+/// too, each is compared with f64, and so is the light of every ray. It takes up to 27 minutes. If it is interrupted, the same command continues from DIR.stiff.csv.part.
 ///
 /// DIR/stability.csv has one row per case and configuration, DIR/tmax.csv one per sample of the walk, DIR/pipelines.csv
 /// one per pipeline, DIR/stiff.csv one per point of a family and configuration, DIR/runs.csv one per timed run;

@@ -23,8 +23,8 @@ use file::Definition;
 /// SWEEP.toml has the keys: what = "bench", "stability", "report" or "render"; scenes, a list of files or patterns such
 /// as "scenes/*.glb", relative to the file; under [options], the options of all jobs, by long name without the leading "--";
 /// under [each], options with a list of values each. There is a job for every scene and combination of these values. For
-/// bench, the lists accelerators, schedules, mappings and traversals belong under [options], because one job compares them
-/// with each other. For render: format = "png" or "exr", and parts = N to divide the samples of each image among N jobs.
+/// bench, the lists accelerators, schedules, mappings, traversals and integrators belong under [options], because one job
+/// compares them with each other. For render: format = "png" or "exr", and parts = N to divide the samples of each image among N jobs.
 ///
 /// Each job runs as a process of its own; its results are in DIR/jobs/NAME. A job that fails is retried once, or retries =
 /// N times; other jobs continue. After an interruption, the same command continues with the jobs that are not finished.

@@ -21,6 +21,7 @@ use measure::Bench;
 use prepare::Group;
 use rays::Viewed;
 use raystep_kernels::export::csv::{DrawnPart, RunContext};
+use raystep_kernels::options::Integrator;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Accelerator, Options, Pass, RaySource, ScheduleKind, Traversal};
 
@@ -31,6 +32,7 @@ use crate::rays::file::RaysFile;
 use crate::rays::{RayKind, in_tiles};
 use crate::reporter::Reporter;
 use crate::subject::{Size, Subject};
+use crate::work::Cast;
 pub use baseline::Baseline;
 pub use rays::SEED;
 pub use runs::{RunRow, read_runs};
@@ -91,13 +93,15 @@ pub struct Details {
     pub passes: Vec<Pass>,
     /// The parts of each of them, if they are drawn.
     pub parts: Vec<Vec<DrawnPart>>,
+    /// The rays that kernels cast, beside those of the group, if rays are counted.
+    pub cast: Option<Cast>,
     /// Hashes of the kernels' sources, by name.
     pub shaders: BTreeMap<&'static str, String>,
 }
 
 impl Details {
     fn without_passes(context: RunContext) -> Self {
-        Self { context, cells: None, passes: Vec::new(), parts: Vec::new(), shaders: BTreeMap::new() }
+        Self { context, cells: None, passes: Vec::new(), parts: Vec::new(), cast: None, shaders: BTreeMap::new() }
     }
 }
 
@@ -162,6 +166,7 @@ pub fn combinations(
     schedules: &[ScheduleKind],
     mappings: &[Mapping],
     traversals: &[Traversal],
+    integrators: &[Integrator],
     tuning: &Options,
 ) -> Vec<Configuration> {
     let mut all = Vec::new();
@@ -177,7 +182,10 @@ pub fn combinations(
             };
             let of = Configuration { accelerator, schedule, ..Configuration::from(tuning) };
             for &mapping in mappings {
-                all.extend(traversals.iter().map(|&traversal| Configuration { mapping, traversal, ..of }));
+                for &traversal in traversals {
+                    let of = Configuration { mapping, traversal, ..of };
+                    all.extend(integrators.iter().map(|&of_light| Configuration { integrator: Some(of_light), ..of }));
+                }
             }
         }
     }
@@ -207,6 +215,9 @@ fn in_words(configuration: &Configuration) -> String {
     }
     if configuration.mapping != Mapping::Compute {
         words += &format!(" {}", configuration.mapping);
+    }
+    if let Some(integrator) = configuration.integrator.filter(|&integrator| integrator != Integrator::default()) {
+        words += &format!(" {integrator}");
     }
     words
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use raystep_kernels::options::Integrator;
 use raystep_kernels::options::STEPS_PER_PASS;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Accelerator, GridSize, Item, Keep, Numerics, Options, Rule, ScheduleKind, Skip, Traversal};
@@ -27,6 +28,8 @@ pub struct Configuration {
     pub traversal: Traversal,
     /// How kernels are mapped to the GPU.
     pub mapping: Mapping,
+    /// The light that is computed; that of the other options if `None`.
+    pub integrator: Option<Integrator>,
     /// Whether boxes are grown for each ray in any scene.
     pub is_padded: bool,
     /// Whether to use explicit fma wherever a compiler may contract, see [`Options::contracted`].
@@ -50,6 +53,7 @@ impl Configuration {
             without: None,
             traversal: Traversal::AmanatidesWoo,
             mapping: Mapping::Compute,
+            integrator: None,
             is_padded: false,
             contracted: false,
         }
@@ -105,6 +109,7 @@ impl Configuration {
             without: self.without,
             traversal: self.traversal,
             mapping: self.mapping,
+            integrator: self.integrator.unwrap_or(options.integrator),
             contracted: self.contracted,
             keep: if self.is_padded { Keep::only(Item::RayPadding) } else { options.keep },
             ..options.clone()
@@ -144,6 +149,7 @@ impl From<&Options> for Configuration {
             without: options.without,
             traversal: options.traversal,
             mapping: options.mapping,
+            integrator: Some(options.integrator),
             is_padded: false,
             contracted: options.contracted,
         }

@@ -10,8 +10,9 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | `family`, `scenes` | the families, their scenes and rays |
+//! | `family`, `scenes`, `lit` | the families, their scenes and rays; those of light |
 //! | `measure` | a scene with all structures and rules |
+//! | `light` | of families of light, every ray to a light judged in f64, and the light compared with f64's |
 //! | `row`, `kept`, `start` | `stiff.csv` and `runs.csv`; results of an interrupted start; a measurement made when needed |
 //! | [`number`] | the stiffness number, and its correlation with cost |
 //! | `figures`, `words`, `page` | curves, what is more than 20 times as slow as the best, and both as HTML |
@@ -19,6 +20,8 @@
 mod family;
 mod figures;
 mod kept;
+mod light;
+mod lit;
 mod measure;
 pub mod number;
 mod page;
@@ -32,6 +35,7 @@ mod words;
 use std::io;
 use std::time::{Duration, Instant};
 
+use raystep_kernels::options::Integrator;
 use raystep_kernels::{Accelerator, Ray, RaySource, Rule, ScheduleKind};
 use raystep_scenes::Scene;
 
@@ -59,7 +63,7 @@ pub const RUNS: &str = "runs.csv";
 
 /// Default seed of rays.
 pub const SEED: u32 = 2007;
-/// Default time limit of a family: twelve of them take at most 20 minutes.
+/// Default time limit of a family: sixteen of them take at most 27 minutes.
 pub const BUDGET: Duration = Duration::from_secs(100);
 /// Default time limit of a run.
 pub const LONGEST_RUN: Duration = Duration::from_secs(5);
@@ -213,8 +217,10 @@ pub fn measure(
             late += usize::from(is_late);
             let stratum = family.stratum;
             let (scene, rays) = (&scene, &rays[..]);
+            let integrator = family.integrator;
             let family = family.name;
-            let point = Point { family, parameter: Some(parameter), name, stratum, scene, rays, grid, is_late };
+            let point =
+                Point { family, parameter: Some(parameter), name, stratum, scene, rays, grid, integrator, is_late };
             one(&work, &point, &missing, &mut cost, append)?;
             measured += 1;
         }
@@ -252,8 +258,17 @@ pub fn measure_scene(
     let rays: Vec<Ray> = scenes::own(scene, wanted.most_rays(), wanted.seed);
     let grid = raystep_kernels::GridSize::Auto;
     let name = format!("{OWN}/{name}");
-    let point =
-        Point { family: OWN, parameter: None, name, stratum: "edges", scene, rays: &rays, grid, is_late: false };
+    let point = Point {
+        family: OWN,
+        parameter: None,
+        name,
+        stratum: "edges",
+        scene,
+        rays: &rays,
+        grid,
+        integrator: Integrator::default(),
+        is_late: false,
+    };
     Work { wanted, meter, reporter }.measure(&point, &wanted.configurations(scene.triangles.len()), cost)
 }
 

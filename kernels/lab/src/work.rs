@@ -1,5 +1,6 @@
 //! The cost of rays, and the share of launched threads that have work to do.
 
+mod cast;
 mod lanes;
 mod visits;
 mod warps;
@@ -9,6 +10,7 @@ use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, StreamData, named};
 
+pub use cast::{Cast, begins_walks, is_shadow};
 pub use lanes::{LANES, Lanes, Launch};
 pub use visits::{Visits, has_single_steps, single_steps, visits};
 pub use warps::{NO_RAY, PassLanes, Survey, WIDTHS, Warp, threads};

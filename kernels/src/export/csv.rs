@@ -35,7 +35,8 @@
 //! | `bytes_copied` | bytes that the part copies |
 //! | `traversal` | how rays walk through a uniform grid: `amanatides-woo` or `3d-dda` |
 //! | `loops` | turns of the schedule's loops that the pass is in, from 0, outermost loop first, separated by spaces: see [`Pass::loops`] |
-//! | `scene_data` | where kernels read the lists of the scene: `buffers` or `textures`; like this, options that come later are columns by their rows |
+//! | `scene_data` | where kernels read the lists of the scene: `buffers` or `textures` |
+//! | `integrator` | the light that a pixel receives: `local`, `shadows`; options that come later are columns by their rows |
 
 mod drawn;
 mod writer;
@@ -65,7 +66,7 @@ fn later_options() -> impl Iterator<Item = &'static rows::Row> {
     ROWS.iter().filter(|row| row.is_column && !FIRST_COLUMNS.contains(&row.key().as_str()))
 }
 
-const FIRST_COLUMNS: [&str; 39] = [
+const FIRST_COLUMNS: [&str; 41] = [
     "schema_version",
     "run_id",
     "configuration",
@@ -105,6 +106,8 @@ const FIRST_COLUMNS: [&str; 39] = [
     "bytes_copied",
     "traversal",
     "loops",
+    "scene_data",
+    "integrator",
 ];
 
 /// Which clock timed the passes.
@@ -333,6 +336,8 @@ impl<W: Write> PassesCsv<W> {
             known(part.map(|(_, part)| part.bytes_copied)),
             option("traversal"),
             pass.loops_text(),
+            option("scene-data"),
+            option("integrator"),
         ];
         let row = first.into_iter().chain(later_options().map(|option| recorded(option, run)));
         Ok(self.writer.write_record(row)?)

@@ -153,6 +153,7 @@ class Renderer:
         spp: int | None = None,
         sampler: str | None = None,
         seed: int | None = None,
+        integrator: str | None = None,
         accelerator: str | None = None,
         schedule: str | None = None,
         mapping: str | None = None,

@@ -6,6 +6,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use raystep_kernels::Traversal;
+use raystep_kernels::options::Integrator;
 use raystep_lab::bench::gate::paired::{Looks, judge, order};
 use raystep_lab::bench::gate::{self, Gate, GateRow, LEVEL, Times, Verdict, changed, matched};
 use raystep_lab::bench::summary::THIS;
@@ -259,10 +260,12 @@ fn arguments(args: &BenchArgs) -> Vec<OsString> {
     let camera = &args.camera;
     let mappings: Vec<String> = args.mappings.iter().map(ToString::to_string).collect();
     let traversals = list(args.traversals.iter().map(|t| t.name()).collect());
+    let integrators = list(args.integrators.iter().map(|i| i.name()).collect());
     let optional: BTreeMap<&str, Option<String>> = BTreeMap::from([
         // An earlier build knows compute shaders only.
         ("--mappings", Some(mappings.join(",")).filter(|mappings| mappings != "compute")),
         ("--traversals", Some(traversals).filter(|traversals| traversals != Traversal::AmanatidesWoo.name())),
+        ("--integrators", Some(integrators).filter(|integrators| integrators != Integrator::default().name())),
         ("--device", device.filter(|_| args.device.adapter.is_none()).map(|device| device.get_name().to_owned())),
         ("--adapter", args.device.adapter.clone()),
         ("--scene-index", args.scene_index.map(|index| index.to_string())),

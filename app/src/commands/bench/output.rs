@@ -72,6 +72,7 @@ struct AboutOptions {
     schedules: Vec<&'static str>,
     mappings: Vec<String>,
     traversals: Vec<&'static str>,
+    integrators: Vec<&'static str>,
     replay: bool,
     /// The options that all runs share.
     #[serde(flatten)]
@@ -191,6 +192,7 @@ impl<'a> About<'a> {
                 schedules: args.schedules.iter().map(|s| s.name()).collect(),
                 mappings: args.mappings.iter().map(ToString::to_string).collect(),
                 traversals: args.traversals.iter().map(|t| t.name()).collect(),
+                integrators: args.integrators.iter().map(|i| i.name()).collect(),
                 replay: args.replay,
                 sizes: args.sizes.iter().map(ToString::to_string).collect(),
                 rays: args.rays.iter().map(|k| k.name()).collect(),

@@ -45,7 +45,7 @@ const TAKEN: [&str; 15] = [
 ];
 
 /// Lists whose members a benchmark compares with each other.
-const COMPARED: [&str; 4] = ["accelerators", "schedules", "mappings", "traversals"];
+const COMPARED: [&str; 5] = ["accelerators", "schedules", "mappings", "traversals", "integrators"];
 
 /// Options that name an input file.
 pub(super) const FILES: [&str; 3] = ["rays-file", "strata", "methods"];

@@ -166,6 +166,13 @@ pub fn changed(now: &SummaryRow, then: &SummaryRow) -> Vec<String> {
         changed.push(format!("{} passes, before {}", now.passes, then.passes));
     }
     for (name, now, then) in
+        [("secondary", now.secondary_rays, then.secondary_rays), ("shadow", now.shadow_rays, then.shadow_rays)]
+    {
+        if now != then {
+            changed.push(format!("{} {name} rays, before {}", known(now), known(then)));
+        }
+    }
+    for (name, now, then) in
         [("tests", now.tests_per_ray, then.tests_per_ray), ("cells", now.cells_per_ray, then.cells_per_ray)]
     {
         if now != then {
@@ -326,10 +333,11 @@ mod tests {
             passes: 2,
             tests_per_ray: Some(1.5),
             cells_per_ray: Some(0.5),
+            shadow_rays: Some(7),
             ..now.clone()
         };
         let all = changed(&now, &then);
-        assert_eq!(all.len(), 8, "{all:?}");
+        assert_eq!(all.len(), 9, "{all:?}");
         assert_eq!(
             changed(&now, &SummaryRow { hits_hash: "b".into(), ..now.clone() }),
             ["other hits, of as many rays (0)"]

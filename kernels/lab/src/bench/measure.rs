@@ -195,8 +195,8 @@ impl<'a> Bench<'a> {
             let (invalid, runs) = (row.invalid_runs, row.runs + row.invalid_runs);
             self.note(format!("{name}: {invalid} of {runs} times were invalid and do not count"));
         }
-        fn rays_of(r: &SummaryRow) -> ([&str; 3], Option<Size>) {
-            ([&r.scene_hash, &r.rays_kind, &r.numerics], r.size())
+        fn rays_of(r: &SummaryRow) -> ([&str; 4], Option<Size>) {
+            ([&r.scene_hash, &r.rays_kind, &r.numerics, &r.integrator], r.size())
         }
         let is_comparable = |other: &&SummaryRow| rays_of(other) == rays_of(row) && other.hits.is_some();
         let other = self.measured.rows.iter().find(is_comparable);

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use raystep_kernels::export::csv::{DrawnPart, RunContext};
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::{Structure, structure_bytes};
+use raystep_kernels::options::Integrator;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Keep, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind};
 
@@ -14,6 +15,7 @@ use crate::configuration::Configuration;
 use crate::meter::{Ended, Meter};
 use crate::outside::{MISSES_ALL, misses_all};
 use crate::subject::{Size, Subject};
+use crate::work::Cast;
 use crate::{Error, Hash, Machine};
 
 /// Configurations to compare: they trace the same rays.
@@ -89,7 +91,10 @@ impl<'a> Builder<'a> {
     ) -> Result<Ready, Error> {
         let (subject, machine) = (group.subject, self.machine());
         stage("building");
-        let mut options = Options { counters: false, timings: true, keep_passes: true, ..one.of(base) };
+        let options = one.of(base);
+        // Hits alone, unless it is the light that is asked for.
+        let shade = options.integrator != Integrator::default();
+        let mut options = Options { shade, counters: false, timings: true, keep_passes: true, ..options };
         machine.forget_kernels();
         let plan = || {
             let start = Instant::now();
@@ -140,6 +145,7 @@ impl<'a> Builder<'a> {
         let per_ray = |count: fn(&CounterSums) -> Option<u64>| {
             counts.as_ref().filter(|_| plan.rays > 0).and_then(count).map(|sum| sum as f64 / plan.rays as f64)
         };
+        let cast = details.cast.filter(|_| shade);
         let row = SummaryRow {
             schema_version: SCHEMA_VERSION,
             run_id,
@@ -173,6 +179,9 @@ impl<'a> Builder<'a> {
             bytes_per_triangle: bytes_per_triangle(plan),
             passes: details.passes.len(),
             useful_steps_per_thread: useful_steps_per_thread(&details.passes),
+            integrator: options.integrator.to_string(),
+            secondary_rays: cast.map(|cast| cast.secondary),
+            shadow_rays: cast.map(|cast| cast.shadow),
             ..SummaryRow::default()
         };
         let (bytes, is_any_hit) = (plan.bytes(), options.any_hit);
@@ -203,7 +212,8 @@ impl<'a> Builder<'a> {
         let passes = renderer.passes().to_vec();
         let parts = passes.iter().zip(renderer.draws()).map(|(p, draws)| DrawnPart::of(renderer.plan(), p, draws));
         let parts = parts.collect();
-        Ok((Details { passes, parts, shaders, ..Details::without_passes(context) }, start_s))
+        let cast = renderer.totals().rays_in().map(|_| Cast::of(renderer.plan(), &passes));
+        Ok((Details { passes, parts, shaders, cast, ..Details::without_passes(context) }, start_s))
     }
 }
 

@@ -4,12 +4,14 @@
 use std::io::{Read, Write};
 
 use raystep_kernels::Traversal;
+use raystep_kernels::options::Integrator;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::renderer::Pass;
 use serde::{Deserialize, Serialize};
 
 use super::OF_FILE;
 use super::runs::{self, RunRow};
+use crate::rays::RayKind;
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::median;
 use crate::subject::Size;
@@ -80,6 +82,12 @@ csv_row! {
         /// Earlier files lack it.
         #[serde(default = "amanatides_woo")]
         pub traversal: String,
+        /// Earlier files lack it, and what follows.
+        #[serde(default = "local")]
+        pub integrator: String,
+        pub samples_per_s: Option<f64>,
+        pub secondary_rays: Option<u64>,
+        pub shadow_rays: Option<u64>,
     }
 }
 
@@ -91,6 +99,11 @@ fn compute() -> String {
 /// The only traversal of earlier files.
 fn amanatides_woo() -> String {
     Traversal::AmanatidesWoo.to_string()
+}
+
+/// The only light of earlier files: none, since they are about hits.
+fn local() -> String {
+    Integrator::default().to_string()
 }
 
 /// A file of a benchmark that cannot be read.
@@ -157,7 +170,10 @@ impl SummaryRow {
         }
         let of = |ns: fn(&RunRow) -> u64| median(&counted.iter().map(|run| ns(run) as f64).collect::<Vec<_>>());
         (self.median_wall_ns, self.fixed_work_ns) = (of(|run| run.wall_ns), of(|run| run.fixed_work_ns));
-        self.rays_per_s = self.median_ns.filter(|&ns| ns > 0.0).map(|ns| self.rays as f64 / ns * 1e9);
+        let per_s = |rays: u64| self.median_ns.filter(|&ns| ns > 0.0).map(|ns| rays as f64 / ns * 1e9);
+        let cast = self.secondary_rays.unwrap_or(0) + self.shadow_rays.unwrap_or(0);
+        let samples = (self.rays_kind == RayKind::Primary.name()).then_some(self.rays);
+        (self.rays_per_s, self.samples_per_s) = (per_s(self.rays + cast), samples.and_then(per_s));
     }
 
     /// Fills in the ratio of its runs' times to those of the configuration `to` in the same rounds.
@@ -173,11 +189,11 @@ impl SummaryRow {
     /// Whether two rows have the same configuration, possibly on different devices.
     #[must_use]
     pub fn is_same_configuration(&self, other: &Self) -> bool {
-        type Key<'a> = ([&'a str; 9], Option<u32>, bool, Option<Size>, u32);
+        type Key<'a> = ([&'a str; 10], Option<u32>, bool, Option<Size>, u32);
         fn key(r: &SummaryRow) -> Key<'_> {
             let tracing = [&r.accelerator, &r.schedule, &r.mapping, &r.traversal, &r.numerics, &r.grid, &r.skip];
             let [a, b, c, d, e, f, g] = tracing;
-            let texts = [&r.scene, &r.rays_kind, a, b, c, d, e, f, g];
+            let texts = [&r.scene, &r.rays_kind, a, b, c, d, e, f, g, &r.integrator];
             (texts.map(String::as_str), r.steps_per_pass, r.keep_all, r.size(), r.seed)
         }
         key(self) == key(other)
@@ -187,6 +203,12 @@ impl SummaryRow {
     #[must_use]
     pub fn size(&self) -> Option<Size> {
         Some(Size { width: self.width_px?, height: self.height_px? })
+    }
+
+    /// Whether hits were measured, and no light.
+    #[must_use]
+    pub fn is_of_hits(&self) -> bool {
+        self.integrator == local()
     }
 
     /// Its configuration in words.
@@ -204,6 +226,9 @@ impl SummaryRow {
         }
         if self.traversal != amanatides_woo() {
             name += &format!(" {}", self.traversal);
+        }
+        if !self.is_of_hits() {
+            name += &format!(" {}", self.integrator);
         }
         if let Some(steps) = self.steps_per_pass {
             name += &format!(" steps_per_pass={steps}");
@@ -271,7 +296,8 @@ mod tests {
                         clock runs invalid_runs median_ns low_ns high_ns min_ns max_ns interval_method interval_level \
                         median_wall_ns fixed_work_ns rays_per_s time_ratio time_ratio_low time_ratio_high ratio_to passes \
                         useful_steps_per_thread cells_per_ray tests_per_ray repeated_per_ray structure_bytes \
-                        bytes_per_triangle hits hits_hash baseline_ratio mapping traversal";
+                        bytes_per_triangle hits hits_hash baseline_ratio mapping traversal integrator samples_per_s \
+                        secondary_rays shadow_rays";
         assert_eq!(names.iter().collect::<Vec<_>>().join(" "), expected);
         assert_eq!(SummaryRow::COLUMNS.join(" "), expected);
         let first = reader.records().next().expect("a row").expect("as many fields as names");
@@ -328,6 +354,7 @@ mod tests {
             SummaryRow { keep_all: true, ..then.clone() },
             SummaryRow { seed: 7, ..then.clone() },
             SummaryRow { schedule: "fused".into(), ..then.clone() },
+            SummaryRow { integrator: "shadows".into(), ..then.clone() },
         ];
         assert_eq!(row().in_baseline(&other), None);
         assert_eq!(row().in_baseline(&[moved.clone(), then.clone()]), Some(&then));

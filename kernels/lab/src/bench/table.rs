@@ -5,28 +5,59 @@ use crate::human::grouped;
 use crate::statistics::Compared;
 use crate::text::aligned;
 
-/// The text columns; the last two if rows differ in them.
-const NAMES: [&str; 4] = ["accelerator", "schedule", "mapping", "traversal"];
+/// The text columns; the last three if rows differ in them, or are about light.
+const NAMES: [&str; 5] = ["accelerator", "schedule", "mapping", "traversal", "integrator"];
 
-/// The numeric columns.
-const COLUMNS: [&str; 6] = ["median ms", "low", "high", "Mray/s", "to fastest", "to baseline"];
+/// A numeric column.
+struct Column {
+    name: &'static str,
+    value: fn(&SummaryRow) -> String,
+    /// Whether it is shown for one of these rows.
+    is_shown: fn(&SummaryRow) -> bool,
+}
+
+const fn column(name: &'static str, value: fn(&SummaryRow) -> String) -> Column {
+    Column { name, value, is_shown: |_| true }
+}
+
+const COLUMNS: [Column; 9] = [
+    column("median ms", |row| ms(row.median_ns)),
+    column("low", |row| ms(row.low_ns)),
+    column("high", |row| ms(row.high_ns)),
+    column("Mray/s", |row| millions(row.rays_per_s)),
+    Column { is_shown: |row| !row.is_of_hits(), ..column("Msample/s", |row| millions(row.samples_per_s)) },
+    Column {
+        is_shown: |row| row.secondary_rays > Some(0),
+        ..column("secondary rays", |row| count(row.secondary_rays))
+    },
+    Column { is_shown: |row| !row.is_of_hits(), ..column("shadow rays", |row| count(row.shadow_rays)) },
+    column("to fastest", to_fastest),
+    Column {
+        is_shown: |row| row.baseline_ratio.is_some(),
+        ..column("to baseline", |row| row.baseline_ratio.map_or("-".into(), |ratio| format!("{ratio:.2}")))
+    },
+];
 
 /// One table per group, all with the same column widths. `rays_file` is the name of the file that rays are from, if they are.
 #[must_use]
 pub fn text(rows: &[SummaryRow], rays_file: Option<&str>) -> String {
-    let has_baseline = rows.iter().any(|row| row.baseline_ratio.is_some());
-    let columns = &COLUMNS[..COLUMNS.len() - usize::from(!has_baseline)];
-    let texts = |row: &SummaryRow| [&row.accelerator, &row.schedule, &row.mapping, &row.traversal].map(String::clone);
+    let columns: Vec<&Column> = COLUMNS.iter().filter(|column| rows.iter().any(column.is_shown)).collect();
+    let texts = |row: &SummaryRow| {
+        [&row.accelerator, &row.schedule, &row.mapping, &row.traversal, &row.integrator].map(String::clone)
+    };
     let differ = |name: usize| name < 2 || rows.iter().any(|row| texts(row)[name] != texts(&rows[0])[name]);
-    let shown: Vec<usize> = (0..NAMES.len()).filter(|&name| differ(name)).collect();
+    let is_of_light = rows.iter().any(|row| !row.is_of_hits());
+    let shown: Vec<usize> =
+        (0..NAMES.len()).filter(|&name| differ(name) || is_of_light && NAMES[name] == "integrator").collect();
     let names = shown.iter().map(|&name| NAMES[name]);
-    let mut lines: Vec<Vec<String>> = vec![names.chain(columns.iter().copied()).map(str::to_owned).collect()];
+    let mut lines: Vec<Vec<String>> =
+        vec![names.chain(columns.iter().map(|column| column.name)).map(str::to_owned).collect()];
     let title = |row: &SummaryRow| title(row, rays_file);
     let groups = || rows.chunk_by(|a, b| title(a) == title(b));
     for row in rows {
         let of_row = texts(row);
         let mut cells: Vec<String> = shown.iter().map(|&name| of_row[name].clone()).collect();
-        cells.extend(numbers(row).into_iter().take(columns.len()));
+        cells.extend(columns.iter().map(|column| (column.value)(row)));
         lines.push(cells);
     }
     let lines: Vec<String> = aligned(&lines, shown.len()).into_iter().map(|line| format!("  {line}")).collect();
@@ -50,17 +81,16 @@ fn title(row: &SummaryRow, rays_file: Option<&str>) -> String {
     }
 }
 
-/// The values of [`COLUMNS`].
-fn numbers(row: &SummaryRow) -> [String; 6] {
-    let ms = |ns: Option<f64>| ns.map_or("-".into(), |ns| format!("{:.3}", ns / 1e6));
-    [
-        ms(row.median_ns),
-        ms(row.low_ns),
-        ms(row.high_ns),
-        row.rays_per_s.map_or("-".into(), |rate| format!("{:.3}", rate / 1e6)),
-        to_fastest(row),
-        row.baseline_ratio.map_or("-".into(), |ratio| format!("{ratio:.2}")),
-    ]
+fn ms(ns: Option<f64>) -> String {
+    ns.map_or("-".into(), |ns| format!("{:.3}", ns / 1e6))
+}
+
+fn millions(rate: Option<f64>) -> String {
+    rate.map_or("-".into(), |rate| format!("{:.3}", rate / 1e6))
+}
+
+fn count(rays: Option<u64>) -> String {
+    rays.map_or("-".into(), grouped)
 }
 
 /// The ratio to the fastest of the group with its interval, unless that says that they cannot be distinguished.
@@ -100,6 +130,7 @@ mod tests {
             time_ratio_low: ratio.map(|r| r[1]),
             time_ratio_high: ratio.map(|r| r[2]),
             ratio_to: Some("second".into()),
+            integrator: "local".into(),
             ..SummaryRow::default()
         }
     }
@@ -149,5 +180,26 @@ box (26 triangles), 32x8: 256 bounce rays
         };
         assert!(text(&[few], None).ends_with("  1.50         1.25\n"));
         assert_eq!(text(&[], None), "");
+    }
+
+    #[test]
+    fn light_has_its_rays_and_samples_by_second() {
+        let hits = row("second", "primary", Some(1e6), Some([1.0; 3]));
+        let light = SummaryRow {
+            integrator: "shadows".into(),
+            shadow_rays: Some(1200),
+            secondary_rays: Some(0),
+            samples_per_s: Some(128e6),
+            ..row("fused", "primary", Some(2e6), Some([2.0, 1.9, 2.1]))
+        };
+        let expected = "\
+box (26 triangles), 32x8: 256 primary rays
+  accelerator  schedule  integrator  median ms    low   high  Mray/s  Msample/s  shadow rays         to fastest
+  grid         second    local           1.000  0.900  1.200   0.256          -            -            fastest
+  grid         fused     shadows         2.000  1.800  2.400   0.128    128.000        1,200  2.00 [1.90, 2.10]
+";
+        assert_eq!(text(&[hits, light.clone()], None), expected);
+        let mirrors = text(&[SummaryRow { secondary_rays: Some(77), ..light }], None);
+        assert!(mirrors.contains("  secondary rays  ") && mirrors.contains("  77  "), "{mirrors}");
     }
 }

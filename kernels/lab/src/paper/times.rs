@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use raystep_kernels::options::Integrator;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::{Accelerator, Numerics, Options, RaySource, ScheduleKind, Traversal};
 
@@ -55,6 +56,7 @@ pub fn times(
             &[ScheduleKind::First, ScheduleKind::Second],
             &[Mapping::Compute],
             &[Traversal::AmanatidesWoo],
+            &[Integrator::default()],
             &tuning,
         ),
         sizes: SECONDS.iter().map(|&(side, _)| Size { width: side, height: side }).collect(),

@@ -1,7 +1,9 @@
 //! The families: each a table entry with its parameter's values. A new family is an entry here, built from functions in
 //! `scenes`.
 
-use super::scenes;
+use raystep_kernels::options::Integrator;
+
+use super::{lit, scenes};
 use crate::Error;
 use crate::stability::Workload;
 
@@ -20,6 +22,8 @@ pub struct Family {
     pub points: &'static [f64],
     /// How the rays' targets are chosen.
     pub stratum: &'static str,
+    /// The light that is computed at the hits; none but the hits themselves if it is local.
+    pub integrator: Integrator,
     /// Generates scene and rays, by parameter, number of rays and seed.
     pub(super) make: Make,
 }
@@ -38,12 +42,23 @@ const WIDE: &[f64] = &[1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7];
 const SLIVERS: &[f64] = &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8];
 
 const fn family(name: &'static str, title: &'static str, stratum: &'static str, make: Make) -> Family {
-    Family { name, title, what: "", parameter: "", points: &[], stratum, make }
+    Family { name, title, what: "", parameter: "", points: &[], stratum, integrator: Integrator::Local, make }
 }
 
 impl Family {
     const fn of(self, what: &'static str) -> Self {
         Self { what, ..self }
+    }
+
+    /// Rays to lights are traced, too.
+    const fn lit(self) -> Self {
+        Self { integrator: Integrator::Shadows, ..self }
+    }
+
+    /// Whether the light at the hits is computed, with rays to lights.
+    #[must_use]
+    pub fn is_lit(&self) -> bool {
+        self.integrator != Integrator::default()
     }
 
     const fn over(self, parameter: &'static str, points: &'static [f64]) -> Self {
@@ -92,6 +107,28 @@ pub static FAMILIES: &[Family] = &[
     family("grazing", "Grazing angles", SURFACE, scenes::grazing)
         .of("a tilted plane of 5,000 triangles, and rays that meet it at a small angle")
         .over("1 / sine of the angle between ray and plane", &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6]),
+    family("light-distance", "A light near and far", SURFACE, lit::distance)
+        .lit()
+        .of("a tilted plane of 5,000 triangles with a sphere on it, and a light above a point of the plane")
+        .over(
+            "distance of the light / side of the plane",
+            &[1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0, 100.0, 1e4, 1e6],
+        ),
+    family("light-ratio", "A bright and a dim light", SURFACE, lit::ratio)
+        .lit()
+        .of("the same with two lights, whose shadows of the sphere overlap in part")
+        .over("brightness of one / of the other", &[1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6]),
+    family("lights", "Many lights", SURFACE, lit::many)
+        .lit()
+        .of("the same with lights all around, of which half are below the plane")
+        .over("number of lights", &[1.0, 2.0, 5.0, 10.0, 30.0, 100.0, 300.0, 1e3]),
+    family("light-grazing", "Grazing light", SURFACE, lit::grazing)
+        .lit()
+        .of("the same with directional light at a small angle to the plane")
+        .over(
+            "1 / sine of the angle between light and plane",
+            &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6],
+        ),
 ];
 
 #[cfg(test)]
@@ -100,6 +137,7 @@ mod tests {
 
     use glam::DVec3;
     use raystep_kernels::{GridSize, Ray, RaySource};
+    use raystep_scenes::Light;
 
     use super::*;
 
@@ -118,6 +156,11 @@ mod tests {
         let all = &scene.triangles[..];
         let longest = |triangles: &[[[f32; 3]; 3]]| extents(triangles).max_element();
         let RaySource::Given(rays) = rays else { panic!("input rays") };
+        let of_points = scene.lights.iter().filter_map(|light| match light {
+            Light::Point { position, color, .. } => Some((glam::Vec3::from(*position), color[1])),
+            _ => None,
+        });
+        let (positions, colors): (Vec<_>, Vec<f32>) = of_points.unzip();
         match name {
             "room" | "plane" => longest(all) / longest(&all[..5120]),
             "extents" => longest(all) / extents(all).min_element(),
@@ -145,6 +188,16 @@ mod tests {
                 let sine = |r: &Ray| vec(r.direction).normalize().dot(normal).abs();
                 rays.len() as f64 / rays.iter().map(sine).sum::<f64>()
             }
+            // The plane is x = z.
+            "light-distance" => f64::from((positions[0].z - positions[0].x).abs()) / 2f64.sqrt(),
+            "light-ratio" => f64::from(colors[0] / colors[1]),
+            "lights" => scene.lights.len() as f64,
+            "light-grazing" => match scene.lights[..] {
+                [Light::Directional { direction, .. }] => {
+                    1.0 / vec(direction).dot(DVec3::new(1.0, 0.0, -1.0).normalize())
+                }
+                _ => panic!("a directional light"),
+            },
             _ => panic!("{name}: how is its parameter measured?"),
         }
     }
@@ -152,16 +205,20 @@ mod tests {
     #[test]
     fn each_familys_geometry_follows_its_parameter() {
         let names: BTreeSet<&str> = FAMILIES.iter().map(|family| family.name).collect();
-        assert_eq!((names.len(), FAMILIES.len()), (12, 12));
+        assert_eq!((names.len(), FAMILIES.len()), (16, 16));
         for family in FAMILIES {
             assert!((8..=12).contains(&family.points.len()), "{}", family.name);
             let mut before = 0.0;
+            assert_eq!(
+                family.is_lit(),
+                !(family.make)(family.points[0], 1, 7).expect("a scene").scene.lights.is_empty()
+            );
             for &point in family.points {
                 let made = (family.make)(point, 32, 7).expect("a scene");
                 let measure = measured(family.name, &made);
                 assert!(measure > before, "{} at {point}: {measure} after {before}", family.name);
                 // Rounding to f32 moves the corners of the thinnest slivers and the origins of the flattest rays.
-                let is_rounded = matches!(family.name, "slivers-aslant" | "grazing") && point > 1e4;
+                let is_rounded = matches!(family.name, "slivers-aslant" | "grazing" | "light-grazing") && point > 1e4;
                 assert!(is_rounded || (measure / point - 1.0).abs() < 0.1, "{} at {point}: {measure}", family.name);
                 before = if is_rounded { 0.0 } else { measure };
                 let RaySource::Given(rays) = &made.rays else { panic!("{}: input rays", family.name) };

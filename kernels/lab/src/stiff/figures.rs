@@ -27,6 +27,7 @@ fn point(row: &Row, y: &str) -> Option<(f64, f64)> {
 pub(super) fn curves(rows: &[Row], family: &Family, own: &[(String, f64)]) -> Plot {
     let mut times = Vec::new();
     let mut wrong = Vec::new();
+    let mut light = Vec::new();
     for (structure, color) in STRUCTURES {
         let rows_of: Vec<&Row> =
             robust(rows, family.name, structure).filter(|r| point(r, "ns_per_ray").is_some()).collect();
@@ -43,24 +44,37 @@ pub(super) fn curves(rows: &[Row], family: &Family, own: &[(String, f64)]) -> Pl
             let marks = Series::line("stopped: at least", color, stopped);
             times.push(Series { mark: Mark::Triangle, stroke: Stroke::None, ..marks });
         }
-        let worst = worst(without(rows, family.name, structure));
+        let worst = worst(without(rows, family.name, structure), errors_of(family).0);
         if !worst.is_empty() {
             let line = Series::dashed("", color, worst);
             wrong.push(Series { mark: Mark::Triangle, ..line });
         }
-        let errors = rows_of.iter().filter_map(|row| point(row, "wrong_per_million")).collect();
-        wrong.push(Series::line("", color, errors));
+        let errors = |column| rows_of.iter().filter_map(|row| point(row, column)).collect();
+        wrong.push(Series::line("", color, errors(errors_of(family).0)));
+        light.push(Series::line("", color, errors("light_error_largest")));
     }
     let of_rule = Series { mark: Mark::Triangle, ..Series::dashed("the rule that loses most left out", 6, Vec::new()) };
     wrong.push(of_rule);
+    let mut panels = vec![
+        Panel { y: Axis::new("ns per ray", Scale::Log), height: Some(190.0), series: times },
+        Panel { y: Axis::new(errors_of(family).1, Scale::LogWithZero), height: Some(100.0), series: wrong },
+    ];
+    if family.is_lit() {
+        panels.push(Panel { y: Axis::new("error of light", Scale::Log), height: Some(100.0), series: light });
+    }
     Plot {
         title: family.title.into(),
         x: Axis::new(family.parameter, Scale::Log),
-        panels: vec![
-            Panel { y: Axis::new("ns per ray", Scale::Log), height: Some(190.0), series: times },
-            Panel { y: Axis::new("wrong rays per million", Scale::LogWithZero), height: Some(100.0), series: wrong },
-        ],
+        panels,
         places: places(rows, family, own),
+    }
+}
+
+/// The column of the rays that a family gets wrong, and what it is called.
+fn errors_of(family: &Family) -> (&'static str, &'static str) {
+    match family.is_lit() {
+        true => ("wrong_shadow_per_million", "wrong shadow rays per million"),
+        false => ("wrong_per_million", "wrong rays per million"),
     }
 }
 
@@ -102,10 +116,10 @@ pub(super) fn saved(rows: &[Row], row: &Row) -> Option<[f64; 2]> {
     (own_low > 0.0).then(|| [low / own_high, high / own_low])
 }
 
-/// At each point, the most wrong rays of any rule left out.
-fn worst<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
+/// At each point, the most wrong rays of any rule left out, by their column.
+fn worst<'a>(rows: impl Iterator<Item = &'a Row>, column: &str) -> Vec<(f64, f64)> {
     let mut worst: Vec<(f64, f64)> = Vec::new();
-    for (x, y) in rows.filter_map(|row| point(row, "wrong_per_million")) {
+    for (x, y) in rows.filter_map(|row| point(row, column)) {
         match worst.iter_mut().find(|point| point.0 == x) {
             Some(point) => point.1 = point.1.max(y),
             None => worst.push((x, y)),

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use raystep_kernels::options::Integrator;
 use raystep_kernels::plan::structure_bytes;
-use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer};
+use raystep_kernels::{Accelerator, Device, GridSize, Options, Progress, RaySource, Renderer};
 use raystep_scenes::Scene;
 
+use super::light::Reference;
 use super::number::Predicted;
 use super::row::{self, RUN_COLUMNS, Verdicts};
 use super::{Cost, Wanted};
@@ -43,8 +45,16 @@ pub(super) struct Point<'a> {
     /// More rays begin with the same ones.
     pub(super) rays: &'a [raystep_kernels::Ray],
     pub(super) grid: GridSize,
+    /// The light that is computed at the hits; local for none.
+    pub(super) integrator: Integrator,
     /// Whether the family has spent its time: then each configuration makes one run of few rays.
     pub(super) is_late: bool,
+}
+
+impl Point<'_> {
+    fn is_lit(&self) -> bool {
+        self.integrator != Integrator::default()
+    }
 }
 
 /// A configuration's id at a point: the structure, and the rule left out.
@@ -83,7 +93,8 @@ impl Work<'_> {
         let rays = RaySource::Given(point.rays[..rays].to_vec());
         configuration.of(&Options {
             grid: if configuration.accelerator == Accelerator::Grid { point.grid } else { GridSize::Auto },
-            shade: false,
+            shade: point.is_lit(),
+            integrator: point.integrator,
             counters,
             timings: !counters && self.meter.machine.timer().times_passes(),
             keep_passes: false,
@@ -185,6 +196,7 @@ impl Work<'_> {
             Ok(Ended::GivenUp)
         })?;
         let mut judges: BTreeMap<usize, Judge> = BTreeMap::new();
+        let mut reference = Reference::default();
         let mut rows: Vec<Row> = Vec::new();
         for (one, times) in ready.iter().zip(&times) {
             let verdicts = self.judge(one, judges.entry(one.rays).or_default())?;
@@ -196,6 +208,11 @@ impl Work<'_> {
             let row = self.row(point, one, &cost.run_id);
             let ns: Vec<Option<f64>> = runs.iter().map(|run| self.meter.ns(run.time)).collect();
             let row = verdicts.fill(row::times(row, &ns, one.stopped, one.rays));
+            let row = if point.is_lit() && one.stopped.is_none() {
+                self.light(point, one, row, &mut reference)?
+            } else {
+                row
+            };
             cost.runs.rows.extend(runs.iter().map(|run| self.meter.fill_run(run, Row::new(RUN_COLUMNS).like(&row))));
             rows.push(row);
         }
@@ -212,6 +229,18 @@ impl Work<'_> {
         }
         cost.rows.rows.extend(rows);
         Ok(())
+    }
+
+    /// Fills the columns of light.
+    fn light(&self, point: &Point<'_>, one: &Ready, row: Row, reference: &mut Reference) -> Result<Row, Error> {
+        let machine = &self.meter.machine;
+        let options = |of: Configuration| Options { timings: false, ..self.options(point, of, one.rays, false) };
+        let (plan, data) = (one.renderer.plan().clone(), one.renderer.data().clone());
+        let of_found = options(one.configuration);
+        let mut found = machine.wait(Renderer::from_plan(plan, data, &of_found, &machine.device))?;
+        let of_exact = options(Configuration::usual(Accelerator::Bvh, self.wanted.schedule));
+        let exact = Renderer::new(point.scene, &of_exact, &Device::CpuF64(None));
+        Ok(machine.wait(reference.fill(row, &mut found, exact))?)
     }
 
     fn judge(&self, one: &Ready, judge: &mut Judge) -> Result<Verdicts, Error> {
@@ -245,6 +274,7 @@ impl Work<'_> {
             .set("scene_hash", Hash::of_triangles(&point.scene.triangles))
             .set("triangles", point.scene.triangles.len())
             .set("stratum", point.stratum)
+            .set("integrator", point.integrator.name())
             .set("rays", one.rays)
             .set("clock", self.meter.machine.timer().name())
             .set("build_s", one.build_s)

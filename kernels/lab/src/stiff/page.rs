@@ -63,7 +63,8 @@ pub(crate) fn correlation_text(rows: &[Row]) -> String {
 pub(crate) const CAPTION: &str = "Above, the median time of a ray with all rules, with its interval where it is wider \
                                   than the dot; dashed, without a rule that makes a threefold difference somewhere. \
                                   Below, wrong rays: dots with all rules, triangles without the rule that loses \
-                                  most.";
+                                  most. Families of light have wrong rays to lights there, and below \
+                                  them the largest error of a ray's light, relative to it, against f64.";
 
 /// Curves, words and a table for a page.
 #[must_use]

@@ -9,12 +9,14 @@ use crate::tidy::{KEYS, RATIO, Row, TIMES, VERDICTS, count, joined};
 const GROUPS: &[&[&str]] = &[
     KEYS,
     columns![family parameter triangles version seed is_quick],
-    columns![accelerator schedule numerics rule stratum rays ns_per_ray is_lower_bound],
+    columns![integrator accelerator schedule numerics rule stratum rays ns_per_ray is_lower_bound],
     TIMES,
     RATIO,
     VERDICTS,
     columns![build_s hits passes cells_per_ray tests_per_ray structure_bytes],
     &["predicted_line", "stiffness"],
+    columns![shadow_rays undecided_shadow_rays wrong_shadow_rays wrong_shadow_per_million],
+    columns![light_error_median light_error_largest lit_otherwise_rays],
 ];
 
 /// The columns of `stiff.csv`.

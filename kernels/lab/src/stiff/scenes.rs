@@ -38,7 +38,7 @@ fn on_edge(scene: &Scene, of: &Range<usize>, random: &mut Random) -> DVec3 {
 }
 
 /// A random point in a random triangle.
-fn on_surface(scene: &Scene, random: &mut Random) -> DVec3 {
+pub(super) fn on_surface(scene: &Scene, random: &mut Random) -> DVec3 {
     let [a, b, c] = scene.triangles[random.below(scene.triangles.len())].map(vec);
     let (u, v) = random.in_triangle();
     a + (b - a) * u + (c - a) * v
@@ -203,12 +203,16 @@ pub(super) fn t_junctions(edges: f64, count: usize, seed: u32) -> Made {
 }
 
 /// 50 by 50 squares in the plane x = z, whose points f32 represents exactly.
-pub(super) fn grazing(inverse_sine: f64, count: usize, seed: u32) -> Made {
+pub(super) fn squares() -> Vec<Triangle> {
     const SQUARES: i32 = 50;
     let at = |i: i32, k: i32| DVec3::new(f64::from(i), f64::from(k), f64::from(i)) / f64::from(SQUARES);
     let square = |i: i32, k: i32| quad([at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)]);
     let places = (0..SQUARES).flat_map(|i| (0..SQUARES).map(move |k| (i, k)));
-    let scene = scene_of(places.flat_map(|(i, k)| square(i, k)).collect());
+    places.flat_map(|(i, k)| square(i, k)).collect()
+}
+
+pub(super) fn grazing(inverse_sine: f64, count: usize, seed: u32) -> Made {
+    let scene = scene_of(squares());
     let (along, normal) = (DVec3::new(1.0, 0.0, 1.0).normalize(), DVec3::new(-1.0, 0.0, 1.0).normalize());
     let (sine, cosine) = (1.0 / inverse_sine, (1.0 - inverse_sine.powi(-2)).sqrt());
     let rays = drawn(count, seed, |_, random| {

@@ -18,6 +18,7 @@ static SMALL: Family = Family {
     parameter: "copies",
     points: &[1.0, 2.0],
     stratum: "edges",
+    integrator: Integrator::Local,
     make: scenes::layers,
 };
 

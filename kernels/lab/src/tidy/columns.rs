@@ -2,10 +2,12 @@
 //! columns' names.
 
 mod of_kernels;
+mod of_light;
 mod of_options;
 mod of_passes;
 
 use of_kernels::OF_KERNELS;
+use of_light::OF_LIGHT;
 use of_options::OF_OPTIONS;
 use of_passes::OF_PASSES;
 use raystep_kernels::named;
@@ -53,7 +55,13 @@ pub struct Column {
 /// The column with this name; `None` if no file has one.
 #[must_use]
 pub fn column(name: &str) -> Option<&'static Column> {
-    COLUMNS.iter().chain(OF_PASSES).chain(OF_KERNELS).chain(OF_OPTIONS.iter()).find(|column| column.name == name)
+    COLUMNS
+        .iter()
+        .chain(OF_PASSES)
+        .chain(OF_KERNELS)
+        .chain(OF_LIGHT)
+        .chain(OF_OPTIONS.iter())
+        .find(|column| column.name == name)
 }
 
 const fn text(name: &'static str, what: &'static str) -> Column {
@@ -101,7 +109,7 @@ const COLUMNS: &[Column] = &[
     text("rays_kind", "primary, bounce, shadow or random; or file and the hash of the rays, with its method as prefix"),
     text("rule", "numerical rule replaced by the paper's; empty if none"),
     text("stratum", "group of rays that were chosen in the same way"),
-    count("rays", "rays traced in a run"),
+    count("rays", "rays of this kind traced in a run; of light, the primary ones"),
     count("seed", "seed of rays, samples and orders"),
     truth("is_automatic", "whether the grid's resolution is the automatic one"),
     // Times.
@@ -122,7 +130,7 @@ const COLUMNS: &[Column] = &[
         "time of a fixed piece of work just before a run, by the host's clock, or the median of these: it shows the speed of the machine",
     ),
     number("median_wall_ns", "median time of a run by the host's clock, including waits for the device"),
-    number("rays_per_s", "rays divided by the median time"),
+    number("rays_per_s", "rays, with those that kernels cast, divided by the median time"),
     number("median_ns", "median time of a run, in nanoseconds"),
     number("low_ns", "lower end of the interval of the median"),
     number("high_ns", "upper end of the interval of the median"),
@@ -350,7 +358,7 @@ mod tests {
 
     #[test]
     fn names_are_unique_and_fields_have_types() {
-        let all = [COLUMNS, OF_PASSES, OF_KERNELS].concat();
+        let all = [COLUMNS, OF_PASSES, OF_KERNELS, OF_LIGHT].concat();
         for (i, column) in all.iter().enumerate() {
             assert!(all[..i].iter().all(|other| other.name != column.name), "{} twice", column.name);
             assert!(

@@ -19,6 +19,10 @@ pub(super) const OF_PASSES: &[Column] = &[
     ),
     text("kernel", "the kernel that ran"),
     text("mapping", "how kernels are mapped to the GPU: compute, or fragment and its choices"),
+    text(
+        "integrator",
+        "the light that is computed, as in render --integrator; of a benchmark, local where only hits are measured",
+    ),
     text("traversal", "how rays walk through a uniform grid: amanatides-woo or 3d-dda"),
     text(
         "loops",
