@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use raystep_kernels::export::trace::Trace;
 
-use super::{Walk3d, Wish, control};
+use super::{Walk3d, Wish, control, lit};
 use crate::orbit::Orbit;
 use crate::session::request::Opened;
 use crate::ui::pane::Context;
@@ -29,7 +29,7 @@ pub(super) struct Framed {
 
 impl Framed {
     /// Takes over the selected ray of a run.
-    pub(super) fn update(&mut self, history: Option<&Arc<Trace>>, generation: u64, opened: &Opened) {
+    pub(super) fn update(&mut self, history: Option<&Arc<Trace>>, generation: u64, opened: &Opened, scene: &Aabb) {
         let is_same = match (&self.of, history) {
             (Some((then, of)), Some(now)) => Arc::ptr_eq(then, now) && *of == generation,
             (then, now) => then.is_none() && now.is_none(),
@@ -42,6 +42,9 @@ impl Framed {
             .filter(|history| !history.rows.is_empty())
             .map(|history| WalkGeometry::new(history, &opened.data, usize::MAX));
         self.extent = whole.as_ref().map_or_else(Vec::new, WalkGeometry::extent);
+        if let Some(history) = history {
+            self.extent.extend(lit::extent(history, opened, scene));
+        }
         self.direction = whole.map_or(DVec3::ZERO, |walk| walk.direction);
         self.version += 1;
     }
