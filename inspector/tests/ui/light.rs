@@ -1,13 +1,14 @@
 //! Where the light of a pixel comes from: its tree as a table and in 3D.
 
+use egui::accesskit::Toggled;
 use egui::{Role, Theme};
 use egui_kittest::kittest::NodeT as _;
 use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
-use raystep_kernels::Choices;
 use raystep_kernels::export::light_tree::{Fate, LightTree, VertexKind};
 use raystep_kernels::options::Integrator;
+use raystep_kernels::{Accelerator, Choices};
 
 use crate::ui::desk::{CORNELL, ROOM};
 use crate::ui::stage::{Plan, Stage};
@@ -16,7 +17,7 @@ use crate::ui::stage::{Plan, Stage};
 const PIXEL: [u32; 2] = [24, 55];
 
 fn settings(integrator: Integrator) -> Settings {
-    let choices = Choices { integrator, ..Choices::stepped() };
+    let choices = Choices { integrator, accelerator: Accelerator::Grid, ..Choices::stepped() };
     Settings { size: [64, 64], device: DeviceKind::Cpu, choices, ..Settings::default() }
 }
 
@@ -40,18 +41,35 @@ fn tree(stage: &Stage) -> LightTree {
 fn rows(stage: &Stage) -> (Vec<String>, Option<String>) {
     let nodes = stage.nodes().into_iter().filter(|node| node.accesskit_node().role() == Role::Row);
     let rows: Vec<_> = nodes
-        .filter_map(|node| Some((node.accesskit_node().label()?, node.accesskit_node().is_selected() == Some(true))))
+        .filter_map(|node| {
+            Some((node.accesskit_node().label()?, node.accesskit_node().toggled() == Some(Toggled::True)))
+        })
         .collect();
     let current = rows.iter().find(|(_, is_current)| *is_current).map(|(name, _)| name.clone());
     (rows.into_iter().map(|(name, _)| name).collect(), current)
 }
 
+/// The table and the 3D view.
+fn seen(theme: Theme, name: &str) {
+    let mut stage = stage([900.0, 360.0], theme, PaneKind::LightTree);
+    stage.snapshot(&format!("light-tree-{name}"));
+    stage.perform(Command::Show(PaneKind::LightTree));
+    stage.perform(Command::Show(PaneKind::Walk3d));
+    stage.snapshot(&format!("light-tree-3d-{name}"));
+}
+
 #[test]
-fn a_pixels_light_is_seen_as_a_tree_and_in_3d() {
-    for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
-        stage([900.0, 260.0], theme, PaneKind::LightTree).snapshot(&format!("light-tree-{name}"));
-        stage([700.0, 480.0], theme, PaneKind::Walk3d).snapshot(&format!("light-tree-3d-{name}"));
-    }
+fn a_pixels_light_is_seen_on_dark() {
+    seen(Theme::Dark, "dark");
+}
+
+#[test]
+fn a_pixels_light_is_seen_on_light() {
+    seen(Theme::Light, "light");
+}
+
+#[test]
+fn a_narrow_panel_has_reasons_below() {
     stage([420.0, 400.0], Theme::Dark, PaneKind::LightTree).snapshot("light-tree-narrow");
 }
 

@@ -6,8 +6,8 @@ use crate::history::Trace;
 pub use crate::history::light_tree::*;
 use crate::history::units::Units;
 
-const ABOUT: &str = "Every ray ends in a line below the one that it left. r g b are linear: what arrives along the ray, or would \
-                     if nothing were in its way,\nand what the line adds to the pixel, with those below it.";
+const ABOUT: &str = "Every ray ends in a line below the one that it left. r g b are linear: what arrives along the ray, or would if \
+                     nothing\nwere in its way; and what the line adds to the pixel, with those below it.";
 
 impl LightTree {
     /// One line per vertex, indented below the one that its ray left, and what all add up to.

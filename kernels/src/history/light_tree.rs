@@ -54,9 +54,9 @@ impl LightTree {
         let points = self.vertices.iter().filter_map(|vertex| point(vertex, life, units));
         let of_place = largest(&mut points.flatten()).saturating_sub(1);
         let brought = self.vertices.iter().filter_map(|vertex| vertex.arrives);
-        let of_light = largest(&mut brought.flatten().map(f64::from)).clamp(4, 9) - 1;
+        let of_light = largest(&mut brought.flatten().map(f64::from)).clamp(5, 9) - 2;
         let branches = self.branches();
-        let of_sum = largest(&mut branches.iter().flatten().copied()).clamp(4, 9) - 1;
+        let of_sum = largest(&mut branches.iter().flatten().copied()).clamp(5, 9) - 2;
         let three = |of: [f64; 3], digits: usize| of.map(|c| format!("{c:.digits$}")).join(" ");
         let line = |(i, level): (usize, usize)| {
             let vertex = &self.vertices[i];

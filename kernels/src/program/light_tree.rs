@@ -87,7 +87,7 @@ pub struct Vertex {
     /// What became of the ray to it.
     pub fate: Fate,
     /// Linear light that the ray brings to where it began, or would bring if it reached the vertex: emitted by a surface,
-    /// <N, L> times the colour of a light. `None` for a camera.
+    /// <N, L> times the colour of a light. `None` for a camera, and for a surface that emits nothing.
     pub arrives: Option<[f32; 3]>,
     /// What this adds to the pixel, without the vertices below; linear light.
     pub contribution: [f64; 3],

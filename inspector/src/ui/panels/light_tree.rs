@@ -55,11 +55,8 @@ const HEADS: [Head<'static>; 6] = [
     Head::tree("vertex", "what a ray ended in, below the vertex that the ray left"),
     Head::text("passes", "from the pass that cast the ray to the one that decided what it ends in"),
     Head::prose("why it ends", "why the branch ends here, or goes no further"),
-    Head::number(
-        "arrives r g b",
-        "linear light that the ray brings to where it began, or would if nothing were in its way",
-    ),
-    Head::number("adds r g b", "linear light that the vertex and all below it add to the pixel"),
+    Head::text("arrives", "linear r g b that the ray brings to where it began, or would if nothing were in its way"),
+    Head::text("adds", "linear r g b that the vertex and all below it add to the pixel"),
     Head::text("point", "where it is; of what is infinitely far away, the direction").minor(),
 ];
 const ARRIVES: usize = 3;

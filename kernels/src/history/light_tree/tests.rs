@@ -14,9 +14,15 @@ use crate::programs::light::tests::{options, room};
 use crate::renderer::{Device, Renderer};
 use crate::{Numerics, Samples};
 
-/// Wider than the room: beside it is the background.
 const WIDTH: u32 = 24;
 const HEIGHT: u32 = 12;
+
+/// A room, and the background around it.
+fn seen_from_afar() -> Scene {
+    let mut scene = room();
+    scene.cameras.iter_mut().for_each(|camera| camera.eye.z += 1.5);
+    scene
+}
 
 /// Largest error of a colour, relative to 1: a sum of a few lights, each rounded, times a colour, and the mean of samples.
 const ROUNDED: f64 = 32.0 * 0.5 * f32::EPSILON as f64;
@@ -62,7 +68,7 @@ fn plain(tree: &LightTree) -> Vec<Vertex> {
 
 #[test]
 fn contributions_add_up_to_the_picture_and_every_structure_and_schedule_has_the_same_tree() {
-    let scene = room();
+    let scene = seen_from_afar();
     let mut first: Option<Vec<Vec<Vertex>>> = None;
     let mut ends = BTreeSet::new();
     for accelerator in [Accelerator::None, Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh] {
@@ -100,7 +106,7 @@ fn contributions_add_up_to_the_picture_and_every_structure_and_schedule_has_the_
 
 #[test]
 fn with_several_samples_or_light_by_light_the_sum_is_the_picture_too() {
-    let scene = room();
+    let scene = seen_from_afar();
     let plain = options(&scene, WIDTH, HEIGHT);
     let samples = Samples { count: 18, ..Samples::default() };
     let few_turns = Limits { turns: 2, ..Limits::CPU };
@@ -123,7 +129,7 @@ fn with_several_samples_or_light_by_light_the_sum_is_the_picture_too() {
 
 #[test]
 fn a_walk_in_one_pass_has_the_same_tree() {
-    let scene = room();
+    let scene = seen_from_afar();
     let stepped = options(&scene, WIDTH, HEIGHT);
     let wanted = trees(&scene, &stepped, &Limits::CPU);
     let fused = Options { schedule: ScheduleKind::Fused, ..stepped };
@@ -141,7 +147,7 @@ fn a_walk_in_one_pass_has_the_same_tree() {
 
 #[test]
 fn only_rays_to_lights_make_a_tree() {
-    let scene = room();
+    let scene = seen_from_afar();
     let dark = Scene { lights: Vec::new(), ..scene.clone() };
     for (scene, integrator) in [(&scene, Integrator::Local), (&dark, Integrator::Shadows)] {
         let options = Options { integrator, ..options(scene, WIDTH, HEIGHT) };
@@ -155,7 +161,7 @@ fn only_rays_to_lights_make_a_tree() {
 /// While a run is stepped, the tree is that of the passes so far.
 #[test]
 fn a_tree_grows_with_the_rows_and_knows_whose_pass_each_is() {
-    let scene = room();
+    let scene = seen_from_afar();
     let options = options(&scene, WIDTH, HEIGHT);
     let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a small scene");
     let run = RunSoFar { plan: &plan, data: &data, passes: &[], is_complete: false };
@@ -188,7 +194,7 @@ fn a_tree_grows_with_the_rows_and_knows_whose_pass_each_is() {
 
 #[test]
 fn texels_that_were_edited_make_no_tree_that_panics() {
-    let scene = room();
+    let scene = seen_from_afar();
     let (plan, data) = Plan::new(&scene, &options(&scene, WIDTH, HEIGHT), &Limits::CPU).expect("a small scene");
     let run = RunSoFar { plan: &plan, data: &data, passes: &[], is_complete: false };
     let life = run.follow::<f32>([12, 9]).expect("a ray");

@@ -57,7 +57,7 @@ fn hit(tree: &mut Grower, data: &SceneData, ray: &RayState) {
     let Some((triangle, point)) = point_of(data, ray) else { return };
     let emitted = if data.features.emissive { material_of(data, triangle).emissive } else { BLACK };
     let contribution = emitted.map(f64::from);
-    let (triangle, arrives) = (Some(triangle), Some(emitted));
+    let (triangle, arrives) = (Some(triangle), Some(emitted).filter(|&rgb| rgb != BLACK));
     tree.hit(ray, Vertex { triangle, arrives, contribution, ..Vertex::new(VertexKind::Surface, Place::Point(point)) });
 }
 
