@@ -91,10 +91,14 @@ impl LightTree {
         const MOST: usize = 8;
         let rays = self.vertices.iter().filter(|vertex| vertex.sample == sample && vertex.parent.is_some());
         let cast: Vec<&Vertex> = rays.filter(|vertex| vertex.fate != Fate::NotCast).collect();
+        let to = |vertex: &Vertex| {
+            let how = if vertex.is_sent_on() { format!("{} ", vertex.ray) } else { String::new() };
+            format!("{how}to {}", vertex.object())
+        };
         let told = cast.iter().take(MOST).map(|vertex| match vertex.fate {
-            Fate::Occluded { triangle, .. } => format!("to {}, occluded by triangle {triangle}", vertex.name()),
-            Fate::Open => format!("to {}, on its way", vertex.name()),
-            Fate::Reached | Fate::NotCast => format!("to {}", vertex.name()),
+            Fate::Occluded { triangle, .. } => format!("{}, occluded by triangle {triangle}", to(vertex)),
+            Fate::Open => format!("{}, on its way", to(vertex)),
+            Fate::Reached | Fate::NotCast => to(vertex),
         });
         let mut told: Vec<String> = told.collect();
         if let more @ 1.. = cast.len().saturating_sub(MOST) {

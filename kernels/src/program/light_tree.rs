@@ -75,6 +75,8 @@ pub struct Vertex {
     pub parent: Option<usize>,
     /// The sample of the pixel, from 0.
     pub sample: u32,
+    /// What the ray to it is: `camera`, `shadow`, or what a surface did, such as `reflected`.
+    pub ray: &'static str,
     /// Surfaces between the camera and the surface that the ray to it left or, for a surface, that it is.
     pub depth: u32,
     /// Where it is.
@@ -109,6 +111,7 @@ impl Vertex {
             kind,
             parent: None,
             sample: 0,
+            ray: "shadow",
             depth: 0,
             place,
             triangle: None,
@@ -123,14 +126,26 @@ impl Vertex {
         }
     }
 
-    /// Its name: `light 2`.
+    /// What is there: `light 2`.
     #[must_use]
-    pub fn name(&self) -> String {
+    pub fn object(&self) -> String {
         match (self.triangle, self.light) {
             (Some(triangle), _) => format!("triangle {triangle}"),
             (None, Some(light)) => format!("light {light}"),
             (None, None) => self.kind.name().into(),
         }
+    }
+
+    /// Whether a surface sent on the ray to it.
+    #[must_use]
+    pub fn is_sent_on(&self) -> bool {
+        self.depth > 0 && self.kind != VertexKind::Light
+    }
+
+    /// Its name: what is there, after what became of the ray to it at a surface.
+    #[must_use]
+    pub fn name(&self) -> String {
+        if self.is_sent_on() { format!("{}: {}", self.ray, self.object()) } else { self.object() }
     }
 }
 
@@ -205,8 +220,9 @@ pub struct Grower {
     unit: f64,
     offset: [f64; 3],
     here: Step,
-    /// The pass that cast the ray on its way.
+    /// The pass that cast the ray on its way, and what the ray is.
     cast: Step,
+    ray: &'static str,
     sample: u32,
     /// The latest surface, and the ray that hit it.
     surface: Option<(usize, RayState)>,
@@ -222,6 +238,7 @@ impl Grower {
             offset: data.units.offset.to_array(),
             here: Step::default(),
             cast: Step::default(),
+            ray: "camera",
             sample: 0,
             surface: None,
         }
@@ -239,14 +256,14 @@ impl Grower {
         }
         self.sample = sample;
         self.surface = None;
-        self.cast_ray();
+        self.cast_ray("camera");
         let camera = Vertex::new(VertexKind::Camera, Place::Point(origin.map(f64::from)));
         self.add(Vertex { why: "not all of its light is known".into(), ..camera });
     }
 
-    /// The pass casts a ray on from a surface: the surface or background that it ends in begins here.
-    pub fn cast_ray(&mut self) {
-        self.cast = self.here;
+    /// The pass casts a ray from a surface: the surface or background that it ends in begins here.
+    pub fn cast_ray(&mut self, ray: &'static str) {
+        (self.cast, self.ray) = (self.here, ray);
     }
 
     /// The latest surface, and the ray that hit it.
@@ -278,13 +295,14 @@ impl Grower {
             VertexKind::Camera | VertexKind::Surface => (true, false),
             VertexKind::Light | VertexKind::Background => (vertex.fate != Fate::Open, vertex.fate != Fate::Open),
         };
+        let ray = if vertex.kind == VertexKind::Light { "shadow" } else { self.ray };
         let place = match vertex.place {
             Place::Point(point) => Place::Point(self.in_scene(point)),
             direction @ Place::Direction(_) => direction,
         };
         let contribution = self.share(vertex.contribution);
         let [decided, ended] = [is_decided, is_leaf].map(|is| is.then_some(self.here));
-        self.tree.vertices.push(Vertex { parent, sample, place, contribution, cast, decided, ended, ..vertex });
+        self.tree.vertices.push(Vertex { parent, sample, ray, place, contribution, cast, decided, ended, ..vertex });
         self.tree.vertices.len() - 1
     }
 

@@ -128,7 +128,7 @@ impl Panel for LightTreeView {
 fn why_none(opened: &Opened) -> Option<&'static str> {
     if opened.plan.program.rays.is_none_or(|rays| rays.tree.is_none()) {
         return Some(
-            "No ray leaves a hit in this run. With the option --integrator shadows, rays go on to the lights.",
+            "No ray leaves a hit in this run. With --integrator shadows, rays go on to the lights; with whitted, mirrors and glass send on rays, too.",
         );
     }
     let is_lit = opened.data.features.shadows;

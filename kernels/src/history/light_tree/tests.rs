@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
-use raystep_scenes::Scene;
+use raystep_scenes::{Scene, generate};
 
 use super::*;
 use crate::history::{Rays, RunSoFar, trace};
@@ -145,6 +145,44 @@ fn a_walk_in_one_pass_has_the_same_tree() {
     });
 }
 
+/// Mirrors and glass send on rays, which make deeper surfaces with lights of their own.
+#[test]
+fn what_mirrors_and_glass_send_on_adds_up_to_the_picture() {
+    let scene = generate::whitted(1).expect("a scene");
+    let base = Options { integrator: Integrator::Whitted, ..options(&scene, WIDTH, HEIGHT) };
+    let samples = Samples { count: 2, ..Samples::default() };
+    let mut ends = BTreeSet::new();
+    let (mut first, mut deepest) = (None, 0);
+    for (options, label) in [
+        (Options { accelerator: Accelerator::Grid, ..base.clone() }, "grid"),
+        (Options { accelerator: Accelerator::Bvh, schedule: ScheduleKind::Second, ..base.clone() }, "bvh"),
+        (Options { samples, ..base.clone() }, "samples"),
+        (Options { max_depth: 1, ..base.clone() }, "depth 1"),
+    ] {
+        let found = trees(&scene, &options, &Limits::CPU);
+        for (life, tree) in &found {
+            assert_adds_up(life, tree, label);
+            assert!(tree.vertices.iter().all(|v| v.decided.is_some() && v.ended.is_some()), "{label} {tree:#?}");
+            let surfaces = tree.vertices.iter().filter(|vertex| vertex.kind == VertexKind::Surface);
+            ends.extend(surfaces.map(|vertex| format!("{}: {}", vertex.ray, vertex.why)));
+            deepest = tree.vertices.iter().map(|vertex| vertex.depth).fold(deepest, u32::max);
+        }
+        if label == "grid" {
+            first = Some(found.iter().map(|(_, tree)| plain(tree)).collect::<Vec<_>>());
+        } else if label == "bvh" {
+            assert!(
+                first == Some(found.iter().map(|(_, tree)| plain(tree)).collect()),
+                "another structure, another tree"
+            );
+        }
+    }
+    for wanted in ["camera: reflects", "reflected: no light is left", "refracted: no light is left"] {
+        assert!(ends.iter().any(|end| end.starts_with(wanted)), "{wanted}: {ends:?}");
+    }
+    assert!(ends.iter().any(|end| end.ends_with("at the largest depth, 1: sends no ray on")), "{ends:?}");
+    assert!(deepest > 2, "{deepest}");
+}
+
 #[test]
 fn only_rays_to_lights_make_a_tree() {
     let scene = seen_from_afar();
@@ -234,7 +272,7 @@ fn deeper_surfaces_are_below_those_that_their_rays_left() {
         grower.hit(&ray, at(depth));
         grower.go_to(step(row + 1));
         grower.add(light(of));
-        grower.cast_ray();
+        grower.cast_ray("reflected");
     }
     grower.add(Vertex {
         depth: 2,
