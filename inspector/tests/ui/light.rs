@@ -118,9 +118,8 @@ fn the_3d_view_says_which_rays_it_draws_up_to_the_pass() {
     assert!(whole.contains(", occluded by triangle ") && whole.contains("to light 1"), "{whole}");
     let first = tree.vertices.iter().find(|vertex| vertex.kind == VertexKind::Light).expect("a light");
     let cast = first.cast.pass.expect("a pass");
-    while stage.place() > cast {
-        stage.perform(Command::PreviousOfKernel);
-    }
+    let arrival = Arrival { pixel: Some(PIXEL), place: Some(cast), ..Arrival::default() };
+    stage.open(ROOM, settings(Integrator::Shadows), arrival);
     let early = said(&stage);
     assert!(!early.contains(&first.name()) && early.contains("light tree: rays to triangle "), "{early}");
     stage.perform(Command::Start);

@@ -20,7 +20,7 @@ const HEIGHT: u32 = 12;
 /// A room, and the background around it.
 fn seen_from_afar() -> Scene {
     let mut scene = room();
-    scene.cameras.iter_mut().for_each(|camera| camera.eye.z += 1.5);
+    scene.cameras.iter_mut().for_each(|camera| camera.eye.z += 2.5);
     scene
 }
 

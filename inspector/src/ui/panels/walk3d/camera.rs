@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use raystep_kernels::export::trace::Trace;
 
-use super::{Walk3d, Wish, control, lit};
+use super::lit::Extent;
+use super::{Walk3d, Wish, control};
 use crate::orbit::Orbit;
 use crate::session::request::Opened;
 use crate::ui::pane::Context;
@@ -20,6 +21,8 @@ pub(super) struct Framed {
     of: Option<(Arc<Trace>, u64)>,
     /// Traced units.
     extent: Vec<DVec3>,
+    /// Lights that are seen, too.
+    lights: Vec<DVec3>,
     direction: DVec3,
     /// The walk's version and the picture's size for which the camera was set last.
     done: Option<(u64, [u32; 2])>,
@@ -42,9 +45,10 @@ impl Framed {
             .filter(|history| !history.rows.is_empty())
             .map(|history| WalkGeometry::new(history, &opened.data, usize::MAX));
         self.extent = whole.as_ref().map_or_else(Vec::new, WalkGeometry::extent);
-        if let Some(history) = history {
-            self.extent.extend(lit::extent(history, opened, scene));
-        }
+        // A light outside of the scene is seen, but nothing is cut away for it.
+        let lit = history.map_or_else(Extent::default, |history| Extent::of(history, opened, scene));
+        self.extent.extend(lit.inside);
+        self.lights = lit.ends;
         self.direction = whole.map_or(DVec3::ZERO, |walk| walk.direction);
         self.version += 1;
     }
@@ -64,7 +68,7 @@ impl Framed {
     }
 
     fn frame(&self, camera: &mut Orbit, aspect: f64, unit: f64) {
-        let points: Vec<DVec3> = self.extent.iter().map(|&point| point * unit).collect();
+        let points: Vec<DVec3> = self.extent.iter().chain(&self.lights).map(|&point| point * unit).collect();
         camera.frame_from_side(&points, self.direction, aspect, MARGIN);
     }
 }

@@ -1,5 +1,6 @@
 //! The light tree of the selected pixel in the 3D view: its rays up to the current pass.
 
+use glam::DVec3;
 use raystep_kernels::export::light_tree::LightTree;
 use raystep_kernels::export::trace::Trace;
 
@@ -42,14 +43,29 @@ impl Lit {
     }
 }
 
-/// What a picture of the whole tree contains: a light that is far from the scene only by its direction.
-pub(super) fn extent(history: &Trace, opened: &Opened, scene: &Aabb) -> Vec<glam::DVec3> {
-    let whole = tree(history, history.rows.len(), opened);
-    let lines = whole.map_or_else(Vec::new, |tree| branches(&tree, history, scene));
-    let most = 2.0 * scene.radius();
-    let ends = |line: &Branch| {
-        let way = line.beyond.unwrap_or(line.to) - line.from;
-        [line.from, line.from + way * (most / way.length()).min(1.0)]
-    };
-    lines.iter().filter(|line| line.light.is_some()).flat_map(ends).filter(|point| point.is_finite()).collect()
+/// What a picture of the whole tree contains.
+#[derive(Default)]
+pub(super) struct Extent {
+    /// The ends of its rays to lights; a light that is far from the scene counts only by its direction.
+    pub(super) ends: Vec<DVec3>,
+    /// Those that lie in the scene.
+    pub(super) inside: Vec<DVec3>,
+}
+
+impl Extent {
+    /// Of a pixel's history.
+    pub(super) fn of(history: &Trace, opened: &Opened, scene: &Aabb) -> Self {
+        let whole = tree(history, history.rows.len(), opened);
+        let lines = whole.map_or_else(Vec::new, |tree| branches(&tree, history, scene));
+        let lines: Vec<&Branch> = lines.iter().filter(|line| line.light.is_some()).collect();
+        let most = 2.0 * scene.radius();
+        let end = |line: &&Branch| {
+            let way = line.beyond.unwrap_or(line.to) - line.from;
+            line.from + way * (most / way.length()).min(1.0)
+        };
+        let ends = lines.iter().map(end).filter(|point| point.is_finite()).collect();
+        let is_inside = |point: &DVec3| point.cmpge(scene.min).all() && point.cmple(scene.max).all();
+        let inside = lines.iter().flat_map(|line| [line.from, line.to]).filter(is_inside).collect();
+        Self { ends, inside }
+    }
 }
