@@ -118,3 +118,34 @@ fn with_a_tree_the_place_is_a_node() {
         assert!(!has_index(&rows[0]) && rows.last().is_some_and(|row| !has_index(row)), "outside of the walk");
     }
 }
+
+#[test]
+fn a_history_with_rays_to_lights_ends_with_the_light_tree() {
+    let place = Place::new();
+    let scene = cornell_box();
+    let trace = |integrator, format| {
+        let common = ["trace", &*scene, "--pixel", "8,14", "--size", "24x18", "--device", "cpu", "--quiet"];
+        place.ok(&[&common[..], &["--integrator", integrator, "--format", format]].concat()).stdout
+    };
+    let (table, json) = (trace("shadows", "table"), trace("shadows", "json"));
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    let vertices = json["light_tree"]["vertices"].as_array().expect("vertices");
+    let color = &json["rows"].as_array().and_then(|rows| rows.last()).expect("rows")["after"]["color"];
+    for channel in 0..3 {
+        let sum: f64 = vertices.iter().map(|vertex| vertex["contribution"][channel].as_f64().expect("a number")).sum();
+        let color = color[channel].as_f64().expect("a number");
+        // JSON has the digits of an f32.
+        assert!((sum - color).abs() < 1e-6, "channel {channel}: {sum} for {color}");
+    }
+    let tree = table.split("\nlight tree\n").nth(1).expect("a tree below the rows");
+    for vertex in vertices {
+        let why = vertex["why"].as_str().expect("words");
+        assert!(tree.lines().any(|line| line.ends_with(why)), "{why}: {tree}");
+    }
+    assert!(vertices.iter().any(|vertex| vertex["kind"] == "light"), "{tree}");
+    let rows = |table: &str| rows_of(table).take_while(|line| !line.is_empty()).count();
+    assert_eq!(rows(&table), 1 + json["rows"].as_array().map_or(0, Vec::len), "the rows are as without the tree");
+    for format in ["table", "json"] {
+        assert!(!trace("local", format).contains("light tree") && !trace("local", format).contains("light_tree"));
+    }
+}

@@ -13,6 +13,7 @@ mod hard;
 mod keyboard;
 mod layouts;
 mod lessons;
+mod light;
 mod mapping;
 mod measured;
 mod names;

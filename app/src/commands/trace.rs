@@ -8,8 +8,10 @@ use raystep_inspector::link::{Link, LinkRay};
 use raystep_inspector::ray_text::GivenRay;
 use raystep_inspector::runs::scene_hash;
 use raystep_kernels::RaySource;
-use raystep_kernels::export::trace::{Rays, trace};
+use raystep_kernels::export::light_tree::LightTree;
+use raystep_kernels::export::trace::{Rays, Trace, trace};
 use raystep_kernels::history::units::Units;
+use serde::Serialize;
 
 use crate::args::{QuietArgs, RunArgs, ViewArgs};
 use crate::error::Error;
@@ -24,6 +26,9 @@ use crate::terminal::{Progress, print, say};
 /// and after if it changes; columns of CSV and fields of JSON say which in their names. t is a multiple of the ray's direction; a camera's rays have length 1 along the view axis, so
 /// there t is depth. The table is in scene units. CSV and JSON have the streams' own numbers, in traced units; CSV has t
 /// in scene units, too, and JSON the factors.
+///
+/// If rays go on from hits to lights, the table and JSON end with the pixel's light tree: what every ray ended in, what
+/// light it brings or what occludes it, and what that adds to the pixel.
 ///
 /// Only this ray is traced, unless --all-rays is used. Without it, the total number of passes is not known, and the final
 /// shading pass is shown as 'last'.
@@ -62,6 +67,15 @@ pub(crate) struct TraceArgs {
     view: ViewArgs,
     #[command(flatten)]
     run: RunArgs,
+}
+
+/// A history as JSON.
+#[derive(Serialize)]
+struct Traced<'a> {
+    #[serde(flatten)]
+    history: &'a Trace,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    light_tree: Option<LightTree>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -161,9 +175,14 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     if let Some(link) = link {
         say(format_args!("open in the inspector: raystep inspect --link \"{link}\""));
     }
+    let plan = running.renderer.plan();
+    let light_tree = LightTree::of(&history.rows, plan.program, running.renderer.data());
     match args.format {
-        Format::Table => print(&history.table(Units::Scene)),
-        Format::Json => print(&super::json_text(&history)?),
+        Format::Table => {
+            let tree = light_tree.map_or_else(String::new, |tree| format!("\n{}", tree.table(&history, Units::Scene)));
+            print(&(history.table(Units::Scene) + &tree))
+        }
+        Format::Json => print(&super::json_text(&Traced { history: &history, light_tree })?),
         Format::Csv => {
             let mut text = Vec::new();
             history.write_csv(&mut text).map_err(|e| Error::failed(format!("cannot write as CSV: {e}")))?;

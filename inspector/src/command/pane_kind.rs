@@ -28,6 +28,8 @@ kinds! {
     Walk3d,
     /// Its walk, unfolded.
     Walk2d,
+    /// Where the light of the selected pixel comes from.
+    LightTree,
     /// Rays in each state, over passes or time.
     Timeline,
     /// The kernel's WGSL with the branches taken.

@@ -18,7 +18,7 @@ use raystep_kernels::scene_data::SceneData;
 
 use super::picture::filled;
 use crate::orbit::{Lens, Orbit};
-use crate::walk::{Aabb, WalkGeometry};
+use crate::walk::{Aabb, Branch, WalkGeometry};
 use overlay::{FillVertex, Frustum, LineInstance, Overlay};
 use pipelines::{Pipelines, SAMPLES, View};
 pub use settings::{Settings, TriangleStyle};
@@ -33,6 +33,7 @@ pub struct Scene3d {
     view_group: wgpu::BindGroup,
     triangles: Triangles,
     boxes: Vec<PaintedBox>,
+    branches: Vec<Branch>,
     frustum: Option<Frustum>,
     bounds: Aabb,
     targets: Option<Targets>,
@@ -69,6 +70,7 @@ impl Scene3d {
             view_group,
             triangles: Triangles::default(),
             boxes: Vec::new(),
+            branches: Vec::new(),
             frustum: None,
             bounds: Aabb { min: DVec3::ZERO, max: DVec3::ZERO },
             targets: None,
@@ -89,6 +91,11 @@ impl Scene3d {
         // The old textures are freed first: both may not fit.
         self.triangles = Triangles::default();
         self.triangles = Triangles::new(&self.gpu, &self.pipelines.triangles_layout, data, colors);
+    }
+
+    /// Shows these rays of a light tree.
+    pub fn show_light(&mut self, branches: Vec<Branch>) {
+        self.branches = branches;
     }
 
     /// The box of the scene's triangles, in traced units, for framing.
@@ -120,7 +127,8 @@ impl Scene3d {
         let center = self.bounds.center().as_vec3();
         let view = view(camera, settings, around.cut.filter(|_| settings.cut), &self.bounds, size);
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        let mut overlay = Overlay::new(walk, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
+        let mut overlay =
+            Overlay::new(walk, &self.branches, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
         overlay.boxes(&self.boxes);
         if let Some(marked) = &around.marked {
             overlay.mark(marked, settings);

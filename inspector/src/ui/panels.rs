@@ -11,6 +11,7 @@ pub(super) mod kernel;
 mod labels;
 mod legend;
 pub(super) mod lessons;
+pub(super) mod light_tree;
 pub(super) mod log;
 pub(super) mod options;
 pub(super) mod passes;

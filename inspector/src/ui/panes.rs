@@ -27,6 +27,7 @@ impl Pane {
             K::Options => Box::<panels::options::Options>::default(),
             K::Walk3d => Box::<panels::walk3d::Walk3d>::default(),
             K::Walk2d => Box::<panels::walk2d::Walk2d>::default(),
+            K::LightTree => Box::<panels::light_tree::LightTreeView>::default(),
             K::Kernel => Box::<panels::kernel::KernelView>::default(),
             K::Timeline => Box::<panels::timeline::Timeline>::default(),
             K::Timings => Box::<panels::timings::Timings>::default(),

@@ -8,12 +8,14 @@ use raystep_inspector::session::request::{Loader, at_once};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
-use raystep_scenes::{LoadOptions, NoFiles, generate, load};
+use raystep_scenes::{Light, LoadOptions, NoFiles, Scene, generate, load};
 
 use crate::ui::adapter::block_on;
 
 /// The scene of most tests.
 pub(crate) const CORNELL: &str = "cornell-box";
+/// The same room with lights of every kind, of which the last is behind its back wall.
+pub(crate) const ROOM: &str = "room";
 /// A glTF file with a single triangle.
 pub(crate) const TRIANGLE: &str = "triangle.gltf";
 /// A glTF file without a mesh.
@@ -95,6 +97,7 @@ impl Host for TestHost {
         at_once(move || {
             let json = match path.as_str() {
                 CORNELL => return Ok(generate::cornell_box()),
+                ROOM => return Ok(room()),
                 TRIANGLE => triangle(),
                 EMPTY => {
                     r#"{"asset": {"version": "2.0"}, "scenes": [{"name": "empty", "nodes": []}], "scene": 0}"#.into()
@@ -190,4 +193,24 @@ fn triangle() -> String {
         "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
             "min": [0, 0, 0], "max": [1, 1, 0]}}]}}"#
     )
+}
+
+fn room() -> Scene {
+    let mut scene = generate::cornell_box();
+    let bounds = scene.bounds();
+    let at = |part: [f32; 3]| [0, 1, 2].map(|a| bounds.min[a] + (bounds.max[a] - bounds.min[a]) * part[a]);
+    scene.lights = vec![
+        Light::Point { position: at([0.3, 0.9, 0.5]), color: [0.35, 0.5, 0.9], intensity: 1.0 },
+        Light::Directional { direction: [0.18, -0.37, -0.91], color: [0.6, 0.55, 0.3], intensity: 1.0 },
+        Light::Spot {
+            position: at([0.8, 0.8, 0.4]),
+            direction: [0.0, -1.0, 0.0],
+            color: [0.9, 0.2, 0.2],
+            intensity: 1.0,
+            inner_cone: 0.4,
+            outer_cone: 0.9,
+        },
+        Light::Point { position: at([0.5, 0.5, -0.4]), color: [1.0; 3], intensity: 1.0 },
+    ];
+    scene
 }

@@ -8,6 +8,7 @@
 //! | [`exr`] | OpenEXR | the image with each ray's hit; or one stream, one channel per layer |
 //! | [`csv`] | `passes.csv` | one row per pass |
 //! | [`json`] | JSON | the run's summary |
+//! | [`light_tree`] | table, JSON | where a pixel's light comes from, ray by ray |
 //! | [`plan`] | JSON | what a run needs and what it leaves out |
 //! | [`structure`] | text, JSON | the grid or BVH of a run |
 //! | [`trace`] | table, CSV, JSON | the history of one ray, pass by pass |
@@ -20,6 +21,7 @@ pub mod csv;
 pub mod exr;
 #[cfg(feature = "serde")]
 pub mod json;
+pub mod light_tree;
 pub mod npy;
 #[cfg(feature = "serde")]
 pub mod plan;

@@ -2,6 +2,7 @@
 //! reason for what it did in words and numbers.
 
 mod alone;
+pub mod light_tree;
 pub mod units;
 
 use std::ops::ControlFlow;
@@ -236,6 +237,12 @@ impl TraceGrid {
 }
 
 impl Trace {
+    /// A point in scene units, in traced units.
+    #[must_use]
+    pub fn traced(&self, point: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|axis| (point[axis] - self.scene_offset[axis]) / self.scene_units_per_stream_unit)
+    }
+
     /// The rows of a ray, from a run that is complete.
     #[must_use]
     pub fn new(renderer: &Renderer, [x, y]: [u32; 2], rows: Vec<TraceRow>) -> Self {

@@ -3,8 +3,10 @@
 
 pub mod breaks;
 pub mod check;
+pub mod decoding;
 pub mod instance;
 pub mod kernel;
+pub mod light_tree;
 pub mod live;
 pub mod loops;
 pub mod ray_state;
@@ -24,9 +26,10 @@ use crate::tables::kernel::{ListInfo, Transition};
 use crate::tables::state::{States, Tag};
 use crate::tables::stream::{STATE_TAG, Stream, StreamData, StreamInfo};
 pub use check::Fault;
+pub use decoding::Decoding;
 pub use instance::{Instance, Kernel, Renamed};
 pub use kernel::{Home, KernelInfo, Path, Twin};
-pub use ray_state::{Decoding, RayState};
+pub use ray_state::RayState;
 pub use results::Results;
 
 /// A WGSL module: its name and its text.

@@ -1,8 +1,6 @@
 //! A ray of a run, decoded from its texels: what explanations, histories and drawings of walks read.
 
-use crate::scene_data::SceneData;
 use crate::tables::state::Tag;
-use crate::tables::stream::Stream;
 
 /// A ray's texels after some pass, decoded. Lengths and t are in traced units, as in the streams.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,18 +75,4 @@ impl RayState {
     pub fn per_axis(&self) -> [Option<f32>; 3] {
         self.control.map_or(self.tmax, |control| control.map(Some))
     }
-}
-
-/// A ray's texel in a stream, one word per layer; `None` for a stream that the run leaves out.
-pub type Texel<'t> = &'t dyn Fn(Stream) -> Option<&'t [u32]>;
-
-/// How a program's rays are decoded.
-#[derive(Clone, Copy, Debug)]
-pub struct Decoding {
-    /// The streams that it reads, as far as a run has them.
-    pub streams: &'static [Stream],
-    /// Decodes a ray's texels.
-    pub decode: fn(Texel<'_>) -> RayState,
-    /// The triangle that a pass of a kernel that tests one tested, from the ray before and after it.
-    pub tested: fn(&SceneData, &RayState, &RayState) -> Option<u32>,
 }

@@ -1,6 +1,7 @@
 //! What is drawn over the scene: lines, dots and filled triangles, relative to the scene's middle.
 
 mod frustum;
+mod light;
 mod walk;
 
 use bytemuck::{Pod, Zeroable};
@@ -8,7 +9,7 @@ use glam::DVec3;
 
 use super::settings::Settings;
 use super::{Marked, PaintedBox};
-use crate::walk::{Aabb, WalkGeometry};
+use crate::walk::{Aabb, Branch, WalkGeometry};
 pub(super) use frustum::Frustum;
 
 /// A line with round ends; a dot where it has no length.
@@ -64,6 +65,10 @@ struct Palette {
     missed: Color,
     hit: Color,
     picked: Color,
+    /// What no light comes through.
+    dark: Color,
+    /// The edge of a line of any colour.
+    edge: Color,
     /// x, y and z.
     axes: [Color; 3],
     is_dark: bool,
@@ -80,6 +85,8 @@ impl Palette {
             current: pick([255, 214, 90, 255], [190, 130, 0, 255]),
             missed: pick([255, 150, 60, 255], [205, 95, 0, 255]),
             hit: pick([80, 225, 130, 255], [10, 140, 60, 255]),
+            dark: pick([150, 130, 190, 255], [90, 70, 130, 255]),
+            edge: pick([10, 12, 16, 255], [20, 22, 26, 255]),
             picked: pick([255, 80, 200, 255], [190, 0, 130, 255]),
             axes: [[240, 92, 92, 255], [110, 205, 90, 255], [95, 150, 255, 255]],
             is_dark,
@@ -110,6 +117,7 @@ pub(super) struct Overlay {
 impl Overlay {
     pub(super) fn new(
         walk: Option<&WalkGeometry>,
+        branches: &[Branch],
         scene: &Aabb,
         frustum: Option<&Frustum>,
         settings: &Settings,
@@ -129,6 +137,9 @@ impl Overlay {
             for [a, b] in frustum.lines(scene) {
                 overlay.line(a, b, 1.0, palette.faint);
             }
+        }
+        if settings.light {
+            overlay.light(branches, &palette);
         }
         if let Some(walk) = walk {
             overlay.walk(walk, settings, &palette);

@@ -43,6 +43,9 @@ pub struct Settings {
     /// The ray and its hit.
     #[default(true)]
     pub ray: bool,
+    /// The pixel's rays to lights, up to the current pass.
+    #[default(true)]
+    pub light: bool,
     /// The camera that generates the rays.
     #[default(true)]
     pub camera: bool,

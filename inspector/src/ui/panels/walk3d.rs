@@ -7,6 +7,7 @@ mod control;
 mod glance;
 mod heat;
 mod labels;
+mod lit;
 mod pick;
 mod tools;
 
@@ -32,7 +33,8 @@ use crate::ui::units::Scale;
 use crate::walk::Aabb;
 use camera::Framed;
 use heat::{Heat, Paint};
-use labels::{LabelStyle, Ready};
+use labels::{LabelStyle, Ready, Subject};
+use lit::Lit;
 
 /// The saved part of the view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
@@ -88,6 +90,7 @@ pub(in crate::ui) struct Walk3d {
     labels: Option<(Drawn, Rect, LabelStyle, Vec<Ready>)>,
     about: picked::About,
     heat: Heat,
+    lit: Lit,
 }
 
 impl Panel for Walk3d {
@@ -98,10 +101,15 @@ impl Panel for Walk3d {
         };
         self.walked.update(cx.model);
         let traced_bounds = self.bounds(&opened, cx);
+        if self.lit.update(&self.walked, cx.model, &traced_bounds)
+            && let Some(scene) = &mut self.scene
+        {
+            scene.show_light(self.lit.branches.clone());
+        }
         if let Some(scene) = &mut self.scene {
             self.heat.update(cx, self.look.paint, scene, &opened.data);
         }
-        self.framed.update(cx.model.history.as_ref(), cx.model.generation, &opened);
+        self.framed.update(cx.model.history.as_ref(), cx.model.generation, &opened, &traced_bounds);
         let scale = opened.data.units.scale();
         let aspect = f64::from(ui.available_rect_before_wrap().aspect_ratio());
         let mut camera = self.camera(&opened, &traced_bounds, scale, aspect);
@@ -139,6 +147,9 @@ impl Panel for Walk3d {
             cx.selection.picked = None;
         }
         let mut what = self.walked.walk.as_ref().map_or_else(|| "scene without a ray".into(), describe);
+        if self.look.settings.light && !self.lit.told.is_empty() {
+            what += &format!("; {}", self.lit.told);
+        }
         if self.look.is_moved {
             what += "; view moved by hand";
         }
@@ -273,7 +284,9 @@ impl Walk3d {
                 let now = (drawn, rect, style);
                 let is_known = self.labels.as_ref().is_some_and(|(of, at, style, _)| (*of, *at, *style) == now);
                 if !is_known {
-                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera, style);
+                    let lights = if self.look.settings.light { &self.lit.branches[..] } else { &[] };
+                    let subject = Subject { walk, lights, picked: marked };
+                    let ready = labels::arrange(&painter, ui.visuals(), rect, subject, camera, style);
                     self.labels = Some((drawn, rect, style, ready));
                 }
                 let ready = self.labels.as_ref().map_or(&[][..], |(.., ready)| ready);

@@ -6,7 +6,9 @@ use super::streams::{
     RAY_DIRECTION, RAY_INTERVAL, RAY_ORIGIN, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, STATE_CELL, STATE_ITEM, STATE_T,
     SURFACE, THROUGHPUT, TMAX,
 };
-use crate::program::ray_state::{Bounce, Decoding, RayState, Texel};
+use crate::program::RayState;
+use crate::program::decoding::{Decoding, Texel};
+use crate::program::ray_state::Bounce;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::state::StateRole;
 use crate::tables::stream::{STATE_TAG, Stream};
@@ -35,6 +37,7 @@ pub(in crate::programs) const DECODING: Decoding = Decoding {
     ],
     decode,
     tested: super::explain::tested,
+    tree: None,
 };
 
 fn decode(texel: Texel<'_>) -> RayState {

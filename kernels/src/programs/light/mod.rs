@@ -16,6 +16,7 @@ mod optics;
 mod rounding;
 pub mod scatter;
 mod schedule;
+mod tree;
 
 use std::borrow::Cow;
 use std::sync::LazyLock;
@@ -24,7 +25,7 @@ use super::closest_hit::kernels::{KERNELS, SETUP};
 use super::closest_hit::states::{ALL, BACKGROUND, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
 use super::closest_hit::{self, streams};
 use crate::options::features::Features;
-use crate::program::{Course, Instance, Kernel, Program};
+use crate::program::{Course, Decoding, Instance, Kernel, Program};
 use kernels::{LISTS, OF_ILLUMINATE, OF_SCATTER, SHADOWS, for_shadow_rays};
 pub(super) use schedule::of as schedule;
 
@@ -40,6 +41,7 @@ pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
         summary: "every ray to its closest hit, and from there shadow rays to the lights, and rays that are reflected and refracted",
         streams: &streams::STREAMS,
         states: ALL,
+        rays: closest_hit::PROGRAM.rays.map(|rays| Decoding { tree: Some(tree::grow), ..rays }),
         courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }])),
         lists: &LISTS,
         kernels: Vec::leak(kernels),
@@ -76,4 +78,4 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -12,7 +12,7 @@ use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::stream::{Stream, StreamData};
 
 /// The Cornell box with lights of each kind, of which the last is behind its back wall.
-fn room() -> Scene {
+pub(crate) fn room() -> Scene {
     let mut scene = generate::cornell_box();
     let bounds = scene.bounds();
     let at = |x: f32, y: f32, z: f32| (bounds.min + (bounds.max - bounds.min) * Vec3::new(x, y, z)).to_array();
@@ -33,7 +33,7 @@ fn room() -> Scene {
     scene
 }
 
-fn options(scene: &Scene, width: u32, height: u32) -> Options {
+pub(crate) fn options(scene: &Scene, width: u32, height: u32) -> Options {
     let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds()));
     let rays = RaySource::Camera { camera, width, height };
     Options { integrator: Integrator::Shadows, ..Options::new(rays) }

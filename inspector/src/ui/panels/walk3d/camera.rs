@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use raystep_kernels::export::trace::Trace;
 
+use super::lit::Extent;
 use super::{Walk3d, Wish, control};
 use crate::orbit::Orbit;
 use crate::session::request::Opened;
@@ -20,6 +21,8 @@ pub(super) struct Framed {
     of: Option<(Arc<Trace>, u64)>,
     /// Traced units.
     extent: Vec<DVec3>,
+    /// Lights that are seen, too.
+    lights: Vec<DVec3>,
     direction: DVec3,
     /// The walk's version and the picture's size for which the camera was set last.
     done: Option<(u64, [u32; 2])>,
@@ -29,7 +32,7 @@ pub(super) struct Framed {
 
 impl Framed {
     /// Takes over the selected ray of a run.
-    pub(super) fn update(&mut self, history: Option<&Arc<Trace>>, generation: u64, opened: &Opened) {
+    pub(super) fn update(&mut self, history: Option<&Arc<Trace>>, generation: u64, opened: &Opened, scene: &Aabb) {
         let is_same = match (&self.of, history) {
             (Some((then, of)), Some(now)) => Arc::ptr_eq(then, now) && *of == generation,
             (then, now) => then.is_none() && now.is_none(),
@@ -42,6 +45,10 @@ impl Framed {
             .filter(|history| !history.rows.is_empty())
             .map(|history| WalkGeometry::new(history, &opened.data, usize::MAX));
         self.extent = whole.as_ref().map_or_else(Vec::new, WalkGeometry::extent);
+        // A light outside of the scene is seen, but nothing is cut away for it.
+        let lit = history.map_or_else(Extent::default, |history| Extent::of(history, opened, scene));
+        self.extent.extend(lit.inside);
+        self.lights = lit.ends;
         self.direction = whole.map_or(DVec3::ZERO, |walk| walk.direction);
         self.version += 1;
     }
@@ -61,7 +68,7 @@ impl Framed {
     }
 
     fn frame(&self, camera: &mut Orbit, aspect: f64, unit: f64) {
-        let points: Vec<DVec3> = self.extent.iter().map(|&point| point * unit).collect();
+        let points: Vec<DVec3> = self.extent.iter().chain(&self.lights).map(|&point| point * unit).collect();
         camera.frame_from_side(&points, self.direction, aspect, MARGIN);
     }
 }

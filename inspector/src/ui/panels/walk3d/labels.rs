@@ -12,7 +12,7 @@ use crate::draw::scene3d::Marked;
 use crate::orbit::Orbit;
 use crate::ui::state::Picked;
 use crate::ui::units::Scale;
-use crate::walk::{AXES, Crossing, Outcome, Structure, TestedTriangle, WalkGeometry};
+use crate::walk::{AXES, Branch, Crossing, Outcome, Structure, TestedTriangle, WalkGeometry};
 
 /// The subject of a label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,8 @@ enum About {
     Axis(usize),
     /// A triangle, and the result of its test.
     Triangle(Outcome),
+    /// A light.
+    Light,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +35,17 @@ struct Label {
     at: DVec3,
     text: String,
     about: About,
+}
+
+/// What has labels.
+#[derive(Clone, Copy)]
+pub(super) struct Subject<'a> {
+    /// The walk of a ray.
+    pub(super) walk: &'a WalkGeometry,
+    /// The rays of its pixel's light tree.
+    pub(super) lights: &'a [Branch],
+    /// What was picked.
+    pub(super) picked: Option<(Picked, Marked)>,
 }
 
 /// What the labels of a walk depend on.
@@ -46,9 +59,12 @@ pub(super) struct LabelStyle {
 /// Most earlier tests in the current cell that have labels.
 const MOST_TESTS: usize = 8;
 
+/// Most lights that have labels.
+const MOST_LIGHTS: usize = 8;
+
 /// The labels of a walk, the most important first: what is tested now or hit, the cell, the tmax of the next step, what
-/// was picked, the other tmax, and earlier tests in this cell.
-fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>, style: LabelStyle) -> Vec<Label> {
+/// was picked, the lights, the other tmax, and earlier tests in this cell.
+fn labels(Subject { walk, lights, picked }: Subject<'_>, style: LabelStyle) -> Vec<Label> {
     let mut labels = Vec::new();
     let LabelStyle { scale, hides_next } = style;
     let number = |t| number(scale.t64(t));
@@ -92,6 +108,9 @@ fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>, style: LabelSty
             _ => (String::new(), DVec3::NAN),
         };
         add(at, name, About::Picked);
+    }
+    for light in lights.iter().filter(|line| line.light.is_some()).take(MOST_LIGHTS) {
+        add(light.beyond.unwrap_or(light.to), light.name.clone(), About::Light);
     }
     for (at, text, about) in next.iter().filter(|crossing| leaves != Some(crossing.axis)).map(tmax) {
         add(at, text, about);
@@ -145,8 +164,7 @@ pub(super) fn arrange(
     painter: &egui::Painter,
     visuals: &egui::Visuals,
     rect: Rect,
-    walk: &WalkGeometry,
-    picked: Option<(Picked, Marked)>,
+    subject: Subject<'_>,
     camera: &Orbit,
     style: LabelStyle,
 ) -> Vec<Ready> {
@@ -155,8 +173,9 @@ pub(super) fn arrange(
         let (pixel, _) = camera.pixel(point, size)?;
         Some(rect.min + vec2(pixel.x as f32, pixel.y as f32))
     };
+    let walk = subject.walk;
     let font = FontId::proportional(11.5);
-    let seen: Vec<(Pos2, Arc<Galley>, Color32)> = labels(walk, picked, style)
+    let seen: Vec<(Pos2, Arc<Galley>, Color32)> = labels(subject, style)
         .into_iter()
         .filter_map(|label| {
             // A tmax along an axis on which the ray hardly moves lies far outside.
@@ -213,6 +232,7 @@ fn color(visuals: &egui::Visuals, about: About) -> Color32 {
         About::Axis(0) => pick([255, 130, 130], [190, 40, 40]),
         About::Axis(1) => pick([130, 220, 110], [40, 125, 30]),
         About::Axis(_) => pick([130, 175, 255], [40, 90, 205]),
+        About::Light => pick([250, 230, 150], [100, 78, 0]),
         About::Triangle(Outcome::Missed) => pick([255, 160, 80], [175, 80, 0]),
         About::Triangle(_) => pick([90, 230, 140], [10, 120, 50]),
     }

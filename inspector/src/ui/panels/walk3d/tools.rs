@@ -85,6 +85,11 @@ impl Walk3d {
         ui.checkbox(&mut self.look.labels, "labels").on_hover_text("labels with cell, tmax and triangle");
         for (is_on, name, text) in [
             (&mut s.ray, "ray", "solid up to the current position, with the nearest hit so far"),
+            (
+                &mut s.light,
+                "rays to lights",
+                "in the colour of the light; dark up to what is in the way, and dashed beyond it",
+            ),
             (&mut s.visited, "cells and nodes visited", "dark (first) to bright (last)"),
             (&mut s.missed_nodes, "nodes that the ray missed", "their boxes were tested as well"),
             (&mut s.tested, "triangles tested", "green: hit; orange: missed"),

@@ -11,6 +11,11 @@ use crate::walk::tests::{TEAPOT, options, scene, traced};
 
 const STYLE: LabelStyle = LabelStyle { scale: Scale::TRACED, hides_next: false };
 
+/// A walk alone.
+fn of(walk: &WalkGeometry) -> Subject<'_> {
+    Subject { walk, lights: &[], picked: None }
+}
+
 /// Lays out labels as in a frame.
 fn in_a_frame<T>(show: impl Fn(&egui::Painter, &egui::Visuals) -> T) -> T {
     let ctx = egui::Context::default();
@@ -51,7 +56,14 @@ fn no_label_lies_over_another_or_is_cut_off_whatever_the_walk_the_size_and_the_c
                         .tested
                         .first()
                         .map(|test| (Picked::Triangle(test.triangle), Marked::Triangle(test.corners)));
-                    let ready = arrange(painter, visuals, rect, walk, marked.filter(|_| turn % 2 == 0), &camera, STYLE);
+                    let ready = arrange(
+                        painter,
+                        visuals,
+                        rect,
+                        Subject { picked: marked.filter(|_| turn % 2 == 0), ..of(walk) },
+                        &camera,
+                        STYLE,
+                    );
                     let rects: Vec<Rect> = ready.iter().map(|label| label.place.rect).collect();
                     assert_apart(rect, &rects, &format!("walk {i}, {size}, turn {turn}"));
                     let text = |label: &Ready| label.place.rect.shrink2(MARGIN).size() - label.galley.size();
@@ -76,7 +88,7 @@ fn the_small_pane_of_the_full_layout_has_room_for_what_matters_most() {
     let mut camera = Orbit::framing(&walk.bounds, 3.9);
     camera.frame_from_side(&whole.extent(), walk.direction, 3.9, 0.12);
     let texts = in_a_frame(|painter, visuals| {
-        let ready = arrange(painter, visuals, rect, &walk, None, &camera, STYLE);
+        let ready = arrange(painter, visuals, rect, of(&walk), &camera, STYLE);
         ready.iter().map(|label| label.galley.text().to_owned()).collect::<Vec<_>>()
     });
     let starts = |part: &str| texts.iter().any(|text| text.starts_with(part));
@@ -88,16 +100,14 @@ fn labels_tell_cell_and_test_and_why() {
     let (history, data) = history(Accelerator::Grid);
     let whole = WalkGeometry::new(&history, &data, usize::MAX);
     let test = whole.tested.iter().find(|test| !test.outcome.is_hit()).expect("a miss");
-    let texts: Vec<String> = labels(&WalkGeometry::new(&history, &data, test.row), None, STYLE)
-        .into_iter()
-        .map(|label| label.text)
-        .collect();
+    let texts: Vec<String> =
+        labels(of(&WalkGeometry::new(&history, &data, test.row)), STYLE).into_iter().map(|label| label.text).collect();
     let [x, y, z] = whole.cells[test.visit.expect("a cell")].cell;
     assert_eq!(texts[0], format!("triangle {}: missed, {}", test.triangle, test.why), "{texts:?}");
     assert_eq!(texts[1], format!("cell {x},{y},{z}"), "{texts:?}");
     assert!(texts[2].starts_with("tmax ") && texts[2].ends_with(": next"), "{texts:?}");
     // At the end, there is no next cell.
-    let end = labels(&whole, None, STYLE);
+    let end = labels(of(&whole), STYLE);
     assert!(end.iter().all(|label| !matches!(label.about, About::Axis(_))), "{end:?}");
     assert_eq!(end[0].about, About::Triangle(Outcome::Nearest));
 }
