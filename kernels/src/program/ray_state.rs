@@ -69,6 +69,10 @@ pub struct Bounce {
     pub waiting: u32,
     /// The share of its light that reaches the pixel.
     pub throughput: [f32; 3],
+    /// The pdf of its direction, by solid angle; 0 if no other direction was possible.
+    pub pdf: f32,
+    /// Why the path ended, as the stream `ended` says.
+    pub ended: u32,
 }
 
 impl RayState {
