@@ -186,10 +186,12 @@ fn what_would_have_no_effect_is_refused() {
         ("use --numerics robust", &["--skip", "on", "--numerics", "paper"]),
         ("expected auto, on or off", &["--skip", "maybe"]),
         (
-            "--max-depth 3 applies to --integrator whitted, not to shadows",
+            "--max-depth 3 applies to --integrator whitted or path, not to shadows",
             &["--max-depth", "3", "--integrator", "shadows"],
         ),
-        ("--max-depth 9: expected an integer from 0 to 8", &["--max-depth", "9", "--integrator", "whitted"]),
+        ("has at most 8 with --integrator whitted", &["--max-depth", "9", "--integrator", "whitted"]),
+        ("--max-depth 65: expected an integer from 0 to 64", &["--max-depth", "65", "--integrator", "path"]),
+        ("--strategy bsdf applies to --integrator path, not to local", &["--strategy", "bsdf"]),
     ];
     for (wanted, how) in cases {
         place.fails(2, wanted, &[&render[..], how].concat());
@@ -199,6 +201,7 @@ fn what_would_have_no_effect_is_refused() {
         &["--steps-per-pass", "4096"],
         &["--skip", "off", "--accelerator", "bvh"],
         &["--max-depth", "0", "--integrator", "whitted"],
+        &["--max-depth", "9", "--integrator", "path", "--strategy", "light"],
     ] {
         place.ok(&[&render[..], how].concat());
     }

@@ -20,6 +20,7 @@ mod light;
 mod mapping;
 mod names;
 mod parity;
+mod path;
 mod plan;
 mod programs;
 mod renderer;

@@ -22,12 +22,12 @@ fn with_mirrors(options: Options) -> Options {
 }
 
 /// The glass ball and the mirror, with few triangles.
-fn balls() -> Scene {
+pub(crate) fn balls() -> Scene {
     generate::whitted(1).expect("a scene")
 }
 
 /// A scene of which every other material is a mirror or glass.
-fn glazed(mut scene: Scene) -> Scene {
+pub(crate) fn glazed(mut scene: Scene) -> Scene {
     let kinds = [
         Optics::Dielectric { ior: 1.5, is_thin: false },
         Optics::Mirror,
@@ -73,17 +73,17 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
 
 /// What the rays of a run found that surfaces sent on, judged by f64 from the exact rays.
 #[derive(Debug, Default)]
-struct Judged {
-    rays: usize,
-    ties: usize,
-    wrong: Vec<String>,
+pub(crate) struct Judged {
+    pub(crate) rays: usize,
+    pub(crate) ties: usize,
+    pub(crate) wrong: Vec<String>,
     /// Rays that hit the surface that they leave.
-    own: usize,
-    deepest: u32,
+    pub(crate) own: usize,
+    pub(crate) deepest: u32,
 }
 
-/// Steps a run, and judges every ray that a surface sent on.
-fn judged(scene: &Scene, options: &Options, device: &Device) -> Judged {
+/// Steps a run, and judges every ray that a surface sent on, before the kernel with this name takes it.
+pub(crate) fn judged(scene: &Scene, options: &Options, device: &Device, taken_by: &str) -> Judged {
     block_on(gpu_of(device), async {
         let mut renderer = Renderer::new(scene, options, device).await.expect("a renderer");
         let vertices = renderer.data().vertices.clone();
@@ -92,7 +92,7 @@ fn judged(scene: &Scene, options: &Options, device: &Device) -> Judged {
         let mut is_walked = false;
         while let Some(kernel) = renderer.next_kernel() {
             let is_of_shadows = kernel.name().starts_with("shadow");
-            if kernel.name() == "illuminate" && is_walked {
+            if kernel.name() == taken_by && is_walked {
                 is_walked = false;
                 let mut streams = Vec::new();
                 for stream in [STATE, BOUNCE, RAY_ORIGIN, RAY_DIRECTION, HIT, SURFACE] {
@@ -141,7 +141,7 @@ fn every_ray_that_goes_on_is_right_and_none_hits_the_surface_that_it_leaves() {
             let of = Configuration::new(accelerator, ScheduleKind::Fused, 1);
             let options = with_mirrors(of.of(&options(&scene, side, side)));
             let (name, device) = &devices()[place % 2];
-            let found = judged(&scene, &options, device);
+            let found = judged(&scene, &options, device, "illuminate");
             assert_eq!(found.wrong, [""; 0], "{file} {of} on {name}");
             assert_eq!(found.own, 0, "{file} {of} on {name}: rays hit the surface that they leave");
             sum.rays += found.rays;

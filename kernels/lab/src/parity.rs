@@ -159,9 +159,10 @@ pub async fn compare_plan(
         // Some streams must keep their initial values: which kernel is next, the number of samples, the sum of no blocks of
         // samples, that no search has begun, and that no ray was reflected.
         let keeps = |own: Stream| kernels.iter().any(|kernel| kernel.stream(own) == Some(stream));
-        let is_kept = [streams::STATE, streams::ACCUMULATED, streams::BLOCKS, streams::SCAN, streams::BOUNCE]
-            .into_iter()
-            .any(keeps);
+        let is_kept =
+            [streams::STATE, streams::ACCUMULATED, streams::BLOCKS, streams::SCAN, streams::BOUNCE, streams::PDF]
+                .into_iter()
+                .any(keeps);
         if makes_rays && !is_kept {
             values.bits.fill(0x7fc0_dead);
             in_both(renderer.write(&values), stream)?;

@@ -43,6 +43,20 @@ pub enum Integrator {
     Shadows,
     /// The same, and what mirrors reflect and transparent surfaces reflect and refract (Whitted, 1980).
     Whitted,
+    /// Light along random paths, in physical units (Kajiya, 1986).
+    Path,
+}
+
+/// How a path finds light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Strategy {
+    /// By both of the others, each weighted by its pdf (Veach and Guibas, 1995).
+    #[default]
+    Mis,
+    /// By picking a light, or a point of a surface that glows, at each bounce.
+    Light,
+    /// By chance, where the path hits it; only lights without a size are picked.
+    Bsdf,
 }
 
 /// The acceleration structure.
@@ -157,7 +171,15 @@ named!(
     None "none"
 );
 named!(ProgramName, "closest-hit, grid-build, sort", ClosestHit "closest-hit", GridBuild "grid-build", Sort "sort");
-named!(Integrator, "local, shadows, whitted", Local "local", Shadows "shadows", Whitted "whitted");
+named!(
+    Integrator,
+    "local, shadows, whitted, path",
+    Local "local",
+    Shadows "shadows",
+    Whitted "whitted",
+    Path "path"
+);
+named!(Strategy, "mis, light, bsdf", Mis "mis", Light "light", Bsdf "bsdf");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
 named!(BuiltBy, "auto, host, device", Auto "auto", Host "host", Device "device");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
@@ -215,8 +237,11 @@ pub const MOST_ELEMENTS: u32 = 1 << 22;
 /// Default number of times that a ray is reflected or refracted.
 pub const MAX_DEPTH: u32 = 5;
 
-/// Most of them: a pixel keeps a ray for each.
+/// Most of them with a tree of rays: a pixel keeps a ray for each.
 pub const MOST_DEPTH: u32 = 8;
+
+/// Most bounces of a path.
+pub const MOST_BOUNCES: u32 = 64;
 
 /// Default steps per pass of the compact schedule.
 pub const STEPS_PER_PASS: u32 = 8;
@@ -230,8 +255,10 @@ pub struct Options {
     pub elements: u32,
     /// `--integrator`
     pub integrator: Integrator,
-    /// `--max-depth`: how many times a ray is reflected or refracted.
+    /// `--max-depth`: how many times a ray is reflected or refracted, or a path bounces.
     pub max_depth: u32,
+    /// `--strategy`: how a path finds light.
+    pub strategy: Strategy,
     /// `--accelerator`
     pub accelerator: Accelerator,
     /// `--schedule`
@@ -289,6 +316,7 @@ impl Options {
             elements: ELEMENTS,
             integrator: Integrator::default(),
             max_depth: MAX_DEPTH,
+            strategy: Strategy::default(),
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             mapping: Mapping::default(),
@@ -355,6 +383,7 @@ choices! {
     steps_per_pass: u32,
     build: BuiltBy,
     max_depth: u32,
+    strategy: Strategy,
     #[cfg_attr(feature = "serde", serde(rename = "keep_all"))]
     keep: Keep,
     samples: Samples,

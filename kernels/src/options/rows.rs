@@ -88,6 +88,7 @@ pub static ROWS: &[Row] = &[
     whole!("elements", 1, MOST_ELEMENTS, elements, "How many elements a program without a scene works on: of sort, keys").in_tables(None),
     light::INTEGRATOR,
     light::MAX_DEPTH,
+    light::STRATEGY,
     named!(
         "accelerator",
         Accelerator,

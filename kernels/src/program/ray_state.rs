@@ -67,6 +67,12 @@ pub struct Bounce {
     pub waiting: u32,
     /// The share of its light that reaches the pixel.
     pub throughput: [f32; 3],
+    /// The pdf of its direction, by solid angle; 0 if no other direction was possible.
+    pub pdf: f32,
+    /// The light that reaches the pixel by all rays so far; for a pixel's first ray, what is left from the sample before.
+    pub radiance: [f32; 3],
+    /// Why the path ended, as the stream `ended` says.
+    pub ended: u32,
 }
 
 impl RayState {

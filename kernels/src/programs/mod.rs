@@ -3,6 +3,7 @@
 pub mod closest_hit;
 pub mod grid_build;
 pub mod light;
+pub mod path;
 pub mod primitives;
 pub mod sort;
 
@@ -43,7 +44,7 @@ pub struct Alone {
 }
 
 /// Every program.
-static REGISTRY: [Registered; 4] = [
+static REGISTRY: [Registered; 5] = [
     Registered {
         name: ProgramName::ClosestHit,
         integrators: &[Integrator::Local],
@@ -55,6 +56,13 @@ static REGISTRY: [Registered; 4] = [
         name: ProgramName::ClosestHit,
         integrators: &[Integrator::Shadows, Integrator::Whitted],
         program: || &light::PROGRAM,
+        plan: trace,
+        alone: None,
+    },
+    Registered {
+        name: ProgramName::ClosestHit,
+        integrators: &[Integrator::Path],
+        program: || &path::PROGRAM,
         plan: trace,
         alone: None,
     },
@@ -110,6 +118,7 @@ fn tracer(options: &Options) -> (&'static Program, fn(&Options, &Features) -> Sc
     match options.integrator {
         Integrator::Local => (&closest_hit::PROGRAM, closest_hit::schedule::of),
         Integrator::Shadows | Integrator::Whitted => (&light::PROGRAM, light::schedule),
+        Integrator::Path => (&path::PROGRAM, path::schedule),
     }
 }
 

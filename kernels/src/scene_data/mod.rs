@@ -21,6 +21,7 @@ use crate::shared::build::Build;
 use crate::shared::bvh_walk::link_above;
 use crate::shared::camera::Camera;
 use crate::shared::constants::{LAST_ITEM, OUTSIDE};
+use crate::shared::emitters::{Emission, Emitter};
 use crate::shared::grid_walk::Grid;
 use crate::shared::irregular_walk::{Irregular, IrregularCell};
 use crate::shared::samples::Sampling;
@@ -34,7 +35,7 @@ use crate::tables::stream::StreamData;
 pub use error::SceneDataError;
 use error::reserve;
 pub use shading::BACKGROUND;
-use shading::{flat_normal, lights, material, optics, textures};
+use shading::{background, emitters, flat_normal, lights, material, optics, textures};
 pub(crate) use traced::as_f32;
 use traced::packed_triangles;
 pub(crate) use traced::{bvh_growth, origins, traced_vertices};
@@ -138,6 +139,10 @@ pub struct Contents {
     pub materials: Vec<Material>,
     /// One per material.
     pub optics: Vec<Optics>,
+    /// What gives light, as a path picks it.
+    pub emitters: Vec<Emitter>,
+    /// Uniform `emission`.
+    pub emission: Emission,
     /// At least one.
     pub lights: Vec<Light>,
     /// As many as materials refer to.
@@ -300,9 +305,12 @@ impl SceneData {
         if wanted("optics") {
             data.optics = scene.materials.iter().map(|material| optics(material.optics)).collect();
         }
-        if wanted("lights") {
+        if wanted("lights") || wanted("shading") {
             data.lights = lights(scene, options, units);
-            data.shading = Shading { background: BACKGROUND, lights: data.lights.len() as u32 };
+            data.shading = Shading { background: background(scene, options), lights: data.lights.len() as u32 };
+        }
+        if wanted("emitters") {
+            (data.emitters, data.emission) = emitters(scene, options, &data.lights, &data.vertices)?;
         }
         if wanted("texels") {
             (data.textures, data.texels) = textures(&scene.textures)?;

@@ -1,11 +1,14 @@
 //! Scene data for shading: normals, materials, lights, textures, colours.
 
+use std::f64::consts::PI;
+
 use raystep_scenes::{Light as SceneLight, Optics as SceneOptics, Scene, Texture as SceneTexture, Wrap};
 
 use super::error::{SceneDataError, reserve};
 use crate::numbers::srgb::srgb_to_linear;
 use crate::numbers::units::Units;
-use crate::options::{Options, RaySource};
+use crate::options::{Integrator, Options, RaySource, Strategy};
+use crate::shared::emitters::{Emission, Emitter, LUMINANCE, PUNCTUAL, table};
 use crate::shared::shading::{
     DIELECTRIC, DIFFUSE, DIRECTIONAL, Light, MIRROR, Material, NO_TEXTURE, Optics, POINT, SHEET, SPOT,
 };
@@ -38,7 +41,55 @@ pub(super) fn optics(optics: SceneOptics) -> Optics {
     Optics { kind, ior }
 }
 
-/// The scene's lights in traced units, or a headlight.
+/// The colour of a ray that hits nothing. Without anything that gives light, paths see a white sky.
+pub(super) fn background(scene: &Scene, options: &Options) -> [f32; 3] {
+    let is_dark = || scene.lights.is_empty() && scene.materials.iter().all(|m| m.emissive == [0.0; 3]);
+    if options.integrator == Integrator::Path && is_dark() { [1.0; 3] } else { BACKGROUND }
+}
+
+/// What gives light, and how likely each is to be picked: by its power, as far as that is known.
+pub(super) fn emitters(
+    scene: &Scene,
+    options: &Options,
+    lights: &[Light],
+    vertices: &[f32],
+) -> Result<(Vec<Emitter>, Emission), SceneDataError> {
+    let luminance = |rgb: [f32; 3]| (0..3).map(|c| f64::from(rgb[c] * LUMINANCE[c])).sum::<f64>();
+    let corner = |first: usize| glam::Vec3::from_slice(&vertices[first..first + 3]).as_dvec3();
+    let of_triangle = |triangle: usize| {
+        let material = &scene.materials[scene.triangle_materials[triangle] as usize];
+        let [a, b, c] = [0, 3, 6].map(|offset| corner(9 * triangle + offset));
+        let sides = if material.double_sided { 2.0 } else { 1.0 };
+        PI * luminance(material.emissive) * sides * 0.5 * (b - a).cross(c - a).length()
+    };
+    let has_size = options.strategy != Strategy::Bsdf;
+    let glows = |&triangle: &usize| scene.materials[scene.triangle_materials[triangle] as usize].emissive != [0.0; 3];
+    let triangles = (0..scene.triangles.len()).filter(|triangle| has_size && glows(triangle));
+    // A scene without lights has a headlight for others.
+    let count = scene.lights.len();
+    let (mut ids, mut weights) = (reserve("emitters", count)?, reserve("emitters", count)?);
+    let extent = vertices.iter().fold(0f32, |most, v| most.max(v.abs()));
+    for (id, light) in (0..).zip(&lights[..count.min(lights.len())]) {
+        ids.push(PUNCTUAL | id);
+        let solid_angle = match light.kind {
+            // What meets a disc as large as the scene.
+            DIRECTIONAL => PI * f64::from(extent).powi(2),
+            SPOT => 2.0 * PI * (1.0 - f64::from(light.cos_outer)),
+            _ => 4.0 * PI,
+        };
+        weights.push(solid_angle * luminance(light.color));
+    }
+    for triangle in triangles {
+        ids.push(triangle as u32);
+        weights.push(of_triangle(triangle));
+    }
+    let emitters = table(&ids, &weights);
+    let per_luminance = if emitters.is_empty() { 0.0 } else { (PI / weights.iter().sum::<f64>()) as f32 };
+    let emission = Emission { count: emitters.len() as u32, per_luminance };
+    Ok((emitters, emission))
+}
+
+/// The scene's lights in traced units, or a headlight. For paths, their intensity counts, by traced units squared.
 pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Light> {
     if scene.lights.is_empty() {
         let position = match &options.rays {
@@ -63,7 +114,19 @@ pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Ligh
             Light { position: place(position), kind: SPOT, direction: *direction, cos_outer, color: *color, cone_scale }
         }
     };
-    scene.lights.iter().map(traced).collect()
+    let is_physical = options.integrator == Integrator::Path;
+    let with_intensity = |light: &SceneLight| {
+        let mut of = traced(light);
+        if is_physical {
+            let (SceneLight::Point { intensity, .. }
+            | SceneLight::Directional { intensity, .. }
+            | SceneLight::Spot { intensity, .. }) = *light;
+            let unit = if of.kind == DIRECTIONAL { 1.0 } else { units.to_traced(1.0).powi(2) };
+            of.color = of.color.map(|part| part * intensity * unit);
+        }
+        of
+    };
+    scene.lights.iter().map(with_intensity).collect()
 }
 
 /// All texels in one buffer, linear, 16 bits per channel: enough to resolve the darkest steps of 8-bit sRGB.

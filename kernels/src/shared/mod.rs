@@ -6,6 +6,7 @@ pub mod bvh_walk;
 pub mod camera;
 pub mod constants;
 pub mod dda;
+pub mod emitters;
 pub mod grid_walk;
 pub mod irregular_walk;
 pub mod launch;

@@ -63,13 +63,13 @@ pub fn mean_of_blocks<R: Real>(sum: R, mean: R, samples: u32) -> R {
     (sum + begun) / (complete + part)
 }
 
-fn hashed(value: u32) -> u32 {
+pub(crate) fn hashed(value: u32) -> u32 {
     let step = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((step >> ((step >> 28) + 4)) ^ step).wrapping_mul(277_803_737);
     (word >> 22) ^ word
 }
 
-fn sobol_second(index: u32) -> u32 {
+pub(crate) fn sobol_second(index: u32) -> u32 {
     let mut digits = 0;
     let mut column = 0x8000_0000u32;
     let mut left = index;
@@ -81,7 +81,7 @@ fn sobol_second(index: u32) -> u32 {
     digits
 }
 
-fn scrambled(digits: u32, seed: u32) -> u32 {
+pub(crate) fn scrambled(digits: u32, seed: u32) -> u32 {
     let mut x = digits.reverse_bits();
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);

@@ -2,7 +2,7 @@
 
 use bytemuck::{bytes_of, cast_slice};
 
-use super::streams::no_specular;
+use super::streams::{no_emitters, no_specular};
 use crate::options::Skip;
 use crate::options::keep::Item;
 use crate::options::reasons::{Because, GIVEN, ONE_SAMPLE, On, Passes, Reason, Run, SEVERAL_STEPS};
@@ -158,6 +158,13 @@ pub static BUFFERS: &[BufferInfo] = &[
         |data| cast_slice(&data.optics),
         no_specular,
     ),
+    storage(
+        "emitters",
+        "16 bytes per light and triangle that glows: a row of an alias table",
+        |data| cast_slice(&data.emitters),
+        no_emitters,
+    ),
+    uniform("emission", "number of emitters, pdf of a point by luminance", |data| bytes_of(&data.emission), no_emitters),
     storage(
         "lights",
         "48 bytes: position, kind, direction, cone, colour",

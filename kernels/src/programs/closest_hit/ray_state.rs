@@ -2,9 +2,9 @@
 
 use super::states::{ALL, ISECT_HIT, ISECT_NO_HIT, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, TRAV, VISIBLE};
 use super::streams::{
-    ACCUMULATED, ACCUMULATED_SAMPLES, BLOCKER, BOUNCE, COLOR, CONTROL, HIT, HIT_TRIANGLE, LIGHT, PENDING, PREVIOUS,
-    RAY_DIRECTION, RAY_INTERVAL, RAY_ORIGIN, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, STATE_CELL, STATE_ITEM, STATE_T,
-    SURFACE, THROUGHPUT, TMAX,
+    ACCUMULATED, ACCUMULATED_SAMPLES, BLOCKER, BOUNCE, COLOR, CONTROL, ENDED, HIT, HIT_TRIANGLE, LIGHT, PDF, PENDING,
+    PREVIOUS, RADIANCE, RAY_DIRECTION, RAY_INTERVAL, RAY_ORIGIN, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, STATE_CELL,
+    STATE_ITEM, STATE_T, SURFACE, THROUGHPUT, TMAX,
 };
 use crate::program::RayState;
 use crate::program::decoding::{Decoding, Texel};
@@ -34,6 +34,9 @@ pub(in crate::programs) const DECODING: Decoding = Decoding {
         LIGHT,
         BOUNCE,
         THROUGHPUT,
+        RADIANCE,
+        PDF,
+        ENDED,
     ],
     decode,
     tested: super::explain::tested,
@@ -57,6 +60,9 @@ fn decode(texel: Texel<'_>) -> RayState {
         depth: bounce[0],
         waiting: bounce[1],
         throughput: floats(THROUGHPUT).filter(|_| bounce[0] > 0).unwrap_or([1.0; 3]),
+        pdf: f32::from_bits(word(PDF, 0)),
+        radiance: floats(RADIANCE).unwrap_or_default(),
+        ended: word(ENDED, 0),
     };
     RayState {
         origin: floats(origin).unwrap_or_default(),

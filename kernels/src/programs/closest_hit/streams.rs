@@ -33,9 +33,11 @@
 //!                                        throughput, and the triangle that it leaves
 //! primary    u32  x y z dx dy dz t u v triangle   the pixel's first ray and its hit (f32 bits)
 //! spent      u32  cells  triangles  repeated      counters of the rays before
+//! pdf        f32  direction              pdf of the ray's direction, by solid angle; 0 from the camera, a mirror or glass
+//! ended      u32  why                    why the path ended
 //! ```
 //!
-//! The seven from `shadow_origin` on, and the last six, are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
+//! The seven from `shadow_origin` on, and the last eight, are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
 //! share `state` and what a walk keeps with the rays before them: a pixel's rays are traced one after the other. So are
 //! those that surfaces reflect and refract, depth first: they are in `ray_origin`, `ray_direction` and `hit` in turn, and the
 //! pixel's first ray and its hit are put back at the end.
@@ -106,7 +108,8 @@ pub fn of_walk(features: &Features) -> Stream {
 /// Why nothing casts a shadow ray.
 pub(in crate::programs) fn no_shadows(run: &Run<'_>) -> Reason {
     match (run.options.integrator, run.options.shade) {
-        (Integrator::Local, _) => (Because::Options, "needed only with --integrator shadows or whitted"),
+        (Integrator::Local, _) => (Because::Options, "needed only with --integrator shadows, whitted or path"),
+        (Integrator::Path, true) => (Because::Scene, "nothing gives light that a shadow ray could be cast to"),
         (_, true) => (Because::Scene, "no light: one headlight at the eye, from where every hit is visible"),
         (_, false) => NO_SHADE,
     }
@@ -115,15 +118,18 @@ pub(in crate::programs) fn no_shadows(run: &Run<'_>) -> Reason {
 /// Why no ray goes on from a hit.
 pub(in crate::programs) fn no_specular(run: &Run<'_>) -> Reason {
     match (run.options.integrator, run.options.shade) {
-        (Integrator::Local | Integrator::Shadows, _) => (Because::Options, "needed only with --integrator whitted"),
-        (Integrator::Whitted, true) => (Because::Scene, "no mirror and no transparent surface"),
-        (Integrator::Whitted, false) => NO_SHADE,
+        (Integrator::Local | Integrator::Shadows, _) => {
+            (Because::Options, "needed only with --integrator whitted or path")
+        }
+        (_, true) => (Because::Scene, "no mirror and no transparent surface"),
+        (_, false) => NO_SHADE,
     }
 }
 
 /// Why no ray is split in two.
 fn no_dielectric(run: &Run<'_>) -> Reason {
     match run.features.specular {
+        true if run.features.path => (Because::Options, "needed only with --integrator whitted: a path goes one way"),
         true => (Because::Scene, "no transparent surface: a mirror reflects one ray"),
         false => no_specular(run),
     }
@@ -131,10 +137,20 @@ fn no_dielectric(run: &Run<'_>) -> Reason {
 
 /// Why the cost of the rays before is not kept.
 fn no_spent(run: &Run<'_>) -> Reason {
-    match run.features.specular {
+    match run.features.specular || run.features.path {
         true => (Because::Options, "needed only with --counters"),
         false => no_specular(run),
     }
+}
+
+/// Why nothing is followed along paths.
+fn no_path(run: &Run<'_>) -> Reason {
+    if run.options.shade { (Because::Options, "needed only with --integrator path") } else { NO_SHADE }
+}
+
+/// Why no emitter is picked.
+pub(in crate::programs) fn no_emitters(run: &Run<'_>) -> Reason {
+    if run.options.integrator == Integrator::Path { no_shadows(run) } else { no_path(run) }
 }
 
 /// The names of what is kept of a ray that waits at each depth.
@@ -261,6 +277,12 @@ streams! {
     /// Cells visited, triangles tested, repeated tests of the pixel's rays before this one.
     SPENT of RAYS: "spent" U32 &["cells", "triangles", "repeated"], meaning: &[Count; 3], unit: "count",
         unwritten: &[0; 3], why_absent: no_spent;
+    /// The pdf of the ray's direction by solid angle; 0 if no other direction was possible.
+    PDF of RAYS: "pdf" F32 &["direction"], meaning: &[Float], unit: "per steradian",
+        unwritten: &[0], why_absent: no_path;
+    /// Why the pixel's latest path ended.
+    ENDED of RAYS: "ended" U32 &["why"], meaning: &[Id], unit: "1 nothing was hit, 2 depth, 3 absorbed, 4 below the surface, 5 by chance",
+        unwritten: &[0], why_absent: no_path;
 }
 
 /// The streams in which the caller supplies rays, as far as a run has them.

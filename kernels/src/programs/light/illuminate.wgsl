@@ -12,7 +12,7 @@
 import package::constants::{INF, LIGHTS_SUMMED, LIST_SIDE, NOBODY, NO_TRIANGLE, TURNS};
 import package::state::{SHADE, BACKGROUND, DONE, SHADOW_SETUP, OCCLUDED, VISIBLE, SCATTER};
 import package::corners::{vertex};
-import package::live::{send, tiled_texel};
+import package::live::{book, tiled_texel};
 import package::optics::{DIFFUSE, optics_of};
 import package::ray::{load_origin, load_direction};
 import package::shade_light::{lights, received};
@@ -178,6 +178,5 @@ fn next_light(texel: vec2u) -> u32 {
 
 @compute @workgroup_size(LIST_SIDE, LIST_SIDE)
 fn illuminate(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let texel = tiled_texel(group, lane);
-    send(lane, texel, next_light(texel));
+    book(lane, next_light(tiled_texel(group, lane)));
 }

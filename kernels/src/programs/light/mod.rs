@@ -12,7 +12,7 @@ mod breaks;
 mod explain;
 pub mod illuminate;
 mod kernels;
-mod optics;
+pub(super) mod optics;
 mod rounding;
 pub mod scatter;
 mod schedule;
@@ -26,15 +26,13 @@ use super::closest_hit::states::{ALL, BACKGROUND, SHADOW_ISECT, SHADOW_SETUP, SH
 use super::closest_hit::{self, streams};
 use crate::options::features::Features;
 use crate::program::{Course, Decoding, Instance, Kernel, Program};
-use kernels::{LISTS, OF_ILLUMINATE, OF_SCATTER, SHADOWS, for_shadow_rays};
-pub(super) use schedule::of as schedule;
+use kernels::{OF_ILLUMINATE, OF_SCATTER, SHADOWS, for_shadow_rays};
+pub(super) use schedule::{mapped, of as schedule, while_begun};
 
 /// The program.
 pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
-    let of_walk = KERNELS[SETUP.index()..].iter().zip(SHADOWS);
-    let shadows = of_walk.filter_map(|(&of, shadow)| for_shadow_rays(of, shadow));
     let own = [OF_ILLUMINATE, OF_SCATTER].map(|kernel| Instance::of(kernel, &closest_hit::elements::RAYS));
-    let kernels: Vec<Instance> = KERNELS.into_iter().chain(shadows).chain(own).collect();
+    let kernels: Vec<Instance> = KERNELS.into_iter().chain(shadow_walk()).chain(own).collect();
     let given_up = |tag| if matches!(tag, SHADOW_SETUP | SHADOW_TRAV | SHADOW_ISECT) { VISIBLE } else { BACKGROUND };
     Program {
         name: "light",
@@ -43,7 +41,6 @@ pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
         states: ALL,
         rays: closest_hit::PROGRAM.rays.map(|rays| Decoding { tree: Some(tree::grow), ..rays }),
         courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }])),
-        lists: &LISTS,
         kernels: Vec::leak(kernels),
         modules,
         ..closest_hit::PROGRAM
@@ -55,9 +52,14 @@ fn of(kernel: Kernel) -> Kernel {
     Kernel::at(&PROGRAM, kernel.index())
 }
 
-/// A kernel of the walk, for shadow rays.
-fn of_shadow_rays(kernel: Kernel) -> Kernel {
-    Kernel::at(&PROGRAM, KERNELS.len() + kernel.index() - SETUP.index())
+/// The kernels of the walk once more, for shadow rays.
+pub(super) fn shadow_walk() -> impl Iterator<Item = Instance> {
+    KERNELS[SETUP.index()..].iter().zip(SHADOWS).filter_map(|(&of, shadow)| for_shadow_rays(of, shadow))
+}
+
+/// A kernel of the walk, for shadow rays, in a program that begins with the kernels of [`closest_hit`] and these.
+pub(super) fn shadow_kernel(program: &'static Program, kernel: Kernel) -> Kernel {
+    Kernel::at(program, KERNELS.len() + kernel.index() - SETUP.index())
 }
 
 /// The kernel that casts shadow rays.

@@ -7,23 +7,23 @@ use crate::shared::vector::dot3;
 
 /// What a surface sends on of light that arrives along a direction: reversed, what a ray sees there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Split<R> {
+pub(in crate::programs) struct Split<R> {
     /// Direction of length 1.
-    pub(super) reflected: Vec3<R>,
+    pub(in crate::programs) reflected: Vec3<R>,
     /// Direction of length 1.
-    pub(super) refracted: Vec3<R>,
+    pub(in crate::programs) refracted: Vec3<R>,
     /// The share of the light that is reflected.
-    pub(super) reflectance: R,
+    pub(in crate::programs) reflectance: R,
 }
 
 /// How a triangle's material scatters light.
-pub(super) fn optics_of(scene: &SceneData, triangle: u32) -> Optics {
+pub(in crate::programs) fn optics_of(scene: &SceneData, triangle: u32) -> Optics {
     let index = if scene.features.many_materials { scene.triangle_materials[triangle as usize] } else { 0 };
     scene.optics[index as usize]
 }
 
 /// Splits light along a direction of length 1 at a surface whose normal is on its side. `is_back`: the light is inside.
-pub(super) fn split<R: Real>(of: Optics, direction: Vec3<R>, normal: Vec3<R>, is_back: bool) -> Split<R> {
+pub(in crate::programs) fn split<R: Real>(of: Optics, direction: Vec3<R>, normal: Vec3<R>, is_back: bool) -> Split<R> {
     let (zero, one) = (R::zero(), R::one());
     let cosine = (-dot3(normal, direction)).max(zero);
     let reflected = direction + normal * (R::from_f32(2.0) * cosine);

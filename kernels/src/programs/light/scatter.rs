@@ -43,16 +43,27 @@ const OF_PRIMARY: [(Stream, usize); 10] = [
     (HIT, 2),
 ];
 
-/// Copies the pixel's first ray and its hit.
-fn copy_primary<R: Real>(ray: &mut Texels<'_, R>, is_kept: bool) {
+/// Keeps the pixel's first ray and its hit.
+pub(in crate::programs) fn keep_primary<R: Real>(ray: &mut Texels<'_, R>) {
     for (kept, (stream, layer)) in OF_PRIMARY.into_iter().enumerate() {
-        let [from, to] = if is_kept { [(stream, layer), (PRIMARY, kept)] } else { [(PRIMARY, kept), (stream, layer)] };
-        if kept < 9 {
-            let value: R = ray.load(from.0, from.1);
-            ray.store(to.0, to.1, value);
-        } else {
-            ray.store_u32(to.0, to.1, ray.load_u32(from.0, from.1));
-        }
+        copy(ray, (stream, layer), (PRIMARY, kept));
+    }
+}
+
+/// Puts them back.
+pub(in crate::programs) fn put_back_primary<R: Real>(ray: &mut Texels<'_, R>) {
+    for (kept, (stream, layer)) in OF_PRIMARY.into_iter().enumerate() {
+        copy(ray, (PRIMARY, kept), (stream, layer));
+    }
+}
+
+/// Copies a component: all are floats but a triangle's id, which is that of [`HIT`] and the last of [`PRIMARY`].
+fn copy<R: Real>(ray: &mut Texels<'_, R>, from: (Stream, usize), to: (Stream, usize)) {
+    if [from, to].contains(&(HIT, 2)) {
+        ray.store_u32(to.0, to.1, ray.load_u32(from.0, from.1));
+    } else {
+        let value: R = ray.load(from.0, from.1);
+        ray.store(to.0, to.1, value);
     }
 }
 
@@ -157,7 +168,7 @@ pub fn scatter<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         }
         next = reflected.or(refracted.filter(|_| features.dielectric));
         if depth == 0 && next.is_some() {
-            copy_primary(ray, true);
+            keep_primary(ray);
         }
     }
     if next.is_none()
@@ -176,7 +187,7 @@ pub fn scatter<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     }
 
     if depth > 0 {
-        copy_primary(ray, false);
+        put_back_primary(ray);
         ray.store_vec3(COLOR, sum);
         ray.store_u32(BOUNCE, 0, 0);
     }

@@ -7,7 +7,7 @@
 import package::constants::{BRANCH, DEPTH, INF, LIST_SIDE, NOBODY, NO_TRIANGLE};
 import package::state::{TRAV_SETUP, SCATTER, DONE};
 import package::corners::{vertex};
-import package::live::{send, tiled_texel};
+import package::live::{book, tiled_texel};
 import package::optics::{DIFFUSE, MIRROR, Optics, optics_of, split};
 import package::shade_surface::{material_of, surface_normal, diffuse_color};
 import package::start::{start_of, leaving, through};
@@ -229,6 +229,5 @@ fn next_ray(texel: vec2u) -> u32 {
 
 @compute @workgroup_size(LIST_SIDE, LIST_SIDE)
 fn scatter(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let texel = tiled_texel(group, lane);
-    send(lane, texel, next_ray(texel));
+    book(lane, next_ray(tiled_texel(group, lane)));
 }

@@ -1,6 +1,6 @@
 //! Which kernels run, in what order and until which condition holds.
 
-use super::{illuminating, of as here, of_shadow_rays, scattering};
+use super::{PROGRAM, illuminating, of as here, scattering, shadow_kernel};
 use crate::options::features::Features;
 use crate::options::{Options, RaySource};
 use crate::program::Kernel;
@@ -12,20 +12,20 @@ use crate::programs::closest_hit::schedule as of_rays;
 /// and the same for the rays that go on from there, until none does.
 pub(in crate::programs) fn of(options: &Options, features: &Features) -> Schedule {
     if !features.shadows {
-        return Schedule { steps: mapped(&of_rays::of(options, features).steps, here) };
+        return Schedule { steps: mapped(&of_rays::of(options, features).steps, &here) };
     }
     let given = matches!(options.rays, RaySource::Given(_));
     let rays = of_rays::new(options.schedule, features.structure(), given, false, false, features.many_steps).steps;
     let is_first = |step: &&Step| **step == Step::Run(GENERATE);
     let walk: Vec<Step> = rays.iter().filter(|step| !is_first(step)).cloned().collect();
 
-    let mut light = mapped(&walk, of_shadow_rays);
+    let mut light = mapped(&walk, &|kernel| shadow_kernel(&PROGRAM, kernel));
     light.push(Step::Run(illuminating()));
     let light = [Step::Run(illuminating()), while_begun(light)];
-    let mut steps = mapped(&rays, here);
+    let mut steps = mapped(&rays, &here);
     if features.specular {
         steps.truncate(rays.len() - walk.len());
-        let mut bounce = mapped(&walk, here);
+        let mut bounce = mapped(&walk, &here);
         bounce.extend(light);
         bounce.push(Step::Run(scattering()));
         steps.push(while_begun(bounce));
@@ -41,13 +41,13 @@ pub(in crate::programs) fn of(options: &Options, features: &Features) -> Schedul
 }
 
 /// These steps, as long as there are rays for the first kernel among them.
-fn while_begun(steps: Vec<Step>) -> Step {
+pub(in crate::programs) fn while_begun(steps: Vec<Step>) -> Step {
     let first = steps.iter().find_map(|step| if let Step::Run(kernel) = step { Some(*kernel) } else { None });
     Step::LoopWhileActive(first.into_iter().collect(), steps)
 }
 
 /// The same steps with other kernels.
-fn mapped(steps: &[Step], to: fn(Kernel) -> Kernel) -> Vec<Step> {
+pub(in crate::programs) fn mapped(steps: &[Step], to: &dyn Fn(Kernel) -> Kernel) -> Vec<Step> {
     let step = |step: &Step| match step {
         Step::Run(kernel) => Step::Run(to(*kernel)),
         Step::RunBy(kernel, parameter) => Step::RunBy(to(*kernel), *parameter),

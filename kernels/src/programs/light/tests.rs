@@ -223,7 +223,7 @@ mod mirrors {
             assert_eq!((r == 1.0, g == 0.0), (is_total, is_total), "tilt {tilt}: r {r} g {g}");
             let reflectance = fresnel(1.5, tilt.cos());
             assert!((f64::from(r) - reflectance).abs() < 1e-5, "{r} {reflectance}");
-            assert!(color(&sheet, &looking(&sheet, along, 5))[1] > 0.4);
+            assert!(color(&sheet, &looking(&sheet, along, 5))[1] > 0.2);
         }
     }
 

@@ -6,7 +6,7 @@ use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Integrator, Numerics, Options, RaySource, Rule, ScheduleKind, Traversal};
+use crate::options::{Accelerator, Integrator, Numerics, Options, RaySource, Rule, ScheduleKind, Strategy, Traversal};
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
 
@@ -43,7 +43,12 @@ pub(in crate::programs) fn features(
     let any_material = |f: fn(&raystep_scenes::Material) -> bool| scene.materials.iter().any(f);
     // From a light at the eye, every hit of a camera's ray is visible, but not what these rays see in a mirror.
     let is_lit = options.shade && options.integrator != Integrator::Local;
-    let specular = is_lit && options.integrator == Integrator::Whitted && any_material(|m| m.optics.is_specular());
+    let path = is_lit && options.integrator == Integrator::Path;
+    let has_mirrors = any_material(|m| m.optics.is_specular());
+    let specular = (path || is_lit && options.integrator == Integrator::Whitted) && has_mirrors;
+    let glows = any_material(|m| m.emissive != [0.0; 3]);
+    // By chance, a path finds only lights that have a size.
+    let has_emitters = !scene.lights.is_empty() || glows && options.strategy != Strategy::Bsdf;
     Features {
         robust,
         watertight: robust && options.without != Some(Rule::TriangleTest),
@@ -64,12 +69,15 @@ pub(in crate::programs) fn features(
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
         intervals: has_intervals(&options.rays, any_hit),
         any_hit,
-        leaves: specular,
+        leaves: specular || path,
         specular,
-        dielectric: specular && any_material(|m| matches!(m.optics, Optics::Dielectric { .. })),
-        depth: if specular { options.max_depth } else { 0 },
+        dielectric: specular && !path && any_material(|m| matches!(m.optics, Optics::Dielectric { .. })),
+        path,
+        mis: path && glows && options.strategy == Strategy::Mis,
+        by_light: path && glows && options.strategy == Strategy::Light,
+        depth: if specular || path { options.max_depth } else { 0 },
         eye_rays: is_fused && !options.shade && !given,
-        clip: keep(Item::Clipping) || !inside || specular,
+        clip: keep(Item::Clipping) || !inside || specular || path,
         perspective: match &options.rays {
             RaySource::Camera { camera, .. } => matches!(camera.projection, Projection::Perspective { .. }),
             RaySource::Given(_) => true,
@@ -79,12 +87,12 @@ pub(in crate::programs) fn features(
         textures: keep(Item::Textures) || scene.texcoords.is_some() && any_material(|m| m.texture.is_some()),
         vertex_colors: keep(Item::VertexColors) || scene.colors.is_some(),
         many_materials: keep(Item::ManyMaterials) || scene.materials.len() > 1,
-        emissive: keep(Item::Emission) || any_material(|m| m.emissive != [0.0; 3]),
+        emissive: keep(Item::Emission) || glows,
         double_sided: keep(Item::DoubleSided) || any_material(|m| m.double_sided),
         many_lights: keep(Item::ManyLights) || scene.lights.len() > 1,
         directional_lights: keep(Item::DirectionalLights) || any_light(|l| matches!(l, Light::Directional { .. })),
         spot_lights: keep(Item::SpotLights) || any_light(|l| matches!(l, Light::Spot { .. })),
-        shadows: is_lit && (specular || !scene.lights.is_empty()),
+        shadows: is_lit && if path { has_emitters } else { specular || !scene.lights.is_empty() },
         resumes: false,
         resumes_scan: false,
         resumes_light: false,

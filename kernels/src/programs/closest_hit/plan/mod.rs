@@ -33,18 +33,22 @@ type Scheduler = fn(&Options, &Features) -> Schedule;
 
 /// Whether rays can be sent on from their hits.
 fn check_scattering(features: &Features) -> Result<(), PlanError> {
+    if !(features.specular || features.path) {
+        return Ok(());
+    }
+    let name = if features.path { "path" } else { "whitted" };
     let why = match features {
-        Features { specular: true, fragments: true, .. } => {
-            "--integrator whitted: what is kept of a ray's tree does not fit the outputs of a fragment program: use \
-             --mapping compute, or --integrator shadows"
-        }
-        Features { specular: true, intervals: true, .. } => {
-            "--integrator whitted: rays with a t_min or a t_max cannot be reflected or refracted: omit these, or use \
+        Features { fragments: true, .. } => {
+            "what is kept of a ray's way does not fit the outputs of a fragment program: use --mapping compute, or \
              --integrator shadows"
+        }
+        Features { intervals: true, .. } => {
+            "rays with a t_min or a t_max cannot be reflected or refracted: omit these, or use --integrator shadows"
         }
         _ => return Ok(()),
     };
-    Err(PlanError::Refused(why.into()))
+    let why = format!("--integrator {name}: {why}");
+    Err(PlanError::Refused(why))
 }
 
 /// Plans a run of rays by a program, with the schedule that it has for options; `built` is the grid that the options ask for, if it is built already.
@@ -80,7 +84,8 @@ pub(in crate::programs) fn plan(
     let pass_bound = if is_queried { pass_bound.saturating_mul(2).saturating_add(4) } else { pass_bound };
 
     // The walks of shadow rays follow that of the ray, and a pixel's rays are a list or a binary tree.
-    let pass_bound = if features.shadows { pass_bound.saturating_mul(1 + lights) } else { pass_bound };
+    let of_shadows = if features.path { 1 } else { lights };
+    let pass_bound = if features.shadows { pass_bound.saturating_mul(1 + of_shadows) } else { pass_bound };
     let rays_of_pixel = if features.dielectric { (2 << features.depth) - 1 } else { 1 + u64::from(features.depth) };
     let pass_bound = pass_bound.saturating_mul(rays_of_pixel);
 

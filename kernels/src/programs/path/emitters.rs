@@ -1,0 +1,35 @@
+//! Twin of `emitters.wgsl`: what gives light.
+
+use crate::numbers::real::{Real, Vec3};
+use crate::scene_data::SceneData;
+use crate::shared::emitters::{Emitter, LUMINANCE};
+use crate::shared::shading::{Light, Material};
+use crate::shared::vector::dot3;
+
+/// By a pair of numbers from 0 to below 1.
+pub(super) fn picked(scene: &SceneData, [x, y]: [f32; 2]) -> Emitter {
+    let count = scene.emission.count;
+    let emitter = scene.emitters[((x * count as f32) as u32).min(count - 1) as usize];
+    if y < emitter.keep { emitter } else { scene.emitters[emitter.other as usize] }
+}
+
+/// The pdf of a point of a triangle, by area.
+pub(super) fn pdf_by_area<R: Real>(scene: &SceneData, material: &Material) -> R {
+    let luminance = dot3(Vec3::<R>::from_f32(material.emissive), Vec3::from_f32(LUMINANCE));
+    let sides = R::from_f32(if material.double_sided != 0 { 2.0 } else { 1.0 });
+    luminance * R::from_f32(scene.emission.per_luminance) * sides
+}
+
+/// The weight of a sample by one of two strategies (Veach and Guibas 1995): their power heuristic, by squares.
+pub(super) fn weight<R: Real>(pdf: R, other: R) -> R {
+    let ratio = other / pdf;
+    R::one() / (R::one() + ratio * ratio)
+}
+
+/// What arrives from a spot along a direction of length 1, as a share of its intensity.
+pub(super) fn cone_of<R: Real>(light: &Light, towards: Vec3<R>) -> R {
+    let cosine = dot3(-towards, Vec3::from_f32(light.direction));
+    let cone = (cosine - R::from_f32(light.cos_outer)) * R::from_f32(light.cone_scale);
+    let cone = cone.max(R::zero()).min(R::one());
+    cone * cone
+}

@@ -1,0 +1,85 @@
+//! Its kernels: one that picks a light, and one that picks a direction.
+
+use super::{breaks, explain, rounding};
+use crate::options::reasons::{Because, NO_SHADE, Reason, Run};
+use crate::program::instance::twin;
+use crate::program::kernel::{Path, Proof};
+use crate::program::{Home, KernelInfo};
+use crate::programs::closest_hit::states::{
+    ALL, BACKGROUND, DONE, OCCLUDED, SCATTER, SHADE, SHADOW_SETUP, TRAV_SETUP, VISIBLE,
+};
+use crate::programs::closest_hit::streams;
+use crate::shared::constants::LIST_SIDE;
+use crate::tables::kernel::{Counts, Launch, Role, Transition};
+use crate::tables::state::Tag;
+
+/// The tables that its own kernels name.
+static HOME: Home = Home { streams: &streams::STREAMS, states: ALL };
+
+const fn send(from: Tag, when: &'static str, to: Tag) -> Transition {
+    Transition { from, when, to }
+}
+
+/// Why no light is computed.
+fn absent(run: &Run<'_>) -> Reason {
+    if run.options.shade { (Because::Options, "needed only with --integrator path") } else { NO_SHADE }
+}
+
+/// Adds what a surface emits, and casts a shadow ray.
+pub(super) const OF_SAMPLE_LIGHT: KernelInfo = KernelInfo {
+    name: "sample_light",
+    wgsl: include_str!("sample_light.wgsl"),
+    twin: twin!(element sample_light),
+    home: &HOME,
+    takes: &[SHADE, BACKGROUND],
+    sends: &[
+        send(SHADE, "casts a shadow ray", SHADOW_SETUP),
+        send(SHADE, "no light can arrive by a shadow ray", SCATTER),
+        send(BACKGROUND, "the background is around the scene", SCATTER),
+    ],
+    role: Role::Finish,
+    workgroup: LIST_SIDE,
+    launch: Launch::Whole,
+    counts: Counts::Sent,
+    resumes: |_| false,
+    list: None,
+    proof: Proof::NONE,
+    colour: [90, 165, 90],
+    why_absent: absent,
+    summary: "adds what the surface emits, and casts a shadow ray to an emitter picked at random",
+    explain: explain::of_sample_light,
+    path: Path::Stays,
+    rounding: rounding::OF_SAMPLE_LIGHT,
+    breaks: breaks::OF_SAMPLE_LIGHT,
+};
+
+/// Adds what the shadow ray brought, and sends the path on, or ends it.
+pub(super) const OF_SAMPLE_BSDF: KernelInfo = KernelInfo {
+    name: "sample_bsdf",
+    wgsl: include_str!("sample_bsdf.wgsl"),
+    twin: twin!(element sample_bsdf),
+    home: &HOME,
+    takes: &[SCATTER, OCCLUDED, VISIBLE],
+    sends: &[
+        send(SCATTER, "the path goes on", TRAV_SETUP),
+        send(SCATTER, "the path ends", DONE),
+        send(OCCLUDED, "the path goes on", TRAV_SETUP),
+        send(OCCLUDED, "the path ends", DONE),
+        send(VISIBLE, "adds the light, the path goes on", TRAV_SETUP),
+        send(VISIBLE, "adds the light, the path ends", DONE),
+    ],
+    role: Role::Finish,
+    workgroup: LIST_SIDE,
+    launch: Launch::Whole,
+    counts: Counts::Sent,
+    resumes: |_| false,
+    list: None,
+    proof: Proof::NONE,
+    colour: [60, 150, 170],
+    why_absent: absent,
+    summary: "adds what the shadow ray brought, and sends the path on in a random direction, or ends it",
+    explain: explain::of_sample_bsdf,
+    path: Path::Stays,
+    rounding: rounding::OF_SAMPLE_BSDF,
+    breaks: breaks::OF_SAMPLE_BSDF,
+};

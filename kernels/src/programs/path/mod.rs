@@ -1,0 +1,90 @@
+//! Light along paths: from the camera over random bounces, with a shadow ray at each.
+//!
+//! The program has the kernels, streams and states of [`light`], and two of its own: one picks a light and casts a shadow ray,
+//! one picks a direction and sends the path on. It is the path tracer of Purcell, Buck, Mark and Hanrahan (2002), which
+//! estimates the rendering equation (Kajiya 1986), with their shadow caster at each vertex, and multiple importance sampling
+//! (Veach and Guibas 1995).
+//!
+//! Light is in physical units: a point or spot light has its intensity by squared distance, a directional one its illuminance,
+//! a surface its radiance, and the background is an environment of constant radiance.
+//!
+//! What decides a path is a table of pairs of numbers ([`random`]): at each depth one picks an emitter, one a point of it, one a
+//! direction, and one whether glass reflects and whether the path goes on.
+
+mod breaks;
+mod direction;
+mod emitters;
+mod explain;
+mod kernels;
+mod random;
+mod rounding;
+pub mod sample_bsdf;
+pub mod sample_light;
+mod schedule;
+mod tree;
+
+use std::borrow::Cow;
+use std::sync::LazyLock;
+
+use super::closest_hit::states::{ALL, BACKGROUND, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
+use super::closest_hit::streams::{ACCUMULATED, ACCUMULATED_SAMPLES};
+use super::closest_hit::{self, kernels::KERNELS};
+use super::light;
+use crate::numbers::real::Real;
+use crate::options::features::Features;
+use crate::program::{Course, Decoding, Instance, Kernel, Program};
+use crate::scene_data::SceneData;
+use crate::tables::texels::Texels;
+use kernels::{OF_SAMPLE_BSDF, OF_SAMPLE_LIGHT};
+pub(super) use schedule::of as schedule;
+
+/// The program.
+pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
+    let own = [OF_SAMPLE_LIGHT, OF_SAMPLE_BSDF].map(|kernel| Instance::of(kernel, &closest_hit::elements::RAYS));
+    let kernels: Vec<Instance> = KERNELS.into_iter().chain(light::shadow_walk()).chain(own).collect();
+    let given_up = |tag| if matches!(tag, SHADOW_SETUP | SHADOW_TRAV | SHADOW_ISECT) { VISIBLE } else { BACKGROUND };
+    Program {
+        name: "path",
+        summary: "paths from the camera over random bounces, with a shadow ray at each",
+        courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }])),
+        kernels: Vec::leak(kernels),
+        rays: closest_hit::PROGRAM.rays.map(|rays| Decoding { tree: Some(tree::grow), ..rays }),
+        states: ALL,
+        modules,
+        ..*light::PROGRAM
+    }
+});
+
+/// The kernel that is, in this program, one of [`closest_hit`].
+fn of(kernel: Kernel) -> Kernel {
+    Kernel::at(&PROGRAM, kernel.index())
+}
+
+/// The kernel that casts shadow rays, or the one that sends paths on.
+fn own(place: usize) -> Kernel {
+    Kernel::at(&PROGRAM, PROGRAM.kernels.len() - 2 + place)
+}
+
+/// WGSL modules that kernels import from: those of light, and more.
+fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
+    let mut modules = (light::PROGRAM.modules)(features);
+    let more = [
+        ("direction", include_str!("direction.wgsl")),
+        ("emitters", include_str!("emitters.wgsl")),
+        ("random", include_str!("random.wgsl")),
+    ];
+    modules.extend(more.map(|(name, source)| (name, Cow::Borrowed(source))));
+    modules
+}
+
+/// The index of the sample that a pixel is at.
+fn next_sample<R: Real>(ray: &Texels<'_, R>, scene: &SceneData) -> u32 {
+    if !scene.features.samples {
+        return 0;
+    }
+    let samples: R = ray.load(ACCUMULATED, ACCUMULATED_SAMPLES);
+    scene.sampling.first + samples.to_i32() as u32
+}
+
+#[cfg(test)]
+mod tests;
