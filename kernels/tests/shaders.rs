@@ -6,14 +6,14 @@ use std::fs;
 use std::mem::{offset_of, size_of};
 use std::path::{Path, PathBuf};
 
-use raystep_kernels::Kernel;
 use raystep_kernels::fragment::{self, DrawnKernel};
+use raystep_kernels::options::Integrator;
 use raystep_kernels::options::features::Features;
 use raystep_kernels::options::mapping::{Fragment, Until};
 use raystep_kernels::program::live;
 use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, streams};
 use raystep_kernels::programs::grid_build;
-use raystep_kernels::shader::{Resource, ShaderError, Variant};
+use raystep_kernels::shader::{Binding, Resource, ShaderError, Variant};
 use raystep_kernels::shared::camera::Camera;
 use raystep_kernels::shared::grid_walk::Grid;
 use raystep_kernels::shared::samples::Sampling;
@@ -22,6 +22,8 @@ use raystep_kernels::shared::shading::{Light, Material, Shading};
 use raystep_kernels::shared::texture::Texture;
 use raystep_kernels::structures::bvh::BvhNode;
 use raystep_kernels::tables::kernel::Role;
+use raystep_kernels::{Accelerator, Kernel, Limits, Options, Plan, RaySource, ScheduleKind};
+use raystep_scenes::generate;
 
 /// All features off, then each alone, then all on, for every structure, robust and paper.
 fn feature_sets() -> Vec<Features> {
@@ -107,7 +109,7 @@ fn waiting(features: Features) -> Features {
 /// A kernel as it is compiled in a run with these features.
 fn variant(kernel: Kernel, features: &Features) -> Result<Variant, ShaderError> {
     let kernels: Vec<Kernel> = kernel.program().kernels().filter(|&kernel| has_kernel(features, kernel)).collect();
-    Variant::new(kernel, features, &live::lists(&kernels, features))
+    Variant::new(kernel, features, &live::lists_of(kernel, &live::lists(&kernels, features)))
 }
 
 /// Whether a run with these features has the kernel.
@@ -244,6 +246,40 @@ fn every_variant_is_valid_and_within_core_limits() {
     grid_build::PROGRAM.kernels().for_each(|kernel| check(kernel, &Features::default()));
     assert!(failures.is_empty(), "{}", failures.join("\n"));
     assert!(seen.len() > 100, "{} variants", seen.len());
+}
+
+/// Every run with light fits an adapter with no more than WebGPU guarantees, also where rays are in lists.
+#[test]
+fn light_needs_no_more_than_core_limits() {
+    let core = Limits { storage_buffers: 8, storage_textures: 4, sampled_textures: 16, ..Limits::CPU };
+    let mut several = generate::cornell_box();
+    several.lights.extend(several.lights.clone());
+    let mut runs = 0;
+    for scene in [several, generate::whitted(1).expect("a scene"), generate::terrain(200, 1).expect("a scene")] {
+        let camera = scene.cameras.first().cloned().expect("a camera");
+        let rays = RaySource::Camera { camera, width: 8, height: 8 };
+        for &integrator in Integrator::ALL {
+            for &schedule in ScheduleKind::ALL {
+                for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
+                    for counters in [false, true] {
+                        let base = Options::new(rays.clone());
+                        let options = Options { integrator, schedule, accelerator, counters, ..base };
+                        let label = format!("{} {integrator} {schedule} {accelerator}", scene.name);
+                        let (plan, _) = Plan::new(&scene, &options, &core).unwrap_or_else(|e| panic!("{label}: {e}"));
+                        for variant in &plan.variants {
+                            // At an offset of their own in each pass; there may be four.
+                            let moves =
+                                |b: &&Binding| matches!(b.resource, Resource::Live { .. }) && b.name != live::LIVE_RAYS;
+                            let moving = variant.bindings.iter().filter(moves).count();
+                            assert!(moving <= 4, "{label}: {} binds {moving}", variant.kernel.name());
+                        }
+                        runs += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert_eq!(runs, 3 * Integrator::ALL.len() * ScheduleKind::ALL.len() * 8);
 }
 
 #[test]

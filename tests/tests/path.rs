@@ -4,7 +4,7 @@ use raystep_kernels::options::{Integrator, Strategy};
 use raystep_kernels::programs::closest_hit::streams::COLOR;
 use raystep_kernels::programs::path::PROGRAM;
 use raystep_kernels::{Accelerator, Options, Samples, ScheduleKind, StreamData};
-use raystep_scenes::Scene;
+use raystep_scenes::{Optics, Scene};
 use raystep_tests::configurations::{COVERING, Configuration};
 use raystep_tests::{devices, gpu, options, parity, scene, scene_files, thorough, traced, values};
 
@@ -14,10 +14,11 @@ fn along_paths(options: Options) -> Options {
     Options { integrator: Integrator::Path, max_depth: 5, ..options }
 }
 
-/// The glass ball and the mirror over a floor of which every other tile glows.
+/// The glass ball, and a diffuse one, over a floor of which every other tile glows.
 fn glowing() -> Scene {
     let mut scene = balls();
     scene.materials[0].emissive = [0.25, 0.5, 0.125];
+    scene.materials[3].optics = Optics::Diffuse;
     scene
 }
 

@@ -116,6 +116,16 @@ class Run(unittest.TestCase):
             dumped = np.moveaxis(np.load(f"{folder}/d/{name}"), 0, 2)
             self.assertTrue(np.array_equal(dumped.view(np.uint32), color.view(np.uint32)))
 
+    def test_paths_have_the_options_of_the_command(self) -> None:
+        words = "--integrator path --max-depth 2 --strategy light --spp 2 --size 32x24 --device cpu".split()
+        path = Renderer("cornell-box", integrator="path", max_depth=2, strategy="light", spp=2, **SMALL).run()
+        with tempfile.TemporaryDirectory() as folder:
+            command("render", "cornell-box", "-o", f"{folder}/p.png", *words)
+            with open(f"{folder}/p.png", "rb") as file:
+                self.assertEqual(file.read(), path.image().png())
+        with self.assertRaisesRegex(OptionError, "at most 8 with --integrator whitted"):
+            Renderer("cornell-box", integrator="whitted", max_depth=9, **SMALL)
+
     def test_steps_forwards_and_backwards_pass_the_same_places(self) -> None:
         scene = Scene("teapot", device="cpu")
         run = Renderer(scene, size=(24, 16), schedule="second")

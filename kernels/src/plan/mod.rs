@@ -132,7 +132,8 @@ pub(crate) fn variants(
         kernels.extend(program.kernels().filter(|kernel| kernel.role() == Role::Count));
     }
     let lists = live::lists(&kernels, features);
-    kernels.into_iter().map(|kernel| Variant::new(kernel, features, &lists)).collect()
+    let variant = |kernel| Variant::new(kernel, features, &live::lists_of(kernel, &lists));
+    kernels.into_iter().map(variant).collect()
 }
 
 /// The names that the kernels of a run bind.

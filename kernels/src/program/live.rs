@@ -39,6 +39,14 @@ pub fn lists(kernels: &[Kernel], features: &Features) -> Vec<LiveList> {
     lists.filter_map(|(index, list)| Some(LiveList { name: list.name, tags: taker(index)?.takes().to_vec() })).collect()
 }
 
+/// Of a run's lists, those that a kernel may send elements to, and its own: it binds no others.
+#[must_use]
+pub fn lists_of(kernel: Kernel, lists: &[LiveList]) -> Vec<LiveList> {
+    let own = kernel.list().map(|index| kernel.program().lists[index].name);
+    let is_sent_to = |list: &&LiveList| kernel.sends().iter().any(|sent| list.tags.contains(&sent.to));
+    lists.iter().filter(|list| Some(list.name) == own || is_sent_to(list)).cloned().collect()
+}
+
 /// The modules that any kernel may import, whatever its program: `constants`, `state` with the tags of the kernel's states
 /// under its own names, `live`, and `lists`.
 pub(crate) fn modules(kernel: Kernel, features: &Features, lists: &[LiveList]) -> [Module; 4] {

@@ -6,3 +6,5 @@ fn tiled_texel(group: vec3u, lane: u32) -> vec2u {
 }
 
 fn send(lane: u32, texel: vec2u, tag: u32) {}
+
+fn book(lane: u32, tag: u32) {}

@@ -154,6 +154,8 @@ class Renderer:
         sampler: str | None = None,
         seed: int | None = None,
         integrator: str | None = None,
+        max_depth: int | None = None,
+        strategy: str | None = None,
         accelerator: str | None = None,
         schedule: str | None = None,
         mapping: str | None = None,

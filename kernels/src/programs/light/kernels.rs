@@ -13,7 +13,7 @@ use crate::programs::closest_hit::states::{
 use crate::programs::closest_hit::streams::{no_shadows, no_specular};
 use crate::programs::closest_hit::{self, streams};
 use crate::shared::constants::LIST_SIDE;
-use crate::tables::kernel::{Counts, Launch, Role, Transition};
+use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};
 use crate::tables::state::Tag;
 
 /// The tables that its own kernel names.
@@ -29,12 +29,22 @@ const STATES: [(&str, &str); 6] = [
     ("BACKGROUND", "VISIBLE"),
 ];
 
-/// The streams of a walk that shadow rays have of their own. Lists serve both: only one kind of ray walks at a time.
+/// The streams and lists of a walk that shadow rays have of their own.
 const BINDS: &[(&str, &str)] = &[
     ("ray_origin", "shadow_origin"),
     ("ray_direction", "shadow_direction"),
     ("hit", "blocker"),
     ("counters", "shadow_counters"),
+    ("intersect_list", "shadow_intersect_list"),
+    ("traverse_list", "shadow_traverse_list"),
+];
+
+/// Lists of live rays, for each kind of ray.
+pub(super) const LISTS: [ListInfo; 4] = [
+    closest_hit::kernels::LISTS[0],
+    closest_hit::kernels::LISTS[1],
+    ListInfo { name: "shadow_intersect_list", slots: ["shadow_intersect_list_even", "shadow_intersect_list_odd"] },
+    ListInfo { name: "shadow_traverse_list", slots: ["shadow_traverse_list_even", "shadow_traverse_list_odd"] },
 ];
 
 /// The names of the kernels of a walk for shadow rays, why a run does without each, and its colour.

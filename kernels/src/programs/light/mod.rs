@@ -26,7 +26,7 @@ use super::closest_hit::states::{ALL, BACKGROUND, SHADOW_ISECT, SHADOW_SETUP, SH
 use super::closest_hit::{self, streams};
 use crate::options::features::Features;
 use crate::program::{Course, Decoding, Instance, Kernel, Program};
-use kernels::{OF_ILLUMINATE, OF_SCATTER, SHADOWS, for_shadow_rays};
+use kernels::{LISTS, OF_ILLUMINATE, OF_SCATTER, SHADOWS, for_shadow_rays};
 pub(super) use schedule::{mapped, of as schedule, while_begun};
 
 /// The program.
@@ -39,6 +39,7 @@ pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
         summary: "every ray to its closest hit, and from there shadow rays to the lights, and rays that are reflected and refracted",
         streams: &streams::STREAMS,
         states: ALL,
+        lists: &LISTS,
         rays: closest_hit::PROGRAM.rays.map(|rays| Decoding { tree: Some(tree::grow), ..rays }),
         courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }])),
         kernels: Vec::leak(kernels),

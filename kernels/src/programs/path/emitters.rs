@@ -1,6 +1,7 @@
 //! Twin of `emitters.wgsl`: what gives light.
 
 use crate::numbers::real::{Real, Vec3};
+use crate::options::features::Features;
 use crate::scene_data::SceneData;
 use crate::shared::emitters::{Emitter, LUMINANCE};
 use crate::shared::shading::{Light, Material};
@@ -24,6 +25,16 @@ pub(super) fn pdf_by_area<R: Real>(scene: &SceneData, material: &Material) -> R 
 pub(super) fn weight<R: Real>(pdf: R, other: R) -> R {
     let ratio = other / pdf;
     R::one() / (R::one() + ratio * ratio)
+}
+
+/// The share of the light that counts where a path hits a triangle by chance, with the pdfs of its direction and of that
+/// point, by solid angle. Without a pdf, there was one direction.
+pub(super) fn share_of_hit<R: Real>(features: &Features, of_direction: R, of_point: R) -> R {
+    match of_direction == R::zero() {
+        false if features.mis => weight(of_direction, of_point),
+        false if features.by_light => R::zero(),
+        _ => R::one(),
+    }
 }
 
 /// What arrives from a spot along a direction of length 1, as a share of its intensity.

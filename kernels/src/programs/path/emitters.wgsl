@@ -48,6 +48,14 @@ fn weight(pdf: f32, other: f32) -> f32 {
     return 1.0 / (1.0 + ratio * ratio);
 }
 
+// The share of the light that counts where a path hits a triangle by chance, with the pdfs of its direction and of that point,
+// by solid angle. Without a pdf, there was one direction.
+fn share_of_hit(of_direction: f32, of_point: f32) -> f32 {
+    @if(mis) return select(weight(of_direction, of_point), 1.0, of_direction == 0.0);
+    @else @if(by_light) return select(0.0, 1.0, of_direction == 0.0);
+    @else return 1.0;
+}
+
 // What arrives from a spot along a direction of length 1, as a share of its intensity.
 @if(spot_lights)
 fn cone_of(light: Light, towards: vec3f) -> f32 {

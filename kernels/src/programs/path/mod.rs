@@ -21,6 +21,7 @@ mod rounding;
 pub mod sample_bsdf;
 pub mod sample_light;
 mod schedule;
+mod toward;
 mod tree;
 
 use std::borrow::Cow;
@@ -72,6 +73,7 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("direction", include_str!("direction.wgsl")),
         ("emitters", include_str!("emitters.wgsl")),
         ("random", include_str!("random.wgsl")),
+        ("toward", include_str!("toward.wgsl")),
     ];
     modules.extend(more.map(|(name, source)| (name, Cow::Borrowed(source))));
     modules

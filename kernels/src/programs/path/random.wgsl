@@ -9,6 +9,14 @@ const FOR_POINT: u32 = 1u;
 const FOR_DIRECTION: u32 = 2u;
 const FOR_CHANCE: u32 = 3u;
 
+@if(samples) @group(0) @binding(20) var accumulated: texture_2d_array<f32>;
+
+// The index of the sample that a pixel is at.
+fn next_sample(texel: vec2u) -> u32 {
+    @if(samples) return sampling.first + u32(textureLoad(accumulated, texel, 4, 0).x);
+    @else return 0u;
+}
+
 // The pair of numbers by which a pixel's sample decides something at a depth.
 fn decided_by(texel: vec2u, sample: u32, depth: u32, what: u32) -> vec2f {
     let pair = 4u * depth + what;

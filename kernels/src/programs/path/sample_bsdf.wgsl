@@ -9,8 +9,7 @@ import package::corners::{vertex};
 import package::direction::{cosine_weighted};
 import package::live::{book, tiled_texel};
 import package::optics::{DIFFUSE, MIRROR, optics_of, split};
-import package::random::{FOR_CHANCE, FOR_DIRECTION, decided_by};
-import package::samples::{sampling};
+import package::random::{FOR_CHANCE, FOR_DIRECTION, decided_by, next_sample};
 import package::shade_surface::{material_of, surface_normal, diffuse_color};
 import package::start::{start_of, leaving, through};
 import package::vector::{dot3, largest3, unit3};
@@ -40,7 +39,6 @@ const BY_ROULETTE: u32 = 5u;
 @group(0) @binding(10) var pdf: texture_storage_2d_array<r32float, write>;
 @group(0) @binding(11) var ended: texture_storage_2d_array<r32uint, write>;
 @if(shadows) @group(0) @binding(12) var pending: texture_2d_array<f32>;
-@if(samples) @group(0) @binding(13) var accumulated: texture_2d_array<f32>;
 @if(counters) @group(0) @binding(14) var counters: texture_storage_2d_array<r32uint, read_write>;
 @if(counters) @group(0) @binding(15) var spent: texture_storage_2d_array<r32uint, read_write>;
 @if(counters && shadows) @group(0) @binding(16) var shadow_counters: texture_2d_array<u32>;
@@ -55,11 +53,6 @@ struct Next {
     pdf: f32,
     // Why it ends instead, or 0.
     ended: u32,
-}
-
-fn next_sample(texel: vec2u) -> u32 {
-    @if(samples) return sampling.first + u32(textureLoad(accumulated, texel, 4, 0).x);
-    @else return 0u;
 }
 
 // The cost of the path so far: the counters begin again with each ray.

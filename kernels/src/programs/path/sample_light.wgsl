@@ -9,16 +9,15 @@
 import package::constants::{DEPTH, INF, LIST_SIDE, NOBODY, NO_TRIANGLE};
 import package::state::{SHADE, BACKGROUND, SHADOW_SETUP, SCATTER};
 import package::corners::{vertex};
-import package::emitters::{PUNCTUAL, cone_of, emission, picked, pdf_by_area, weight};
+import package::emitters::{pdf_by_area, share_of_hit, weight};
+import package::toward::{toward_emitter};
 import package::live::{book, tiled_texel};
 import package::optics::{DIFFUSE, optics_of};
-import package::random::{FOR_EMITTER, FOR_POINT, decided_by};
+import package::random::{next_sample};
 import package::ray::{load_origin, load_direction};
-import package::samples::{sampling};
-import package::shade_light::{lights};
-import package::shade_surface::{materials, material_of, surface_normal, diffuse_color};
-import package::start::{Start, start_of, leaving, end_before};
-import package::vector::{cross3, dot3, unit3};
+import package::shade_surface::{material_of, surface_normal, diffuse_color};
+import package::start::{Start, start_of, leaving};
+import package::vector::{dot3, unit3};
 
 struct Shading {
     background: vec3f,
@@ -40,7 +39,6 @@ const INVERSE_PI: f32 = 0.318309886;
 @if(shadows) @group(0) @binding(12) var surface: texture_storage_2d_array<r32uint, write>;
 @if(shadows) @group(0) @binding(13) var shadow_origin: texture_storage_2d_array<r32float, write>;
 @if(shadows) @group(0) @binding(14) var shadow_direction: texture_storage_2d_array<r32float, write>;
-@if(samples) @group(0) @binding(15) var accumulated: texture_2d_array<f32>;
 @group(1) @binding(14) var<uniform> shading: Shading;
 
 // The pixel's first ray and its hit: those of the last path are put back when it ends.
@@ -59,80 +57,19 @@ fn keep_primary(texel: vec2u) {
     textureStore(primary, texel, 9, textureLoad(hit, texel, 2, 0));
 }
 
-fn next_sample(texel: vec2u) -> u32 {
-    @if(samples) return sampling.first + u32(textureLoad(accumulated, texel, 4, 0).x);
-    @else return 0u;
-}
-
-// The share of the light that a surface emits along a path that hits it by chance.
-@if(emissive)
-fn share_of_hit(texel: vec2u, start: Start, emissive: vec3f, double_sided: u32, direction: vec3f) -> f32 {
-    let of_direction = textureLoad(pdf, texel, 0, 0).x;
-    @if(mis) {
-        let way = start.point - load_origin(texel);
-        let of_point = pdf_by_area(emissive, double_sided) * dot3(way, way) / abs(dot3(start.normal, direction));
-        return select(weight(of_direction, of_point), 1.0, of_direction == 0.0);
-    } @else @if(by_light) {
-        return select(0.0, 1.0, of_direction == 0.0);
-    } @else {
-        return 1.0;
-    }
-}
-
 // Casts a shadow ray from a hit to an emitter, unless nothing of its light can arrive. carried: what of light that is
 // reflected reaches the pixel, times the surface's colour.
 @if(shadows)
 fn is_cast(texel: vec2u, depth: u32, start: Start, normal: vec3f, carried: vec3f) -> bool {
-    let sample = next_sample(texel);
-    let emitter = picked(decided_by(texel, sample, depth, FOR_EMITTER));
     let origin = leaving(start);
-    var direction: vec3f;
-    var end = INF;
-    // Radiance times the solid angle of what is picked, by the probability of the pick; or intensity by squared distance.
-    var arrives: vec3f;
-    var is_of_triangle = false;
-    // Its pdf by solid angle.
-    var of_point = 0.0;
-    if ((emitter.id & PUNCTUAL) != 0u) {
-        let index = emitter.id ^ PUNCTUAL;
-        arrives = lights[index].color * (1.0 / emitter.chance);
-        direction = -lights[index].direction;
-        if (lights[index].kind != 1u) {
-            direction = lights[index].position - origin;
-            end = end_before(lights[index].position, direction);
-            arrives *= 1.0 / dot3(direction, direction);
-        }
-        @if(spot_lights) if (lights[index].kind == 2u) {
-            arrives *= cone_of(lights[index], unit3(direction));
-        }
-    } else {
-        @if(emissive) {
-            let a = vertex(emitter.id, 0u);
-            let ab = vertex(emitter.id, 1u) - a;
-            let ac = vertex(emitter.id, 2u) - a;
-            let by = decided_by(texel, sample, depth, FOR_POINT);
-            let side = sqrt(by.x);
-            let point = a + (ab * (side * (1.0 - by.y)) + ac * (side * by.y));
-            direction = point - origin;
-            end = end_before(point, direction);
-            let material = material_of(emitter.id);
-            let facing = -dot3(unit3(cross3(unit3(ab), unit3(ac))), unit3(direction));
-            let cosine = select(facing, abs(facing), material.double_sided != 0u);
-            if (cosine <= 0.0) {
-                return false;
-            }
-            of_point = pdf_by_area(material.emissive, material.double_sided) * dot3(direction, direction) / cosine;
-            arrives = material.emissive * (1.0 / of_point);
-        }
-    }
-    let towards = unit3(direction);
-    let cosine = dot3(normal, towards);
-    if (cosine <= 0.0 || dot3(start.normal, direction) <= 0.0) {
+    let to = toward_emitter(texel, next_sample(texel), depth, origin);
+    let cosine = dot3(normal, unit3(to.direction));
+    if (!to.is_lit || cosine <= 0.0 || dot3(start.normal, to.direction) <= 0.0) {
         return false;
     }
-    arrives *= carried * (cosine * INVERSE_PI);
-    @if(mis) if (of_point > 0.0) {
-        arrives *= weight(of_point, cosine * INVERSE_PI);
+    var arrives = to.light * (carried * (cosine * INVERSE_PI));
+    @if(mis) if (to.pdf > 0.0) {
+        arrives *= weight(to.pdf, cosine * INVERSE_PI);
     }
     // A point so near that its pdf is 0 or not finite brings nothing that could be summed.
     if (!(largest(arrives) > 0.0 && largest(arrives) < INF)) {
@@ -141,17 +78,17 @@ fn is_cast(texel: vec2u, depth: u32, start: Start, normal: vec3f, carried: vec3f
     textureStore(shadow_origin, texel, 0, vec4f(origin.x));
     textureStore(shadow_origin, texel, 1, vec4f(origin.y));
     textureStore(shadow_origin, texel, 2, vec4f(origin.z));
-    textureStore(shadow_direction, texel, 0, vec4f(direction.x));
-    textureStore(shadow_direction, texel, 1, vec4f(direction.y));
-    textureStore(shadow_direction, texel, 2, vec4f(direction.z));
+    textureStore(shadow_direction, texel, 0, vec4f(to.direction.x));
+    textureStore(shadow_direction, texel, 1, vec4f(to.direction.y));
+    textureStore(shadow_direction, texel, 2, vec4f(to.direction.z));
     textureStore(pending, texel, 0, vec4f(arrives.x));
     textureStore(pending, texel, 1, vec4f(arrives.y));
     textureStore(pending, texel, 2, vec4f(arrives.z));
     textureStore(surface, texel, 0, textureLoad(hit, texel, 2, 0));
     textureStore(blocker, texel, 2, vec4u(NO_TRIANGLE));
-    textureStore(light, texel, 0, vec4u(emitter.id));
+    textureStore(light, texel, 0, vec4u(to.id));
     textureStore(light, texel, 1, textureLoad(state, texel, 1));
-    textureStore(state, texel, 1, vec4u(bitcast<u32>(end)));
+    textureStore(state, texel, 1, vec4u(bitcast<u32>(to.end)));
     textureStore(state, texel, 0, vec4u(SHADOW_SETUP));
     return true;
 }
@@ -194,7 +131,10 @@ fn at_hit(texel: vec2u) -> u32 {
         let start = start_of(vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u), u, v, direction);
         @if(emissive) {
             if (any(material.emissive != vec3f(0.0)) && (!start.is_back || material.double_sided != 0u)) {
-                let share = share_of_hit(texel, start, material.emissive, material.double_sided, direction);
+                let way = start.point - load_origin(texel);
+                let of_point = pdf_by_area(material.emissive, material.double_sided) * dot3(way, way)
+                    / abs(dot3(start.normal, direction));
+                let share = share_of_hit(textureLoad(pdf, texel, 0, 0).x, of_point);
                 sum += carried * material.emissive * share;
             }
         }
