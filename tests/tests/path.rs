@@ -15,7 +15,7 @@ fn along_paths(options: Options) -> Options {
 }
 
 /// The glass ball, and a diffuse one, over a floor of which every other tile glows.
-fn glowing() -> Scene {
+pub(crate) fn glowing() -> Scene {
     let mut scene = balls();
     scene.materials[0].emissive = [0.25, 0.5, 0.125];
     scene.materials[3].optics = Optics::Diffuse;

@@ -13,6 +13,8 @@ use raystep_lab::self_test::{
 use raystep_tests::configurations::COVERING;
 use raystep_tests::{gpu, options, parity, scene, thorough};
 
+use crate::path::glowing;
+
 fn bench(faults: Faults) -> Bench {
     Bench::new(gpu(), "1-2".into(), faults)
 }
@@ -212,6 +214,14 @@ fn every_operation_of_every_kernel_is_probed() {
             let options = Options { program: ProgramName::GridBuild, accelerator, grid, ..options(&scene, 8, 8) };
             plans.push(Plan::new(&scene, &options, &limits).expect(file).0);
         }
+    }
+    let glowing = glowing();
+    for (configuration, integrator) in
+        COVERING.into_iter().flat_map(|one| [Integrator::Whitted, Integrator::Path].map(|it| (one, it)))
+    {
+        let samples = Samples { count: 2, ..Samples::default() };
+        let options = Options { integrator, samples, ..configuration.of(&options(&glowing, 8, 8)) };
+        plans.push(Plan::new(&glowing, &options, &limits).expect("a plan").0);
     }
     let sort = Options { program: ProgramName::Sort, ..options(&scene("empty.gltf"), 8, 8) };
     plans.push(Plan::new(&scene("empty.gltf"), &sort, &limits).expect("a sort").0);

@@ -3,11 +3,12 @@
 mod building;
 mod scenes;
 
+use raystep_kernels::options::Integrator;
 use raystep_kernels::options::ProgramName::{GridBuild, Sort};
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
-use raystep_kernels::programs::{light, named};
+use raystep_kernels::programs::{light, named, path};
 use raystep_kernels::tables::kernel::Role;
-use raystep_kernels::{Kernel, Limits, Options, Program};
+use raystep_kernels::{Kernel, Limits, Options};
 
 use self::scenes::{Place, Traced};
 use super::{Bench, Check, Finding, Found, Group, Step, Verdict};
@@ -20,15 +21,15 @@ pub(super) use building::steps as building;
 /// The check that all configurations of a group were run.
 const ALL: &str = "all configurations";
 
-/// A check for each kernel's row of a program, and one for the configurations.
+/// A check for each row of these kernels, and one for the configurations.
 fn checks_of(
-    program: &'static Program,
+    kernels: impl Iterator<Item = Kernel>,
     group: Group,
     is_there: fn(&Kernel) -> bool,
     shows: &'static str,
 ) -> Vec<Check> {
     let mut all: Vec<Check> = Vec::new();
-    for kernel in program.kernels().filter(is_there) {
+    for kernel in kernels.filter(is_there) {
         let row = kernel.info();
         if all.iter().all(|check| check.name != row.name) {
             all.push(Check { group, name: row.name, shows: row.summary });
@@ -40,21 +41,29 @@ fn checks_of(
 
 pub(super) fn checks_of_tracing() -> Vec<Check> {
     let shows = "every structure, schedule and set of rules was compared, in whole and in divided passes";
-    checks_of(&light::PROGRAM, Group::Tracing, |_| true, shows)
+    checks_of(light::PROGRAM.kernels().chain(path::PROGRAM.kernels()), Group::Tracing, |_| true, shows)
 }
 
 pub(super) fn checks_of_building() -> Vec<Check> {
     let shows = "uniform, two-level and irregular grids were built, and are the host's, bit for bit";
-    let mut all = checks_of(named(GridBuild), Group::Building, |_| true, shows);
+    let mut all = checks_of(named(GridBuild).kernels(), Group::Building, |_| true, shows);
     let of_sort = named(Sort).kernels().map(Kernel::info);
     all.extend(of_sort.map(|row| Check { group: Group::Building, name: row.name, shows: row.summary }));
     all
 }
 
+/// Whether a kernel can be drawn: what it always binds fits texels of four components.
+pub(super) fn is_drawn(kernel: &Kernel) -> bool {
+    let always = kernel.info().wgsl.lines().filter(|line| line.starts_with("@group(0)"));
+    let names = always.filter_map(|line| line.split_once("var ")?.1.split_once(':')).map(|(name, _)| name);
+    let fits = |name: &str| kernel.program().stream(name).is_none_or(|stream| stream.layers() <= 4);
+    !matches!(kernel.role(), Role::Walk | Role::Whole | Role::Sample) && names.into_iter().all(fits)
+}
+
 /// Kernels that take one step can be drawn, and those that begin and end a ray's course.
 pub(super) fn checks_of_drawing() -> Vec<Check> {
-    let is_drawn = |kernel: &Kernel| !matches!(kernel.role(), Role::Walk | Role::Whole | Role::Sample);
-    checks_of(&light::PROGRAM, Group::Drawing, is_drawn, "every structure was traced, with each choice of the mapping")
+    let shows = "every structure was traced, with each choice of the mapping";
+    checks_of(light::PROGRAM.kernels(), Group::Drawing, is_drawn, shows)
 }
 
 /// Configurations to compare.
@@ -81,9 +90,15 @@ fn traced() -> Vec<Traced> {
             .map(of(Place::Knot)),
     );
     // Rays from there to the light.
-    all.extend([STEPPED].into_iter().chain(FAST).map(|one| of(Place::Room)(one).with_shadows()));
-    all.push(of(Place::Room)(several(Bvh)).with_shadows().in_parts());
-    all.push(of(Place::Room)(several(Grid)).with_shadows().sampled(3));
+    all.extend([STEPPED].into_iter().chain(FAST).map(|one| of(Place::Room)(one).lit(Integrator::Shadows)));
+    all.push(of(Place::Room)(several(Bvh)).lit(Integrator::Shadows).in_parts());
+    all.push(of(Place::Room)(several(Grid)).lit(Integrator::Shadows).sampled(3));
+    // And what goes on from there.
+    for integrator in [Integrator::Whitted, Integrator::Path] {
+        all.extend(FAST.map(|one| of(Place::Balls)(one).lit(integrator)));
+        all.push(of(Place::Balls)(several(Bvh)).lit(integrator).in_parts());
+        all.push(of(Place::Balls)(several(Grid)).lit(integrator).sampled(3));
+    }
     // From outside, where rays miss.
     all.extend(FAST.map(of(Place::Soup)));
     all
@@ -110,7 +125,7 @@ fn drawn() -> Vec<Traced> {
         (Configuration::new(Irregular, First, 1), swapped),
         (Configuration::new(Grid, Second, 1).dda(), depths),
     ];
-    let shadows = Traced::new(Place::Room, STEPPED).with_shadows().drawn(depths);
+    let shadows = Traced::new(Place::Room, STEPPED).lit(Integrator::Shadows).drawn(depths);
     all.map(|(one, how)| Traced::new(Place::Room, one).drawn(how)).into_iter().chain([shadows]).collect()
 }
 

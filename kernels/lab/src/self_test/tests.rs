@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 
 use raystep_kernels::programs;
-use raystep_kernels::tables::kernel::Role;
 
 use super::*;
 
@@ -26,7 +25,7 @@ fn every_kernel_of_every_program_has_a_check_and_every_step_serves_checks_that_e
         let group = if program.course().is_some() { Group::Tracing } else { Group::Building };
         for kernel in program.kernels() {
             assert!(names.contains(&(group, kernel.info().name)), "{:?}", kernel.info().name);
-            if group == Group::Tracing && !matches!(kernel.role(), Role::Walk | Role::Whole | Role::Sample) {
+            if group == Group::Tracing && passes::is_drawn(&kernel) {
                 assert!(names.contains(&(Group::Drawing, kernel.info().name)), "{:?}", kernel.info().name);
             }
         }

@@ -19,6 +19,8 @@ pub(super) enum Place {
     Segments,
     /// A cloud of triangles from outside.
     Soup,
+    /// A ball of glass and a mirror over a floor.
+    Balls,
     /// A small object in a room so large that the irregular grid sets its walls aside.
     Knot,
 }
@@ -28,6 +30,7 @@ named!(
     Room "Cornell box",
     Segments "Cornell box, any hit",
     Soup "100 triangles from outside",
+    Balls "glass and a mirror",
     Knot "a knot in a large room"
 );
 
@@ -37,7 +40,7 @@ impl Place {
     fn grid(self) -> GridSize {
         match self {
             Self::Room | Self::Segments => GridSize::Cells([7, 7, 9]),
-            Self::Soup | Self::Knot => GridSize::Auto,
+            Self::Soup | Self::Balls | Self::Knot => GridSize::Auto,
         }
     }
 
@@ -54,6 +57,7 @@ impl Place {
         Ok(match self {
             Self::Room | Self::Segments => generate::cornell_box(),
             Self::Soup => generate::soup(100, 4)?,
+            Self::Balls => generate::whitted(0)?,
             Self::Knot => generate::tiny_in_room(200, 100)?,
         })
     }
@@ -65,7 +69,7 @@ pub(super) struct Traced {
     place: Place,
     configuration: Configuration,
     is_shaded: bool,
-    casts_shadows: bool,
+    integrator: Integrator,
     samples: u32,
     is_contracted: bool,
     how: Option<Fragment>,
@@ -75,16 +79,16 @@ pub(super) struct Traced {
 
 impl Traced {
     pub(super) fn new(place: Place, configuration: Configuration) -> Self {
-        let (casts_shadows, is_contracted) = (false, false);
-        Self { place, configuration, is_shaded: true, casts_shadows, samples: 1, is_contracted, how: None, turns: None }
+        let (integrator, is_contracted) = (Integrator::Local, false);
+        Self { place, configuration, is_shaded: true, integrator, samples: 1, is_contracted, how: None, turns: None }
     }
 
     pub(super) fn unshaded(self) -> Self {
         Self { is_shaded: false, ..self }
     }
 
-    pub(super) fn with_shadows(self) -> Self {
-        Self { casts_shadows: true, ..self }
+    pub(super) fn lit(self, integrator: Integrator) -> Self {
+        Self { integrator, ..self }
     }
 
     pub(super) fn sampled(self, samples: u32) -> Self {
@@ -111,10 +115,11 @@ impl Traced {
     pub(super) fn name(&self) -> String {
         let mut name = format!("{}, {}", self.configuration, self.place.name());
         let samples = format!(", {} samples", self.samples);
+        let light = format!(", {}", self.integrator);
         let how = self.how.map(|how| format!(", {}", raystep_kernels::options::mapping::Mapping::Fragment(how)));
         for (is_so, words) in [
             (!self.is_shaded, ", not shaded"),
-            (self.casts_shadows, ", shadows"),
+            (self.integrator != Integrator::Local, &light),
             (self.samples > 1, &samples),
             (self.is_contracted, ", explicit fma"),
             (self.turns.is_some(), ", in parts"),
@@ -144,7 +149,7 @@ impl Traced {
         let is_any_hit = self.place == Place::Segments;
         let sampler = if self.samples > Samples::BLOCK { Sampler::Random } else { Sampler::Sobol };
         let options = Options {
-            integrator: if self.casts_shadows { Integrator::Shadows } else { Integrator::Local },
+            integrator: self.integrator,
             counters: !is_any_hit,
             any_hit: is_any_hit,
             shade: self.is_shaded && !is_any_hit,
