@@ -83,6 +83,8 @@ fn passes_keep_their_numbers_whatever_is_dumped() {
         &["--schedule", "second"],
         &["--schedule", "first", "--accelerator", "none"],
         &["--schedule", "fused"],
+        &["--integrator", "shadows", "--schedule", "second"],
+        &["--integrator", "path", "--schedule", "compact", "--steps-per-pass", "8"],
     ];
     for (i, way) in ways.into_iter().enumerate() {
         let is_stepped = way != ["--schedule", "fused"];
@@ -97,7 +99,17 @@ fn passes_keep_their_numbers_whatever_is_dumped() {
             ("all", &[][..]),
             ("state", &[]),
             ("hit,color", &[]),
-            ("hit", if is_stepped { &["shade"] } else { &["generate", "shade"] }),
+            // Where rays go on from hits, all of it is needed to know how many passes there are.
+            (
+                "hit",
+                if way[0] == "--integrator" {
+                    &[]
+                } else if is_stepped {
+                    &["shade"]
+                } else {
+                    &["generate", "shade"]
+                },
+            ),
         ] {
             let folder = format!("{i}-{streams}");
             let dump = ["dump", &cornell_box(), "--pass", "last", "--stream", streams, "-o", &folder];

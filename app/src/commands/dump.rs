@@ -14,6 +14,7 @@ use clap::{Args, ValueEnum};
 use raystep_kernels::export::{exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
 use raystep_kernels::programs;
+use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Choices, Renderer, Stream, StreamData};
 use raystep_lab::text::counted;
 
@@ -157,7 +158,10 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         let program = programs::chosen(&options.choices()).program();
         options.counters = args.counters || program.results.is_some_and(|results| named.contains(&results.counters));
         // Much of the scene data is for shading.
+        // Where several kernels finish rays, these cast others, in passes that are counted by running them.
+        let finishing = program.kernels().filter(|kernel| kernel.role() == Role::Finish).count();
         options.shade = options.samples.count > 1
+            || finishing > 1
             || !args.buffers.is_empty()
             || program.results.is_some_and(|results| {
                 program.streams().any(|s| is_wanted(s) && needs_shading(s, &results, options.schedule))

@@ -29,8 +29,8 @@ pub(super) struct LeftOut {
 impl LeftOut {
     pub(super) fn of(plan: &Plan) -> Self {
         let missing = |role| {
-            let kernel = plan.program.kernels().find(|kernel| kernel.role() == role);
-            kernel.filter(|&kernel| plan.variant(kernel).is_none())
+            let is_there = plan.variants.iter().any(|variant| variant.kernel.role() == role);
+            plan.program.kernels().find(|kernel| kernel.role() == role && !is_there)
         };
         Self { first: missing(Role::Source), last: missing(Role::Finish) }
     }
