@@ -8,7 +8,7 @@
 //! Light is in physical units: a point or spot light has its intensity by squared distance, a directional one its illuminance,
 //! a surface its radiance, and the background is an environment of constant radiance.
 //!
-//! What decides a path is a table of pairs of numbers ([`random`]): at each depth one picks an emitter, one a point of it, one a
+//! What decides a path is a table of pairs of numbers (`random`): at each depth one picks an emitter, one a point of it, one a
 //! direction, and one whether glass reflects and whether the path goes on.
 
 mod breaks;
