@@ -128,10 +128,10 @@ impl Panel for LightTreeView {
 fn why_none(opened: &Opened) -> Option<&'static str> {
     if opened.plan.program.rays.is_none_or(|rays| rays.tree.is_none()) {
         return Some(
-            "No ray leaves a hit in this run. With --integrator shadows, rays go on to the lights; with whitted, mirrors and glass send on rays, too.",
+            "No ray leaves a hit in this run. With --integrator shadows, rays go on to the lights; with whitted, mirrors and glass send on rays, too; with path, all surfaces do.",
         );
     }
-    let is_lit = opened.data.features.shadows;
+    let is_lit = opened.data.features.shadows || opened.data.features.path;
     (!is_lit).then_some(
         "No ray leaves a hit: the scene has no light but a headlight at the eye, from where every hit is visible.",
     )
