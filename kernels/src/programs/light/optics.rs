@@ -32,7 +32,11 @@ pub(in crate::programs) fn split<R: Real>(of: Optics, direction: Vec3<R>, normal
     }
     let ior = R::from_f32(of.ior);
     let ratio = if is_back && of.kind != SHEET { ior } else { one / ior };
-    let cosine_beyond = (one - ratio * ratio * (one - cosine * cosine)).max(zero).sqrt();
+    let square = one - ratio * ratio * (one - cosine * cosine);
+    if square <= zero {
+        return Split { reflected, refracted: direction, reflectance: one };
+    }
+    let cosine_beyond = square.sqrt();
     let across = (ratio * cosine - cosine_beyond) / (ratio * cosine + cosine_beyond);
     let along = (cosine - ratio * cosine_beyond) / (cosine + ratio * cosine_beyond);
     let reflectance = R::from_f32(0.5) * (across * across + along * along);

@@ -41,8 +41,13 @@ fn split(optic: Optics, direction: vec3f, normal: vec3f, is_back: bool) -> Split
     }
     // The ratio of the index on this side to that on the other; a sheet is entered wherever it is hit.
     let ratio = select(1.0 / optic.ior, optic.ior, is_back && optic.kind != SHEET);
-    // Of the refracted direction. Beyond the critical angle it is 0, and all light is reflected.
-    let cosine_beyond = sqrt(max(1.0 - ratio * ratio * (1.0 - cosine * cosine), 0.0));
+    // Beyond the critical angle all light is reflected: exactly, however a device divides.
+    let square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+    if (square <= 0.0) {
+        return at;
+    }
+    // Of the refracted direction.
+    let cosine_beyond = sqrt(square);
     let across = (ratio * cosine - cosine_beyond) / (ratio * cosine + cosine_beyond);
     let along = (cosine - ratio * cosine_beyond) / (cosine + ratio * cosine_beyond);
     at.reflectance = 0.5 * (across * across + along * along);
