@@ -2,6 +2,7 @@
 
 use std::f32::consts::PI;
 
+use crate::bounced::{Run, breaks_are_named, compare, takes_a_pass_for_each_triangle};
 use glam::{Mat3, Vec3};
 use raystep_kernels::options::Integrator;
 use raystep_kernels::programs::closest_hit::states::{OCCLUDED, SHADOW_SETUP, VISIBLE};
@@ -13,7 +14,7 @@ use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Device, Kernel, Options, Plan, Ray, RaySource, Renderer, Samples, ScheduleKind};
 use raystep_lab::reference::Triangles;
 use raystep_scenes::{Camera, Light, Projection, Scene};
-use raystep_tests::configurations::{COVERING, Configuration, STEPPED};
+use raystep_tests::configurations::{Configuration, STEPPED};
 use raystep_tests::{block_on, devices, gpu, gpu_of, options, parity, scene, scene_files, thorough, traced, values};
 
 mod stiff;
@@ -24,36 +25,18 @@ fn with_shadows(options: Options) -> Options {
 
 #[test]
 fn every_kernel_agrees_with_its_twin_after_every_pass() {
-    let (mut failures, mut passes) = (Vec::new(), 0);
-    for (place, file) in ["lights.gltf", "cornell-box.gltf", "textures.gltf"].into_iter().enumerate() {
-        let scene = scene(file);
-        for (row, configuration) in COVERING.into_iter().enumerate() {
-            if (row + place) % 3 > 0 && !thorough() {
-                continue;
-            }
-            // These take a pass for each triangle and light.
-            let is_long = configuration.is_stepped() && configuration.steps == 1 && scene.triangles.len() > 500;
-            if is_long && configuration.accelerator == Accelerator::None {
-                continue;
-            }
-            let options = with_shadows(configuration.of(&options(&scene, 29, 21)));
-            let counted = Options { counters: true, ..options.clone() };
-            let sampled = Options { samples: Samples { count: 3, ..Samples::default() }, ..options };
-            let runs = [(&counted, None), (&sampled, None), (&counted, Some(6))];
-            for &(options, turns) in if thorough() { &runs[..] } else { &runs[(row / 3 + place) % 3..][..1] } {
-                let found = match turns {
-                    Some(turns) => parity::compare_in_turns(&gpu(), &scene, options, turns),
-                    None => parity::compare(&gpu(), &scene, options),
-                };
-                let label = format!("{file} {configuration} turns {turns:?}");
-                failures.extend(found.breaches.iter().map(|breach| format!("{label}: {breach}")));
-                failures.extend(found.miscounts.iter().map(|miscount| format!("{label}: {miscount}")));
-                passes += found.compared.total().passes;
-            }
-        }
-    }
-    assert!(passes > 1_000, "{passes} passes");
-    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures[..failures.len().min(9)].join("\n"));
+    let scenes = ["lights.gltf", "cornell-box.gltf", "textures.gltf"].map(|file| (file, scene(file)));
+    // These take a pass for each triangle and light.
+    let is_long = |configuration: &Configuration, scene: &Scene| {
+        takes_a_pass_for_each_triangle(configuration, scene) && configuration.steps == 1 && scene.triangles.len() > 500
+    };
+    let runs = |options| -> Vec<Run> {
+        let counted = Options { counters: true, ..with_shadows(options) };
+        let sampled =
+            Options { samples: Samples { count: 3, ..Samples::default() }, counters: false, ..counted.clone() };
+        vec![(counted.clone(), None), (sampled, None), (counted, Some(6))]
+    };
+    compare(scenes.into(), [29, 21], 3, is_long, runs);
 }
 
 /// What shadow rays of a run found, judged by f64 from the exact rays.
@@ -251,12 +234,7 @@ fn change(kernel: Kernel, from: &str, to: &str) -> impl FnOnce(&mut Plan) {
 fn a_broken_kernel_is_named() {
     let scene = scene("lights.gltf");
     let illuminate = PROGRAM.kernel("illuminate").expect("a kernel");
-    for broken in illuminate.info().breaks {
-        let mut options = with_shadows(STEPPED.of(&options(&scene, 24, 24)));
-        (broken.run)(&mut options);
-        let found = parity::compare_broken(&gpu(), &scene, &options, change(illuminate, broken.from, broken.to));
-        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(illuminate), "with {:?}", broken.to);
-    }
+    breaks_are_named(illuminate, &scene, &with_shadows(STEPPED.of(&options(&scene, 24, 24))));
     let several = Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 8).of(&options(&scene, 24, 24));
     // More lights than a dispatch has loop iterations: without one to cast a ray to, the next waits.
     let several = with_shadows(several);

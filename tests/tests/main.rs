@@ -4,6 +4,7 @@ mod adding;
 mod agreement;
 mod any_hit;
 mod architecture;
+mod bounced;
 mod cast;
 mod coarse_clock;
 mod compact;

@@ -3,6 +3,7 @@
 pub mod features;
 mod grid_size;
 pub mod keep;
+mod light;
 pub mod mapping;
 mod rays;
 pub mod reasons;
@@ -16,6 +17,7 @@ pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
 pub use grid_size::{GridSize, MOST_CELLS};
 use keep::Keep;
+pub use light::{Integrator, MAX_DEPTH, MOST_BOUNCES, MOST_DEPTH, Strategy};
 use mapping::Mapping;
 pub use rays::{Ray, RaySource};
 use samples::Samples;
@@ -31,32 +33,6 @@ pub enum ProgramName {
     GridBuild,
     /// Keys are sorted, without a scene.
     Sort,
-}
-
-/// What light the colour of a ray consists of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Integrator {
-    /// The paper's equation (1) at the hit: all lights count, also those that do not reach it.
-    #[default]
-    Local,
-    /// The same, but a light counts only if a shadow ray reaches it: the shadow caster of Purcell et al. (2002).
-    Shadows,
-    /// The same, and what mirrors reflect and transparent surfaces reflect and refract (Whitted, 1980).
-    Whitted,
-    /// Light along random paths, in physical units (Kajiya, 1986).
-    Path,
-}
-
-/// How a path finds light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Strategy {
-    /// By both of the others, each weighted by its pdf (Veach and Guibas, 1995).
-    #[default]
-    Mis,
-    /// By picking a light, or a point of a surface that glows, at each bounce.
-    Light,
-    /// By chance, where the path hits it; only lights without a size are picked.
-    Bsdf,
 }
 
 /// The acceleration structure.
@@ -171,15 +147,6 @@ named!(
     None "none"
 );
 named!(ProgramName, "closest-hit, grid-build, sort", ClosestHit "closest-hit", GridBuild "grid-build", Sort "sort");
-named!(
-    Integrator,
-    "local, shadows, whitted, path",
-    Local "local",
-    Shadows "shadows",
-    Whitted "whitted",
-    Path "path"
-);
-named!(Strategy, "mis, light, bsdf", Mis "mis", Light "light", Bsdf "bsdf");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
 named!(BuiltBy, "auto, host, device", Auto "auto", Host "host", Device "device");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
@@ -233,15 +200,6 @@ pub const ELEMENTS: u32 = 1 << 12;
 
 /// Most of them: a sort then takes 253 passes.
 pub const MOST_ELEMENTS: u32 = 1 << 22;
-
-/// Default number of times that a ray is reflected or refracted.
-pub const MAX_DEPTH: u32 = 5;
-
-/// Most of them with a tree of rays: a pixel keeps a ray for each.
-pub const MOST_DEPTH: u32 = 8;
-
-/// Most bounces of a path.
-pub const MOST_BOUNCES: u32 = 64;
 
 /// Default steps per pass of the compact schedule.
 pub const STEPS_PER_PASS: u32 = 8;

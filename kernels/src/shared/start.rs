@@ -59,6 +59,11 @@ pub fn start_of<R: Real>([a, b, c]: [Vec3<R>; 3], [u, v]: [R; 2], seen_along: Ve
     Start { point: a + (ab * (from_b / sum) + ac * (from_c / sum)), normal, is_back, distance }
 }
 
+/// A normal on the side from which the point is seen.
+pub fn on_side<R: Real>(start: &Start<R>, normal: Vec3<R>) -> Vec3<R> {
+    if dot3(normal, start.normal) < R::zero() { -normal } else { normal }
+}
+
 /// The origin of a ray that leaves the surface on that side.
 pub fn leaving<R: Real>(start: &Start<R>) -> Vec3<R> {
     start.point + start.normal * start.distance

@@ -55,6 +55,11 @@ fn start_of(a: vec3f, b: vec3f, c: vec3f, u: f32, v: f32, seen_along: vec3f) -> 
     return start;
 }
 
+// A normal on the side from which the point is seen.
+fn on_side(start: Start, normal: vec3f) -> vec3f {
+    return select(normal, -normal, dot3(normal, start.normal) < 0.0);
+}
+
 // The origin of a ray that leaves the surface on that side.
 fn leaving(start: Start) -> vec3f {
     return start.point + start.normal * start.distance;

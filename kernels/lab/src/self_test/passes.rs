@@ -5,6 +5,7 @@ mod scenes;
 
 use raystep_kernels::options::Integrator;
 use raystep_kernels::options::ProgramName::{GridBuild, Sort};
+use raystep_kernels::options::features::Features;
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
 use raystep_kernels::programs::{light, named, path};
 use raystep_kernels::tables::kernel::Role;
@@ -52,12 +53,17 @@ pub(super) fn checks_of_building() -> Vec<Check> {
     all
 }
 
-/// Whether a kernel can be drawn: what it always binds fits texels of four components.
+/// Whether a kernel can be drawn: what it always binds, itself or by a module, fits texels of four components.
 pub(super) fn is_drawn(kernel: &Kernel) -> bool {
-    let always = kernel.info().wgsl.lines().filter(|line| line.starts_with("@group(0)"));
-    let names = always.filter_map(|line| line.split_once("var ")?.1.split_once(':')).map(|(name, _)| name);
-    let fits = |name: &str| kernel.program().stream(name).is_none_or(|stream| stream.layers() <= 4);
-    !matches!(kernel.role(), Role::Walk | Role::Whole | Role::Sample) && names.into_iter().all(fits)
+    let modules = (kernel.program().modules)(&Features::default());
+    let own = kernel.info().wgsl;
+    let imported = modules.iter().filter(|(name, _)| own.contains(&format!("import package::{name}::")));
+    let mut always = imported.flat_map(|(_, source)| source.lines()).chain(own.lines());
+    let is_large = |line: &str| {
+        let name = line.strip_prefix("@group(0)")?.split_once("var ")?.1.split_once(':')?.0;
+        kernel.program().stream(name).filter(|stream| stream.layers() > 4)
+    };
+    !matches!(kernel.role(), Role::Walk | Role::Whole | Role::Sample) && !always.any(|line| is_large(line).is_some())
 }
 
 /// Kernels that take one step can be drawn, and those that begin and end a ray's course.

@@ -24,6 +24,7 @@ pub mod setup;
 pub mod shade;
 pub mod states;
 pub mod streams;
+mod tested;
 pub mod tracing;
 pub mod traverse_bvh;
 pub mod traverse_grid;

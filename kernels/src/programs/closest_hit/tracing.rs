@@ -1,11 +1,11 @@
-//! Twin of `tracing.wgsl` and `tested.wgsl`: the variables of a ray in a kernel that takes several steps, and its test of one triangle.
+//! Twin of `tracing.wgsl`: the variables of a ray in a kernel that takes several steps.
 
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE};
 use crate::scene_data::SceneData;
-use crate::shared::constants::{NO_TRIANGLE, TURNS_A_TEST};
-use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
+use crate::shared::constants::NO_TRIANGLE;
+use crate::shared::triangle::Shear;
 use crate::tables::state::Tag;
 
 /// The ray, its nearest hit so far, and counters.
@@ -14,7 +14,7 @@ pub(crate) struct Trace<R> {
     pub(crate) direction: Vec3<R>,
     /// Hits count between these t.
     pub(crate) interval: [R; 2],
-    shear: Shear<R>,
+    pub(super) shear: Shear<R>,
     pub(crate) t: R,
     pub(crate) u: R,
     pub(crate) v: R,
@@ -22,7 +22,7 @@ pub(crate) struct Trace<R> {
     pub(crate) cells: u32,
     pub(crate) tests: u32,
     /// The triangle that the ray leaves.
-    leaves: u32,
+    pub(super) leaves: u32,
     /// Any hit was requested, and one was found.
     pub(crate) ended: bool,
     /// Loop iterations in this dispatch so far.
@@ -67,37 +67,5 @@ impl<R: Real> Trace<R> {
     /// Whether the rest is left to the next dispatch.
     pub(crate) fn is_spent(&self, scene: &SceneData) -> bool {
         scene.features.resumes && self.turns >= scene.features.turns
-    }
-
-    /// Tests one triangle; `cell` matters only if hits must lie in it.
-    #[inline]
-    pub(crate) fn test(&mut self, scene: &SceneData, entry: u32, cell: [i32; 3]) {
-        let features = &scene.features;
-        let packed = &scene.packed_triangles[entry as usize];
-        let id = packed[3];
-        let corner = |c: usize| {
-            Vec3::from_f32([f32::from_bits(packed[c]), f32::from_bits(packed[c + 1]), f32::from_bits(packed[c + 2])])
-        };
-        let corners = [corner(0), corner(4), corner(8)];
-        let mut candidate = hit_triangle(features.triangle_rules(), self.origin, self.direction, &self.shear, corners);
-        if features.intervals {
-            candidate = candidate.between(self.interval);
-        }
-        self.tests += 1;
-        self.turns += TURNS_A_TEST;
-        if !candidate.is_hit || id == self.leaves {
-            return;
-        }
-        let accepted = if features.in_cell {
-            candidate.t < self.t && scene.grid.is_in_cell(self.origin + self.direction * candidate.t, cell)
-        } else if features.robust && !features.any_hit {
-            is_nearer(candidate.t, id, self.t, self.triangle)
-        } else {
-            candidate.t < self.t
-        };
-        if accepted {
-            (self.t, self.u, self.v, self.triangle) = (candidate.t, candidate.u, candidate.v, id);
-            self.ended = features.any_hit;
-        }
     }
 }

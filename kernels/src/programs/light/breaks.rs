@@ -35,7 +35,7 @@ fn counted_with_mirrors(options: &mut Options) {
 pub(super) const OF_SCATTER: &[Break] = &[
     Break::new(with_mirrors, "sum *= carried", "sum *= 1.0"),
     Break::new(with_mirrors, "depth < DEPTH", "depth <= DEPTH"),
-    Break::new(with_mirrors, "select(interpolated, -interpolated", "select(interpolated, interpolated"),
+    Break::new(with_mirrors, "select(normal, -normal, dot3(normal, start.normal) < 0.0)", "normal"),
     Break::new(
         with_mirrors,
         "start.point - start.normal * start.distance",
@@ -46,7 +46,7 @@ pub(super) const OF_SCATTER: &[Break] = &[
     Break::new(with_mirrors, "waiting ^= 1u << deepest", "waiting = 0u"),
     Break::new(with_mirrors, "next_depth = deepest + 1u", "next_depth = depth + 1u"),
     Break::new(with_mirrors, "first + 9u, vec4u(next.triangle)", "first + 9u, vec4u(NO_TRIANGLE)"),
-    Break::new(with_mirrors, "surface, texel, 0, vec4u(next.triangle)", "surface, texel, 0, vec4u(NO_TRIANGLE)"),
+    Break::new(with_mirrors, "surface, texel, 0, vec4u(triangle)", "surface, texel, 0, vec4u(NO_TRIANGLE)"),
     Break::new(with_mirrors, "keep_primary(texel);", ""),
     Break::new(with_mirrors, "put_back_primary(texel);", ""),
     Break::new(with_mirrors, "select(1.0 / optic.ior, optic.ior", "select(optic.ior, optic.ior"),

@@ -8,6 +8,7 @@
 //! with mirrors and transparent surfaces the tracer of Whitted (1980), whose rays make a tree. A pixel's tree is traced depth
 //! first, so what it needs is known before the run: a ray for each depth.
 
+pub(super) mod bounced;
 mod breaks;
 mod explain;
 pub mod illuminate;
@@ -73,10 +74,11 @@ fn scattering() -> Kernel {
     Kernel::at(&PROGRAM, PROGRAM.kernels.len() - 1)
 }
 
-/// WGSL modules that kernels import from: those of the walk, and one more.
+/// WGSL modules that kernels import from: those of the walk, and more.
 fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let mut modules = (closest_hit::PROGRAM.modules)(features);
-    modules.push(("optics", Cow::Borrowed(include_str!("optics.wgsl"))));
+    let more = [("bounced", include_str!("bounced.wgsl")), ("optics", include_str!("optics.wgsl"))];
+    modules.extend(more.map(|(name, source)| (name, Cow::Borrowed(source))));
     modules
 }
 

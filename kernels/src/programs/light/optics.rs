@@ -3,6 +3,7 @@
 use crate::numbers::real::{Real, Vec3};
 use crate::scene_data::SceneData;
 use crate::shared::shading::{MIRROR, Optics, SHEET};
+use crate::shared::start::Start;
 use crate::shared::vector::dot3;
 
 /// What a surface sends on of light that arrives along a direction: reversed, what a ray sees there.
@@ -23,7 +24,7 @@ pub(in crate::programs) fn optics_of(scene: &SceneData, triangle: u32) -> Optics
 }
 
 /// Splits light along a direction of length 1 at a surface whose normal is on its side. `is_back`: the light is inside.
-pub(in crate::programs) fn split<R: Real>(of: Optics, direction: Vec3<R>, normal: Vec3<R>, is_back: bool) -> Split<R> {
+fn split<R: Real>(of: Optics, direction: Vec3<R>, normal: Vec3<R>, is_back: bool) -> Split<R> {
     let (zero, one) = (R::zero(), R::one());
     let cosine = (-dot3(normal, direction)).max(zero);
     let reflected = direction + normal * (R::from_f32(2.0) * cosine);
@@ -43,4 +44,19 @@ pub(in crate::programs) fn split<R: Real>(of: Optics, direction: Vec3<R>, normal
     let refracted =
         if of.kind == SHEET { direction } else { direction * ratio + normal * (ratio * cosine - cosine_beyond) };
     Split { reflected, refracted, reflectance }
+}
+
+/// The same at a point of a triangle, by an interpolated normal on its side, unless that would lead a ray to the wrong side
+/// of the triangle.
+pub(in crate::programs) fn split_at<R: Real>(
+    of: Optics,
+    direction: Vec3<R>,
+    normal: Vec3<R>,
+    start: &Start<R>,
+) -> Split<R> {
+    let at = split(of, direction, normal, start.is_back);
+    if dot3(at.reflected, start.normal) <= R::zero() || dot3(at.refracted, start.normal) >= R::zero() {
+        return split(of, direction, start.normal, start.is_back);
+    }
+    at
 }

@@ -1,6 +1,7 @@
 // How a smooth surface reflects and refracts light: mirrors, and dielectrics by Fresnel's equations for unpolarised light.
 
 import package::shade_surface::{triangle_materials};
+import package::start::{Start};
 import package::vector::{dot3};
 
 const DIFFUSE: u32 = 0u;
@@ -53,6 +54,16 @@ fn split(optic: Optics, direction: vec3f, normal: vec3f, is_back: bool) -> Split
     at.reflectance = 0.5 * (across * across + along * along);
     if (optic.kind != SHEET) {
         at.refracted = direction * ratio + normal * (ratio * cosine - cosine_beyond);
+    }
+    return at;
+}
+
+// The same at a point of a triangle, by an interpolated normal on its side, unless that would lead a ray to the wrong side of
+// the triangle.
+fn split_at(optic: Optics, direction: vec3f, normal: vec3f, start: Start) -> Split {
+    let at = split(optic, direction, normal, start.is_back);
+    if (dot3(at.reflected, start.normal) <= 0.0 || dot3(at.refracted, start.normal) >= 0.0) {
+        return split(optic, direction, start.normal, start.is_back);
     }
     return at;
 }

@@ -1,21 +1,18 @@
 //! Twin of `scatter.wgsl`: adds the light of a ray's hit to the pixel's, and goes on with the rays that the surface reflects
 //! and refracts.
 
-use super::optics::{optics_of, split};
+use super::bounced::{begin_ray, carried_at, keep_primary, put_back_primary, spend};
+use super::optics::{optics_of, split_at};
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::ray::load_direction;
 use crate::programs::closest_hit::shade::surface::{diffuse_color, material_of, surface_normal};
-use crate::programs::closest_hit::states::{DONE, SCATTER, TRAV_SETUP};
-use crate::programs::closest_hit::streams::{
-    BOUNCE, BRANCHES, COLOR, COUNTERS, HIT, PRIMARY, RADIANCE, RAY_DIRECTION, RAY_ORIGIN, SPENT, STATE, SURFACE,
-    THROUGHPUT,
-};
+use crate::programs::closest_hit::states::{DONE, SCATTER};
+use crate::programs::closest_hit::streams::{BOUNCE, BRANCHES, COLOR, HIT, RADIANCE, STATE, SURFACE};
 use crate::scene_data::SceneData;
-use crate::shared::constants::{BRANCH, INF, NO_TRIANGLE};
+use crate::shared::constants::{BRANCH, NO_TRIANGLE};
 use crate::shared::shading::{DIFFUSE, MIRROR};
-use crate::shared::start::{leaving, start_of, through};
-use crate::shared::vector::{dot3, unit3};
-use crate::tables::stream::Stream;
+use crate::shared::start::{leaving, on_side, start_of, through};
+use crate::shared::vector::unit3;
 use crate::tables::texels::Texels;
 
 /// A ray that goes on from a surface.
@@ -26,45 +23,6 @@ struct Next<R> {
     throughput: Vec3<R>,
     /// The triangle that it leaves.
     triangle: u32,
-}
-
-/// Where the pixel's first ray and its hit are, in the order in which [`PRIMARY`] keeps them. Of the last, the triangle,
-/// the layer holds an id.
-const OF_PRIMARY: [(Stream, usize); 10] = [
-    (RAY_ORIGIN, 0),
-    (RAY_ORIGIN, 1),
-    (RAY_ORIGIN, 2),
-    (RAY_DIRECTION, 0),
-    (RAY_DIRECTION, 1),
-    (RAY_DIRECTION, 2),
-    (STATE, 1),
-    (HIT, 0),
-    (HIT, 1),
-    (HIT, 2),
-];
-
-/// Keeps the pixel's first ray and its hit.
-pub(in crate::programs) fn keep_primary<R: Real>(ray: &mut Texels<'_, R>) {
-    for (kept, (stream, layer)) in OF_PRIMARY.into_iter().enumerate() {
-        copy(ray, (stream, layer), (PRIMARY, kept));
-    }
-}
-
-/// Puts them back.
-pub(in crate::programs) fn put_back_primary<R: Real>(ray: &mut Texels<'_, R>) {
-    for (kept, (stream, layer)) in OF_PRIMARY.into_iter().enumerate() {
-        copy(ray, (PRIMARY, kept), (stream, layer));
-    }
-}
-
-/// Copies a component: all are floats but a triangle's id, which is that of [`HIT`] and the last of [`PRIMARY`].
-fn copy<R: Real>(ray: &mut Texels<'_, R>, from: (Stream, usize), to: (Stream, usize)) {
-    if [from, to].contains(&(HIT, 2)) {
-        ray.store_u32(to.0, to.1, ray.load_u32(from.0, from.1));
-    } else {
-        let value: R = ray.load(from.0, from.1);
-        ray.store(to.0, to.1, value);
-    }
 }
 
 /// A ray that waits at a depth.
@@ -88,32 +46,9 @@ fn wait<R: Real>(ray: &mut Texels<'_, R>, depth: u32, next: &Next<R>) {
 }
 
 fn go_on<R: Real>(ray: &mut Texels<'_, R>, next: &Next<R>, depth: u32, waiting: u32, sum: Vec3<R>) {
-    ray.store_vec3(RAY_ORIGIN, next.origin);
-    ray.store_vec3(RAY_DIRECTION, next.direction);
-    ray.store_vec3(THROUGHPUT, next.throughput);
-    ray.store_vec3(RADIANCE, sum);
-    ray.store_u32(SURFACE, 0, next.triangle);
-    ray.store_u32(BOUNCE, 0, depth);
+    begin_ray(ray, [next.origin, next.direction, next.throughput], next.triangle, depth);
     ray.store_u32(BOUNCE, 1, waiting);
-    ray.store(HIT, 0, R::zero());
-    ray.store(HIT, 1, R::zero());
-    ray.store_u32(HIT, 2, NO_TRIANGLE);
-    ray.store(STATE, 1, R::from_f32(INF));
-    ray.store_u32(STATE, 2, 0);
-    ray.store_u32(STATE, 3, 0);
-    ray.store_u32(STATE, 0, TRAV_SETUP);
-}
-
-/// The cost of the pixel's rays so far: the counters begin again with each.
-fn spend<R: Real>(ray: &mut Texels<'_, R>, is_first: bool, is_last: bool) {
-    for layer in 0..3 {
-        let before = if is_first { 0 } else { ray.load_u32(SPENT, layer) };
-        let sum = before + ray.load_u32(COUNTERS, layer);
-        ray.store_u32(SPENT, layer, sum);
-        if is_last {
-            ray.store_u32(COUNTERS, layer, sum);
-        }
-    }
+    ray.store_vec3(RADIANCE, sum);
 }
 
 /// The rays that go on from a hit: what is reflected, and what is refracted.
@@ -125,13 +60,8 @@ fn sent<R: Real>(ray: &Texels<'_, R>, scene: &SceneData, triangle: u32, carried:
     let [u, v]: [R; 2] = [ray.load(HIT, 0), ray.load(HIT, 1)];
     let direction = unit3(load_direction(ray));
     let start = start_of(scene.corners(triangle), [u, v], direction);
-    let interpolated = surface_normal(scene, triangle, u, v);
-    let is_turned = dot3(interpolated, start.normal) < R::zero();
-    let normal = if is_turned { -interpolated } else { interpolated };
-    let mut at = split(of, direction, normal, start.is_back);
-    if dot3(at.reflected, start.normal) <= R::zero() || dot3(at.refracted, start.normal) >= R::zero() {
-        at = split(of, direction, start.normal, start.is_back);
-    }
+    let normal = on_side(&start, surface_normal(scene, triangle, u, v));
+    let at = split_at(of, direction, normal, &start);
     let tint = carried * diffuse_color(scene, material_of(scene, triangle), triangle, [u, v]);
     let next = |origin, direction, throughput: Vec3<R>| {
         (throughput != Vec3::splat(R::zero())).then_some(Next { origin, direction, throughput, triangle })
@@ -150,10 +80,9 @@ pub fn scatter<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let features = &scene.features;
     let depth = ray.load_u32(BOUNCE, 0);
     let mut waiting = ray.load_u32(BOUNCE, 1);
-    let mut carried = Vec3::splat(R::one());
+    let carried = carried_at(ray, depth);
     let mut sum: Vec3<R> = ray.load_vec3(COLOR);
     if depth > 0 {
-        carried = ray.load_vec3(THROUGHPUT);
         sum = sum * carried + ray.load_vec3(RADIANCE);
     }
 
@@ -179,7 +108,7 @@ pub fn scatter<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         waiting ^= 1 << deepest;
     }
     if features.counters {
-        spend(ray, depth == 0, next.is_none());
+        spend(ray, [0; 3], depth == 0, next.is_none());
     }
     if let Some(next) = next {
         go_on(ray, &next, next_depth, waiting, sum);

@@ -4,28 +4,21 @@
 //
 // dielectric: a surface splits a ray in two. Mirrors alone reflect one.
 
-import package::constants::{BRANCH, DEPTH, INF, LIST_SIDE, NOBODY, NO_TRIANGLE};
+import package::bounced::{
+    ray_origin, ray_direction, state, hit, surface, bounce, primary, carried_at, begin_ray, put_back_primary, spend
+};
+import package::constants::{BRANCH, DEPTH, LIST_SIDE, NOBODY, NO_TRIANGLE};
 import package::state::{TRAV_SETUP, SCATTER, DONE};
 import package::corners::{vertex};
 import package::live::{book, tiled_texel};
-import package::optics::{DIFFUSE, MIRROR, Optics, optics_of, split};
+import package::optics::{DIFFUSE, MIRROR, Optics, optics_of, split_at};
 import package::shade_surface::{material_of, surface_normal, diffuse_color};
-import package::start::{start_of, leaving, through};
-import package::vector::{dot3, unit3};
+import package::start::{start_of, on_side, leaving, through};
+import package::vector::{unit3};
 
-@group(0) @binding(0) var ray_origin: texture_storage_2d_array<r32float, read_write>;
-@group(0) @binding(1) var ray_direction: texture_storage_2d_array<r32float, read_write>;
-@group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
-@group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(4) var color: texture_storage_2d_array<r32float, read_write>;
-@group(0) @binding(5) var surface: texture_storage_2d_array<r32uint, write>;
-@group(0) @binding(6) var throughput: texture_storage_2d_array<r32float, read_write>;
 @group(0) @binding(7) var radiance: texture_storage_2d_array<r32float, read_write>;
-@group(0) @binding(8) var bounce: texture_storage_2d_array<r32uint, read_write>;
-@group(0) @binding(9) var primary: texture_storage_2d_array<r32uint, read_write>;
 @if(dielectric) @group(0) @binding(10) var branches: texture_storage_2d_array<r32uint, read_write>;
-@if(counters) @group(0) @binding(11) var counters: texture_storage_2d_array<r32uint, read_write>;
-@if(counters) @group(0) @binding(12) var spent: texture_storage_2d_array<r32uint, read_write>;
 
 // A ray that goes on from a surface.
 struct Next {
@@ -49,19 +42,6 @@ fn keep_primary(texel: vec2u) {
     textureStore(primary, texel, 7, textureLoad(hit, texel, 0));
     textureStore(primary, texel, 8, textureLoad(hit, texel, 1));
     textureStore(primary, texel, 9, textureLoad(hit, texel, 2));
-}
-
-fn put_back_primary(texel: vec2u) {
-    textureStore(ray_origin, texel, 0, vec4f(bitcast<f32>(textureLoad(primary, texel, 0).x)));
-    textureStore(ray_origin, texel, 1, vec4f(bitcast<f32>(textureLoad(primary, texel, 1).x)));
-    textureStore(ray_origin, texel, 2, vec4f(bitcast<f32>(textureLoad(primary, texel, 2).x)));
-    textureStore(ray_direction, texel, 0, vec4f(bitcast<f32>(textureLoad(primary, texel, 3).x)));
-    textureStore(ray_direction, texel, 1, vec4f(bitcast<f32>(textureLoad(primary, texel, 4).x)));
-    textureStore(ray_direction, texel, 2, vec4f(bitcast<f32>(textureLoad(primary, texel, 5).x)));
-    textureStore(state, texel, 1, textureLoad(primary, texel, 6));
-    textureStore(hit, texel, 0, textureLoad(primary, texel, 7));
-    textureStore(hit, texel, 1, textureLoad(primary, texel, 8));
-    textureStore(hit, texel, 2, textureLoad(primary, texel, 9));
 }
 
 // A ray that waits at a depth.
@@ -98,42 +78,12 @@ fn wait(texel: vec2u, depth: u32, next: Next) {
 }
 
 fn go_on(texel: vec2u, next: Next, depth: u32, waiting: u32, sum: vec3f) -> u32 {
-    textureStore(ray_origin, texel, 0, vec4f(next.origin.x));
-    textureStore(ray_origin, texel, 1, vec4f(next.origin.y));
-    textureStore(ray_origin, texel, 2, vec4f(next.origin.z));
-    textureStore(ray_direction, texel, 0, vec4f(next.direction.x));
-    textureStore(ray_direction, texel, 1, vec4f(next.direction.y));
-    textureStore(ray_direction, texel, 2, vec4f(next.direction.z));
-    textureStore(throughput, texel, 0, vec4f(next.throughput.x));
-    textureStore(throughput, texel, 1, vec4f(next.throughput.y));
-    textureStore(throughput, texel, 2, vec4f(next.throughput.z));
+    begin_ray(texel, next.origin, next.direction, next.throughput, next.triangle, depth);
+    textureStore(bounce, texel, 1, vec4u(waiting));
     textureStore(radiance, texel, 0, vec4f(sum.x));
     textureStore(radiance, texel, 1, vec4f(sum.y));
     textureStore(radiance, texel, 2, vec4f(sum.z));
-    textureStore(surface, texel, 0, vec4u(next.triangle));
-    textureStore(bounce, texel, 0, vec4u(depth));
-    textureStore(bounce, texel, 1, vec4u(waiting));
-    textureStore(hit, texel, 0, vec4u(0u));
-    textureStore(hit, texel, 1, vec4u(0u));
-    textureStore(hit, texel, 2, vec4u(NO_TRIANGLE));
-    textureStore(state, texel, 1, vec4u(bitcast<u32>(INF)));
-    textureStore(state, texel, 2, vec4u(0u));
-    textureStore(state, texel, 3, vec4u(0u));
-    textureStore(state, texel, 0, vec4u(TRAV_SETUP));
     return TRAV_SETUP;
-}
-
-// The cost of the pixel's rays so far: the counters begin again with each.
-@if(counters)
-fn spend(texel: vec2u, is_first: bool, is_last: bool) {
-    for (var layer = 0u; layer < 3u; layer++) {
-        let before = select(textureLoad(spent, texel, layer).x, 0u, is_first);
-        let sum = before + textureLoad(counters, texel, layer).x;
-        textureStore(spent, texel, layer, vec4u(sum));
-        if (is_last) {
-            textureStore(counters, texel, layer, vec4u(sum));
-        }
-    }
 }
 
 fn next_ray(texel: vec2u) -> u32 {
@@ -145,12 +95,9 @@ fn next_ray(texel: vec2u) -> u32 {
     }
     let depth = textureLoad(bounce, texel, 0).x;
     var waiting = textureLoad(bounce, texel, 1).x;
-    var carried = vec3f(1.0);
+    let carried = carried_at(texel, depth);
     var sum = vec3f(textureLoad(color, texel, 0).x, textureLoad(color, texel, 1).x, textureLoad(color, texel, 2).x);
     if (depth > 0u) {
-        carried.x = textureLoad(throughput, texel, 0).x;
-        carried.y = textureLoad(throughput, texel, 1).x;
-        carried.z = textureLoad(throughput, texel, 2).x;
         sum *= carried;
         sum.x += textureLoad(radiance, texel, 0).x;
         sum.y += textureLoad(radiance, texel, 1).x;
@@ -174,13 +121,8 @@ fn next_ray(texel: vec2u) -> u32 {
             textureLoad(ray_direction, texel, 2).x,
         ));
         let start = start_of(vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u), u, v, direction);
-        // An interpolated normal, unless it would lead a ray to the wrong side of the triangle.
-        let interpolated = surface_normal(triangle, u, v);
-        let normal = select(interpolated, -interpolated, dot3(interpolated, start.normal) < 0.0);
-        var at = split(optic, direction, normal, start.is_back);
-        if (dot3(at.reflected, start.normal) <= 0.0 || dot3(at.refracted, start.normal) >= 0.0) {
-            at = split(optic, direction, start.normal, start.is_back);
-        }
+        let normal = on_side(start, surface_normal(triangle, u, v));
+        let at = split_at(optic, direction, normal, start);
         let tint = carried * diffuse_color(material_of(triangle), triangle, u, v);
         let reflected = select(carried, tint, optic.kind == MIRROR) * at.reflectance;
         @if(dielectric) {
@@ -209,7 +151,7 @@ fn next_ray(texel: vec2u) -> u32 {
         }
     }
     let is_last = next.triangle == NO_TRIANGLE;
-    @if(counters) spend(texel, depth == 0u, is_last);
+    @if(counters) spend(texel, vec3u(0u), depth == 0u, is_last);
     if (!is_last) {
         return go_on(texel, next, next_depth, waiting, sum);
     }

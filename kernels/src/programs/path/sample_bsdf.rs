@@ -7,17 +7,16 @@ use super::sample_light::INVERSE_PI;
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::ray::load_direction;
 use crate::programs::closest_hit::shade::surface::{diffuse_color, material_of, surface_normal};
-use crate::programs::closest_hit::states::{DONE, OCCLUDED, SCATTER, TRAV_SETUP, VISIBLE};
+use crate::programs::closest_hit::states::{DONE, OCCLUDED, SCATTER, VISIBLE};
 use crate::programs::closest_hit::streams::{
-    BOUNCE, COLOR, COUNTERS, ENDED, HIT, PDF, PENDING, RADIANCE, RAY_DIRECTION, RAY_ORIGIN, SHADOW_COUNTERS, SPENT,
-    STATE, SURFACE, THROUGHPUT,
+    BOUNCE, COLOR, ENDED, HIT, PDF, PENDING, RADIANCE, SHADOW_COUNTERS, STATE, SURFACE,
 };
-use crate::programs::light::optics::{optics_of, split};
-use crate::programs::light::scatter::put_back_primary;
+use crate::programs::light::bounced::{begin_ray, carried_at, put_back_primary, spend};
+use crate::programs::light::optics::{optics_of, split_at};
 use crate::scene_data::SceneData;
-use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::shared::constants::NO_TRIANGLE;
 use crate::shared::shading::{DIFFUSE, MIRROR};
-use crate::shared::start::{leaving, start_of, through};
+use crate::shared::start::{leaving, on_side, start_of, through};
 use crate::shared::vector::{dot3, largest3, unit3};
 use crate::tables::texels::Texels;
 
@@ -49,28 +48,13 @@ struct Next<R> {
     ended: u32,
 }
 
-/// The cost of the path so far: the counters begin again with each ray.
-fn spend<R: Real>(ray: &mut Texels<'_, R>, has_shadow: bool, is_first: bool, is_last: bool) {
-    for layer in 0..3 {
-        let before = if is_first { 0 } else { ray.load_u32(SPENT, layer) };
-        let of_shadow = if has_shadow { ray.load_u32(SHADOW_COUNTERS, layer) } else { 0 };
-        let sum = before + ray.load_u32(COUNTERS, layer) + of_shadow;
-        ray.store_u32(SPENT, layer, sum);
-        if is_last {
-            ray.store_u32(COUNTERS, layer, sum);
-        }
-    }
-}
-
 fn scattered<R: Real>(ray: &Texels<'_, R>, scene: &SceneData, depth: u32, triangle: u32, carried: Vec3<R>) -> Next<R> {
     let (sampler, seed, sample) = (scene.features.sampler(), scene.sampling.seed, next_sample(ray, scene));
     let pair = |what| decided_by(sampler, seed, [ray.x, ray.y], sample, depth, what).map(R::from_f32);
     let [u, v]: [R; 2] = [ray.load(HIT, 0), ray.load(HIT, 1)];
     let direction = unit3(load_direction(ray));
     let start = start_of(scene.corners(triangle), [u, v], direction);
-    let interpolated = surface_normal(scene, triangle, u, v);
-    let is_turned = dot3(interpolated, start.normal) < R::zero();
-    let normal = if is_turned { -interpolated } else { interpolated };
+    let normal = on_side(&start, surface_normal(scene, triangle, u, v));
     let chance = pair(FOR_CHANCE);
     let mut next = Next {
         origin: leaving(&start),
@@ -81,10 +65,7 @@ fn scattered<R: Real>(ray: &Texels<'_, R>, scene: &SceneData, depth: u32, triang
     };
     let optic = scene.features.specular.then(|| optics_of(scene, triangle)).filter(|optic| optic.kind != DIFFUSE);
     if let Some(optic) = optic {
-        let mut at = split(optic, direction, normal, start.is_back);
-        if dot3(at.reflected, start.normal) <= R::zero() || dot3(at.refracted, start.normal) >= R::zero() {
-            at = split(optic, direction, start.normal, start.is_back);
-        }
+        let at = split_at(optic, direction, normal, &start);
         next.direction = at.reflected;
         if optic.kind != MIRROR {
             if chance[0] < at.reflectance {
@@ -115,22 +96,6 @@ fn scattered<R: Real>(ray: &Texels<'_, R>, scene: &SceneData, depth: u32, triang
     next
 }
 
-fn go_on<R: Real>(ray: &mut Texels<'_, R>, next: &Next<R>, depth: u32, triangle: u32) {
-    ray.store_vec3(RAY_ORIGIN, next.origin);
-    ray.store_vec3(RAY_DIRECTION, next.direction);
-    ray.store_vec3(THROUGHPUT, next.throughput);
-    ray.store(PDF, 0, next.pdf);
-    ray.store_u32(SURFACE, 0, triangle);
-    ray.store_u32(BOUNCE, 0, depth);
-    ray.store(HIT, 0, R::zero());
-    ray.store(HIT, 1, R::zero());
-    ray.store_u32(HIT, 2, NO_TRIANGLE);
-    ray.store(STATE, 1, R::from_f32(INF));
-    ray.store_u32(STATE, 2, 0);
-    ray.store_u32(STATE, 3, 0);
-    ray.store_u32(STATE, 0, TRAV_SETUP);
-}
-
 /// Processes one ray.
 pub fn sample_bsdf<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let tag = ray.load_u32(STATE, 0);
@@ -139,7 +104,7 @@ pub fn sample_bsdf<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     }
     let features = &scene.features;
     let depth = ray.load_u32(BOUNCE, 0);
-    let carried = if depth > 0 { ray.load_vec3(THROUGHPUT) } else { Vec3::splat(R::one()) };
+    let carried = carried_at(ray, depth);
     let mut sum: Vec3<R> = ray.load_vec3(RADIANCE);
     if features.shadows && tag == VISIBLE {
         sum = sum + ray.load_vec3(PENDING);
@@ -153,10 +118,13 @@ pub fn sample_bsdf<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         ended = next.ended;
     }
     if features.counters {
-        spend(ray, features.shadows && tag != SCATTER, depth == 0, ended != 0);
+        let has_shadow = features.shadows && tag != SCATTER;
+        let of_shadow = [0, 1, 2].map(|layer| if has_shadow { ray.load_u32(SHADOW_COUNTERS, layer) } else { 0 });
+        spend(ray, of_shadow, depth == 0, ended != 0);
     }
     if let (Some(next), 0) = (&next, ended) {
-        go_on(ray, next, depth + 1, triangle);
+        begin_ray(ray, [next.origin, next.direction, next.throughput], triangle, depth + 1);
+        ray.store(PDF, 0, next.pdf);
         return;
     }
     put_back_primary(ray);

@@ -3,15 +3,16 @@
 //
 // A path that carries little ends by chance, and one that goes on carries more in turn: Russian roulette.
 
-import package::constants::{DEPTH, INF, LIST_SIDE, NOBODY, NO_TRIANGLE};
+import package::bounced::{ray_direction, state, hit, surface, bounce, carried_at, begin_ray, put_back_primary, spend};
+import package::constants::{DEPTH, LIST_SIDE, NOBODY, NO_TRIANGLE};
 import package::state::{TRAV_SETUP, OCCLUDED, VISIBLE, SCATTER, DONE};
 import package::corners::{vertex};
 import package::direction::{cosine_weighted};
 import package::live::{book, tiled_texel};
-import package::optics::{DIFFUSE, MIRROR, optics_of, split};
+import package::optics::{DIFFUSE, MIRROR, optics_of, split_at};
 import package::random::{FOR_CHANCE, FOR_DIRECTION, decided_by, next_sample};
 import package::shade_surface::{material_of, surface_normal, diffuse_color};
-import package::start::{start_of, leaving, through};
+import package::start::{start_of, on_side, leaving, through};
 import package::vector::{dot3, largest3, unit3};
 
 const INVERSE_PI: f32 = 0.318309886;
@@ -26,21 +27,11 @@ const BY_ABSORPTION: u32 = 3u;
 const BY_SURFACE: u32 = 4u;
 const BY_ROULETTE: u32 = 5u;
 
-@group(0) @binding(0) var ray_origin: texture_storage_2d_array<r32float, write>;
-@group(0) @binding(1) var ray_direction: texture_storage_2d_array<r32float, read_write>;
-@group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
-@group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(4) var color: texture_storage_2d_array<r32float, write>;
-@group(0) @binding(5) var surface: texture_storage_2d_array<r32uint, write>;
-@group(0) @binding(6) var throughput: texture_storage_2d_array<r32float, read_write>;
 @group(0) @binding(7) var radiance: texture_storage_2d_array<r32float, read_write>;
-@group(0) @binding(8) var bounce: texture_storage_2d_array<r32uint, read_write>;
-@group(0) @binding(9) var primary: texture_2d_array<u32>;
 @group(0) @binding(10) var pdf: texture_storage_2d_array<r32float, write>;
-@group(0) @binding(11) var ended: texture_storage_2d_array<r32uint, write>;
-@if(shadows) @group(0) @binding(12) var pending: texture_2d_array<f32>;
-@if(counters) @group(0) @binding(14) var counters: texture_storage_2d_array<r32uint, read_write>;
-@if(counters) @group(0) @binding(15) var spent: texture_storage_2d_array<r32uint, read_write>;
+@group(0) @binding(13) var ended: texture_storage_2d_array<r32uint, write>;
+@if(shadows) @group(0) @binding(14) var pending: texture_2d_array<f32>;
 @if(counters && shadows) @group(0) @binding(16) var shadow_counters: texture_2d_array<u32>;
 
 // Where a path goes on.
@@ -55,19 +46,17 @@ struct Next {
     ended: u32,
 }
 
-// The cost of the path so far: the counters begin again with each ray.
+// The cost of the shadow ray, if one was cast.
 @if(counters)
-fn spend(texel: vec2u, tag: u32, is_first: bool, is_last: bool) {
-    for (var layer = 0u; layer < 3u; layer++) {
-        var sum = select(textureLoad(spent, texel, layer).x, 0u, is_first) + textureLoad(counters, texel, layer).x;
-        @if(shadows) if (tag != SCATTER) {
-            sum += textureLoad(shadow_counters, texel, layer, 0).x;
-        }
-        textureStore(spent, texel, layer, vec4u(sum));
-        if (is_last) {
-            textureStore(counters, texel, layer, vec4u(sum));
-        }
+fn cost_of_shadow(texel: vec2u, tag: u32) -> vec3u {
+    @if(shadows) if (tag != SCATTER) {
+        return vec3u(
+            textureLoad(shadow_counters, texel, 0, 0).x,
+            textureLoad(shadow_counters, texel, 1, 0).x,
+            textureLoad(shadow_counters, texel, 2, 0).x,
+        );
     }
+    return vec3u(0u);
 }
 
 fn scattered(texel: vec2u, depth: u32, triangle: u32, carried: vec3f) -> Next {
@@ -81,8 +70,7 @@ fn scattered(texel: vec2u, depth: u32, triangle: u32, carried: vec3f) -> Next {
         textureLoad(ray_direction, texel, 2).x,
     ));
     let start = start_of(vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u), u, v, direction);
-    let interpolated = surface_normal(triangle, u, v);
-    let normal = select(interpolated, -interpolated, dot3(interpolated, start.normal) < 0.0);
+    let normal = on_side(start, surface_normal(triangle, u, v));
     let chance = decided_by(texel, sample, depth, FOR_CHANCE);
     next.origin = leaving(start);
     next.throughput = carried * diffuse_color(material_of(triangle), triangle, u, v);
@@ -91,10 +79,7 @@ fn scattered(texel: vec2u, depth: u32, triangle: u32, carried: vec3f) -> Next {
         let optic = optics_of(triangle);
         is_diffuse = optic.kind == DIFFUSE;
         if (!is_diffuse) {
-            var at = split(optic, direction, normal, start.is_back);
-            if (dot3(at.reflected, start.normal) <= 0.0 || dot3(at.refracted, start.normal) >= 0.0) {
-                at = split(optic, direction, start.normal, start.is_back);
-            }
+            let at = split_at(optic, direction, normal, start);
             next.direction = at.reflected;
             if (optic.kind != MIRROR) {
                 if (chance.x < at.reflectance) {
@@ -126,40 +111,9 @@ fn scattered(texel: vec2u, depth: u32, triangle: u32, carried: vec3f) -> Next {
     return next;
 }
 
-fn go_on(texel: vec2u, next: Next, depth: u32, triangle: u32) {
-    textureStore(ray_origin, texel, 0, vec4f(next.origin.x));
-    textureStore(ray_origin, texel, 1, vec4f(next.origin.y));
-    textureStore(ray_origin, texel, 2, vec4f(next.origin.z));
-    textureStore(ray_direction, texel, 0, vec4f(next.direction.x));
-    textureStore(ray_direction, texel, 1, vec4f(next.direction.y));
-    textureStore(ray_direction, texel, 2, vec4f(next.direction.z));
-    textureStore(throughput, texel, 0, vec4f(next.throughput.x));
-    textureStore(throughput, texel, 1, vec4f(next.throughput.y));
-    textureStore(throughput, texel, 2, vec4f(next.throughput.z));
-    textureStore(pdf, texel, 0, vec4f(next.pdf));
-    textureStore(surface, texel, 0, vec4u(triangle));
-    textureStore(bounce, texel, 0, vec4u(depth));
-    textureStore(hit, texel, 0, vec4u(0u));
-    textureStore(hit, texel, 1, vec4u(0u));
-    textureStore(hit, texel, 2, vec4u(NO_TRIANGLE));
-    textureStore(state, texel, 1, vec4u(bitcast<u32>(INF)));
-    textureStore(state, texel, 2, vec4u(0u));
-    textureStore(state, texel, 3, vec4u(0u));
-    textureStore(state, texel, 0, vec4u(TRAV_SETUP));
-}
-
 // The pixel has its first ray and its hit again, and its next sample begins anywhere.
 fn end(texel: vec2u, why: u32, sum: vec3f) {
-    textureStore(ray_origin, texel, 0, vec4f(bitcast<f32>(textureLoad(primary, texel, 0, 0).x)));
-    textureStore(ray_origin, texel, 1, vec4f(bitcast<f32>(textureLoad(primary, texel, 1, 0).x)));
-    textureStore(ray_origin, texel, 2, vec4f(bitcast<f32>(textureLoad(primary, texel, 2, 0).x)));
-    textureStore(ray_direction, texel, 0, vec4f(bitcast<f32>(textureLoad(primary, texel, 3, 0).x)));
-    textureStore(ray_direction, texel, 1, vec4f(bitcast<f32>(textureLoad(primary, texel, 4, 0).x)));
-    textureStore(ray_direction, texel, 2, vec4f(bitcast<f32>(textureLoad(primary, texel, 5, 0).x)));
-    textureStore(state, texel, 1, textureLoad(primary, texel, 6, 0));
-    textureStore(hit, texel, 0, textureLoad(primary, texel, 7, 0));
-    textureStore(hit, texel, 1, textureLoad(primary, texel, 8, 0));
-    textureStore(hit, texel, 2, textureLoad(primary, texel, 9, 0));
+    put_back_primary(texel);
     textureStore(color, texel, 0, vec4f(sum.x));
     textureStore(color, texel, 1, vec4f(sum.y));
     textureStore(color, texel, 2, vec4f(sum.z));
@@ -179,12 +133,7 @@ fn next_bounce(texel: vec2u) -> u32 {
         return NOBODY;
     }
     let depth = textureLoad(bounce, texel, 0).x;
-    var carried = vec3f(1.0);
-    if (depth > 0u) {
-        carried.x = textureLoad(throughput, texel, 0).x;
-        carried.y = textureLoad(throughput, texel, 1).x;
-        carried.z = textureLoad(throughput, texel, 2).x;
-    }
+    let carried = carried_at(texel, depth);
     var sum = vec3f(
         textureLoad(radiance, texel, 0).x,
         textureLoad(radiance, texel, 1).x,
@@ -204,12 +153,13 @@ fn next_bounce(texel: vec2u) -> u32 {
     if (triangle != NO_TRIANGLE && depth < DEPTH) {
         next = scattered(texel, depth, triangle, carried);
     }
-    @if(counters) spend(texel, tag, depth == 0u, next.ended != 0u);
+    @if(counters) spend(texel, cost_of_shadow(texel, tag), depth == 0u, next.ended != 0u);
     if (next.ended != 0u) {
         end(texel, next.ended, sum);
         return DONE;
     }
-    go_on(texel, next, depth + 1u, triangle);
+    begin_ray(texel, next.origin, next.direction, next.throughput, triangle, depth + 1u);
+    textureStore(pdf, texel, 0, vec4f(next.pdf));
     return TRAV_SETUP;
 }
 

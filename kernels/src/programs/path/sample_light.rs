@@ -9,12 +9,12 @@ use crate::programs::closest_hit::states::{BACKGROUND, SCATTER, SHADE, SHADOW_SE
 use crate::programs::closest_hit::streams::{
     BLOCKER, BOUNCE, HIT, LIGHT, PDF, PENDING, RADIANCE, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, SURFACE, THROUGHPUT,
 };
+use crate::programs::light::bounced::keep_primary;
 use crate::programs::light::optics::optics_of;
-use crate::programs::light::scatter::keep_primary;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::shared::shading::DIFFUSE;
-use crate::shared::start::{Start, leaving, start_of};
+use crate::shared::start::{Start, leaving, on_side, start_of};
 use crate::shared::vector::{dot3, largest3, unit3};
 use crate::tables::texels::Texels;
 
@@ -95,9 +95,7 @@ pub fn sample_light<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     ray.store_vec3(RADIANCE, sum);
     let is_diffuse = !features.specular || optics_of(scene, triangle).kind == DIFFUSE;
     if features.shadows && depth < features.depth && is_diffuse {
-        let interpolated = surface_normal(scene, triangle, u, v);
-        let is_turned = dot3(interpolated, start.normal) < R::zero();
-        let normal = if is_turned { -interpolated } else { interpolated };
+        let normal = on_side(&start, surface_normal(scene, triangle, u, v));
         let carried = carried * diffuse_color(scene, material, triangle, [u, v]);
         if is_cast(ray, scene, depth, &start, normal, carried) {
             return;

@@ -16,7 +16,7 @@ import package::optics::{DIFFUSE, optics_of};
 import package::random::{next_sample};
 import package::ray::{load_origin, load_direction};
 import package::shade_surface::{material_of, surface_normal, diffuse_color};
-import package::start::{Start, start_of, leaving};
+import package::start::{Start, start_of, on_side, leaving};
 import package::vector::{dot3, unit3};
 
 struct Shading {
@@ -142,8 +142,7 @@ fn at_hit(texel: vec2u) -> u32 {
             var is_diffuse = depth < DEPTH;
             @if(specular) is_diffuse = is_diffuse && optics_of(triangle).kind == DIFFUSE;
             if (is_diffuse) {
-                let interpolated = surface_normal(triangle, u, v);
-                let normal = select(interpolated, -interpolated, dot3(interpolated, start.normal) < 0.0);
+                let normal = on_side(start, surface_normal(triangle, u, v));
                 is_sent = is_cast(texel, depth, start, normal, carried * diffuse_color(material, triangle, u, v));
             }
         }

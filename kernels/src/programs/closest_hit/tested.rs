@@ -1,0 +1,41 @@
+//! Twin of `tested.wgsl`: the test of one triangle in a kernel that takes several steps.
+
+use super::tracing::Trace;
+use crate::numbers::real::{Real, Vec3};
+use crate::scene_data::SceneData;
+use crate::shared::constants::TURNS_A_TEST;
+use crate::shared::triangle::{hit_triangle, is_nearer};
+
+impl<R: Real> Trace<R> {
+    /// Tests one triangle; `cell` matters only if hits must lie in it.
+    #[inline]
+    pub(crate) fn test(&mut self, scene: &SceneData, entry: u32, cell: [i32; 3]) {
+        let features = &scene.features;
+        let packed = &scene.packed_triangles[entry as usize];
+        let id = packed[3];
+        let corner = |c: usize| {
+            Vec3::from_f32([f32::from_bits(packed[c]), f32::from_bits(packed[c + 1]), f32::from_bits(packed[c + 2])])
+        };
+        let corners = [corner(0), corner(4), corner(8)];
+        let mut candidate = hit_triangle(features.triangle_rules(), self.origin, self.direction, &self.shear, corners);
+        if features.intervals {
+            candidate = candidate.between(self.interval);
+        }
+        self.tests += 1;
+        self.turns += TURNS_A_TEST;
+        if !candidate.is_hit || id == self.leaves {
+            return;
+        }
+        let accepted = if features.in_cell {
+            candidate.t < self.t && scene.grid.is_in_cell(self.origin + self.direction * candidate.t, cell)
+        } else if features.robust && !features.any_hit {
+            is_nearer(candidate.t, id, self.t, self.triangle)
+        } else {
+            candidate.t < self.t
+        };
+        if accepted {
+            (self.t, self.u, self.v, self.triangle) = (candidate.t, candidate.u, candidate.v, id);
+            self.ended = features.any_hit;
+        }
+    }
+}
