@@ -1,5 +1,6 @@
 //! What tests of light share: scenes with mirrors and glass, and comparisons of runs whose rays go on from hits.
 
+use raystep_kernels::options::Integrator;
 use raystep_kernels::programs::closest_hit::states::{BACKGROUND, SHADE};
 use raystep_kernels::programs::closest_hit::streams::{
     BOUNCE, COLOR, HIT, HIT_TRIANGLE, RAY_DIRECTION, RAY_ORIGIN, STATE, STATE_T, SURFACE,
@@ -142,7 +143,11 @@ pub(crate) fn judge_all(prepare: fn(Scene) -> Scene, of: fn(Options) -> Options,
             }
             let side = if thorough() { 128 } else { 32 };
             let configuration = Configuration::new(accelerator, ScheduleKind::Fused, 1);
-            let options = of(configuration.of(&options(&scene, side, side)));
+            let mut options = of(configuration.of(&options(&scene, side, side)));
+            if options.integrator == Integrator::Path {
+                // Whose rays are seen between passes.
+                options.schedule = ScheduleKind::Compact;
+            }
             let (name, device) = &devices()[place % 2];
             let found = judged(&scene, &options, device, taken_by);
             assert_eq!(found.wrong, [""; 0], "{file} {configuration} on {name}");

@@ -54,10 +54,14 @@ fn pictures_are_the_same_however_they_are_traced() {
 #[test]
 fn a_broken_kernel_is_named() {
     let scene = glowing();
-    let of = Configuration::new(Accelerator::Bvh, ScheduleKind::Fused, 1);
-    let mut options = along_paths(of.of(&options(&scene, 24, 24)));
-    options.samples = Samples { count: 2, ..Samples::default() };
-    for name in ["sample_light", "sample_bsdf"] {
+    for (name, schedule) in [
+        ("sample_light", ScheduleKind::Compact),
+        ("sample_bsdf", ScheduleKind::Compact),
+        ("fused_path", ScheduleKind::Fused),
+    ] {
+        let of = Configuration::new(Accelerator::Bvh, schedule, 8);
+        let mut options = along_paths(of.of(&options(&scene, 24, 24)));
+        options.samples = Samples { count: 2, ..Samples::default() };
         breaks_are_named(PROGRAM.kernel(name).expect("a kernel"), &scene, &options);
     }
 }

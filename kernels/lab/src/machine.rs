@@ -8,11 +8,12 @@ use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::shader::forget_variants;
-use raystep_kernels::{Choices, Device, Gpu, GpuError, Limits, Options, Renderer};
+use raystep_kernels::{Choices, Device, Gpu, GpuError, Limits, Options, Renderer, ScheduleKind};
 use raystep_scenes::Scene;
 use web_time::{Instant, SystemTime, UNIX_EPOCH};
 
 use crate::block_on;
+use crate::work::Cast;
 
 /// A device, and why it was chosen. Only [`wait`](Self::wait) blocks this thread.
 #[derive(Clone)]
@@ -106,6 +107,17 @@ impl Machine {
         let watch = |_: &_| if start.elapsed() > longest { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let counted = renderer.run_counting(false, watch).await.ok()?;
         counted.map(|counted| counted.sums)
+    }
+
+    /// The rays that a run with these options casts, counted in one whose passes tell; `None` if it fails, or takes longer
+    /// than it may.
+    pub async fn cast(&self, scene: &Scene, options: &Options, longest: Duration) -> Option<Cast> {
+        let options = Options { schedule: ScheduleKind::Compact, timings: false, keep_passes: true, ..options.clone() };
+        let mut renderer = Renderer::new(scene, &options, &self.device).await.ok()?;
+        let start = Instant::now();
+        let watch = |_: &_| if start.elapsed() > longest { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        renderer.run(watch).await.ok()?;
+        Some(Cast::of(renderer.plan(), renderer.passes()))
     }
 
     /// The columns that all rows of a run in `passes.csv` share.

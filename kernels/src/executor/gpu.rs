@@ -296,14 +296,17 @@ impl GpuExecutor {
 /// some systems reset the GPU.
 fn rays_a_dispatch(kind: wgpu::DeviceType, plan: &Plan) -> u64 {
     const TESTS: u64 = 1 << 30;
+    // Of a path, one ray at each of its hits, or less: few have all of their bounces, and a shadow ray at each.
+    let of_path = if plan.features.whole_paths { u64::from(plan.features.depth) + 1 } else { 1 };
     if plan.accelerator == Accelerator::None {
         let most = if plan.features.resumes { u64::from(plan.features.turns / TURNS_A_TEST).max(1) } else { u64::MAX };
-        return TESTS / plan.triangles.clamp(1, most);
+        return TESTS / plan.triangles.clamp(1, most) / of_path;
     }
-    match kind {
+    let rays: u64 = match kind {
         wgpu::DeviceType::DiscreteGpu => 1 << 24,
         _ => 1 << 20,
-    }
+    };
+    rays / of_path
 }
 
 /// How many elements of a kernel with a weight of 1 one dispatch may process, so that none takes longer than 200 ms: on

@@ -8,12 +8,12 @@ use crate::program::Program;
 use crate::scene_data::SceneData;
 
 impl LightTree {
-    /// From a pixel's rows, as far as they go; `None` if the program casts no rays to lights with these options, or no ray
-    /// has begun.
+    /// From a pixel's rows, as far as they go; `None` if the program casts no rays to lights with these options, if a kernel
+    /// follows whole paths, or if no ray has begun.
     #[must_use]
     pub fn of(rows: &[TraceRow], program: &Program, data: &SceneData) -> Option<Self> {
         let rays = program.rays?;
-        let grow = rays.tree?;
+        let grow = rays.tree.filter(|_| !data.features.whole_paths)?;
         let mut grower = Grower::new(data);
         let mut before = (rays.decode)(&|_| None);
         for (row, TraceRow { pass, after, .. }) in rows.iter().enumerate() {

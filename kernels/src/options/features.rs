@@ -56,6 +56,7 @@ features! {
     specular: "Surfaces reflect or refract rays, each of which is traced like the first.",
     dielectric: "A surface splits a ray in two.",
     path: "Light is followed along random paths.",
+    whole_paths: "One kernel follows a path from its first ray to its end.",
     mis: "Light that a path finds counts by the pdfs of both ways to find it.",
     by_light: "Light that a path hits by chance counts only after a mirror or glass.",
     eye_rays: "The fused kernel generates its rays itself.",

@@ -28,6 +28,18 @@ pub enum Strategy {
     Bsdf,
 }
 
+/// What a path sees that leaves the scene: an environment of constant radiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Environment {
+    /// The background of every picture, which is nearly black; white if nothing in the scene gives light.
+    #[default]
+    Auto,
+    /// Nothing.
+    Black,
+    /// A radiance of 1 from everywhere.
+    White,
+}
+
 named!(
     Integrator,
     "local, shadows, whitted, path",
@@ -36,6 +48,7 @@ named!(
     Whitted "whitted",
     Path "path"
 );
+named!(Environment, "auto, black, white", Auto "auto", Black "black", White "white");
 named!(Strategy, "mis, light, bsdf", Mis "mis", Light "light", Bsdf "bsdf");
 
 /// Default number of times that a ray is reflected or refracted.

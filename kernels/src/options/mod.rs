@@ -17,7 +17,7 @@ pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
 pub use grid_size::{GridSize, MOST_CELLS};
 use keep::Keep;
-pub use light::{Integrator, MAX_DEPTH, MOST_BOUNCES, MOST_DEPTH, Strategy};
+pub use light::{Environment, Integrator, MAX_DEPTH, MOST_BOUNCES, MOST_DEPTH, Strategy};
 use mapping::Mapping;
 pub use rays::{Ray, RaySource};
 use samples::Samples;
@@ -217,6 +217,8 @@ pub struct Options {
     pub max_depth: u32,
     /// `--strategy`: how a path finds light.
     pub strategy: Strategy,
+    /// `--environment`: what a path sees that leaves the scene.
+    pub environment: Environment,
     /// `--accelerator`
     pub accelerator: Accelerator,
     /// `--schedule`
@@ -275,6 +277,7 @@ impl Options {
             integrator: Integrator::default(),
             max_depth: MAX_DEPTH,
             strategy: Strategy::default(),
+            environment: Environment::default(),
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             mapping: Mapping::default(),
@@ -342,6 +345,7 @@ choices! {
     build: BuiltBy,
     max_depth: u32,
     strategy: Strategy,
+    environment: Environment,
     #[cfg_attr(feature = "serde", serde(rename = "keep_all"))]
     keep: Keep,
     samples: Samples,

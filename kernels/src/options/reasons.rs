@@ -50,6 +50,12 @@ pub const EYE_RAYS: Reason = (
     "the fused kernel generates its rays: needed only for an image, or --schedule first, second or compact",
 );
 
+/// Whole paths are followed in one kernel.
+const WHOLE_PATHS: Reason = (
+    Because::Options,
+    "one kernel follows whole paths: needed only if that binds more storage buffers, or takes more loop turns, than the device allows",
+);
+
 /// The acceleration structures that something belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum On {
@@ -130,6 +136,9 @@ impl Run<'_> {
             On::Cells => needed_only_with!("--accelerator grid or irregular", " and "),
             On::Bvh => needed_only_with!("--accelerator bvh", " and "),
         };
+        if self.features.whole_paths && passes == Passes::Fused && has_accelerator {
+            return WHOLE_PATHS;
+        }
         let missing = if has_passes { Passes::Any } else { passes };
         (Because::Options, with[missing as usize])
     }

@@ -89,6 +89,7 @@ pub static ROWS: &[Row] = &[
     light::INTEGRATOR,
     light::MAX_DEPTH,
     light::STRATEGY,
+    light::ENVIRONMENT,
     named!(
         "accelerator",
         Accelerator,
@@ -196,7 +197,7 @@ pub static ROWS: &[Row] = &[
         schedule,
         "How the walk of a ray is divided into passes: intersect until no ray is active there, then traverse once \
          (first); intersect and traverse alternately (second); several steps per pass, for active rays only (compact); \
-         the whole walk in one pass (fused)"
+         the whole walk in one pass, and with --integrator path the whole path (fused)"
     )
     .column()
     .panel("schedule", "the order in which kernels run")

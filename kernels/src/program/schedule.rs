@@ -2,7 +2,7 @@
 
 use super::instance::Kernel;
 use crate::tables::elements::Elements;
-use crate::tables::kernel::{Launch, Role};
+use crate::tables::kernel::Role;
 use crate::tables::state::Population;
 
 /// A step of a schedule.
@@ -310,8 +310,16 @@ impl Cursor {
     /// In a loop around the walk, such as that over samples, also the steps from the end of a walk into the next turn,
     /// assuming that there is one and that every ray begins to walk: if not, these passes find no rays either. So a sample
     /// costs about one submission.
+    ///
+    /// `is_alone`: kernels that are submitted alone.
     #[must_use]
-    pub fn guess(&self, schedule: &Schedule, counts: &Population, most: usize) -> Vec<Call> {
+    pub fn guess(
+        &self,
+        schedule: &Schedule,
+        counts: &Population,
+        most: usize,
+        is_alone: impl Fn(Kernel) -> bool,
+    ) -> Vec<Call> {
         let mut cursor = self.clone();
         let Some(first) = cursor.next(schedule, counts) else { return Vec::new() };
         let call = |kernel, cursor: &Self| Call { kernel, parameter: cursor.parameter };
@@ -332,8 +340,7 @@ impl Cursor {
         while cursor.path.len() > 1 && last.role() != Role::Once && !last.is_walk() && !cursor.stays(schedule, last) {
             counts = schedule.after_all(last, &counts);
             match cursor.next(schedule, &counts) {
-                // The fused kernel is submitted alone: it runs in bands, and its rays are counted afterwards.
-                Some(next) if calls.len() < most && [last, next].iter().all(|k| k.info().launch != Launch::Bands) => {
+                Some(next) if calls.len() < most && !is_alone(last) && !is_alone(next) => {
                     calls.push(call(next, &cursor));
                     last = next;
                 }

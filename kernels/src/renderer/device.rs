@@ -17,9 +17,11 @@ use crate::executor::gpu::{Gpu, GpuExecutor, MOST_PASSES, Snapshot};
 use crate::executor::sizes::Sizes;
 use crate::options::Options;
 use crate::plan::{Limits, Plan};
+use crate::program::Kernel;
 use crate::program::schedule::Call;
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
+use crate::tables::kernel::Launch;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::{Region, Stream, StreamData};
 
@@ -182,6 +184,15 @@ impl Executor {
             #[cfg(feature = "gpu")]
             Self::Fragment(e) => e.most_passes(),
             Self::Cpu(_) | Self::CpuF64(_) => 1,
+        }
+    }
+
+    /// Whether a kernel is not submitted together with other passes.
+    pub(super) fn is_alone(&self, kernel: Kernel) -> bool {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.is_alone(kernel),
+            _ => kernel.info().launch == Launch::Bands,
         }
     }
 

@@ -134,13 +134,16 @@ impl Renderer {
         let foreseen = self.foreseen.get(self.pass_count()..).filter(|left| !left.is_empty());
         let mut guess = match foreseen {
             Some(left) => left[..left.len().min(most)].to_vec(),
-            None => self.cursor.guess(&self.plan.schedule, self.scheduled(), most),
+            None => {
+                let is_alone = |kernel| self.executor.is_alone(kernel);
+                self.cursor.guess(&self.plan.schedule, self.scheduled(), most, is_alone)
+            }
         };
-        // The counters restart with every sample: who sums them reads them between two samples.
-        if self.plan.counters().is_some()
-            && let Some(last) = guess.iter().position(|call| call.kernel.role() == Role::Sample)
-        {
-            guess.truncate(last + 1);
+        // The counters restart with every sample: who sums them reads them between two samples. And none follows the last.
+        let samples = if self.plan.counters().is_some() { 1 } else { self.samples_wanted() - self.samples() };
+        let mut ends = (1..).zip(&guess).filter(|(_, call)| call.kernel.role() == Role::Sample);
+        if let Some((length, _)) = ends.nth(samples.saturating_sub(1) as usize) {
+            guess.truncate(length);
         }
         if guess.is_empty() {
             return Ok(0);

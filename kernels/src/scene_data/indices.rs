@@ -11,7 +11,7 @@ use crate::shared::constants::{LAST_ITEM, NO_LIST, wide_stack};
 use crate::shared::wide_node::WideNode;
 
 /// Whether the shader can count the buffer's words or vectors in u32, as `stride * index + rest`.
-fn is_counted_in_u32(entries: usize, stride: usize) -> bool {
+pub(super) fn is_counted_in_u32(entries: usize, stride: usize) -> bool {
     entries.checked_mul(stride).is_some_and(|all| u32::try_from(all).is_ok())
 }
 

@@ -4,6 +4,7 @@ pub mod buffer;
 mod error;
 mod indices;
 mod shading;
+mod shading_indices;
 mod traced;
 
 use std::ops::{Deref, DerefMut};

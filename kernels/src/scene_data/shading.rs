@@ -7,7 +7,7 @@ use raystep_scenes::{Light as SceneLight, Optics as SceneOptics, Scene, Texture 
 use super::error::{SceneDataError, reserve};
 use crate::numbers::srgb::srgb_to_linear;
 use crate::numbers::units::Units;
-use crate::options::{Integrator, Options, RaySource, Strategy};
+use crate::options::{Environment, Integrator, Options, RaySource, Strategy};
 use crate::shared::emitters::{Emission, Emitter, LUMINANCE, PUNCTUAL, table};
 use crate::shared::shading::{
     DIELECTRIC, DIFFUSE, DIRECTIONAL, Light, MIRROR, Material, NO_TEXTURE, Optics, POINT, SHEET, SPOT,
@@ -41,10 +41,16 @@ pub(super) fn optics(optics: SceneOptics) -> Optics {
     Optics { kind, ior }
 }
 
-/// The colour of a ray that hits nothing. Without anything that gives light, paths see a white sky.
+/// The colour of a ray that hits nothing.
 pub(super) fn background(scene: &Scene, options: &Options) -> [f32; 3] {
     let is_dark = || scene.lights.is_empty() && scene.materials.iter().all(|m| m.emissive == [0.0; 3]);
-    if options.integrator == Integrator::Path && is_dark() { [1.0; 3] } else { BACKGROUND }
+    match options.environment {
+        _ if options.integrator != Integrator::Path => BACKGROUND,
+        Environment::Black => [0.0; 3],
+        Environment::White => [1.0; 3],
+        Environment::Auto if is_dark() => [1.0; 3],
+        Environment::Auto => BACKGROUND,
+    }
 }
 
 /// What gives light, and how likely each is to be picked: by its power, as far as that is known.

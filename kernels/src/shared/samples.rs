@@ -69,16 +69,15 @@ pub(crate) fn hashed(value: u32) -> u32 {
     (word >> 22) ^ word
 }
 
+/// By the Kronecker product of Pascal's triangle modulo 2: Ahmed, *An Implementation Algorithm of 2D Sobol Sequence Fast,
+/// Elegant, and Compact*, 2024.
 pub(crate) fn sobol_second(index: u32) -> u32 {
-    let mut digits = 0;
-    let mut column = 0x8000_0000u32;
-    let mut left = index;
-    while left != 0 {
-        digits ^= column * (left & 1);
-        column ^= column >> 1;
-        left >>= 1;
-    }
-    digits
+    let mut digits = index.reverse_bits();
+    digits ^= (digits & 0x5555_5555) << 1;
+    digits ^= (digits & 0x3333_3333) << 2;
+    digits ^= (digits & 0x0f0f_0f0f) << 4;
+    digits ^= (digits & 0x00ff_00ff) << 8;
+    digits ^ digits << 16
 }
 
 pub(crate) fn scrambled(digits: u32, seed: u32) -> u32 {
@@ -138,6 +137,19 @@ mod tests {
         // Show that the test can fail.
         let random: Vec<_> = (0..16).map(|n| sample_bits(Sampler::Random, [1, 0], n, 0)).collect();
         assert!(!is_net(&random));
+    }
+
+    /// By Pascal's triangle, column by column.
+    #[test]
+    fn the_second_coordinate_is_that_of_sobol() {
+        let slow = |index: u32| {
+            let columns = std::iter::successors(Some(0x8000_0000u32), |column| Some(column ^ column >> 1));
+            let bits = (0..32).map(|bit| index >> bit & 1);
+            bits.zip(columns).fold(0, |digits, (bit, column)| digits ^ bit * column)
+        };
+        for index in (0..4096).chain((0..4096).map(hashed)) {
+            assert_eq!(sobol_second(index), slow(index), "{index}");
+        }
     }
 
     #[test]

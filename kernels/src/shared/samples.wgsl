@@ -17,16 +17,16 @@ fn hashed(value: u32) -> u32 {
     return (word >> 22u) ^ word;
 }
 
-// Digits of the second coordinate: each bit of the index adds a column of Pascal's triangle modulo 2.
+// Digits of the second coordinate: each bit of the index adds a column of Pascal's triangle modulo 2. That matrix is a
+// Kronecker product of those of one bit, so one step for each doubling of the width is enough (Ahmed 2024).
 @if(sobol)
 fn sobol_second(index: u32) -> u32 {
-    var digits = 0u;
-    var column = 0x80000000u;
-    for (var left = index; left != 0u; left >>= 1u) {
-        digits ^= column * (left & 1u);
-        column ^= column >> 1u;
-    }
-    return digits;
+    var digits = reverseBits(index);
+    digits ^= (digits & 0x55555555u) << 1u;
+    digits ^= (digits & 0x33333333u) << 2u;
+    digits ^= (digits & 0x0f0f0f0fu) << 4u;
+    digits ^= (digits & 0x00ff00ffu) << 8u;
+    return digits ^ (digits << 16u);
 }
 
 // Owen's scrambling: whether a digit flips depends on the seed and on the digits before it. Multiplying by an even

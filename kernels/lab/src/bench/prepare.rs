@@ -135,6 +135,11 @@ impl<'a> Builder<'a> {
             }
             _ => None,
         };
+        let cast = match (&self.extent, plan.features.whole_paths) {
+            (_, false) => details.cast.filter(|_| shade),
+            (Extent::Full, true) => machine.wait(machine.cast(&subject.scene, &options, self.wanted.longest_run)),
+            (Extent::Brief, true) => None,
+        };
         (options.timings, options.keep_passes) = (times_every_pass(machine), false);
         let mut renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device))?;
         if (self.wanted.is_replayed)(one) {
@@ -145,7 +150,6 @@ impl<'a> Builder<'a> {
         let per_ray = |count: fn(&CounterSums) -> Option<u64>| {
             counts.as_ref().filter(|_| plan.rays > 0).and_then(count).map(|sum| sum as f64 / plan.rays as f64)
         };
-        let cast = details.cast.filter(|_| shade);
         let row = SummaryRow {
             schema_version: SCHEMA_VERSION,
             run_id,

@@ -57,7 +57,7 @@ pub struct Judged<'a> {
 #[must_use]
 pub fn judging_bytes(plan: &Plan) -> u64 {
     let rays = u64::from(plan.width) * u64::from(plan.height);
-    let is_pixel = plan.features.eye_rays;
+    let is_pixel = plan.features.eye_rays || plan.features.whole_paths;
     let components: u64 = plan.streams.iter().map(|s| s.what.layers() as u64).sum();
     // Streams before and after, the twin's, and the moved part; if the kernel generates rays, also a copy of the scene.
     let nearby = if is_pixel { rays } else { rays.min(TOGETHER as u64) } * 4 * (3 * components + 3);

@@ -33,8 +33,10 @@ impl Rounding<'_> {
     /// largest, along any combination of axes. Needs memory for these rays' streams once more, or for those of all
     /// rays if the kernel generates them itself.
     pub(super) fn are_nearly(&self, rays: &[usize], after: &[&StreamData]) -> Result<Vec<bool>, CpuError> {
-        // A kernel that generates rays derives them from their pixels; other rays can be stored anywhere.
-        let is_gathered = !self.data.features.eye_rays;
+        // Kernels derive rays that they generate from their pixels, and the numbers that decide a path; other rays can be
+        // stored anywhere.
+        let generates = self.data.features.eye_rays;
+        let is_gathered = !(generates || self.data.features.whole_paths);
         let (plan, before);
         let (plan, before) = if is_gathered {
             plan = Arc::new(in_a_row(self.plan, rays.len()));
@@ -43,7 +45,7 @@ impl Rounding<'_> {
         } else {
             (self.plan, self.before)
         };
-        let mut own_data = (!is_gathered).then(|| self.data.clone());
+        let mut own_data = generates.then(|| self.data.clone());
         let mut are = vec![false; rays.len()];
         for (roundings, moved) in MOVES {
             for corner in 0..27 {

@@ -27,7 +27,8 @@ pub fn is_shadow(kernel: Kernel, plan: &Plan) -> bool {
 
 impl Cast {
     /// The rays cast by the passes of a run, all of them from its start: those that a kernel after a walk has sent to one
-    /// that begins walks. Rays that the run was given, or that its source generates, do not count.
+    /// that begins walks. Rays that the run was given, or that its source generates, do not count, nor
+    /// those of a kernel that follows whole paths.
     #[must_use]
     pub fn of(plan: &Plan, passes: &[Pass]) -> Self {
         let mut cast = Self::default();
@@ -95,6 +96,9 @@ mod tests {
                 assert_eq!(cast(&scene, &options), three, "{accelerator} {schedule}");
             }
         }
+        let along_paths = Options { integrator: Integrator::Path, ..options.clone() };
+        let whole = Options { schedule: ScheduleKind::Fused, ..along_paths.clone() };
+        assert!(cast(&scene, &along_paths).secondary > 100 && cast(&scene, &whole) == Cast::default());
         let twice = Options { samples: Samples { count: 2, ..Samples::default() }, ..options.clone() };
         assert!(cast(&scene, &twice).shadow > three.shadow, "of both samples");
         for integrator in Integrator::ALL {

@@ -182,6 +182,21 @@ impl GpuExecutor {
         Ok((encoder, encoded))
     }
 
+    /// Rows of workgroups of a kernel that is launched in bands, and those of a band.
+    fn bands(&self, kernel: Kernel) -> [u32; 2] {
+        let (side, size) = (kernel.workgroup(), self.launched_over(kernel));
+        let rows = size.height.div_ceil(side);
+        let a_row = u64::from(size.width) * u64::from(side);
+        [rows, (self.rays_a_dispatch / a_row.max(1)).clamp(1, u64::from(rows)) as u32]
+    }
+
+    /// Whether a kernel is not submitted together with other passes: it takes several submissions, or what it sends on
+    /// is counted after it.
+    pub(crate) fn is_alone(&self, kernel: Kernel) -> bool {
+        let [rows, a_band] = self.bands(kernel);
+        kernel.info().launch == Launch::Bands && (a_band < rows || kernel.is_counted_anew(&self.plan.features))
+    }
+
     /// Runs a kernel in as many submissions as it takes to keep each of them short.
     fn encode_bands(
         &self,
@@ -189,10 +204,7 @@ impl GpuExecutor {
         kernel: Kernel,
         place: &Place,
     ) -> Result<wgpu::CommandEncoder, GpuError> {
-        let side = kernel.workgroup();
-        let size = self.launched_over(kernel);
-        let rows = size.height.div_ceil(side);
-        let a_band = (self.rays_a_dispatch / u64::from(size.width * side)).clamp(1, u64::from(rows)) as u32;
+        let [rows, a_band] = self.bands(kernel);
         let scene = buffer(&self.buffers, "scene").ok_or(GpuError::Missing("scene"))?;
         for first in (0..rows).step_by(a_band as usize) {
             let last = first + a_band >= rows;

@@ -3,7 +3,7 @@
 use super::{Refusal, Row, Values, parse, text};
 use crate::options::row::{Value, whole};
 use crate::options::{
-    Choices, Integrator, MAX_DEPTH as DEPTH, MOST_BOUNCES, MOST_DEPTH, ProgramName, Strategy as Found,
+    Choices, Environment, Integrator, MAX_DEPTH as DEPTH, MOST_BOUNCES, MOST_DEPTH, ProgramName, Strategy as Found,
 };
 
 const fn traces_rays(c: &Choices) -> bool {
@@ -69,5 +69,23 @@ pub(super) const STRATEGY: Row = Row::new(
 .refused(|c| {
     let is_idle = c.strategy != Found::default() && c.integrator != Integrator::Path;
     let why = || format!("--strategy {} applies to --integrator path, not to {}: omit it", c.strategy, c.integrator);
+    is_idle.then(|| Refusal::Idle(why()))
+});
+
+pub(super) const ENVIRONMENT: Row = Row::new(
+    "environment",
+    Values::Names(|| Environment::ALL.iter().map(|of| of.name()).collect()),
+    |c| text(c.environment),
+    |c, value| parse(value, &mut c.environment),
+    "What a path sees that leaves the scene, with --integrator path: a radiance of 1 from everywhere (white), nothing \
+     (black), or the background of every picture, which is nearly black, and white only if nothing in the scene gives \
+     light (auto)",
+)
+.panel("environment", "the light from around the scene: white, none, or white only if nothing in the scene gives light")
+.applies(|c| traces_rays(c) && c.integrator == Integrator::Path)
+.refused(|c| {
+    let is_idle = c.environment != Environment::default() && c.integrator != Integrator::Path;
+    let why =
+        || format!("--environment {} applies to --integrator path, not to {}: omit it", c.environment, c.integrator);
     is_idle.then(|| Refusal::Idle(why()))
 });

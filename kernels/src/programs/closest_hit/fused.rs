@@ -33,6 +33,21 @@ fn resume<R: Real>(trace: &mut Trace<R>, wait: &mut Wait, ray: &Texels<'_, R>, h
     }
 }
 
+/// Through the structure, until the walk is over or waits.
+fn walk<R: Real>(trace: &mut Trace<R>, wait: &mut Wait, ray: &mut Texels<'_, R>, scene: &SceneData) {
+    match scene.features.structure() {
+        StructureKind::None => all::trace(trace, wait, scene),
+        StructureKind::Grid => grid::trace(trace, wait, ray, scene),
+        StructureKind::Irregular => irregular::trace(trace, wait, ray, scene),
+        StructureKind::Bvh => bvh::trace(trace, wait, ray, scene),
+    }
+}
+
+/// The same of a ray in registers, in a run whose walks never wait.
+pub(in crate::programs) fn traced<R: Real>(trace: &mut Trace<R>, ray: &mut Texels<'_, R>, scene: &SceneData) {
+    walk(trace, &mut Wait::default(), ray, scene);
+}
+
 /// Processes one ray.
 pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let features = &scene.features;
@@ -52,12 +67,7 @@ pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         resume(&mut trace, &mut wait, ray, features.counters);
     }
 
-    match features.structure() {
-        StructureKind::None => all::trace(&mut trace, &mut wait, scene),
-        StructureKind::Grid => grid::trace(&mut trace, &mut wait, ray, scene),
-        StructureKind::Irregular => irregular::trace(&mut trace, &mut wait, ray, scene),
-        StructureKind::Bvh => bvh::trace(&mut trace, &mut wait, ray, scene),
-    }
+    walk(&mut trace, &mut wait, ray, scene);
 
     ray.store(HIT, 0, trace.u);
     ray.store(HIT, 1, trace.v);

@@ -9,18 +9,12 @@ import package::state::{SHADE, BACKGROUND, DONE};
 import package::ray::{load_origin, load_direction};
 import package::vector::{dot3};
 import package::shade_surface::{material_of, surface_normal, diffuse_color};
-import package::shade_light::{lights, received};
-
-struct Shading {
-    background: vec3f,
-    lights: u32,
-}
+import package::shade_light::{lights, received, shading};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_2d_array<u32>;
 @if(!resumes_light) @group(0) @binding(4) var color: texture_storage_2d_array<r32float, write>;
 @if(resumes_light) @group(0) @binding(4) var color: texture_storage_2d_array<r32float, read_write>;
-@group(1) @binding(14) var<uniform> shading: Shading;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn shade(@builtin(global_invocation_id) id: vec3u) {

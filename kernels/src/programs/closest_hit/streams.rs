@@ -107,6 +107,9 @@ pub fn of_walk(features: &Features) -> Stream {
 
 /// Why nothing casts a shadow ray.
 pub(in crate::programs) fn no_shadows(run: &Run<'_>) -> Reason {
+    if run.features.whole_paths && run.features.shadows {
+        return of_steps(run);
+    }
     match (run.options.integrator, run.options.shade) {
         (Integrator::Local, _) => (Because::Options, "needed only with --integrator shadows, whitted or path"),
         (Integrator::Path, true) => (Because::Scene, "nothing gives light that a shadow ray could be cast to"),
@@ -126,6 +129,11 @@ pub(in crate::programs) fn no_specular(run: &Run<'_>) -> Reason {
     }
 }
 
+/// Why what a pixel's rays carry from one to the next is not kept.
+fn no_bounces(run: &Run<'_>) -> Reason {
+    if run.features.whole_paths { of_steps(run) } else { no_specular(run) }
+}
+
 /// Why no ray is split in two.
 fn no_dielectric(run: &Run<'_>) -> Reason {
     match run.features.specular {
@@ -137,15 +145,19 @@ fn no_dielectric(run: &Run<'_>) -> Reason {
 
 /// Why the cost of the rays before is not kept.
 fn no_spent(run: &Run<'_>) -> Reason {
-    match run.features.specular || run.features.path {
+    match (run.features.specular || run.features.path) && !run.features.whole_paths {
         true => (Because::Options, "needed only with --counters"),
-        false => no_specular(run),
+        false => no_bounces(run),
     }
 }
 
 /// Why nothing is followed along paths.
 fn no_path(run: &Run<'_>) -> Reason {
-    if run.options.shade { (Because::Options, "needed only with --integrator path") } else { NO_SHADE }
+    match run.options.shade {
+        true if run.features.whole_paths => of_steps(run),
+        true => (Because::Options, "needed only with --integrator path"),
+        false => NO_SHADE,
+    }
 }
 
 /// Why no emitter is picked.
@@ -180,7 +192,7 @@ const BRANCH_MEANING: [Meaning; BRANCH_LAYERS.len()] = {
 
 /// Why the cost of shadow rays is not counted.
 fn no_shadow_counters(run: &Run<'_>) -> Reason {
-    match run.features.shadows {
+    match run.features.shadows && !run.features.whole_paths {
         true => (Because::Options, "needed only with --counters"),
         false => no_shadows(run),
     }
@@ -261,19 +273,19 @@ streams! {
         unwritten: &[0, INF.to_bits()], why_absent: no_shadows;
     /// The share of the light along the ray that reaches the pixel.
     THROUGHPUT of RAYS: "throughput" F32 &["r", "g", "b"], meaning: &[Light; 3], unit: "share of linear light",
-        unwritten: &[0; 3], why_absent: no_specular;
+        unwritten: &[0; 3], why_absent: no_bounces;
     /// The light that reaches the pixel by all of its rays so far.
     RADIANCE of RAYS: "radiance" F32 &["r", "g", "b"], meaning: &[Light; 3], unit: "linear light",
-        unwritten: &[0; 3], why_absent: no_specular;
+        unwritten: &[0; 3], why_absent: no_bounces;
     /// How many surfaces have reflected or refracted the ray, and at which depths another ray waits.
     BOUNCE of RAYS: "bounce" U32 &["depth", "waiting"], meaning: &[Count, Count], unit: "count, one bit for each depth",
-        unwritten: &[0; 2], why_absent: no_specular;
+        unwritten: &[0; 2], why_absent: no_bounces;
     /// At each depth, the refracted ray that waits while the reflected one is traced.
     BRANCHES of RAYS: "branches" U32 BRANCH_LAYERS, meaning: &BRANCH_MEANING, unit: "traced units, traced units per t, share of linear light, as f32 bits; triangle id",
         unwritten: &[0; BRANCH_LAYERS.len()], why_absent: no_dielectric;
     /// The pixel's first ray and its hit, while others are traced.
     PRIMARY of RAYS: "primary" U32 &["x", "y", "z", "dx", "dy", "dz", "t", "u", "v", "triangle"], meaning: &[Float, Float, Float, Float, Float, Float, Distance, Float, Float, Id], unit: "traced units, traced units per t, t, barycentric weights, as f32 bits; triangle id",
-        unwritten: &[0, 0, 0, 0, 0, 0, INF.to_bits(), 0, 0, NO_TRIANGLE], why_absent: no_specular;
+        unwritten: &[0, 0, 0, 0, 0, 0, INF.to_bits(), 0, 0, NO_TRIANGLE], why_absent: no_bounces;
     /// Cells visited, triangles tested, repeated tests of the pixel's rays before this one.
     SPENT of RAYS: "spent" U32 &["cells", "triangles", "repeated"], meaning: &[Count; 3], unit: "count",
         unwritten: &[0; 3], why_absent: no_spent;

@@ -28,14 +28,14 @@ impl<R: Real> Trace<R> {
         }
         let accepted = if features.in_cell {
             candidate.t < self.t && scene.grid.is_in_cell(self.origin + self.direction * candidate.t, cell)
-        } else if features.robust && !features.any_hit {
+        } else if features.robust && !self.is_any(features) {
             is_nearer(candidate.t, id, self.t, self.triangle)
         } else {
             candidate.t < self.t
         };
         if accepted {
             (self.t, self.u, self.v, self.triangle) = (candidate.t, candidate.u, candidate.v, id);
-            self.ended = features.any_hit;
+            self.ended = self.is_any(features);
         }
     }
 }

@@ -17,6 +17,8 @@ fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
     if (candidate.is_hit) {
         @if(in_cell) let accepted = candidate.t < trace.t
             && is_in_cell(trace.origin + trace.direction * candidate.t, cell);
+        @else @if(robust && whole_paths) let accepted = candidate.t < trace.t
+            || (!trace.is_shadow && is_nearer(candidate.t, triangle.id, trace.t, trace.triangle));
         @else @if(robust && !any_hit) let accepted = is_nearer(candidate.t, triangle.id, trace.t, trace.triangle);
         @else let accepted = candidate.t < trace.t;
         if (accepted) {
@@ -24,7 +26,8 @@ fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
             trace.u = candidate.u;
             trace.v = candidate.v;
             trace.triangle = triangle.id;
-            @if(any_hit) trace.ended = true;
+            @if(whole_paths) trace.ended = trace.is_shadow;
+            @else @if(any_hit) trace.ended = true;
         }
     }
     @if(counters) trace.tests += 1u;

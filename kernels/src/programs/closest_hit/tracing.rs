@@ -23,6 +23,8 @@ pub(crate) struct Trace<R> {
     pub(crate) tests: u32,
     /// The triangle that the ray leaves.
     pub(super) leaves: u32,
+    /// It ends at any hit, in a kernel that traces others too.
+    pub(crate) is_shadow: bool,
     /// Any hit was requested, and one was found.
     pub(crate) ended: bool,
     /// Loop iterations in this dispatch so far.
@@ -44,9 +46,15 @@ impl<R: Real> Trace<R> {
             triangle: NO_TRIANGLE,
             cells: 0,
             tests: 0,
+            is_shadow: false,
             ended: false,
             turns: 0,
         }
+    }
+
+    /// Whether any hit ends the ray.
+    pub(super) fn is_any(&self, features: &Features) -> bool {
+        if features.whole_paths { self.is_shadow } else { features.any_hit }
     }
 
     /// The state of a ray whose walk is over.

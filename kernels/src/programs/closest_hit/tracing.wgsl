@@ -21,6 +21,8 @@ struct Trace {
     tests: u32,
     // The triangle that the ray leaves.
     @if(leaves) leaves: u32,
+    // It ends at any hit, in a kernel that traces others too.
+    @if(whole_paths) is_shadow: bool,
     // Any hit was requested, and one was found.
     ended: bool,
     // Loop iterations in this dispatch so far.
@@ -29,12 +31,19 @@ struct Trace {
 
 // No hit so far; hits at t or beyond do not count.
 fn new_trace(texel: vec2u, ray: Ray, t: f32) -> Trace {
+    @if(leaves) var trace = trace_from(ray, load_surface(texel), t);
+    @else var trace = trace_from(ray, NO_TRIANGLE, t);
+    @if(intervals) trace.interval = load_interval(texel);
+    return trace;
+}
+
+// The same, of a ray that leaves a triangle.
+fn trace_from(ray: Ray, leaves: u32, t: f32) -> Trace {
     var trace: Trace;
     trace.origin = ray.origin;
     trace.direction = ray.direction;
     trace.shear = shear_of(ray.direction);
-    @if(intervals) trace.interval = load_interval(texel);
-    @if(leaves) trace.leaves = load_surface(texel);
+    @if(leaves) trace.leaves = leaves;
     trace.t = t;
     trace.triangle = NO_TRIANGLE;
     return trace;

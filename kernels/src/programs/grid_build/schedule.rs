@@ -118,7 +118,7 @@ mod tests {
     fn passes(schedule: &Schedule) -> Vec<(Kernel, u32, u32)> {
         let (mut cursor, counts) = (Cursor::start(), Population::default());
         std::iter::from_fn(|| {
-            let ahead = cursor.guess(schedule, &counts, usize::MAX);
+            let ahead = cursor.guess(schedule, &counts, usize::MAX, |_| false);
             let kernel = cursor.next(schedule, &counts)?;
             assert_eq!(ahead.first().map(|call| (call.kernel, call.parameter)), Some((kernel, cursor.parameter)));
             Some((kernel, cursor.parameter, cursor.iteration))
@@ -158,18 +158,21 @@ mod tests {
         };
         let expected = [vec![(SCAN_SPANS, 7, 0)], turn(0), turn(1), vec![(TEST_SPANS, 0, 0)]].concat();
         assert_eq!(passes(&schedule), expected);
-        let ahead = Cursor::start().guess(&schedule, &Population::default(), usize::MAX);
+        let ahead = Cursor::start().guess(&schedule, &Population::default(), usize::MAX, |_| false);
         let ahead: Vec<_> = ahead.into_iter().map(|call| (call.kernel, call.parameter)).collect();
         assert_eq!(ahead, expected.iter().map(|&(kernel, parameter, _)| (kernel, parameter)).collect::<Vec<_>>());
         assert_eq!(schedule.passes_expected(), expected.len() as u64);
         // Nothing is known beyond the end of a loop whose condition is counted.
         let open = Schedule { steps: vec![Step::RepeatWhileAny(&LEFT, schedule.steps.clone())] };
-        assert_eq!(Cursor::start().guess(&open, &Population::default(), usize::MAX).len(), expected.len());
+        assert_eq!(Cursor::start().guess(&open, &Population::default(), usize::MAX, |_| false).len(), expected.len());
         let last = vec![Step::RepeatWhileAny(
             &LEFT,
             vec![Step::Repeat("last", Count::always(2), vec![Step::Run(FIND_BOUNDS)])],
         )];
-        assert_eq!(Cursor::start().guess(&Schedule { steps: last }, &Population::default(), usize::MAX).len(), 2);
+        assert_eq!(
+            Cursor::start().guess(&Schedule { steps: last }, &Population::default(), usize::MAX, |_| false).len(),
+            2
+        );
         assert!(!schedule.kernels().contains(&FIND_HALVES), "what never runs is not compiled");
     }
 }

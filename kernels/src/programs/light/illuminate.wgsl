@@ -15,7 +15,7 @@ import package::corners::{vertex};
 import package::live::{book, tiled_texel};
 import package::optics::{DIFFUSE, optics_of};
 import package::ray::{load_origin, load_direction};
-import package::shade_light::{lights, received};
+import package::shade_light::{lights, received, shading};
 import package::shade_surface::{material_of, surface_normal, diffuse_color};
 import package::start::{Start, start_of, leaving, end_before};
 import package::vector::{dot3};
@@ -23,11 +23,6 @@ import package::vector::{dot3};
 // Where a ray goes whose light is known.
 @if(specular) const LIT: u32 = SCATTER;
 @else const LIT: u32 = DONE;
-
-struct Shading {
-    background: vec3f,
-    lights: u32,
-}
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_2d_array<u32>;
@@ -40,7 +35,6 @@ struct Shading {
 @group(0) @binding(10) var shadow_direction: texture_storage_2d_array<r32float, write>;
 @if(counters) @group(0) @binding(11) var counters: texture_storage_2d_array<r32uint, read_write>;
 @if(counters) @group(0) @binding(12) var shadow_counters: texture_2d_array<u32>;
-@group(1) @binding(14) var<uniform> shading: Shading;
 
 fn load_color(texel: vec2u) -> vec3f {
     return vec3f(textureLoad(color, texel, 0).x, textureLoad(color, texel, 1).x, textureLoad(color, texel, 2).x);

@@ -1,6 +1,6 @@
 //! Explains what a pass of the program's own kernels did.
 
-use super::sample_bsdf::{BY_ABSORPTION, BY_DEPTH, BY_ESCAPE, BY_ROULETTE, BY_SURFACE};
+use super::scattered::{BY_ABSORPTION, BY_DEPTH, BY_ESCAPE, BY_ROULETTE, BY_SURFACE};
 use crate::program::RayState;
 use crate::programs::closest_hit::states::{BACKGROUND, DONE, OCCLUDED, SHADOW_SETUP, VISIBLE};
 use crate::scene_data::SceneData;
@@ -70,4 +70,10 @@ pub(super) fn of_sample_bsdf(data: &SceneData, before: &RayState, after: &RaySta
         }
     };
     (None, format!("{brought}{next}"))
+}
+
+/// Why the path ended, and what it brought.
+pub(super) fn of_fused_path(_: &SceneData, _: &RayState, after: &RayState) -> (Option<u32>, String) {
+    let why = why_ended(after.bounce.unwrap_or_default().ended);
+    (None, format!("the path ends: {why}; {}", rgb(after.color.unwrap_or_default())))
 }

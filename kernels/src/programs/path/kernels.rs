@@ -1,7 +1,7 @@
-//! Its kernels: one that picks a light, and one that picks a direction.
+//! Its kernels: one that picks a light, one that picks a direction, and one that does both along the whole path.
 
 use super::{breaks, explain, rounding};
-use crate::options::reasons::{Because, NO_SHADE, Reason, Run};
+use crate::options::reasons::{Because, NO_SHADE, On, Passes, Reason, Run};
 use crate::program::instance::twin;
 use crate::program::kernel::{Path, Proof};
 use crate::program::{Home, KernelInfo};
@@ -9,7 +9,7 @@ use crate::programs::closest_hit::states::{
     ALL, BACKGROUND, DONE, OCCLUDED, SCATTER, SHADE, SHADOW_SETUP, TRAV_SETUP, VISIBLE,
 };
 use crate::programs::closest_hit::streams;
-use crate::shared::constants::LIST_SIDE;
+use crate::shared::constants::{LIST_SIDE, WORKGROUP};
 use crate::tables::kernel::{Counts, Launch, Role, Transition};
 use crate::tables::state::Tag;
 
@@ -20,9 +20,22 @@ const fn send(from: Tag, when: &'static str, to: Tag) -> Transition {
     Transition { from, when, to }
 }
 
-/// Why no light is computed.
+/// Why a run does without a kernel of one step of a path.
 fn absent(run: &Run<'_>) -> Reason {
-    if run.options.shade { (Because::Options, "needed only with --integrator path") } else { NO_SHADE }
+    match run.features.whole_paths {
+        true => run.needed_only(On::Any, Passes::Stepped),
+        false if run.options.shade => (Because::Options, "needed only with --integrator path"),
+        false => NO_SHADE,
+    }
+}
+
+/// Why a run does without the kernel of whole paths.
+fn absent_whole(run: &Run<'_>) -> Reason {
+    match run.features.path && run.is_fused() {
+        true => (Because::Scene, "it would bind more storage buffers, or take more loop turns, than the device allows"),
+        false if run.options.shade => (Because::Options, "needed only with --integrator path and --schedule fused"),
+        false => NO_SHADE,
+    }
 }
 
 /// Adds what a surface emits, and casts a shadow ray.
@@ -82,4 +95,28 @@ pub(super) const OF_SAMPLE_BSDF: KernelInfo = KernelInfo {
     path: Path::Stays,
     rounding: rounding::OF_SAMPLE_BSDF,
     breaks: breaks::OF_SAMPLE_BSDF,
+};
+
+/// Follows a path from its first ray to its end.
+pub(super) const OF_FUSED_PATH: KernelInfo = KernelInfo {
+    name: "fused_path",
+    wgsl: include_str!("fused_path.wgsl"),
+    twin: twin!(element fused_path),
+    home: &HOME,
+    takes: &[TRAV_SETUP],
+    sends: &[send(TRAV_SETUP, "the path has ended", DONE)],
+    role: Role::Whole,
+    workgroup: WORKGROUP,
+    launch: Launch::Bands,
+    counts: Counts::AllTo(DONE),
+    resumes: |_| false,
+    list: None,
+    proof: Proof::new(|data, features| data.indices_hold(features) && data.shading_indices_hold(features)),
+    colour: [200, 80, 140],
+    why_absent: absent_whole,
+    summary: "follows the path from its first ray to its end",
+    explain: explain::of_fused_path,
+    path: Path::Stays,
+    rounding: rounding::OF_FUSED_PATH,
+    breaks: breaks::OF_FUSED_PATH,
 };

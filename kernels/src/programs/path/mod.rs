@@ -1,7 +1,7 @@
 //! Light along paths: from the camera over random bounces, with a shadow ray at each.
 //!
-//! The program has the kernels, streams and states of [`light`], and two of its own: one picks a light and casts a shadow ray,
-//! one picks a direction and sends the path on. It is the path tracer of Purcell, Buck, Mark and Hanrahan (2002), which
+//! The program has the kernels, streams and states of [`light`], and three of its own: one picks a light and casts a shadow
+//! ray, one picks a direction and sends the path on, and one follows the whole path, for the schedule `fused`. It is the path tracer of Purcell, Buck, Mark and Hanrahan (2002), which
 //! estimates the rendering equation (Kajiya 1986), with their shadow caster at each vertex, and multiple importance sampling
 //! (Veach and Guibas 1995).
 //!
@@ -12,17 +12,21 @@
 //! direction, and one whether glass reflects and whether the path goes on.
 
 mod breaks;
+mod connected;
 mod direction;
 mod emitters;
 mod explain;
+pub mod fused_path;
 mod kernels;
 mod random;
 mod rounding;
 pub mod sample_bsdf;
 pub mod sample_light;
+mod scattered;
 mod schedule;
 mod toward;
 mod tree;
+mod vertex;
 
 use std::borrow::Cow;
 use std::sync::LazyLock;
@@ -36,12 +40,13 @@ use crate::options::features::Features;
 use crate::program::{Course, Decoding, Instance, Kernel, Program};
 use crate::scene_data::SceneData;
 use crate::tables::texels::Texels;
-use kernels::{OF_SAMPLE_BSDF, OF_SAMPLE_LIGHT};
+use kernels::{OF_FUSED_PATH, OF_SAMPLE_BSDF, OF_SAMPLE_LIGHT};
 pub(super) use schedule::of as schedule;
 
 /// The program.
 pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
-    let own = [OF_SAMPLE_LIGHT, OF_SAMPLE_BSDF].map(|kernel| Instance::of(kernel, &closest_hit::elements::RAYS));
+    let own = [OF_SAMPLE_LIGHT, OF_SAMPLE_BSDF, OF_FUSED_PATH]
+        .map(|kernel| Instance::of(kernel, &closest_hit::elements::RAYS));
     let kernels: Vec<Instance> = KERNELS.into_iter().chain(light::shadow_walk()).chain(own).collect();
     let given_up = |tag| if matches!(tag, SHADOW_SETUP | SHADOW_TRAV | SHADOW_ISECT) { VISIBLE } else { BACKGROUND };
     Program {
@@ -61,19 +66,30 @@ fn of(kernel: Kernel) -> Kernel {
     Kernel::at(&PROGRAM, kernel.index())
 }
 
-/// The kernel that casts shadow rays, or the one that sends paths on.
-fn own(place: usize) -> Kernel {
-    Kernel::at(&PROGRAM, PROGRAM.kernels.len() - 2 + place)
+/// One of its own kernels.
+fn own(kernel: Own) -> Kernel {
+    Kernel::at(&PROGRAM, PROGRAM.kernels.len() - 3 + kernel as usize)
+}
+
+/// Its own kernels, in the order of the table.
+#[derive(Clone, Copy)]
+enum Own {
+    SampleLight,
+    SampleBsdf,
+    FusedPath,
 }
 
 /// WGSL modules that kernels import from: those of light, and more.
 fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let mut modules = (light::PROGRAM.modules)(features);
     let more = [
+        ("connected", include_str!("connected.wgsl")),
         ("direction", include_str!("direction.wgsl")),
         ("emitters", include_str!("emitters.wgsl")),
         ("random", include_str!("random.wgsl")),
+        ("scattered", include_str!("scattered.wgsl")),
         ("toward", include_str!("toward.wgsl")),
+        ("vertex", include_str!("vertex.wgsl")),
     ];
     modules.extend(more.map(|(name, source)| (name, Cow::Borrowed(source))));
     modules

@@ -2,7 +2,7 @@
 
 use crate::program::rounding::{Off, Rounding, Ties};
 use crate::programs::closest_hit::streams::{
-    COLOR, PDF, PENDING, RADIANCE, RAY_DIRECTION, RAY_ORIGIN, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, STATE_T,
+    COLOR, HIT, PDF, PENDING, RADIANCE, RAY_DIRECTION, RAY_ORIGIN, SHADOW_DIRECTION, SHADOW_ORIGIN, STATE, STATE_T,
     THROUGHPUT,
 };
 
@@ -36,4 +36,14 @@ pub(super) const OF_SAMPLE_BSDF: Rounding = Rounding {
         (PDF, &[0], Off::Roundings(16.0)),
     ],
     ties: Ties::None,
+};
+
+/// A difference by rounding may grow from hit to hit, above all where a curved mirror or a sphere of glass spreads rays.
+pub(super) const OF_FUSED_PATH: Rounding = Rounding {
+    floats: &[
+        (HIT, &[0, 1], Off::WeightOfTriangle),
+        (STATE, &[STATE_T], Off::DistanceToTriangle),
+        (COLOR, ALL_3, Off::RoundingsOfLight(4096.0)),
+    ],
+    ties: Ties::Many,
 };

@@ -1,8 +1,8 @@
 //! Twin of `toward.wgsl`: the way from a point to an emitter that is picked at random.
 
 use super::emitters::{cone_of, pdf_by_area, picked};
-use super::next_sample;
-use super::random::{FOR_EMITTER, FOR_POINT, decided_by};
+use super::random::{FOR_EMITTER, FOR_POINT};
+use super::vertex::Vertex;
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::shade::surface::material_of;
 use crate::scene_data::SceneData;
@@ -11,7 +11,6 @@ use crate::shared::emitters::PUNCTUAL;
 use crate::shared::shading::{DIRECTIONAL, SPOT};
 use crate::shared::start::end_before;
 use crate::shared::vector::{cross3, dot3, unit3};
-use crate::tables::texels::Texels;
 
 /// The way to an emitter.
 pub(super) struct Toward<R> {
@@ -30,16 +29,9 @@ pub(super) struct Toward<R> {
 }
 
 /// Picks an emitter, and a point of it.
-pub(super) fn toward_emitter<R: Real>(
-    ray: &Texels<'_, R>,
-    scene: &SceneData,
-    depth: u32,
-    origin: Vec3<R>,
-) -> Toward<R> {
+pub(super) fn toward_emitter<R: Real>(at: &Vertex<'_, R>, scene: &SceneData, origin: Vec3<R>) -> Toward<R> {
     let features = &scene.features;
-    let (sampler, seed, sample) = (features.sampler(), scene.sampling.seed, next_sample(ray, scene));
-    let pair = |what| decided_by(sampler, seed, [ray.x, ray.y], sample, depth, what);
-    let emitter = picked(scene, pair(FOR_EMITTER));
+    let emitter = picked(scene, at.decided_by(scene, FOR_EMITTER));
     let zero = R::zero();
     let mut to = Toward {
         id: emitter.id,
@@ -67,7 +59,7 @@ pub(super) fn toward_emitter<R: Real>(
     if features.emissive {
         let [a, b, c]: [Vec3<R>; 3] = scene.corners(emitter.id);
         let (ab, ac) = (b - a, c - a);
-        let by = pair(FOR_POINT).map(R::from_f32);
+        let by = at.decided_by(scene, FOR_POINT).map(R::from_f32);
         let side = by[0].sqrt();
         let point = a + (ab * (side * (R::one() - by[1])) + ac * (side * by[1]));
         to.direction = point - origin;

@@ -8,6 +8,7 @@ import package::shade_light::{lights};
 import package::shade_surface::{material_of};
 import package::start::{end_before};
 import package::vector::{cross3, dot3, unit3};
+import package::vertex::{Vertex};
 
 struct Toward {
     // A light, or a triangle, as the table has it.
@@ -24,8 +25,8 @@ struct Toward {
     is_lit: bool,
 }
 
-fn toward_emitter(texel: vec2u, sample: u32, depth: u32, origin: vec3f) -> Toward {
-    let emitter = picked(decided_by(texel, sample, depth, FOR_EMITTER));
+fn toward_emitter(at: Vertex, origin: vec3f) -> Toward {
+    let emitter = picked(decided_by(at.texel, at.sample, at.depth, FOR_EMITTER));
     var to: Toward;
     to.id = emitter.id;
     to.end = INF;
@@ -48,7 +49,7 @@ fn toward_emitter(texel: vec2u, sample: u32, depth: u32, origin: vec3f) -> Towar
         let a = vertex(emitter.id, 0u);
         let ab = vertex(emitter.id, 1u) - a;
         let ac = vertex(emitter.id, 2u) - a;
-        let by = decided_by(texel, sample, depth, FOR_POINT);
+        let by = decided_by(at.texel, at.sample, at.depth, FOR_POINT);
         let side = sqrt(by.x);
         let point = a + (ab * (side * (1.0 - by.y)) + ac * (side * by.y));
         to.direction = point - origin;

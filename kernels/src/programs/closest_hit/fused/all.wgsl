@@ -9,7 +9,7 @@ fn traced(start: Trace) -> Trace {
     var trace = start;
     for (var triangle = waiting_item(); triangle < scene.triangles; triangle++) {
         trace = tested(trace, triangle, vec3i(0));
-        @if(any_hit) if (trace.ended) {
+        @if(any_hit || whole_paths) if (trace.ended) {
             return trace;
         }
         @if(resumes) if (is_spent(trace) && triangle + 1u < scene.triangles) {

@@ -81,7 +81,7 @@ fn traced(start: Trace) -> Trace {
             let bit = firstTrailingBit(waiting);
             waiting &= waiting - 1u;
             trace = tested(trace, wide_entry(hits.leaves, bit), vec3i(0));
-            @if(any_hit) if (trace.ended) {
+            @if(any_hit || whole_paths) if (trace.ended) {
                 return trace;
             }
         }

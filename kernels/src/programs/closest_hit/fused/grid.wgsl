@@ -29,7 +29,7 @@ fn traced(start: Trace) -> Trace {
             let end = grid_cells[index + 1u];
             for (var item = first + waiting_item(); item < end; item++) {
                 trace = tested(trace, grid_items[item], walk.cell);
-                @if(any_hit) if (trace.ended) {
+                @if(any_hit || whole_paths) if (trace.ended) {
                     return trace;
                 }
                 @if(resumes) if (is_spent(trace) && item + 1u < end) {

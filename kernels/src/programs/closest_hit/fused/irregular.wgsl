@@ -39,7 +39,7 @@ fn traced(start: Trace) -> Trace {
         if (item != NO_LIST) {
             let entry = irregular_items[item];
             trace = tested(trace, entry & ~LAST_ITEM, vec3i(0));
-            @if(any_hit) if (trace.ended) {
+            @if(any_hit || whole_paths) if (trace.ended) {
                 return trace;
             }
             item = select(item + 1u, NO_LIST, (entry & LAST_ITEM) != 0u);

@@ -73,6 +73,7 @@ pub(in crate::programs) fn features(
         specular,
         dielectric: specular && !path && any_material(|m| matches!(m.optics, Optics::Dielectric { .. })),
         path,
+        whole_paths: false,
         mis: path && glows && options.strategy == Strategy::Mis,
         by_light: path && glows && options.strategy == Strategy::Light,
         depth: if specular || path { options.max_depth } else { 0 },

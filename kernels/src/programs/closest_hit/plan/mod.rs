@@ -14,19 +14,24 @@ use crate::options::features::Features;
 use crate::options::mapping::Until;
 use crate::options::{Options, RaySource, ScheduleKind};
 use crate::plan::allocated::Allocated;
+
 use crate::plan::{
-    DrawnPlan, Limits, Plan, PlanError, bound_by, check_rays, check_samples, check_scene, check_texels, fit_bindings,
-    image_size, variants,
+    DrawnPlan, Limits, Plan, PlanError, Sharing, bound_by, check_rays, check_samples, check_scene, check_texels,
+    fit_bindings, image_size, variants,
 };
 use crate::program::Program;
 use crate::program::schedule::Schedule;
 use crate::scene_data::SceneData;
+use crate::shader::Variant;
 use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
 use left_out::left_out;
 pub(crate) use resolve::Built;
 use resolve::{Resolved, resolve};
 use turns::{Resumes, Walk};
+
+/// The schedule of a run, its kernels as they are compiled, their draws, and the streams that share textures.
+type Compiled = (Schedule, Vec<Variant>, Option<DrawnPlan>, Sharing);
 
 /// How a program that traces rays orders its kernels.
 type Scheduler = fn(&Options, &Features) -> Schedule;
@@ -75,9 +80,12 @@ pub(in crate::programs) fn plan(
     let lights = if options.shade { scene.lights.len().max(1) as u64 } else { 0 };
     let walk = Walk { features: &features, structure: &structure, triangles };
     let resumes = Resumes::of(&walk, is_fused, options.steps_per_pass, lights, limits);
+    // A path has two rays at each of its hits.
+    let of_path = 2 * (u64::from(features.depth) + 1);
+    let whole_paths = features.path && is_fused && !resumes.walk && walk.fits(of_path, limits);
+    features.whole_paths = whole_paths;
     (features.resumes, features.resumes_scan, features.resumes_light) = (resumes.walk, resumes.scan, resumes.light);
     features.turns = if resumes == Resumes::default() { 0 } else { limits.turns };
-    let features = features;
     let pass_bound = Walk { features: &features, structure: &structure, triangles }.most_passes(is_fused);
     // A query finds out with a pass that a kernel has no rays.
     let is_queried = options.mapping.fragment().is_some_and(|how| how.until == Until::Query);
@@ -89,10 +97,21 @@ pub(in crate::programs) fn plan(
     let rays_of_pixel = if features.dielectric { (2 << features.depth) - 1 } else { 1 + u64::from(features.depth) };
     let pass_bound = pass_bound.saturating_mul(rays_of_pixel);
 
-    let schedule = scheduler(options, &features);
-    let variants = variants(program, &schedule, &features)?;
-    let drawn = options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, &features, limits)).transpose()?;
-    let sharing = fit_bindings(program, &variants, drawn.as_ref(), features.scene_data, limits)?;
+    let compiled = |features: &Features| -> Result<Compiled, PlanError> {
+        let schedule = scheduler(options, features);
+        let variants = variants(program, &schedule, features)?;
+        let drawn =
+            options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, features, limits)).transpose()?;
+        let sharing = fit_bindings(program, &variants, drawn.as_ref(), features.scene_data, limits)?;
+        Ok((schedule, variants, drawn, sharing))
+    };
+    let mut outcome = compiled(&features);
+    // A kernel that does everything also binds everything.
+    if features.whole_paths && outcome.is_err() {
+        features.whole_paths = false;
+        outcome = compiled(&features);
+    }
+    let (schedule, variants, drawn, sharing) = outcome?;
     let bound = bound_by(&variants);
     if bound.contains("texels") {
         check_texels(scene, options.scene_data, limits)?;

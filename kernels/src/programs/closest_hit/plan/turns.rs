@@ -100,6 +100,12 @@ impl Walk<'_> {
         }
     }
 
+    /// Whether so many walks fit into one dispatch, each of which does. Without a limit of the adapter's, the bounds are too
+    /// loose to be multiplied.
+    pub(super) fn fits(&self, walks: u64, limits: &Limits) -> bool {
+        limits.turns >= TURNS_WITHOUT_LIMIT || walks.saturating_mul(self.turns()) <= u64::from(limits.turns)
+    }
+
     /// Most iterations of a pass of several steps.
     fn turns_of_a_pass(&self, steps: u32) -> u64 {
         let (test, steps) = (u64::from(TURNS_A_TEST), u64::from(steps));

@@ -4,6 +4,7 @@ use super::super::{kernels, states};
 use super::*;
 use crate::program::schedule::Cursor;
 use crate::programs::closest_hit::states::{DONE, ISECT_NO_HIT, SHADE as SHADED, TRAV};
+use crate::tables::kernel::Launch;
 use crate::tables::state::{Population, StateCounts, Tag};
 
 fn counts(isect: u32, trav: u32, shade: u32) -> Population {
@@ -109,7 +110,11 @@ fn a_walk_that_is_left_goes_on_with_its_own_sample() {
 
 /// The kernels that are submitted ahead.
 fn guess(cursor: &Cursor, schedule: &Schedule, counts: &Population, most: usize) -> Vec<Kernel> {
-    cursor.guess(schedule, counts, most).into_iter().map(|call| call.kernel).collect()
+    cursor
+        .guess(schedule, counts, most, |kernel| kernel.info().launch == Launch::Bands)
+        .into_iter()
+        .map(|call| call.kernel)
+        .collect()
 }
 
 #[test]

@@ -15,7 +15,14 @@ struct Light {
     cone_scale: f32,
 }
 
+// What arrives where nothing is hit, and how many lights there are.
+struct Shading {
+    background: vec3f,
+    lights: u32,
+}
+
 @group(1) @binding(11) var<storage, read> lights: array<Light>;
+@group(1) @binding(14) var<uniform> shading: Shading;
 
 // <N, L> of one light times its colour.
 fn received(light: Light, position: vec3f, normal: vec3f) -> vec3f {
