@@ -12,6 +12,7 @@
 //! direction, and one whether glass reflects and whether the path goes on.
 
 mod breaks;
+mod densities;
 mod direction;
 mod emitters;
 mod explain;
@@ -21,6 +22,7 @@ mod rounding;
 pub mod sample_bsdf;
 pub mod sample_light;
 mod schedule;
+mod steps;
 mod toward;
 mod tree;
 
@@ -49,7 +51,11 @@ pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
         summary: "paths from the camera over random bounces, with a shadow ray at each",
         courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }])),
         kernels: Vec::leak(kernels),
-        rays: closest_hit::PROGRAM.rays.map(|rays| Decoding { tree: Some(tree::grow), ..rays }),
+        rays: closest_hit::PROGRAM.rays.map(|rays| Decoding {
+            tree: Some(tree::grow),
+            paths: Some(steps::PATHS),
+            ..rays
+        }),
         states: ALL,
         modules,
         ..*light::PROGRAM
