@@ -266,6 +266,7 @@ commands! {
         [Command::Show(PaneKind::Walk3d)] "Walk in 3D", CTRL Num4;
         [Command::Show(PaneKind::Walk2d)] "Unfolded walk", CTRL Num5;
         [Command::Show(PaneKind::LightTree)] "Light tree";
+        [Command::Show(PaneKind::Bounces)] "Bounces";
         [Command::Show(PaneKind::Timeline)] "Timeline", CTRL Num6;
         [Command::Show(PaneKind::Kernel)] "Kernel", CTRL Num7;
         [Command::Show(PaneKind::Dataflow)] "Data flow", CTRL Num8;

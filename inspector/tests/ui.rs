@@ -2,6 +2,7 @@
 //! handling. Drawn on software Vulkan or a better adapter; without an adapter these tests fail.
 
 mod adapter;
+mod bounces;
 mod branches;
 mod choices;
 mod commands;

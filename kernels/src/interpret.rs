@@ -17,6 +17,7 @@ mod deciding;
 mod machine;
 mod many;
 mod memory;
+mod non_finite;
 mod operators;
 mod recording;
 mod work;
@@ -33,6 +34,7 @@ use code::Code;
 pub use code::{Kind, Site, SiteKind};
 use machine::Machine;
 pub use many::Many;
+pub use non_finite::{NonFinite, Operation};
 pub use recording::{Comparison, Decision, Recording, Value};
 pub use work::Work;
 

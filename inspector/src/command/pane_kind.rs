@@ -30,6 +30,8 @@ kinds! {
     Walk2d,
     /// Where the light of the selected pixel comes from.
     LightTree,
+    /// The paths of all pixels, bounce by bounce.
+    Bounces,
     /// Rays in each state, over passes or time.
     Timeline,
     /// The kernel's WGSL with the branches taken.

@@ -352,6 +352,9 @@ impl Inspector {
         for copy in self.model.pinned.drain(..) {
             layout::add(&mut self.desk.tree, Pane::pinned(copy));
         }
+        if let Some(kind) = self.state.asks.panel.take() {
+            layout::show(&mut self.desk.tree, kind);
+        }
         if let Some(place) = self.state.asks.go_to.take()
             && place != self.model.place
         {

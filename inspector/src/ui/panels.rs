@@ -1,5 +1,6 @@
 //! One file per panel.
 
+pub(super) mod bounces;
 mod chart;
 pub(super) mod choices;
 pub(super) mod compare;

@@ -29,6 +29,7 @@ impl Pane {
             K::Walk2d => Box::<panels::walk2d::Walk2d>::default(),
             K::LightTree => Box::<panels::light_tree::LightTreeView>::default(),
             K::Kernel => Box::<panels::kernel::KernelView>::default(),
+            K::Bounces => Box::<panels::bounces::BouncesView>::default(),
             K::Timeline => Box::<panels::timeline::Timeline>::default(),
             K::Timings => Box::<panels::timings::Timings>::default(),
             K::Plan => Box::<panels::plan::PlanView>::default(),

@@ -7,6 +7,7 @@ mod log;
 use std::sync::Arc;
 
 use raystep_kernels::Stream;
+use raystep_kernels::program::paths::Technique;
 use raystep_kernels::scene_data::SceneData;
 
 use super::host::FileToSave;
@@ -15,7 +16,7 @@ use super::preview::PreviewTexture;
 use super::scrub::Scrub;
 use super::thumbs::Thumbs;
 use super::units::Units;
-use crate::command::Command;
+use crate::command::{Command, PaneKind};
 use crate::link::Shown;
 use crate::session::Watch;
 pub(super) use bookmarks::Bookmarks;
@@ -31,6 +32,21 @@ pub enum Picked {
     Node(u32),
     /// A triangle, by its index in the scene.
     Triangle(u32),
+}
+
+/// A vertex of a pixel's path, which the light tree is to show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OfPath {
+    /// The pixel.
+    pub pixel: [u32; 2],
+    /// The sample, from 0.
+    pub sample: u32,
+    /// Surfaces that sent on the path before.
+    pub depth: u32,
+    /// How its light was found.
+    pub technique: Technique,
+    /// The number of passes after which its light is in the streams.
+    pub place: usize,
 }
 
 /// All parts.
@@ -61,6 +77,8 @@ pub struct Selection {
     pub hovered: Option<[u32; 2]>,
     /// The cell, node or triangle that was clicked last, in any panel.
     pub picked: Option<Picked>,
+    /// The vertex that the light tree goes to, once it is known.
+    pub vertex: Option<OfPath>,
 }
 
 /// How things are shown.
@@ -103,6 +121,8 @@ pub struct Asks {
     pub commands: Vec<Command>,
     /// The place that this frame's panels request, as a number of passes.
     pub go_to: Option<usize>,
+    /// A panel to show.
+    pub panel: Option<PaneKind>,
     /// The place that the timeline asks for.
     pub scrub: Scrub,
     /// A pixel to select.

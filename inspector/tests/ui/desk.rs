@@ -16,6 +16,10 @@ use crate::ui::adapter::block_on;
 pub(crate) const CORNELL: &str = "cornell-box";
 /// The same room with lights of every kind, of which the last is behind its back wall.
 pub(crate) const ROOM: &str = "room";
+/// The same room without lights, whose first material glows.
+pub(crate) const GLOW: &str = "glow";
+/// The same room, where all surfaces emit more than half of what a float holds.
+pub(crate) const GLARE: &str = "glare";
 /// A glTF file with a single triangle.
 pub(crate) const TRIANGLE: &str = "triangle.gltf";
 /// A glTF file without a mesh.
@@ -98,6 +102,8 @@ impl Host for TestHost {
             let json = match path.as_str() {
                 CORNELL => return Ok(generate::cornell_box()),
                 ROOM => return Ok(room()),
+                GLOW => return Ok(glowing(1, [2.0, 1.5, 1.0])),
+                GLARE => return Ok(glowing(usize::MAX, [3e38; 3])),
                 TRIANGLE => triangle(),
                 EMPTY => {
                     r#"{"asset": {"version": "2.0"}, "scenes": [{"name": "empty", "nodes": []}], "scene": 0}"#.into()
@@ -193,6 +199,14 @@ fn triangle() -> String {
         "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
             "min": [0, 0, 0], "max": [1, 1, 0]}}]}}"#
     )
+}
+
+/// The Cornell box without lights, of which the first materials emit light.
+fn glowing(materials: usize, emissive: [f32; 3]) -> Scene {
+    let mut scene = generate::cornell_box();
+    scene.lights.clear();
+    scene.materials.iter_mut().take(materials).for_each(|material| material.emissive = emissive);
+    scene
 }
 
 fn room() -> Scene {

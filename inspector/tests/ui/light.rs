@@ -10,7 +10,7 @@ use raystep_kernels::export::light_tree::{Fate, LightTree, VertexKind};
 use raystep_kernels::options::Integrator;
 use raystep_kernels::{Accelerator, Choices};
 
-use crate::ui::desk::{CORNELL, ROOM};
+use crate::ui::desk::{CORNELL, GLOW, ROOM};
 use crate::ui::stage::{Plan, Stage};
 
 /// Of the floor, in the shadow of a box.
@@ -135,4 +135,59 @@ fn a_run_without_shadow_rays_says_how_to_get_them() {
     stage.perform(Command::Show(PaneKind::LightTree));
     assert!(stage.paints("--integrator shadows"), "{:?}", stage.painted());
     assert_eq!(rows(&stage).0, [""; 0]);
+}
+
+/// A light tree of a path, in a window of this size.
+fn of_path(size: [f32; 2], theme: Theme, settings: Settings) -> Stage {
+    let mut stage = Stage::new(Plan { size, theme, ..Plan::default() });
+    let arrival = Arrival { pixel: Some(PIXEL), place: Some(usize::MAX), ..Arrival::default() };
+    stage.open(GLOW, settings, arrival);
+    stage.close_panels();
+    stage.perform(Command::Show(PaneKind::LightTree));
+    for name in ["strategies", "precision"] {
+        stage.click(Role::CheckBox, name);
+        stage.settle();
+    }
+    stage.click(Role::Button, "Estimate by each strategy");
+    stage.settle();
+    stage
+}
+
+fn estimated(size: [f32; 2], theme: Theme, name: &str) -> Stage {
+    let mut stage = of_path(size, theme, settings(Integrator::Path));
+    for text in ["mis", "bsdf", "standard error", "f32 and f64 ", "weight"] {
+        assert!(stage.paints(text), "{text}: {:?}", stage.painted());
+    }
+    stage.snapshot(&format!("light-tree-path-{name}"));
+    stage
+}
+
+#[test]
+fn a_pixel_is_estimated_by_each_strategy_on_dark() {
+    let mut stage = estimated([900.0, 420.0], Theme::Dark, "dark");
+    // Another pixel has other estimates.
+    stage.perform(Command::NudgeLeft);
+    assert!(stage.paints("Estimate by each strategy") && !stage.paints("bsdf"), "{:?}", stage.painted());
+    // Other rays have no strategies.
+    stage.open(ROOM, settings(Integrator::Shadows), Arrival { pixel: Some(PIXEL), ..Arrival::default() });
+    assert!(!stage.paints("weight") && !stage.paints("strategies"), "{:?}", stage.painted());
+}
+
+#[test]
+fn a_pixel_is_estimated_by_each_strategy_on_light() {
+    estimated([900.0, 420.0], Theme::Light, "light");
+}
+
+#[test]
+fn a_pixel_is_estimated_in_a_narrow_panel() {
+    estimated([420.0, 560.0], Theme::Dark, "narrow");
+}
+
+#[test]
+fn a_path_on_the_gpu_is_compared_with_f32() {
+    let settings = Settings { device: DeviceKind::Gpu, ..settings(Integrator::Path) };
+    let stage = of_path([900.0, 420.0], Theme::Dark, settings);
+    // Software Vulkan has every bit of the CPU reference; other devices round otherwise.
+    assert!(stage.paints("The GPU and f32 have the same light tree"), "{:?}", stage.painted());
+    assert!(stage.paints("f32 and f64 "), "{:?}", stage.painted());
 }

@@ -5,6 +5,7 @@
 
 mod fate;
 mod map;
+mod tree;
 
 use std::ops::ControlFlow;
 
@@ -16,6 +17,7 @@ use raystep_kernels::{Kernel, Pass, Plan, Progress, RenderError, Renderer, Strea
 use crate::rounding::{Rounding, judging_bytes};
 pub use fate::{Fate, fates};
 pub use map::{Against, Class, DivergenceMap, NEVER, Parting};
+pub use tree::{APART, Apart, Part};
 
 /// Progress of the comparison, after a pass.
 #[derive(Clone, Debug)]
@@ -183,7 +185,7 @@ mod tests {
             // origin, direction, state, hit, colour; seven words per component.
             let components = if renderer.plan().has_stream(streams::TMAX) { 19 } else { 16 };
             let bytes = divergence_bytes(renderer.plan()) / (12 * 9);
-            assert_eq!(bytes, 4 * 7 * components + 65 + 8 + 4 * (3 * components + 3));
+            assert_eq!(bytes, 4 * 7 * components + 70 + 8 + 4 * (3 * components + 3));
         });
     }
 }

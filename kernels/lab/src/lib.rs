@@ -14,6 +14,8 @@
 //! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, interleaved timing, medians and intervals |
 //! | [`compared`], [`built`] | how much a comparison covered, by kernel; a grid that a device has built |
 //! | [`self_test`] | whether raystep works on a GPU: all of this in a minute |
+//! | [`strategies`] | one pixel's light by each strategy of a path tracer |
+//! | [`bounces`], [`non_finite`] | paths of light over the whole image, bounce by bounce; the first value that is not finite, and its cause |
 //! | [`work`], [`structure_stats`] | the cost of rays and use of launched threads; lists of a grid, nodes of a BVH |
 //! | [`intensity`] | operations and bytes of each kernel, and their ratio |
 //! | [`mod@bench`], [`report`], [`stability`] | the measuring commands of the command line |
@@ -27,6 +29,7 @@
 pub mod tidy;
 
 pub mod bench;
+pub mod bounces;
 pub mod built;
 pub mod compare;
 pub mod compared;
@@ -43,6 +46,7 @@ pub mod layer_stats;
 pub mod lockstep;
 pub mod machine;
 pub mod meter;
+pub mod non_finite;
 pub mod outside;
 pub mod paper;
 pub mod parity;
@@ -58,6 +62,7 @@ pub mod self_test;
 pub mod stability;
 pub mod statistics;
 pub mod stiff;
+pub mod strategies;
 pub mod structure_stats;
 mod structures;
 pub mod subject;

@@ -28,6 +28,8 @@ impl<'a> Machine<'a> {
                         value.from = self.join(sides[0].from, sides[1].from);
                         if let Some(operator) = comparison(op).filter(|_| kind != Kind::Bool) {
                             value.from = self.compared(frame, [left, right], operator, lane, cell.width, value, sides);
+                        } else if kind.is_float() && !f32::from_bits(value.bits).is_finite() {
+                            value.from = self.computed(frame, at, &[(left, sides[0]), (right, sides[1])], value);
                         }
                     }
                     self.stack[to + lane as usize] = value;
@@ -51,6 +53,12 @@ impl<'a> Machine<'a> {
                     let mut value = math(fun, kind, values).ok_or_else(|| unsupported("a function"))?;
                     let from = self.join(values[0].from, values[1].from);
                     value.from = self.join(from, values[2].from);
+                    let is_float = cell.kind.is_float() && self.recording.is_some();
+                    if is_float && !f32::from_bits(value.bits).is_finite() {
+                        let handles = [Some(arg), arg1, arg2].into_iter().zip(values);
+                        let operands: Vec<_> = handles.filter_map(|(at, value)| Some((at?, value))).collect();
+                        value.from = self.computed(frame, at, &operands, value);
+                    }
                     self.stack[to + lane as usize] = value;
                 }
             }
@@ -144,7 +152,7 @@ impl<'a> Machine<'a> {
     }
 
     /// An expression as a reader would name it: what it was bound to by `let`, or its source.
-    fn text(&self, frame: &Frame<'a>, at: Handle<Expression>) -> String {
+    pub(super) fn text(&self, frame: &Frame<'a>, at: Handle<Expression>) -> String {
         if let Some(name) = frame.function.named_expressions.get(&at) {
             return name.clone();
         }

@@ -47,6 +47,7 @@ fn slice(recording: &Recording, nodes: &[u32]) -> BTreeSet<usize> {
     walk(recording, nodes, |node| match node {
         Node::Both(a, b) => vec![a, b],
         Node::Comparison(_, from) => vec![from],
+        Node::Operation(index) => vec![recording.operations[index].from],
         Node::Decision(index) => {
             found.insert(index);
             recording.decisions.get(index).map_or_else(Vec::new, |d| vec![d.condition, d.control])
@@ -62,6 +63,7 @@ fn is_outside(recording: &Recording, node: u32) -> bool {
         let next = match node {
             Node::Both(a, b) => vec![a, b],
             Node::Comparison(_, from) => vec![from],
+            Node::Operation(index) => vec![recording.operations[index].from],
             Node::Decision(index) => recording.decisions.get(index).map_or_else(Vec::new, |d| vec![d.condition]),
         };
         is_outside |= next.contains(&OUTSIDE);
@@ -98,6 +100,7 @@ fn comparisons(recording: &Recording, sites: &[Site], decision: usize) -> BTreeS
         Node::Decision(index) if is_site(recording, sites, index, |kind| kind == SiteKind::ShortCircuit) => {
             vec![recording.decisions[index].condition]
         }
+        Node::Operation(index) => vec![recording.operations[index].from],
         Node::Decision(_) => Vec::new(),
     });
     found
@@ -110,6 +113,7 @@ fn because(recording: &Recording, sites: &[Site], decision: usize) -> Option<usi
     walk(recording, &[condition], |node| match node {
         Node::Both(a, b) => vec![a, b],
         Node::Comparison(..) => Vec::new(),
+        Node::Operation(index) => vec![recording.operations[index].from],
         Node::Decision(index) if is_site(recording, sites, index, |kind| kind == SiteKind::ShortCircuit) => {
             vec![recording.decisions[index].condition]
         }

@@ -38,6 +38,10 @@ pub(super) struct Machine<'a> {
     pub(super) row: Vec<Slot>,
     /// Components that were written.
     pub(super) written: Vec<bool>,
+    /// The statements that wrote them.
+    pub(super) stored: Vec<u32>,
+    /// The components before.
+    before: Vec<u32>,
     pub(super) element: Element,
     returned: Vec<Slot>,
     steps: u64,
@@ -63,6 +67,8 @@ impl<'a> Machine<'a> {
             private: Vec::new(),
             row: Vec::new(),
             written: Vec::new(),
+            stored: Vec::new(),
+            before: Vec::new(),
             element: Element { texel: [0; 2], size: [0; 2] },
             returned: Vec::new(),
             steps: 0,
@@ -84,6 +90,10 @@ impl<'a> Machine<'a> {
         self.row.clear();
         self.written.clear();
         self.written.resize(needed, false);
+        self.stored.clear();
+        self.stored.resize(needed, NONE);
+        self.before.clear();
+        self.before.extend_from_slice(texels);
         for &stream in &self.kernel.streams {
             let is_kept = stream.info().texel == Texel::U32 && self.kernel.kept.contains(&stream);
             let from = if is_kept { KNOWN } else { OUTSIDE };
@@ -120,6 +130,7 @@ impl<'a> Machine<'a> {
         let nodes: Vec<u32> = (0..self.row.len()).filter(written).map(|component| self.row[component].from).collect();
         let state = kernel.tag().filter(written).map(|tag| self.row[tag].from);
         recording.deciding = deciding::deciding(&recording, &kernel.code.sites, state.as_slice(), &nodes);
+        recording.non_finite = self.non_finite(&recording, &self.before);
         Ok(recording)
     }
 
@@ -229,7 +240,8 @@ impl<'a> Machine<'a> {
             }
             What::Store { pointer, value } => self.store(frame, *pointer, *value)?,
             What::ImageStore { image, texel, layer, value } => {
-                self.image_store(frame, *image, *texel, *layer, *value)?
+                let component = self.image_store(frame, *image, *texel, *layer, *value)?;
+                self.stored[component] = op.statement;
             }
             What::Call { function, arguments, result } => self.invoke(frame, *function, arguments, *result)?,
             What::Texel(result) => {

@@ -270,6 +270,7 @@ impl<'a> Machine<'a> {
         Ok(())
     }
 
+    /// Returns the component that is written.
     pub(super) fn image_store(
         &mut self,
         frame: &Frame<'a>,
@@ -277,12 +278,12 @@ impl<'a> Machine<'a> {
         texel: Handle<Expression>,
         layer: Handle<Expression>,
         value: Handle<Expression>,
-    ) -> Result<(), InterpretError> {
+    ) -> Result<usize, InterpretError> {
         let component = self.component(frame, image, texel, layer)?;
         let mut slot = self.get(frame, value, 0);
         slot.from = self.join(slot.from, self.control);
         self.row[component] = slot;
         self.written[component] = true;
-        Ok(())
+        Ok(component)
     }
 }

@@ -5,6 +5,7 @@
 //! if it was written in a branch, or could have been, on that branch's condition.
 
 use super::code::{Code, Kind};
+use super::non_finite::{NonFinite, Operation};
 
 /// A constant, or found in an earlier pass.
 pub(super) const KNOWN: u32 = 0;
@@ -13,7 +14,7 @@ pub(super) const OUTSIDE: u32 = 1;
 const FIRST: u32 = 2;
 /// Nodes to keep; after that, a value depends on one of its operands only.
 const MOST_NODES: usize = 1 << 22;
-/// Decisions and comparisons to keep, of each the first so many.
+/// Decisions, comparisons and operations to keep, of each the first so many.
 const MOST_KEPT: usize = 1 << 18;
 
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +25,8 @@ pub(super) enum Node {
     Comparison(usize, u32),
     /// Chosen by a decision.
     Decision(usize),
+    /// The result of an operation that is not finite.
+    Operation(usize),
 }
 
 /// A scalar with its shadow.
@@ -79,6 +82,8 @@ pub struct Recording {
     /// In order.
     pub decisions: Vec<Decision>,
     pub(super) comparisons: Vec<Comparison>,
+    /// Those whose results are not finite.
+    pub(super) operations: Vec<Operation>,
     pub(super) nodes: Vec<Node>,
     /// How often each condition was true, and false.
     pub counts: Vec<[u64; 2]>,
@@ -86,6 +91,8 @@ pub struct Recording {
     pub last: Vec<Option<usize>>,
     /// The decision that the element's new state is due to, see the module `deciding`.
     pub deciding: Option<usize>,
+    /// The first component of the element that has become infinite or not a number.
+    pub non_finite: Option<NonFinite>,
 }
 
 impl Recording {
@@ -94,10 +101,12 @@ impl Recording {
             ran: vec![false; code.statements.len()],
             decisions: Vec::new(),
             comparisons: Vec::new(),
+            operations: Vec::new(),
             nodes: Vec::new(),
             counts: vec![[0; 2]; code.sites.len()],
             last: vec![None; code.sites.len()],
             deciding: None,
+            non_finite: None,
         }
     }
 
@@ -128,6 +137,18 @@ impl Recording {
         }
         self.comparisons.push(comparison);
         self.add(Node::Comparison(self.comparisons.len() - 1, from)).unwrap_or(from)
+    }
+
+    /// Whether there is room for more operations.
+    pub(super) fn takes_operations(&self) -> bool {
+        self.operations.len() < MOST_KEPT
+    }
+
+    /// Records an operation whose result is not finite, and returns its node.
+    pub(super) fn compute(&mut self, operation: Operation) -> u32 {
+        let from = operation.from;
+        self.operations.push(operation);
+        self.add(Node::Operation(self.operations.len() - 1)).unwrap_or(from)
     }
 
     /// Records a decision, and returns its node.

@@ -2,6 +2,7 @@
 
 use super::RayState;
 use super::light_tree::Grow;
+use super::paths::Paths;
 use crate::scene_data::SceneData;
 use crate::tables::stream::Stream;
 
@@ -19,4 +20,6 @@ pub struct Decoding {
     pub tested: fn(&SceneData, &RayState, &RayState) -> Option<u32>,
     /// How a pass adds to a pixel's light tree; `None` if no ray leaves a hit.
     pub tree: Option<Grow>,
+    /// What its passes do to paths of light; `None` if it follows none.
+    pub paths: Option<Paths>,
 }

@@ -5,6 +5,7 @@
 //! from the ray before and after each pass; histories, tables and drawings read the tree alone.
 
 use super::RayState;
+use super::paths::Density;
 use crate::numbers::named::named;
 use crate::scene_data::SceneData;
 
@@ -91,6 +92,13 @@ pub struct Vertex {
     /// Linear light that the ray brings to where it began, or would bring if it reached the vertex: emitted by a surface,
     /// <N, L> times the colour of a light. `None` for a camera, and for a surface that emits nothing.
     pub arrives: Option<[f32; 3]>,
+    /// The share of light along the ray to it that reaches the pixel; of a light, along the ray to the surface it was sampled
+    /// from. `None` if that is not followed.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub throughput: Option<[f32; 3]>,
+    /// The densities of its light's sample, if it was sampled.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub density: Option<Density>,
     /// What this adds to the pixel, without the vertices below; linear light.
     pub contribution: [f64; 3],
     /// Why its branch ends, or goes no further.
@@ -118,6 +126,8 @@ impl Vertex {
             light: None,
             fate: Fate::Reached,
             arrives: None,
+            throughput: None,
+            density: None,
             contribution: [0.0; 3],
             why: String::new(),
             cast: Step::default(),

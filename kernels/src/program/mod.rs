@@ -9,6 +9,7 @@ pub mod kernel;
 pub mod light_tree;
 pub mod live;
 pub mod loops;
+pub mod paths;
 pub mod ray_state;
 pub mod results;
 pub mod rounding;

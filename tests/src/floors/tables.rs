@@ -30,6 +30,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
         "raystep_lab",
         &[
             &[
+                "bounces",
                 "built",
                 "compare",
                 "compared",
@@ -37,9 +38,11 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
                 "flip",
                 "hash",
                 "layer_stats",
+                "non_finite",
                 "outside",
                 "png",
                 "portions",
+                "strategies",
                 "structure_stats",
                 "structures",
                 "text",

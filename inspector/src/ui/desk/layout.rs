@@ -40,7 +40,7 @@ const STEP: Part = Rows(&[
 
 const RAY: Part = Columns(&[
     (1.15, Rows(&[(1.0, Tabs(&[P::Walk3d, P::Structure])), (0.75, Tabs(&[P::Walk2d]))])),
-    (1.0, Rows(&[(1.0, Tabs(&[P::Ray, P::LightTree])), (0.9, Tabs(&[P::Stream, P::Kernel]))])),
+    (1.0, Rows(&[(1.0, Tabs(&[P::Ray, P::LightTree, P::Bounces])), (0.9, Tabs(&[P::Stream, P::Kernel]))])),
 ]);
 
 const COMPARE: Part =

@@ -31,6 +31,7 @@ impl Inspector {
     /// Selects the ray that a panel or a command asks for, and follows it in each run that has not done so.
     pub(super) fn follow_selected(&mut self) {
         if let Some(pixel) = self.state.asks.select.take() {
+            self.state.selection.vertex = self.state.selection.vertex.filter(|wanted| wanted.pixel == pixel);
             // A ray whose following was cancelled can be clicked again.
             let is_known = self.model.history.as_ref().is_some_and(|history| history.pixel == pixel);
             if self.state.selection.pixel != Some(pixel) || !is_known {

@@ -3,26 +3,44 @@
 //!
 //! Touches: selection, display, asks.
 
+mod precision;
+mod strategies;
+
 use std::sync::Arc;
 
 use egui::{Color32, Ui, Vec2, vec2};
-use raystep_kernels::export::light_tree::{Fate, LightTree, Line, Step, Vertex};
+use raystep_kernels::export::light_tree::{Fate, LightTree, Line, Step, Vertex, VertexKind};
 use raystep_kernels::export::trace::Trace;
+use raystep_kernels::program::paths::Technique;
 use raystep_kernels::scene_data::linear_to_srgb;
+use serde::{Deserialize, Serialize};
 
 use super::table::{Head, Look, Rows, Table, View, version};
 use crate::session::request::Opened;
-use crate::ui::pane::{Context, NO_RAYS, Panel};
+use crate::ui::pane::{Context, NO_RAYS, Panel, saves};
 use crate::ui::state::Picked;
 use crate::ui::style::strong;
 use crate::ui::units::{self, Units};
 use crate::walk::row_after_passes;
+use precision::Precision;
+use strategies::Strategies;
 
 /// The light tree.
 #[derive(Default)]
 pub(in crate::ui) struct LightTreeView {
     table: Table,
     shown: Option<Shown>,
+    compared: Compared,
+    strategies: Strategies,
+    precision: Precision,
+}
+
+/// What is shown above the table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+struct Compared {
+    strategies: bool,
+    precision: bool,
 }
 
 /// A tree, and what it was made from.
@@ -51,18 +69,37 @@ impl Shown {
     }
 }
 
-const HEADS: [Head<'static>; 6] = [
+/// The last three are of paths alone.
+const HEADS: [Head<'static>; 9] = [
     Head::tree("vertex", "what a ray ended in, below the vertex that the ray left"),
     Head::text("passes", "from the pass that cast the ray to the one that decided what it ends in"),
     Head::prose("why it ends", "why the branch ends here, or goes no further"),
     Head::text("arrives", "linear r g b that the ray brings to where it began, or would if nothing were in its way"),
     Head::text("adds", "linear r g b that the vertex and all below it add to the pixel"),
     Head::text("point", "where it is; of what is infinitely far away, the direction").minor(),
+    Head::text(
+        "throughput",
+        "linear r g b of the share of the light along the ray to the surface that reaches the pixel",
+    )
+    .minor(),
+    Head::number(
+        "pdf",
+        "of the light's direction by the technique that found it, per steradian; empty without a choice",
+    ),
+    Head::number(
+        "weight",
+        "of the technique that found the light, among all that could have (multiple importance sampling)",
+    ),
 ];
+const PLACE: usize = 5;
+const THROUGHPUT: usize = 6;
+const PDF: usize = 7;
+const WEIGHT: usize = 8;
 const ARRIVES: usize = 3;
 const ADDS: usize = 4;
 
 impl Panel for LightTreeView {
+    saves!(compared);
     fn least(&self) -> Vec2 {
         vec2(240.0, 140.0)
     }
@@ -97,11 +134,13 @@ impl Panel for LightTreeView {
             ui.weak("No pass has processed this ray yet.");
             return;
         };
+        go_to_wanted(cx, &history, tree);
         let at = current.and_then(|row| tree.at_row(row));
         let list = List { shown, tree, current };
         let now = at.and_then(|at| shown.lines.iter().position(|line| line.vertex == at));
         let of = (Arc::as_ptr(&history) as usize, rows, units);
-        let view = View { name: "light tree", heads: &HEADS, rows: &list, version: version(of), current: now };
+        let heads = if opened.data.features.path { &HEADS[..] } else { &HEADS[..THROUGHPUT] };
+        let view = View { name: "light tree", heads, rows: &list, version: version(of), current: now };
         let sample = at.map_or(0, |at| tree.vertices[at].sample);
         ui.horizontal_wrapped(|ui| {
             let [x, y] = history.pixel;
@@ -114,13 +153,50 @@ impl Panel for LightTreeView {
             if ui.button("Copy as text").clicked() {
                 ui.ctx().copy_text(tree.table(&history, units));
             }
+            if opened.data.features.path {
+                ui.checkbox(&mut self.compared.strategies, "strategies")
+                    .on_hover_text("the pixel by each strategy, with the error of its mean");
+            }
+            ui.checkbox(&mut self.compared.precision, "precision")
+                .on_hover_text("the first bounce in which the GPU, f32 and f64 differ by more than rounding");
         });
-        let chosen = self.table.show(ui, &view).and_then(|row| list.vertex(row));
+        if self.compared.strategies && opened.data.features.path {
+            self.strategies.show(ui, cx, history.pixel);
+        }
+        let mut wanted = None;
+        if self.compared.precision && !cx.display.hides_next {
+            wanted = self.precision.show(ui, cx, &history).and_then(|vertex| tree.vertices.get(vertex));
+        }
+        let chosen = self.table.show(ui, &view).and_then(|row| list.vertex(row)).or(wanted);
         cx.display.units = units;
         if let Some(vertex) = chosen {
             cx.asks.go_to = place(vertex.decided.unwrap_or(vertex.cast)).or(cx.asks.go_to);
             cx.selection.picked = triangle(vertex).map(Picked::Triangle);
         }
+    }
+}
+
+/// Goes to a vertex that another panel asked for, as a click on its row does. Its pass may be known only once it has run.
+fn go_to_wanted(cx: &mut Context<'_>, history: &Trace, tree: &LightTree) {
+    let Some(wanted) = cx.selection.vertex.filter(|wanted| wanted.pixel == history.pixel) else { return };
+    let is_it = |vertex: &&Vertex| {
+        let kind = match wanted.technique {
+            Technique::EmitterHit => VertexKind::Surface,
+            Technique::LightSample => VertexKind::Light,
+            Technique::Background => VertexKind::Background,
+        };
+        (vertex.sample, vertex.depth, vertex.kind) == (wanted.sample, wanted.depth, kind)
+    };
+    let vertex = tree.vertices.iter().find(is_it);
+    match vertex.and_then(|vertex| place(vertex.decided?)) {
+        Some(known) => {
+            cx.asks.go_to = Some(known);
+            cx.selection.picked = vertex.and_then(triangle).map(Picked::Triangle);
+            cx.selection.vertex = None;
+        }
+        None if cx.model.place < wanted.place && !cx.model.is_busy() => cx.asks.go_to = Some(wanted.place),
+        None if cx.model.is_busy() => {}
+        None => cx.selection.vertex = None,
     }
 }
 
@@ -198,13 +274,23 @@ impl Rows for List<'_> {
             ARRIVES => &line.arrives,
             ADDS => &line.adds,
             2 => &line.why,
-            _ => &line.place,
+            PLACE => &line.place,
+            THROUGHPUT => {
+                let throughput = self.vertex(row).filter(|v| v.kind != VertexKind::Light).and_then(|v| v.throughput);
+                return throughput.map_or_else(String::new, |rgb| rgb.map(|c| format!("{c:.3}")).join(" "));
+            }
+            _ => return self.number(row, column).map_or_else(String::new, |number| format!("{number:.4}")),
         };
         text.clone()
     }
 
-    /// The mean of the components.
+    /// Of light, the mean of the components.
     fn number(&self, row: usize, column: usize) -> Option<f64> {
+        match column {
+            PDF => return self.vertex(row)?.density?.pdf,
+            WEIGHT => return self.vertex(row)?.density.map(|density| density.weight),
+            _ => {}
+        }
         self.light(row, column).map(|rgb| rgb.iter().sum::<f64>() / 3.0)
     }
 
@@ -213,6 +299,7 @@ impl Rows for List<'_> {
         match column {
             ARRIVES | ADDS => self.light(row, column).map(all),
             2 => self.line(row).map(|line| line.why.clone()),
+            PDF | WEIGHT => self.number(row, column).map(|number| number.to_string()),
             _ => None,
         }
     }

@@ -11,7 +11,7 @@ use crate::text::counted;
 pub const NEVER: u32 = u32::MAX;
 
 /// Bytes per ray for one class: pass, place, two values.
-const BYTES: u64 = 4 + 1 + 8;
+const BYTES: u64 = 4 + 2 + 8;
 
 /// Maximum bytes of a map per ray.
 pub(super) const MOST_BYTES_A_RAY: u64 = BYTES * Class::ALL.len() as u64;
@@ -83,7 +83,7 @@ pub struct Parting {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Firsts {
     pass: Vec<u32>,
-    place: Vec<u8>,
+    place: Vec<u16>,
     values: Vec<[u32; 2]>,
     count: u64,
 }
@@ -98,15 +98,15 @@ pub struct DivergenceMap {
     refused: Option<OutOfMemory>,
 }
 
-/// Packs four bits of stream, three of layer, one of `against`.
-fn place(stream: Stream, layer: usize, against: Against) -> u8 {
-    ((stream.index() as u8) << 4) | ((layer as u8) << 1) | u8::from(against == Against::F64)
+/// Packs eight bits of stream, seven of layer, one of `against`.
+fn place(stream: Stream, layer: usize, against: Against) -> u16 {
+    ((stream.index() as u16) << 8) | ((layer as u16) << 1) | u16::from(against == Against::F64)
 }
 
-fn of_place(program: &'static Program, place: u8) -> Option<(Stream, usize, Against)> {
+fn of_place(program: &'static Program, place: u16) -> Option<(Stream, usize, Against)> {
     let against = if place & 1 == 1 { Against::F64 } else { Against::Device };
-    let stream = program.streams.get(usize::from(place >> 4)).map(Stream::of)?;
-    Some((stream, usize::from(place >> 1 & 7), against))
+    let stream = program.streams.get(usize::from(place >> 8)).map(Stream::of)?;
+    Some((stream, usize::from(place >> 1 & 127), against))
 }
 
 impl Firsts {
@@ -270,15 +270,19 @@ impl DivergenceMap {
 #[cfg(test)]
 mod tests {
     use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, streams};
+    use raystep_kernels::programs::path;
 
     use super::*;
 
     #[test]
     fn a_place_is_read_back_as_it_was_packed() {
-        for stream in PROGRAM.streams() {
-            for layer in 0..stream.layers() {
-                for against in [Against::Device, Against::F64] {
-                    assert_eq!(of_place(&PROGRAM, place(stream, layer, against)), Some((stream, layer, against)));
+        // Paths have more streams than rays, and streams of more layers.
+        for program in [&PROGRAM, &*path::PROGRAM] {
+            for stream in program.streams() {
+                for layer in 0..stream.layers() {
+                    for against in [Against::Device, Against::F64] {
+                        assert_eq!(of_place(program, place(stream, layer, against)), Some((stream, layer, against)));
+                    }
                 }
             }
         }

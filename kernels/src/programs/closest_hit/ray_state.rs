@@ -41,6 +41,7 @@ pub(in crate::programs) const DECODING: Decoding = Decoding {
     decode,
     tested: super::explain::tested,
     tree: None,
+    paths: None,
 };
 
 fn decode(texel: Texel<'_>) -> RayState {

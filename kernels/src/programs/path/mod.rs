@@ -13,6 +13,7 @@
 
 mod breaks;
 mod connected;
+mod densities;
 mod direction;
 mod emitters;
 mod explain;
@@ -24,6 +25,7 @@ pub mod sample_bsdf;
 pub mod sample_light;
 mod scattered;
 mod schedule;
+mod steps;
 mod toward;
 mod tree;
 mod vertex;
@@ -54,7 +56,11 @@ pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
         summary: "paths from the camera over random bounces, with a shadow ray at each",
         courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }])),
         kernels: Vec::leak(kernels),
-        rays: closest_hit::PROGRAM.rays.map(|rays| Decoding { tree: Some(tree::grow), ..rays }),
+        rays: closest_hit::PROGRAM.rays.map(|rays| Decoding {
+            tree: Some(tree::grow),
+            paths: Some(steps::PATHS),
+            ..rays
+        }),
         states: ALL,
         modules,
         ..*light::PROGRAM

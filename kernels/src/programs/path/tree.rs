@@ -1,5 +1,6 @@
 //! How a pass adds to a pixel's light tree: a path is a branch of surfaces, with a sampled emitter at each.
 
+use super::densities::{of_background, of_emitter_hit, of_light_sample};
 use super::explain::why_ended;
 use crate::program::RayState;
 use crate::program::light_tree::{Fate, Grower, Place, Vertex, VertexKind};
@@ -46,10 +47,13 @@ fn sampled_light(tree: &mut Grower, data: &SceneData, before: &RayState, after: 
     let contribution = difference(to.radiance, so_far);
     let emitted = arriving(contribution.map(|c| c as f32), from);
     let (depth, arrives) = (from.depth, Some(emitted).filter(|&rgb| rgb != [0.0; 3]));
+    let throughput = Some(from.throughput);
     let Some((triangle, [u, v])) = before.triangle.zip(before.barycentric) else {
         let place = Place::Direction(before.direction.map(f64::from));
         let why = "background".into();
-        tree.add(Vertex { depth, arrives, contribution, why, ..Vertex::new(VertexKind::Background, place) });
+        let density = Some(of_background(before));
+        let background = Vertex::new(VertexKind::Background, place);
+        tree.add(Vertex { depth, arrives, throughput, density, contribution, why, ..background });
         return;
     };
     if triangle >= data.info.triangles {
@@ -58,7 +62,9 @@ fn sampled_light(tree: &mut Grower, data: &SceneData, before: &RayState, after: 
     let [a, b, c] = data.corners::<f64>(triangle);
     let point = (a + ((b - a) * f64::from(u) + (c - a) * f64::from(v))).to_f64();
     let surface = Vertex::new(VertexKind::Surface, Place::Point(point));
-    tree.hit(before, Vertex { depth, triangle: Some(triangle), arrives, contribution, ..surface });
+    let density = arrives.and_then(|_| of_emitter_hit(data, before));
+    let triangle = Some(triangle);
+    tree.hit(before, Vertex { depth, triangle, arrives, throughput, density, contribution, ..surface });
     if after.tag == SHADOW_SETUP {
         let id = after.light.unwrap_or_default();
         let index = (id & PUNCTUAL != 0).then_some((id ^ PUNCTUAL) as usize);
@@ -71,6 +77,8 @@ fn sampled_light(tree: &mut Grower, data: &SceneData, before: &RayState, after: 
             depth,
             fate: Fate::Open,
             arrives: Some(arriving(after.pending.unwrap_or_default(), from)),
+            throughput,
+            density: of_light_sample(data, before, after),
             why: "its shadow ray is on its way".into(),
             light: index.and_then(|i| u32::try_from(i + 1).ok()),
             triangle: index.is_none().then_some(id),
