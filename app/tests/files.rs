@@ -59,20 +59,58 @@ fn exr_carries_what_each_ray_hit() {
     place.ok(&["render", &cornell_box(), "-o", "box.exr", "--size", "32x32", "--quiet", "--device", "cpu"]);
     let channels = channels(place.read("box.exr"));
     let names: Vec<_> = channels.keys().map(String::as_str).collect();
-    let expected = ["A", "B", "G", "Hit.Bary.U", "Hit.Bary.V", "Hit.T.V", "Hit.TriId.V", "Normal.X", "Normal.Y"];
+    let expected = ["A", "Albedo.B", "Albedo.G", "Albedo.R", "B", "G", "Hit.Bary.U", "Hit.Bary.V", "Hit.T.V"];
     assert_eq!(names[..9], expected);
-    assert_eq!(names[9..], ["Normal.Z", "R", "Z"]);
+    assert_eq!(names[9..], ["Hit.TriId.V", "Normal.X", "Normal.Y", "Normal.Z", "R", "Samples.V", "Z"]);
     let FlatSamples::U32(ids) = &channels["Hit.TriId.V"] else { panic!("ids are not UINT") };
     assert!(ids.iter().all(|&id| id < 26), "every pixel of the closed box hits one of its triangles");
     // The centre of the top half shows the back wall, which faces the viewer.
     let centre = 12 * 32 + 20;
     let normal = ["Normal.X", "Normal.Y", "Normal.Z"].map(|n| floats(&channels, n)[centre].abs());
     assert_eq!(normal, [0.0, 0.0, 1.0]);
+    let albedo = ["R", "G", "B"].map(|n| floats(&channels, &format!("Albedo.{n}"))[16 * 32 + 1]);
+    assert_eq!(albedo, [0.65, 0.05, 0.05], "the red wall at the left");
+    assert_eq!(channels["Samples.V"], FlatSamples::U32(vec![1; 32 * 32]));
     assert_eq!(floats(&channels, "Z"), floats(&channels, "Hit.T.V"));
     let depth = floats(&channels, "Z")[centre];
     assert!((1.0..10.0).contains(&depth), "depth {depth} is not in scene units");
     let (u, v) = (floats(&channels, "Hit.Bary.U"), floats(&channels, "Hit.Bary.V"));
     assert!(u.iter().zip(v).all(|(u, v)| *u >= 0.0 && *v >= 0.0 && u + v <= 1.0001));
+}
+
+/// Layers by bounce add up to the colour, and are the differences of pictures with fewer bounces.
+#[test]
+fn exr_carries_light_by_bounce() {
+    let place = Place::new();
+    let file = scene("lights.gltf").display().to_string();
+    let render = |output: &str, depth: &str, more: &[&str]| {
+        let sized = ["--size", "24x16", "--spp", "18", "--seed", "5", "--quiet", "--device", "cpu"];
+        let path = ["--integrator", "path", "--max-depth", depth, "-o", output];
+        place.ok(&[&["render", &file], &sized[..], &path[..], more].concat());
+        channels(place.read(output))
+    };
+    let depths = ["0", "1", "2", "3", "4"].map(|depth| render("whole.exr", depth, &[]));
+    let layered = render("layered.exr", "4", &["--by-bounce"]);
+    assert_eq!(layered.len(), depths[4].len() + 5 * 3);
+    let layers = ["Emitted", "Direct", "Indirect.2", "Indirect.3", "Indirect.4"];
+    for channel in ["R", "G", "B"] {
+        let wholes = depths.each_ref().map(|channels| floats(channels, channel));
+        let parts = layers.map(|layer| floats(&layered, &format!("{layer}.{channel}")));
+        assert_eq!(floats(&layered, channel), wholes[4], "the colour is that of a run without layers");
+        assert_eq!(parts[0], wholes[0]);
+        for i in 0..24 * 16 {
+            for bounce in 1..5 {
+                let part = parts[bounce][i];
+                assert_eq!(part, wholes[bounce][i] - wholes[bounce - 1][i]);
+                // Light is added: what is below 0 is the rounding of 18 samples' mean.
+                assert!(part >= -1e-6 * wholes[4][i], "{} of pixel {i}: {part}", layers[bounce]);
+            }
+            let sum: f32 = parts.iter().map(|part| part[i]).sum();
+            assert!((sum - wholes[4][i]).abs() <= 1e-6 * wholes[4][i], "pixel {i}: {sum}, not {}", wholes[4][i]);
+        }
+        let most = parts.map(|part| part.iter().fold(0.0f32, |most, v| most.max(*v)));
+        assert!(most.iter().all(|most| *most > 1e-3), "{most:?}");
+    }
 }
 
 #[test]

@@ -200,6 +200,11 @@ fn options_that_need_others_or_do_not_fit_say_which() {
         ("--camera 9: the scene has one camera, number 0".into(), render(&["--camera", "9"])),
         ("--family requires --cost as well".into(), vec!["stability", "--family", "room"]),
         ("--do requires --screenshot <F.png> as well".into(), vec!["inspect", &file, "--do", "Quit"]),
+        ("--by-bounce divides the light of paths: add --integrator path".into(), render(&["--by-bounce"])),
+        (
+            "--by-bounce writes layers, which a PNG does not have: use a name that ends in .exr".into(),
+            render(&["--by-bounce", "--integrator", "path"]),
+        ),
         ("--size is given more than once".into(), render(&["--size", "8x8", "--size", "9x9"])),
         ("--output <OUT.png|OUT.exr> is missing (see --help)".into(), vec!["render", &file]),
         ("--output <OUT.png|OUT.exr> and <SCENE> are missing (see --help)".into(), vec!["render"]),

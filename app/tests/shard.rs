@@ -38,17 +38,39 @@ fn a_picture_has_the_same_bytes_in_one_three_and_seven_parts() {
     assert_eq!(image::load_from_memory(&place.read("part-1-of-7/so-far.png")).expect("a PNG").width(), 24);
     // The floats are those of one run, too.
     render(&place, &["-o", "whole.exr"]);
-    let colors = |name: &str| {
-        let image = exr::prelude::read_first_rgba_layer_from_file(
-            place.path(name),
-            |size, _| vec![[0u32; 4]; size.area()],
-            |pixels, at, (r, g, b, a): (f32, f32, f32, f32)| {
-                pixels[at.y() * 24 + at.x()] = [r, g, b, a].map(f32::to_bits);
-            },
-        );
-        image.expect("an EXR").layer_data.channel_data.pixels
+    assert!(colors(&place, "whole.exr") == colors(&place, "7.exr"));
+}
+
+/// The bits of the colours of an EXR.
+fn colors(place: &Place, name: &str) -> Vec<[u32; 4]> {
+    let image = exr::prelude::read_first_rgba_layer_from_file(
+        place.path(name),
+        |size, _| vec![[0u32; 4]; size.area()],
+        |pixels, at, (r, g, b, a): (f32, f32, f32, f32)| {
+            pixels[at.y() * 24 + at.x()] = [r, g, b, a].map(f32::to_bits);
+        },
+    );
+    image.expect("an EXR").layer_data.channel_data.pixels
+}
+
+/// Random paths, too: what decides them depends on the sample's number, not on the part.
+#[test]
+fn a_picture_of_paths_has_the_same_bits_in_parts() {
+    let place = Place::new();
+    let paths = ["--integrator", "path", "--spp", "256", "--seed", "9"];
+    let scene = scene("lights.gltf").display().to_string();
+    let render = |more: &[&str]| {
+        place.ok(&[&["render", &scene, "--size", "24x18", "--device", "cpu", "--quiet"], &paths[..], more].concat());
     };
-    assert!(colors("whole.exr") == colors("7.exr"));
+    render(&["-o", "whole.exr"]);
+    let parts = ["a", "b", "c", "d", "e"];
+    for (index, part) in (1..).zip(parts) {
+        render(&["--shard", &format!("{index}/5"), "-o", part]);
+    }
+    place.ok(&[&["merge"], &parts[..], &["-o", "merged.exr"]].concat());
+    assert!(colors(&place, "whole.exr") == colors(&place, "merged.exr"));
+    let bits = colors(&place, "whole.exr");
+    assert!(bits.iter().filter(|pixel| pixel[0] > bits[0][0]).count() > 24, "a picture");
 }
 
 #[test]

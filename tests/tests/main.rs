@@ -19,6 +19,7 @@ mod intervals;
 mod library;
 mod light;
 mod mapping;
+mod mitsuba;
 mod names;
 mod parity;
 mod path;

@@ -19,7 +19,7 @@ use crate::terminal::Progress;
 /// twice, or if devices or drivers differ (unless --mixed is used).
 ///
 /// Parts of an image are combined into one image. If all devices are of the same kind, its pixels are bit-identical to
-/// those of a single run with all samples; an EXR has colour only, without the hit channels of 'raystep render'. Parts
+/// those of a single run with all samples; an EXR has colour only, without the layers of 'raystep render'. Parts
 /// of 'bench' and 'stability' are combined into one folder with the tables of a single run; HTML pages are copied, one
 /// per part.
 #[derive(Args, Debug)]

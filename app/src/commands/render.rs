@@ -1,5 +1,6 @@
 //! `raystep render`
 
+mod bounces;
 mod part;
 
 use std::io::Cursor;
@@ -30,12 +31,12 @@ const MISTAKES_SHOWN: usize = 8;
 /// Render a scene to an image
 ///
 /// PNG is sRGB. EXR is linear, with additional channels for what each ray hit, with --spp each ray of the last sample: Z,
-/// Hit.T.V, Hit.Bary.U and .V, Hit.TriId.V, Normal.X, .Y and .Z.
+/// Hit.T.V, Hit.Bary.U and .V, Hit.TriId.V, Normal.X, .Y and .Z, Albedo.R, .G and .B; and Samples.V, the number of samples.
 ///
 /// With --shard I/N, the samples of each pixel are divided among N machines or jobs, in blocks of 16. The output is then
 /// a folder with the mean of each of this part's blocks, and their image so far, so-far.png. If it is started again, the
 /// command traces only the missing blocks. 'raystep merge' combines all parts into one image. If all devices are of the
-/// same kind, its pixels are bit-identical to those of the same command without --shard; a merged EXR has no hit channels.
+/// same kind, its pixels are bit-identical to those of the same command without --shard; a merged EXR has colour only.
 #[derive(Args, Debug)]
 #[command(
     mut_arg("schedule", fastest_schedule),
@@ -46,6 +47,7 @@ Examples:
   raystep render cornell-box -o box.png --spp 64
   raystep render cornell-box -o part-1 --spp 256 --shard 1/4
   raystep render teapot -o teapot.exr --size 1920x1080 --device cpu
+  raystep render cornell-box -o box.exr --integrator path --spp 256 --by-bounce
   raystep render cornell-box -o box.png --numerics paper --check
   raystep render terrain -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
   raystep render cornell-box -o box.png --passes-csv passes.csv --summary-json run.json
@@ -74,6 +76,10 @@ pub(crate) struct RenderArgs {
     /// Count cells visited and triangles tested
     #[arg(long)]
     counters: bool,
+    /// Also write the light of paths by their number of bounces, with --integrator path, as layers of an EXR that add up to
+    /// its colour: Emitted, Direct, Indirect.2, .3, … Takes another image for each bounce of --max-depth, with fewer bounces
+    #[arg(long)]
+    by_bounce: bool,
     /// Compare every hit, with --spp those of the last sample, with f64 brute force; with --numerics robust, a difference
     /// is a failure
     #[arg(long)]
@@ -97,6 +103,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
         return part::run(args, shard);
     }
     let format = if ending("-o", &args.output, &["png", "exr"])? == "exr" { Format::Exr } else { Format::Png };
+    bounces::check(args, format)?;
     let target = Target::new(&args.output)?;
     let optional = |path: &Option<PathBuf>| path.as_deref().map(Target::new).transpose();
     let (passes_target, trace_target) = (optional(&args.passes_csv)?, optional(&args.trace_json)?);
@@ -130,9 +137,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
     let hits = running.chosen.wait(running.renderer.hits())?;
     running.watch.lap("read_back");
     let report = args.check.then(|| check(&mut running, &progress)).transpose()?;
+    let bounces = if args.by_bounce { bounces::trace(&running, &progress)? } else { Vec::new() };
+    running.watch.lap("by_bounce");
 
     progress.stage("writing");
-    let mut files = vec![(target, encode(format, &image, &hits, &running, &args.output)?)];
+    let mut files = vec![(target, encode(format, &image, &hits, &bounces, &running, &args.output)?)];
     if let Some(target) = passes_target {
         let each = counted.as_ref().map_or(&[][..], |counted| &counted.passes);
         files.push((target, running.passes_csv(&running.run_context(), each)?));
@@ -213,6 +222,7 @@ fn encode(
     format: Format,
     image: &Image,
     hits: &[Option<RayHit>],
+    bounces: &[Image],
     running: &Running,
     path: &Path,
 ) -> Result<Vec<u8>, Error> {
@@ -220,7 +230,14 @@ fn encode(
         Format::Png => encode_png(image, path),
         Format::Exr => {
             let mut file = Cursor::new(Vec::new());
-            exr::write_image(&mut file, image, hits, &running.scene.triangles).map_err(|e| cannot_encode(path, &e))?;
+            let layers = exr::Layers {
+                hits,
+                triangles: &running.scene.triangles,
+                albedo: &running.renderer.albedo(hits)?,
+                samples: running.renderer.samples(),
+                bounces,
+            };
+            exr::write_image(&mut file, image, &layers).map_err(|e| cannot_encode(path, &e))?;
             Ok(file.into_inner())
         }
     }

@@ -12,6 +12,11 @@
 //! | `Hit.Bary.U` `Hit.Bary.V` | float | weights of vertices 1 and 2 | 0 |
 //! | `Hit.TriId.V` | uint | triangle id | 4294967295 |
 //! | `Normal.X` `Normal.Y` `Normal.Z` | float | unit normal of the triangle's plane, by its winding | 0 |
+//! | `Albedo.R` `.G` `.B` | float | colour of the surface: its material's, times that of vertices and texture | 0 |
+//! | `Samples.V` | uint | samples of the pixel | the same |
+//! | `Emitted.R` `.G` `.B` | float | light that the camera sees without a bounce: of surfaces that glow, and of the sky | the sky |
+//! | `Direct.R` `.G` `.B` | float | light after one bounce | 0 |
+//! | `Indirect.2.R` `.G` `.B`, … | float | light after two bounces, … | 0 |
 //!
 //! A camera ray's direction has length 1 along the view, so its t *is* the depth; input rays have no view, and `Z`
 //! repeats t.
@@ -37,11 +42,11 @@ pub enum ExrError {
     /// The encoder refused the image.
     #[error("the EXR encoder refused the image: {0}")]
     Encode(String),
-    /// The number of hits differs from the number of pixels.
-    #[error("{hits} hits were given for {pixels} pixels")]
+    /// A layer has another number of values than there are pixels.
+    #[error("a layer has {values} values for {pixels} pixels")]
     WrongLength {
-        /// Hits.
-        hits: usize,
+        /// Values.
+        values: usize,
         /// Pixels.
         pixels: usize,
     },
@@ -64,18 +69,32 @@ impl From<::exr::error::Error> for ExrError {
     }
 }
 
-/// Writes the image and each ray's hit. `triangles` are the scene's corners, for the normals.
+/// What a file has beside an image.
+#[derive(Clone, Copy, Debug)]
+pub struct Layers<'a> {
+    /// Each pixel's hit.
+    pub hits: &'a [Option<RayHit>],
+    /// The scene's corners, for the normals.
+    pub triangles: &'a [[[f32; 3]; 3]],
+    /// Each pixel's [albedo](crate::renderer::Renderer::albedo).
+    pub albedo: &'a [[f32; 3]],
+    /// Samples of each pixel.
+    pub samples: u32,
+    /// The images of the same paths with at most 0, 1, 2… bounces, if the light of each number of bounces is wanted: the
+    /// difference of two images. The last one is the image itself and not among them.
+    pub bounces: &'a [Image],
+}
+
+/// Writes the image and its layers.
 ///
 /// # Errors
 /// If `out` fails, or the sizes do not match.
-pub fn write_image(
-    out: &mut (impl Write + Seek),
-    image: &Image,
-    hits: &[Option<RayHit>],
-    triangles: &[[[f32; 3]; 3]],
-) -> Result<(), ExrError> {
-    if hits.len() != image.pixels.len() {
-        return Err(ExrError::WrongLength { hits: hits.len(), pixels: image.pixels.len() });
+pub fn write_image(out: &mut (impl Write + Seek), image: &Image, layers: &Layers<'_>) -> Result<(), ExrError> {
+    let Layers { hits, triangles, albedo, samples, bounces } = *layers;
+    let pixels = image.pixels.len();
+    let lengths = [hits.len(), albedo.len()].into_iter().chain(bounces.iter().map(|of| of.pixels.len()));
+    if let Some(values) = lengths.into_iter().find(|&length| length != pixels) {
+        return Err(ExrError::WrongLength { values, pixels });
     }
     let normals = hits
         .iter()
@@ -94,7 +113,7 @@ pub fn write_image(
     let normal = |a: usize| FlatSamples::F32(normals.iter().map(|n| n[a]).collect());
     let ids = hits.iter().map(|hit| hit.as_ref().map_or(NO_TRIANGLE, |h| h.triangle)).collect();
     let t = || floats(&|hit| hit.t as f32, f32::INFINITY);
-    let channels = vec![
+    let mut channels = vec![
         AnyChannel::new("R", color(0)),
         AnyChannel::new("G", color(1)),
         AnyChannel::new("B", color(2)),
@@ -107,7 +126,25 @@ pub fn write_image(
         AnyChannel::new("Normal.X", normal(0)),
         AnyChannel::new("Normal.Y", normal(1)),
         AnyChannel::new("Normal.Z", normal(2)),
+        AnyChannel::new("Samples.V", FlatSamples::U32(vec![samples; pixels])),
     ];
+    let mut add = |layer: &str, value: &dyn Fn(usize, usize) -> f32| {
+        channels.extend(["R", "G", "B"].into_iter().enumerate().map(|(c, name)| {
+            let values = (0..pixels).map(|i| value(i, c)).collect();
+            AnyChannel::new(format!("{layer}.{name}").as_str(), FlatSamples::F32(values))
+        }));
+    };
+    add("Albedo", &|i, c| albedo[i][c]);
+    let mut before: Option<&Image> = None;
+    for (bounce, light) in bounces.iter().chain((!bounces.is_empty()).then_some(image)).enumerate() {
+        let layer = match bounce {
+            0 => "Emitted".to_owned(),
+            1 => "Direct".to_owned(),
+            more => format!("Indirect.{more}"),
+        };
+        add(&layer, &|i, c| light.pixels[i][c] - before.map_or(0.0, |before| before.pixels[i][c]));
+        before = Some(light);
+    }
     write_channels(out, image.width, image.height, channels)
 }
 
@@ -196,10 +233,22 @@ mod tests {
         let hits = [Some(RayHit { t: 2.5, u: 0.25, v: 0.5, triangle: 1 }), None];
         let triangles = [[[0.0; 3]; 3], [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 2.0, 0.0]]];
         let mut file = Cursor::new(Vec::new());
-        write_image(&mut file, &image, &hits, &triangles).expect("memory");
+        let least = Image { pixels: vec![[0.0, 0.125, 0.25, 1.0], [0.5; 4]], ..image.clone() };
+        let albedo = [[0.5, 0.25, 0.125], [0.0; 3]];
+        let layers = Layers { hits: &hits, triangles: &triangles, albedo: &albedo, samples: 7, bounces: &[least] };
+        write_image(&mut file, &image, &layers).expect("memory");
         let expected = [
             ("A", FlatSamples::F32(vec![1.0, 0.0])),
+            ("Albedo.B", FlatSamples::F32(vec![0.125, 0.0])),
+            ("Albedo.G", FlatSamples::F32(vec![0.25, 0.0])),
+            ("Albedo.R", FlatSamples::F32(vec![0.5, 0.0])),
             ("B", FlatSamples::F32(vec![0.3, 0.6])),
+            ("Direct.B", FlatSamples::F32(vec![0.3 - 0.25, 0.6 - 0.5])),
+            ("Direct.G", FlatSamples::F32(vec![0.2 - 0.125, 0.0])),
+            ("Direct.R", FlatSamples::F32(vec![0.1, 0.4 - 0.5])),
+            ("Emitted.B", FlatSamples::F32(vec![0.25, 0.5])),
+            ("Emitted.G", FlatSamples::F32(vec![0.125, 0.5])),
+            ("Emitted.R", FlatSamples::F32(vec![0.0, 0.5])),
             ("G", FlatSamples::F32(vec![0.2, 0.5])),
             ("Hit.Bary.U", FlatSamples::F32(vec![0.25, 0.0])),
             ("Hit.Bary.V", FlatSamples::F32(vec![0.5, 0.0])),
@@ -209,6 +258,7 @@ mod tests {
             ("Normal.Y", FlatSamples::F32(vec![0.0, 0.0])),
             ("Normal.Z", FlatSamples::F32(vec![1.0, 0.0])),
             ("R", FlatSamples::F32(vec![0.1, 0.4])),
+            ("Samples.V", FlatSamples::U32(vec![7, 7])),
             ("Z", FlatSamples::F32(vec![2.5, f32::INFINITY])),
         ];
         let channels = read(file.into_inner());
@@ -223,8 +273,13 @@ mod tests {
         let image = Image { width: 1, height: 1, pixels: vec![[0.0; 4]] };
         let hit = Some(RayHit { t: 1.0, u: 0.0, v: 0.0, triangle: 7 });
         let mut out = Cursor::new(Vec::new());
-        assert!(matches!(write_image(&mut out, &image, &[], &[]), Err(ExrError::WrongLength { hits: 0, pixels: 1 })));
-        let refused = write_image(&mut out, &image, &[hit], &[]);
+        let layers = Layers { hits: &[hit], triangles: &[], albedo: &[[0.0; 3]], samples: 1, bounces: &[] };
+        let short = [Layers { hits: &[], ..layers }, Layers { albedo: &[], ..layers }];
+        for layers in short {
+            let refused = write_image(&mut out, &image, &layers);
+            assert!(matches!(refused, Err(ExrError::WrongLength { values: 0, pixels: 1 })));
+        }
+        let refused = write_image(&mut out, &image, &layers);
         assert!(matches!(refused, Err(ExrError::NoSuchTriangle { triangle: 7, triangles: 0 })));
     }
 

@@ -1,5 +1,6 @@
 //! Where the results of a program's rays are, so that images, hits and costs are read alike from every such program.
 
+use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::stream::{Component, Stream, StreamData};
 
@@ -27,6 +28,8 @@ pub struct Results {
     pub blocks: Stream,
     /// Costs: cells or nodes visited, triangles tested, tests repeated.
     pub counters: Stream,
+    /// What a surface reflects of red, green and blue light, by triangle and weights of vertices 1 and 2, if the run shades.
+    pub albedo: fn(&SceneData, u32, [f32; 2]) -> [f32; 3],
 }
 
 impl Results {

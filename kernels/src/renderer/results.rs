@@ -155,4 +155,17 @@ impl Renderer {
         };
         Ok((0..self.plan.rays as usize).map(hit_of).collect())
     }
+
+    /// What the surfaces of hits reflect of red, green and blue light; 0 without a hit, and in a run that does not shade.
+    ///
+    /// # Errors
+    /// If the program traces no rays.
+    pub fn albedo(&self, hits: &[Option<RayHit>]) -> Result<Vec<[f32; 3]>, RenderError> {
+        let albedo = self.results()?.albedo;
+        let of = |hit: &Option<RayHit>| match hit {
+            Some(hit) if !self.data.materials.is_empty() => albedo(&self.data, hit.triangle, [hit.u, hit.v]),
+            _ => [0.0; 3],
+        };
+        Ok(hits.iter().map(of).collect())
+    }
 }

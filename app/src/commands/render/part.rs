@@ -91,6 +91,7 @@ fn refuse_other_outputs(args: &RenderArgs) -> Result<(), Error> {
         ("--summary-json", args.summary_json.is_some()),
         ("--counters", args.counters),
         ("--check", args.check),
+        ("--by-bounce", args.by_bounce),
     ];
     match all.iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => Err(Error::usage(format!("--shard cannot be combined with {option}: omit one of them"))),

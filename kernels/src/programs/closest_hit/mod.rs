@@ -63,6 +63,7 @@ pub(in crate::programs) const RESULTS: Results = Results {
     mean: streams::ACCUMULATED,
     blocks: streams::BLOCKS,
     counters: streams::COUNTERS,
+    albedo: shade::surface::albedo,
 };
 
 /// The program.

@@ -28,6 +28,11 @@ pub(in crate::programs) fn surface_normal<R: Real>(scene: &SceneData, triangle: 
     unit3(cross3(unit3(b - a), unit3(c - a)))
 }
 
+/// The colour of a surface, from the f32 of its streams.
+pub(in crate::programs) fn albedo(scene: &SceneData, triangle: u32, weights: [f32; 2]) -> [f32; 3] {
+    diffuse_color(scene, material_of(scene, triangle), triangle, weights).to_array()
+}
+
 /// The material's colour, times those of the vertices and of the texture.
 pub(in crate::programs) fn diffuse_color<R: Real>(
     scene: &SceneData,
