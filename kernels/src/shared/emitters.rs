@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 /// The mark of a light among emitters.
 pub(crate) const PUNCTUAL: u32 = 1 << 31;
 /// How bright the eye sees linear red, green and blue (ITU-R BT.709).
-pub(crate) const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// An entry of the buffer `emitters`.
 #[repr(C)]
