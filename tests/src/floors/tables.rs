@@ -40,6 +40,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
                 "outside",
                 "png",
                 "portions",
+                "rough",
                 "structure_stats",
                 "structures",
                 "text",
