@@ -13,6 +13,7 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Choices, Options, RaySource, Renderer};
 use raystep_lab::Machine;
 use raystep_lab::outside::{MISSES_ALL, misses_all};
+use raystep_lab::rough::drawn_as_diffuse;
 use raystep_scenes::Scene;
 
 use crate::args::{RunArgs, SceneArgs, ViewArgs};
@@ -104,6 +105,9 @@ impl Session {
         watch.lap("plan_and_grid");
         if misses_all(&scene, &options, &plan) {
             progress.say(format_args!("note: {MISSES_ALL}"));
+        }
+        if let Some(note) = drawn_as_diffuse(&scene, &options) {
+            progress.say(format_args!("note: {note}"));
         }
         Ok(Self { scene_path, scene, inputs, options, chosen, plan, data, watch })
     }

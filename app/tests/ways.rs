@@ -215,6 +215,28 @@ fn what_would_have_no_effect_is_refused() {
 }
 
 #[test]
+fn rough_metal_is_said_to_be_drawn_as_diffuse_where_rays_go_on() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(scene("single-triangle.gltf")).expect("a scene");
+    let metal = r#""materials": [{"name": "brass", "pbrMetallicRoughness": {"metallicFactor": 1, "roughnessFactor": ROUGH}}],
+        "meshes": [{"primitives": [{"material": 0, "attributes""#;
+    let [rough, smooth] = [("rough", "0.4"), ("smooth", "0")].map(|(name, roughness)| {
+        let text = text.replacen(r#""meshes": [{"name": "triangle", "primitives": [{"attributes""#, metal, 1);
+        let file = place.path(format!("{name}.gltf"));
+        std::fs::write(&file, text.replace("ROUGH", roughness)).expect("a file");
+        file.display().to_string()
+    });
+    let note = "note: material \"brass\" is a rough metal or rough glass, and is drawn as a diffuse surface";
+    for (file, integrator, is_told) in
+        [(&rough, "path", true), (&rough, "whitted", true), (&rough, "shadows", false), (&smooth, "path", false)]
+    {
+        let render = ["render", file, "-o", "a.png", "--size", "8x8", "--device", "cpu"];
+        let said = place.ok(&[&render[..], &["--integrator", integrator]].concat()).stderr;
+        assert_eq!(said.lines().any(|line| line == note), is_told, "{file}, {integrator}: {said}");
+    }
+}
+
+#[test]
 fn several_samples_make_another_picture_and_the_same_one_twice() {
     let place = Place::new();
     let file = cornell_box();

@@ -321,6 +321,8 @@ commands! {
         [Command::Lesson(3)] "Lesson: a crack at a voxel face";
         [Command::Lesson(4)] "Lesson: what empty-space skipping leaps over";
         [Command::Lesson(5)] "Lesson: a tie that f32 cannot decide";
+        [Command::Lesson(6)] "Lesson: from ray caster to path tracer";
+        [Command::Lesson(7)] "Lesson: why is this pixel so bright?";
     }
     Help steps {
         NextStep "Next step of the lesson", NONE F8;

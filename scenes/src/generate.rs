@@ -21,7 +21,7 @@ mod terrain;
 mod tiny;
 mod whitted;
 
-pub use cornell::cornell_box;
+pub use cornell::{cornell_box, cornell_lamp};
 pub use flake::sphere_flake;
 pub use hair::hair;
 pub use icosphere::icosphere;
@@ -160,6 +160,12 @@ pub const GENERATORS: &[Generator] = &[
         summary: "the paper's box: 26 triangles, one point light",
         parameters: &[],
         make: |_| Ok(cornell_box()),
+    },
+    Generator {
+        name: "cornell-lamp",
+        summary: "the same box, with a glowing square in its ceiling instead of the light",
+        parameters: &[],
+        make: |_| Ok(cornell_lamp()),
     },
     Generator {
         name: "soup",

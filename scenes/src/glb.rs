@@ -153,7 +153,11 @@ fn check(scene: &Scene) -> Result<(), WriteError> {
     let colors = scene.colors.as_deref().unwrap_or_default();
     each("colors", colors, "is outside [0, 1]", |t| t.as_flattened().iter().all(|c| (0.0..=1.0).contains(c)))?;
     each("materials", &scene.materials, "has a colour outside [0, 1]", |m| {
-        m.base_color.iter().chain(&m.emissive).all(|c| (0.0..=1.0).contains(c))
+        m.base_color.iter().all(|c| (0.0..=1.0).contains(c))
+    })?;
+    let most = document::MOST_STRENGTH;
+    each("materials", &scene.materials, "emits light below 0 or above 2¹²⁷", |m| {
+        m.emissive.iter().all(|c| (0.0..=most).contains(c))
     })?;
     each("materials", &scene.materials, "names a texture that the scene does not have", |m| {
         m.texture.is_none_or(|t| (t as usize) < scene.textures.len())

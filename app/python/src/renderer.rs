@@ -19,6 +19,7 @@ use raystep_kernels::tables::stream::Texel;
 use raystep_kernels::{self as kernels, Options, Plan, Stream};
 use raystep_lab::Machine;
 use raystep_lab::outside::{MISSES_ALL, misses_all};
+use raystep_lab::rough::drawn_as_diffuse;
 use raystep_scenes as scenes;
 
 use crate::border::{Turns, Watcher, detached};
@@ -64,6 +65,7 @@ impl Renderer {
             if misses_all(&scene.scene, &options, renderer.plan()) {
                 notes.push(MISSES_ALL.to_owned());
             }
+            notes.extend(drawn_as_diffuse(&scene.scene, &options));
             notes.extend(machine.note_on_times().filter(|_| options.timings));
             let (plan, data) = (renderer.shared_plan(), renderer.shared_data());
             let run = Turns::new(Run::new(renderer));

@@ -91,8 +91,8 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "T,U…", value_delimiter = ',', default_value = "amanatides-woo",
           value_parser = named(Traversal::ALL, Traversal::name), help_heading = "What is measured")]
     traversals: Vec<Traversal>,
-    /// What light is measured: none, only hits, without shading (local), or the image with shading and all rays that it
-    /// takes (shadows, whitted, path); see 'raystep render --help'. For primary rays
+    /// What is measured: hits alone, without shading (local), or the image, with shading and all rays for its light
+    /// (shadows, whitted, path; see 'raystep render --help'). For primary rays
     #[arg(long, value_name = "I,J…", value_delimiter = ',', default_value = Integrator::default().name(),
           value_parser = named(Integrator::ALL, Integrator::name), help_heading = "What is measured")]
     integrators: Vec<Integrator>,

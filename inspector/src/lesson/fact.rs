@@ -15,7 +15,7 @@ macro_rules! table {
 }
 
 table! {
-    /// A value of the run, of the selected ray, of the row of its history that is current, or of its candidates.
+    /// A value of the run, of the selected ray, of the row of its history that is current, of its light or candidates.
     Fact FACTS {
         Scene "scene" "name of the scene";
         Triangles "triangles" "triangles of the scene";
@@ -51,6 +51,21 @@ table! {
         RowBeyond "row.beyond" "how far the hit lies beyond it: along the axis if the paper's rule refuses the hit, else in t";
         RowUlps "row.ulps" "the same, in units in the last place (f32) of the hit's largest coordinate, or of t";
         RowLeapt "row.leapt" "cells that this pass leaps over";
+        LightAdds "light.adds" "what all vertices of the pixel's light tree add to it: linear light, the mean of r, g and b";
+        LightRays "light.rays" "rays of the tree";
+        LightShadows "light.shadows" "shadow rays among them";
+        LightReached "light.reached" "those that reach their light";
+        LightDepth "light.depth" "largest depth of a ray";
+        LightMost "light.most" "percentage of it that comes from the vertex that adds the most";
+        VertexName "vertex.name" "vertex of the light tree that the current row decides, or else belongs to";
+        VertexSample "vertex.sample" "its sample of the pixel, from 1";
+        VertexDepth "vertex.depth" "its depth";
+        VertexAdds "vertex.adds" "what it adds to the pixel: linear light, the mean of r, g and b, divided by the number of samples";
+        VertexArrives "vertex.arrives" "light that the ray to it brings to where it began";
+        VertexThroughput "vertex.throughput" "share of that light that reaches the pixel: the throughput of the path there";
+        VertexPdf "vertex.pdf" "pdf of the direction in which the path found it, per steradian";
+        VertexLightPdf "vertex.light-pdf" "pdf by which the same point is found when a light is picked, per steradian";
+        VertexWeight "vertex.weight" "weight of the light of a surface that glows: 1, or by both pdfs";
         StepFrom "step.from" "cell that the ray leaves in its next step from cell to cell, or in the one that the current row made";
         StepTo "step.to" "cell that this step enters";
         StepAxis "step.axis" "axis of the step";

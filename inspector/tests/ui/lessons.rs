@@ -115,6 +115,39 @@ fn a_tie_that_f32_cannot_decide() {
 }
 
 #[test]
+fn from_ray_caster_to_path_tracer() {
+    taught(6);
+}
+
+#[test]
+fn why_a_pixel_is_so_bright() {
+    taught(7);
+}
+
+/// The weight that a kernel gave to a hit of the lamp follows from the two pdfs that a lesson tells, which are worked out apart
+/// from it.
+#[test]
+fn the_weight_of_a_vertex_is_that_of_its_pdfs() {
+    let mut stage = stage();
+    let text =
+        one("{{vertex.pdf}} and {{vertex.light-pdf / vertex.pdf}} and {{vertex.weight}}.", "row 2 \"at triangle 26\"");
+    let open = "scene=built-in:cornell-lamp size=96x96 accelerator=grid integrator=path spp=8 steps-per-pass=8 device=cpu \
+                pixel=72,32";
+    let text = text.replace("scene=built-in:cornell-box size=32x32 device=cpu pixel=20,22", open);
+    begin(&mut stage, &text, 0);
+    assert_eq!(problems(&stage), Vec::<String>::new());
+    let said = stage.painted().into_iter().find(|text| text.contains(" and ")).expect("the text");
+    let numbers: Vec<f64> =
+        said.trim_end_matches('.').split(" and ").map(|text| text.parse().expect("a number")).collect();
+    let [pdf, ratio, weight] = numbers[..] else { panic!("{said}") };
+    // The cosine of a direction, by π.
+    assert!(pdf > 0.0 && pdf < std::f64::consts::FRAC_1_PI, "{said}");
+    // Both have two digits or more.
+    let wanted = 1.0 / (1.0 + ratio * ratio);
+    assert!(ratio > 10.0 && (weight / wanted - 1.0).abs() < 0.06, "{said}: expected {wanted}");
+}
+
+#[test]
 fn lessons_have_the_titles_of_their_commands() {
     for (index, (file, text)) in LESSONS.iter().enumerate() {
         let lesson = Lesson::parse(file, text).expect("a lesson");

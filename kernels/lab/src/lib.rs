@@ -57,6 +57,7 @@ pub mod rays;
 pub mod reference;
 pub mod report;
 pub mod reporter;
+pub mod rough;
 pub mod rounding;
 pub mod self_test;
 pub mod stability;

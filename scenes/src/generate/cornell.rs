@@ -1,7 +1,7 @@
 //! The Cornell box (Goral, Torrance, Greenberg and Battaile 1984) with the paper's 26 triangles.
 
 use super::draft::{camera, lamp, matte};
-use crate::Scene;
+use crate::{Material, Scene};
 use glam::DVec3;
 
 /// The room's half width and half height, and the positions of its back wall and open front.
@@ -56,5 +56,22 @@ pub fn cornell_box() -> Scene {
     }
     quad(RED, [[l, bottom, FRONT], [l, bottom, BACK], [l, top, BACK], [l, top, FRONT]]);
     quad(GREEN, [[r, bottom, BACK], [r, bottom, FRONT], [r, top, FRONT], [r, top, BACK]]);
+    scene
+}
+
+/// The radiance of the lamp of [`cornell_lamp`].
+const RADIANCE: f32 = 15.0;
+
+/// The same room with Cornell's lamp instead of a point light: a square in its ceiling that glows, 28 triangles in all.
+#[must_use]
+pub fn cornell_lamp() -> Scene {
+    let mut scene = Scene { name: "cornell-lamp".to_owned(), lights: Vec::new(), ..cornell_box() };
+    let lamp = u32::try_from(scene.materials.len()).unwrap_or(u32::MAX);
+    scene.materials.push(Material { emissive: [RADIANCE; 3], ..matte("lamp", [0.0; 3]) });
+    // Just below the ceiling, and facing down.
+    let at = |x: f32, z: f32| [x, 0.99 * HALF, z];
+    let [a, b, c, d] = [at(-0.25, -0.25), at(0.25, -0.25), at(0.25, 0.25), at(-0.25, 0.25)];
+    scene.triangles.extend([[a, b, c], [a, c, d]]);
+    scene.triangle_materials.extend([lamp; 2]);
     scene
 }

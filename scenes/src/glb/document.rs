@@ -136,7 +136,11 @@ impl<'a> Document<'a> {
             false => &[],
         };
         let of_lights: &[&str] = if scene.lights.is_empty() { &[] } else { &["KHR_lights_punctual"] };
-        let extensions = [of_lights, of_glass].concat();
+        let of_lamps: &[&str] = match scene.materials.iter().any(|m| strength(m.emissive) > 1.0) {
+            true => &["KHR_materials_emissive_strength"],
+            false => &[],
+        };
+        let extensions = [of_lights, of_lamps, of_glass].concat();
         if !extensions.is_empty() {
             self.root.insert("extensionsUsed".into(), json!(extensions));
         }
@@ -175,6 +179,19 @@ fn short(x: f32) -> f64 {
     format!("{x}").parse().ok().filter(|&d: &f64| d as f32 == x).unwrap_or_else(|| x.into())
 }
 
+/// The largest strength of an emission.
+pub(super) const MOST_STRENGTH: f32 = f32::from_bits(254 << 23);
+
+/// What emission is divided by, so that no component is above 1: a power of two, so that it is read back bit for bit.
+fn strength(emissive: [f32; 3]) -> f32 {
+    let most = emissive.into_iter().fold(0.0, f32::max);
+    let mut strength = 1.0;
+    while strength < most.min(MOST_STRENGTH) {
+        strength *= 2.0;
+    }
+    strength
+}
+
 fn material(m: &crate::Material) -> Value {
     let [r, g, b] = m.base_color.map(short);
     // Rough and not metallic, so that other viewers also show a Lambertian surface.
@@ -189,18 +206,26 @@ fn material(m: &crate::Material) -> Value {
         pbr["baseColorTexture"] = json!({ "index": texture });
     }
     let mut json = json!({ "name": m.name, "pbrMetallicRoughness": pbr });
+    let mut extensions = Map::new();
     if m.emissive != [0.0; 3] {
-        json["emissiveFactor"] = json!(m.emissive.map(short));
+        let strength = strength(m.emissive);
+        json["emissiveFactor"] = json!(m.emissive.map(|c| short(c / strength)));
+        if strength > 1.0 {
+            let of_it = json!({ "emissiveStrength": short(strength) });
+            extensions.insert("KHR_materials_emissive_strength".into(), of_it);
+        }
     }
     if m.double_sided {
         json["doubleSided"] = true.into();
     }
     if let Optics::Dielectric { ior, is_thin } = m.optics {
-        json["extensions"] = json!({
-            "KHR_materials_ior": { "ior": short(ior) },
-            "KHR_materials_transmission": { "transmissionFactor": 1 },
-            "KHR_materials_volume": { "thicknessFactor": if is_thin { 0 } else { 1 } },
-        });
+        extensions.insert("KHR_materials_ior".into(), json!({ "ior": short(ior) }));
+        extensions.insert("KHR_materials_transmission".into(), json!({ "transmissionFactor": 1 }));
+        let thickness = if is_thin { 0 } else { 1 };
+        extensions.insert("KHR_materials_volume".into(), json!({ "thicknessFactor": thickness }));
+    }
+    if !extensions.is_empty() {
+        json["extensions"] = extensions.into();
     }
     json
 }

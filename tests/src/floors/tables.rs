@@ -42,6 +42,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
                 "outside",
                 "png",
                 "portions",
+                "rough",
                 "strategies",
                 "structure_stats",
                 "structures",

@@ -12,6 +12,7 @@ mod cell_step;
 mod check;
 mod dock;
 mod facts;
+mod light;
 mod measured;
 mod perform;
 mod play;

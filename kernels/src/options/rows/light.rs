@@ -15,14 +15,14 @@ pub(super) const INTEGRATOR: Row = Row::new(
     Values::Names(|| Integrator::ALL.iter().map(|of| of.name()).collect()),
     |c| text(c.integrator),
     |c, value| parse(value, &mut c.integrator),
-    "The light that a pixel receives: equation (1) of Mølhave's paper, in which every light counts (local), or only those \
-     that a shadow ray from the hit reaches (shadows); with these also what mirrors and transparent surfaces reflect \
-     and refract (whitted); or, in physical units, all light that surfaces emit and reflect, along random paths (path)",
+    "What light a pixel receives: from every light, by equation (1) of Mølhave's paper (local); only from lights that a \
+     shadow ray reaches (shadows); also what mirrors and smooth glass reflect and refract (whitted); or all light, in \
+     physical units, along random paths (path). Rough metal and rough glass are drawn as diffuse surfaces",
 )
 .panel(
     "light",
-    "the light that a pixel receives: from all lights, only from those that a shadow ray reaches, also by mirrors and \
-     transparent surfaces, or all light, along random paths",
+    "what light a pixel receives: from every light, only from those that a shadow ray reaches, also by mirrors and \
+     smooth glass, or all light, along random paths",
 )
 .applies(traces_rays)
 .refused(|c| {
@@ -40,9 +40,9 @@ pub(super) const MAX_DEPTH: Row = Row::new(
     Values::Whole(0, MOST_BOUNCES),
     |c| Value::Number(c.max_depth),
     |c, value| whole(value, 0, MOST_BOUNCES).map(|number| c.max_depth = number),
-    "How many times a ray is reflected or refracted, with --integrator whitted, or a path bounces, with path",
+    "Most reflections and refractions of a ray, with --integrator whitted, or bounces of a path, with path",
 )
-.panel("bounces", "how many times a ray is reflected or refracted, or a path bounces")
+.panel("bounces", "most reflections and refractions of a ray, or bounces of a path")
 .applies(|c| traces_rays(c) && bounces(c))
 .refused(|c| {
     let depth = c.max_depth;
@@ -61,10 +61,14 @@ pub(super) const STRATEGY: Row = Row::new(
     Values::Names(|| Found::ALL.iter().map(|of| of.name()).collect()),
     |c| text(c.strategy),
     |c, value| parse(value, &mut c.strategy),
-    "How a path finds light, with --integrator path: by picking a light, or a point of a surface that glows (light), by \
-     chance (bsdf), or both, each weighted by its pdf (mis)",
+    "How a path finds surfaces that glow, with --integrator path: it casts shadow rays to points of them (light), its \
+     random directions hit them (bsdf), or both, each weighted by its pdf (mis). Point, directional and spot lights \
+     always get shadow rays",
 )
-.panel("strategy", "how a path finds light: by picking it, by chance, or both, weighted by their pdfs")
+.panel(
+    "strategy",
+    "how a path finds surfaces that glow: by shadow rays, by its random directions, or both, weighted by their pdfs",
+)
 .applies(|c| traces_rays(c) && c.integrator == Integrator::Path)
 .refused(|c| {
     let is_idle = c.strategy != Found::default() && c.integrator != Integrator::Path;

@@ -8,6 +8,7 @@ use raystep_kernels::shared::triangle::{Shear, hit_triangle};
 
 use super::candidates::Candidates;
 use super::cell_step::CellStep;
+use super::light::Light;
 use super::measured::{Measured, launched, misses};
 use crate::lesson::{Clock, Fact, Field, Name, Value, Wrong};
 use crate::session::Model;
@@ -46,6 +47,8 @@ impl Facts<'_> {
             "ray" => self.of_ray(fact),
             "row" => self.of_row(fact),
             "step" => CellStep::of(self.history()?, &self.opened()?.data, self.model.place)?.fact(fact),
+            "light" => Light::of(self.history()?, self.opened()?)?.fact(fact),
+            "vertex" => Light::of(self.history()?, self.opened()?)?.of_vertex(fact, self.row()?.0),
             "tie" => self.candidates.ok_or("the candidates were not found")?.fact(fact),
             _ => self.of_run(fact),
         }
