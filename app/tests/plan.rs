@@ -32,8 +32,10 @@ fn named(reason: &str) -> Words {
     let first = reason.split(", or ").next().unwrap_or_default();
     let words: Vec<&str> = first.split(' ').collect();
     let option = |(i, word): (usize, &&str)| {
-        let value =
-            words.get(i + 1).filter(|next| !next.starts_with("--")).map_or("", |next| next.trim_end_matches(','));
+        let value = words
+            .get(i + 1)
+            .filter(|next| !next.starts_with("--"))
+            .map_or("", |next| next.trim_end_matches([',', ':']));
         word.starts_with("--").then(|| ((*word).to_owned(), value.to_owned()))
     };
     words.iter().enumerate().filter_map(option).collect()
@@ -52,6 +54,8 @@ fn what_options_leave_out_is_added_by_those_that_the_reason_names() {
         &[("--accelerator", "bvh"), ("--schedule", "fused")],
         &[("--accelerator", "bvh"), ("--schedule", "compact")],
         &[("--accelerator", "none"), ("--schedule", "second")],
+        &[("--accelerator", "grid"), ("--schedule", "second"), ("--integrator", "shadows")],
+        &[("--accelerator", "grid"), ("--schedule", "second"), ("--integrator", "path")],
     ] {
         let base = words(base);
         for (what, reason) in left_out(&place, &base) {

@@ -246,7 +246,10 @@ kernels! {
         resumes: |features| features.resumes_light,
         list: None,
         colour: [90, 165, 90],
-        why_absent: |_| NO_SHADE,
+        why_absent: |run| match run.options.shade {
+            true => (Because::Options, "needed only with --integrator local: other kernels compute the light"),
+            false => NO_SHADE,
+        },
         summary: "colours the ray from its hit, or the background",
         explain: explain::of_shade,
         path: Path::Stays,
