@@ -207,6 +207,11 @@ fn why_none(opened: &Opened) -> Option<&'static str> {
             "No ray leaves a hit in this run. With --integrator shadows, rays go on to the lights; with whitted, mirrors and glass send on rays, too; with path, all surfaces do.",
         );
     }
+    if opened.data.features.whole_paths {
+        return Some(
+            "One kernel follows whole paths with --schedule fused, so their vertices are not seen. With compact, second or first, they are.",
+        );
+    }
     let is_lit = opened.data.features.shadows || opened.data.features.path;
     (!is_lit).then_some(
         "No ray leaves a hit: the scene has no light but a headlight at the eye, from where every hit is visible.",

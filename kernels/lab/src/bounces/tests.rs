@@ -68,7 +68,7 @@ fn the_light_of_all_bounces_is_that_of_the_picture() {
 #[test]
 fn every_schedule_has_the_same_bounces() {
     let mut first: Option<Bounces> = None;
-    for schedule in [ScheduleKind::First, ScheduleKind::Second, ScheduleKind::Compact, ScheduleKind::Fused] {
+    for schedule in [ScheduleKind::First, ScheduleKind::Second, ScheduleKind::Compact] {
         let mut renderer = renderer(&options(schedule, Strategy::Mis, 2));
         let place = |renderer: &mut Renderer| {
             renderer.restart();
