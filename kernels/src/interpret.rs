@@ -34,8 +34,7 @@ use code::Code;
 pub use code::{Kind, Site, SiteKind};
 use machine::Machine;
 pub use many::Many;
-pub use non_finite::{NonFinite, Operation};
-pub use recording::{Comparison, Decision, Recording, Value};
+pub use recording::{Comparison, Decision, NonFinite, Operation, Recording, Value};
 pub use work::Work;
 
 /// Why a kernel, or one ray's pass through it, cannot be interpreted.

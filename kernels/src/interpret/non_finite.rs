@@ -6,40 +6,8 @@ use super::Interpreter;
 use super::code::Slot;
 use super::compile::line_of;
 use super::machine::{Frame, Machine};
-use super::recording::{KNOWN, Node, Recording};
+use super::recording::{KNOWN, Node, NonFinite, Operation, Recording};
 use crate::tables::stream::Stream;
-
-/// An operation whose result is not finite.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Operation {
-    /// Its line in the composed source, from 0.
-    pub line: usize,
-    /// As in the source.
-    pub text: String,
-    /// Its operands, as a reader would name them.
-    pub operands: Vec<(String, f32)>,
-    /// Its result.
-    pub result: f32,
-    /// The node of an operand that is not finite either.
-    operand: u32,
-    /// What it depends on.
-    pub(super) from: u32,
-}
-
-/// A component of an element that is no longer finite.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NonFinite {
-    /// Its stream.
-    pub stream: Stream,
-    /// Its layer.
-    pub layer: usize,
-    /// Its value.
-    pub value: f32,
-    /// The line that stored it in the composed source, from 0.
-    pub line: usize,
-    /// What made it; `None` if it was read as it is.
-    pub operation: Option<Operation>,
-}
 
 impl NonFinite {
     /// In words, with lines from 1.

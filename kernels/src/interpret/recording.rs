@@ -5,7 +5,7 @@
 //! if it was written in a branch, or could have been, on that branch's condition.
 
 use super::code::{Code, Kind};
-use super::non_finite::{NonFinite, Operation};
+use crate::tables::stream::Stream;
 
 /// A constant, or found in an earlier pass.
 pub(super) const KNOWN: u32 = 0;
@@ -72,6 +72,38 @@ pub struct Decision {
     pub(super) condition: u32,
     /// The node of the decision that it was reached by.
     pub(super) control: u32,
+}
+
+/// An operation whose result is not finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Operation {
+    /// Its line in the composed source, from 0.
+    pub line: usize,
+    /// As in the source.
+    pub text: String,
+    /// Its operands, as a reader would name them.
+    pub operands: Vec<(String, f32)>,
+    /// Its result.
+    pub result: f32,
+    /// The node of an operand that is not finite either.
+    pub(super) operand: u32,
+    /// What it depends on.
+    pub(super) from: u32,
+}
+
+/// A component of an element that is no longer finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NonFinite {
+    /// Its stream.
+    pub stream: Stream,
+    /// Its layer.
+    pub layer: usize,
+    /// Its value.
+    pub value: f32,
+    /// The line that stored it in the composed source, from 0.
+    pub line: usize,
+    /// What made it; `None` if it was read as it is.
+    pub operation: Option<Operation>,
 }
 
 /// What happened.

@@ -5,7 +5,7 @@ use raystep_kernels::history::light_tree::{LightTree, VertexKind};
 use raystep_kernels::options::{Integrator, Strategy};
 use raystep_kernels::programs::closest_hit::states::DONE;
 use raystep_kernels::programs::closest_hit::streams::{BOUNCE, COLOR, STATE};
-use raystep_kernels::{Accelerator, Device, Options, RaySource, Samples, ScheduleKind};
+use raystep_kernels::{Accelerator, Device, Limits, Options, Plan, RaySource, Samples, ScheduleKind};
 use raystep_scenes::{Scene, generate};
 
 use super::*;
@@ -129,25 +129,48 @@ fn the_brightest_vertex_is_one_of_the_light_tree() {
     }
 }
 
-/// Of one point and one direction, the weights of both techniques add up to 1.
+/// What emitters bring is weighted as the densities tell: where a path hits one, and where a shadow ray reaches one, beside the
+/// same ray of a run in which nothing is weighted.
 #[test]
 fn weights_are_those_by_which_light_was_counted() {
-    let mut renderer = renderer(&options(ScheduleKind::Compact, Strategy::Mis, 1));
-    let found = counted(&mut renderer, 0);
-    let glow = [0.25, 0.5, 0.0];
-    let mut seen = 0;
-    for brightest in found.brightest.iter().filter(|b| b.technique == Technique::EmitterHit) {
-        let density = brightest.density.expect("its densities");
-        assert!(density.weight > 0.0 && density.weight <= 1.0, "{brightest:?}");
-        assert_eq!(density.pdf.is_none(), density.weight == 1.0, "{brightest:?}");
-        if brightest.depth == 0 {
-            assert_eq!((brightest.light, density.weight), (glow, 1.0));
+    let glow = [0.25f32, 0.5, 0.0];
+    let mut scene = scene();
+    scene.lights.clear();
+    let trees = |strategy| {
+        let options = options(ScheduleKind::Compact, strategy, 1);
+        let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a plan");
+        let run = RunSoFar { plan: &plan, data: &data, passes: &[], is_complete: false };
+        let of_pixel = |ray| {
+            let life = run.follow::<f32>([ray % SIDE, ray / SIDE]).expect("a ray");
+            LightTree::of(&life.rows, plan.program, &data).expect("a tree")
+        };
+        (0..SIDE * SIDE).map(of_pixel).collect::<Vec<_>>()
+    };
+    let [mis, light] = [Strategy::Mis, Strategy::Light].map(trees);
+    // Some dozen roundings of 6e-8, and of differences of sums that are up to ten times as large.
+    let is_near = |a: f64, b: f64| (a - b).abs() < 1e-4 * b.max(0.01);
+    let mut seen = [0; 2];
+    for (mis, light) in mis.iter().zip(&light) {
+        for vertex in &mis.vertices {
+            let Some((density, arrives)) = vertex.density.zip(vertex.arrives) else { continue };
+            assert!((0.0..=1.0).contains(&density.weight), "{vertex:?}");
+            if vertex.kind == VertexKind::Surface {
+                let share = f64::from(arrives[1] / glow[1]);
+                assert!(is_near(share, density.weight), "{share}: {vertex:?}");
+                seen[0] += usize::from(density.pdf.is_some() && density.weight < 0.999);
+            }
         }
-        seen += usize::from(density.pdf.is_some());
+        // The first shadow ray is the same.
+        let first =
+            |tree: &LightTree| tree.vertices.iter().find(|v| v.kind == VertexKind::Light && v.depth == 0).cloned();
+        let Some((weighted, whole)) = first(mis).zip(first(light)) else { continue };
+        let (density, of_whole) = weighted.density.zip(whole.density).expect("densities");
+        assert_eq!((density.pdf, of_whole.weight), (of_whole.pdf, 1.0));
+        let [weighted, whole] = [&weighted, &whole].map(|vertex| f64::from(vertex.arrives.expect("light")[1]));
+        assert!(is_near(weighted / whole, density.weight), "{weighted} of {whole}: {density:?}");
+        seen[1] += usize::from(density.weight < 0.999);
     }
-    let of_light = |b: &&Brightest| b.technique == Technique::LightSample && b.density.is_some_and(|d| d.pdf.is_some());
-    assert!(found.brightest.iter().any(|b| of_light(&b)), "no glowing triangle was picked");
-    assert!(seen > 0, "no scattered path hit the floor");
+    assert!(seen.iter().all(|&count| count > 5), "{seen:?}");
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 use egui::{Button, DragValue, Grid, Ui};
 use raystep_kernels::options::Strategy;
-use raystep_kernels::scene_data::linear_to_srgb;
 use raystep_lab::strategies::{Estimate, estimate};
 use smart_default::SmartDefault;
 
@@ -79,12 +78,7 @@ impl Strategies {
             }
             ui.end_row();
             for estimate in found {
-                ui.horizontal(|ui| {
-                    let [r, g, b] = estimate.mean.map(|c| (linear_to_srgb((c as f32).clamp(0.0, 1.0)) * 255.0) as u8);
-                    let (patch, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
-                    ui.painter().rect_filled(patch, 2.0, egui::Color32::from_rgb(r, g, b));
-                    ui.label(estimate.strategy.name());
-                });
+                ui.label(estimate.strategy.name());
                 for cell in [three(estimate.mean), three(estimate.error), estimate.samples.to_string()] {
                     ui.monospace(cell);
                 }
