@@ -34,7 +34,7 @@
 //! | `fragments_run` | fragments for which the draw ran its program, by the device's pipeline statistics, if they were asked for |
 //! | `bytes_copied` | bytes that the part copies |
 //! | `traversal` | how rays walk through a uniform grid: `amanatides-woo` or `3d-dda` |
-//! | `loops` | turns of the schedule's loops that the pass is in, from 0, outermost loop first, separated by spaces: see [`Pass::loops`] |
+//! | `loops` | turns of the schedule's loops that the pass is in, from 0, outermost loop first, separated by spaces: see [`Pass::loops`]. Of paths, the turn after that of the loop over samples is the bounce |
 //! | `scene_data` | where kernels read the lists of the scene: `buffers` or `textures` |
 //! | `integrator` | the light that a pixel receives: `local`, `shadows`; options that come later are columns by their rows |
 

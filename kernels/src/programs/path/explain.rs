@@ -14,7 +14,7 @@ fn rgb(v: [f32; 3]) -> String {
 pub(super) fn emitter(ray: &RayState) -> String {
     match ray.light.unwrap_or_default() {
         id if id & PUNCTUAL != 0 => format!("light {}", (id ^ PUNCTUAL) + 1),
-        id => format!("triangle {id}, which glows"),
+        id => format!("glowing triangle {id}"),
     }
 }
 
