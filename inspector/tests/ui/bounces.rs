@@ -174,6 +174,7 @@ fn a_value_that_overflows_is_found_with_its_pass_pixel_and_line() {
     let row = stage.harness.state().model().history.as_ref().expect("a history").rows.iter();
     let radiance = row.clone().find(|row| row.place() == Some(place)).and_then(|row| row.after.bounce);
     assert_eq!(radiance.expect("a bounce").radiance[0], f32::INFINITY, "{x},{y}: {told:?}");
-    let earlier = row.filter(|row| row.place() < Some(place)).filter_map(|row| row.after.bounce);
+    let earlier =
+        row.filter(|row| row.place().is_some_and(|earlier| earlier < place)).filter_map(|row| row.after.bounce);
     assert!(earlier.clone().count() > 2 && earlier.into_iter().all(|bounce| bounce.radiance[0].is_finite()));
 }

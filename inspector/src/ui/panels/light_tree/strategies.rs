@@ -1,6 +1,6 @@
 //! The selected pixel's light by each strategy of a path tracer, side by side.
 
-use egui::{Button, DragValue, Grid, Ui};
+use egui::{Button, DragValue, Grid, ScrollArea, Ui};
 use raystep_kernels::options::Strategy;
 use raystep_lab::strategies::{Estimate, estimate};
 use smart_default::SmartDefault;
@@ -67,23 +67,32 @@ impl Strategies {
         let largest = found.iter().flat_map(|estimate| estimate.mean).fold(0.0, f64::max);
         let digits = decimals(largest).saturating_sub(1);
         let three = |rgb: [f64; 3]| rgb.map(|c| format!("{c:.digits$}")).join(" ");
-        Grid::new("strategies").num_columns(4).spacing([14.0, 2.0]).show(ui, |ui| {
-            for (head, about) in [
-                ("by strategy", "how paths find light"),
-                ("mean", "mean of the samples, linear r g b: all strategies have the same, up to their errors"),
-                ("standard error", "of the mean, as if samples did not depend on each other, r g b"),
-                ("samples", "of the pixel"),
-            ] {
-                strong(ui, head).on_hover_text(about);
-            }
-            ui.end_row();
-            for estimate in found {
-                ui.label(estimate.strategy.name());
-                for cell in [three(estimate.mean), three(estimate.error), estimate.samples.to_string()] {
-                    ui.monospace(cell);
+        let samples = found.first().map_or(0, |estimate| estimate.samples);
+        let mean = format!("mean of {samples}");
+        // What is below wraps at the width of the panel, not of the grid.
+        let grid = ScrollArea::horizontal().id_salt("strategies");
+        let columns = Grid::new("strategies").num_columns(3).spacing([14.0, 2.0]);
+        grid.show(ui, |ui| {
+            columns.show(ui, |ui| {
+                for (head, about) in [
+                    ("by strategy", "how paths find light"),
+                    (
+                        mean.as_str(),
+                        "mean of the samples, linear r g b: all strategies have the same, up to their errors",
+                    ),
+                    ("standard error", "of the mean, as if samples did not depend on each other, r g b"),
+                ] {
+                    strong(ui, head).on_hover_text(about);
                 }
                 ui.end_row();
-            }
+                for estimate in found {
+                    ui.label(estimate.strategy.name());
+                    for cell in [three(estimate.mean), three(estimate.error)] {
+                        ui.monospace(cell);
+                    }
+                    ui.end_row();
+                }
+            })
         });
     }
 }
