@@ -32,6 +32,7 @@ pub use tiny::tiny_in_room;
 pub use whitted::whitted;
 
 use crate::Scene;
+use glam::Vec3;
 use std::ops::RangeInclusive;
 
 /// Maximum number of triangles: about 7 GiB of positions, more than any adapter can bind.
@@ -158,8 +159,8 @@ pub const GENERATORS: &[Generator] = &[
     Generator {
         name: "cornell-box",
         summary: "the paper's box: 26 triangles, one point light",
-        parameters: &[],
-        make: |_| Ok(cornell_box()),
+        parameters: &[draft::LAMP],
+        make: |v| draft::under_lamp(cornell_box(), v[0], Vec3::new(0.0, 0.98, 0.0), 0.3, [6.0, 5.0, 4.0]),
     },
     Generator {
         name: "soup",
@@ -200,7 +201,7 @@ pub const GENERATORS: &[Generator] = &[
     Generator {
         name: "whitted",
         summary: "a glass ball and a mirror over a checkered floor (Whitted 1980)",
-        parameters: &[whitted::SUBDIVISIONS],
-        make: |v| whitted(v[0]),
+        parameters: &[whitted::SUBDIVISIONS, draft::LAMP],
+        make: |v| draft::under_lamp(whitted(v[0])?, v[1], Vec3::new(0.0, 4.0, 1.5), 1.5, [3.0, 2.9, 2.7]),
     },
 ];

@@ -152,8 +152,9 @@ fn check(scene: &Scene) -> Result<(), WriteError> {
     each("texcoords", texcoords, "has a coordinate that is not finite", |t| finite(t.as_flattened()))?;
     let colors = scene.colors.as_deref().unwrap_or_default();
     each("colors", colors, "is outside [0, 1]", |t| t.as_flattened().iter().all(|c| (0.0..=1.0).contains(c)))?;
-    each("materials", &scene.materials, "has a colour outside [0, 1]", |m| {
-        m.base_color.iter().chain(&m.emissive).all(|c| (0.0..=1.0).contains(c))
+    each("materials", &scene.materials, "has a colour outside [0, 1], or emits negative or too much light", |m| {
+        m.base_color.iter().all(|c| (0.0..=1.0).contains(c))
+            && m.emissive.iter().all(|light| (0.0..=f32::from_bits(0x7f00_0000)).contains(light))
     })?;
     each("materials", &scene.materials, "names a texture that the scene does not have", |m| {
         m.texture.is_none_or(|t| (t as usize) < scene.textures.len())

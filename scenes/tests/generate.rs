@@ -125,6 +125,25 @@ fn every_generator_makes_a_whole_scene_with_its_defaults() {
     }
 }
 
+/// A lamp replaces the lights, glows downwards, and is no part of the scene otherwise.
+#[test]
+fn a_lamp_replaces_lights() {
+    for name in ["cornell-box", "whitted"] {
+        let generator = generate::find(name).unwrap();
+        let (plain, lit) = (generator.make(&[]).unwrap(), generator.make(&[("lamp", 1)]).unwrap());
+        let (of_plain, count) = (plain.triangles.len(), lit.triangles.len());
+        assert_eq!((count, &lit.triangles[..of_plain]), (of_plain + 2, &plain.triangles[..]), "{name}");
+        assert!(lit.lights.is_empty() && lit.triangle_materials.len() == count, "{name}");
+        assert!(lit.normals.as_ref().is_none_or(|normals| normals.len() == count), "{name}");
+        for (corners, material) in lit.triangles.iter().zip(&lit.triangle_materials).skip(of_plain) {
+            let [a, b, c] = corners.map(Vec3::from);
+            assert!((b - a).cross(c - a).y < 0.0, "{name}: it glows upwards");
+            assert!(lit.materials[*material as usize].emissive.iter().all(|&e| e > 1.0), "{name}");
+        }
+        assert!(generator.make(&[("lamp", 2)]).is_err());
+    }
+}
+
 #[test]
 fn counts_are_what_was_asked_for() {
     assert_eq!(generate::soup(1_234, 0).unwrap().triangles.len(), 1_234);
@@ -188,7 +207,7 @@ fn the_table_takes_what_it_names_and_nothing_else() {
     let error = soup.make(&[("depth", 1)]).unwrap_err().to_string();
     assert_eq!(error, "soup has no parameter 'depth'; it takes triangles, seed");
     let error = generate::find("cornell-box").unwrap().make(&[("seed", 1)]).unwrap_err().to_string();
-    assert_eq!(error, "cornell-box has no parameter 'seed'; it takes none");
+    assert_eq!(error, "cornell-box has no parameter 'seed'; it takes lamp");
     let error = generate::find("teapot").unwrap_err().to_string();
     assert!(error.starts_with("there is no generator 'teapot'; there are cornell-box, soup"), "{error}");
 }

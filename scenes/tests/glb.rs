@@ -39,7 +39,7 @@ fn everything() -> Scene {
     let material = |name: &str, texture, optics| Material {
         name: name.into(),
         base_color: [0.73, 0.1, 1.0 / 3.0],
-        emissive: [0.0, 0.25, 1.0],
+        emissive: [0.0, 0.3, 6.1],
         texture,
         double_sided: texture.is_some(),
         optics,
@@ -203,7 +203,8 @@ fn what_gltf_cannot_hold_is_refused() {
     assert!(invalid("triangles", 0)(&refused(|s| s.triangles[0][0][0] = f32::INFINITY)));
     assert!(invalid("triangle_materials", 8)(&refused(|s| s.triangle_materials[8] = 3)));
     assert!(invalid("materials", 1)(&refused(|s| s.materials[1].texture = Some(1))));
-    assert!(invalid("materials", 2)(&refused(|s| s.materials[2].emissive[0] = 1.5)));
+    assert!(invalid("materials", 2)(&refused(|s| s.materials[2].emissive[0] = -0.5)));
+    assert!(invalid("materials", 2)(&refused(|s| s.materials[2].emissive[0] = f32::MAX)));
     assert!(invalid("colors", 3)(&refused(|s| s.colors.as_mut().unwrap()[3][0][0] = -0.1)));
     assert!(invalid("cameras", 0)(&refused(|s| s.cameras[0].eye.x = f64::NAN)));
     assert!(invalid("lights", 2)(&refused(|s| {

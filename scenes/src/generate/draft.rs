@@ -62,6 +62,36 @@ pub(super) fn lamp(position: [f32; 3], color: [f32; 3], intensity: f32) -> Light
     Light::Point { position, color, intensity }
 }
 
+/// Whether the light comes from a point or from a surface.
+pub(super) const LAMP: Parameter = Parameter {
+    name: "lamp",
+    summary: "what gives light: a point (0), or a square lamp whose lower side glows, for paths (1)",
+    default: 0,
+    range: 0..=1,
+};
+
+/// The scene as it is (0), or under a square lamp instead of its lights (1).
+pub(super) fn under_lamp(
+    mut scene: Scene,
+    lamp: u64,
+    center: Vec3,
+    half: f32,
+    emissive: [f32; 3],
+) -> Result<Scene, GenerateError> {
+    check("lamp", &LAMP, lamp)?;
+    if lamp == 0 {
+        return Ok(scene);
+    }
+    let [a, b, c, d] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+        .map(|[x, z]| (center + Vec3::new(x, 0.0, z) * half).to_array());
+    scene.triangles.extend([[a, b, c], [a, c, d]]);
+    scene.normals.iter_mut().for_each(|normals| normals.extend([[[0.0, -1.0, 0.0]; 3]; 2]));
+    scene.triangle_materials.extend([scene.materials.len() as u32; 2]);
+    scene.materials.push(Material { emissive, ..matte("lamp", [0.0; 3]) });
+    scene.lights.clear();
+    Ok(scene)
+}
+
 /// A light that shines along `direction` (any length but 0).
 pub(super) fn sun(direction: Vec3, color: [f32; 3]) -> Light {
     Light::Directional { direction: direction.normalize_or(Vec3::NEG_Y).to_array(), color, intensity: 3.0 }

@@ -135,8 +135,12 @@ impl<'a> Document<'a> {
             true => &["KHR_materials_ior", "KHR_materials_transmission", "KHR_materials_volume"],
             false => &[],
         };
+        let of_glow: &[&str] = match scene.materials.iter().any(|m| strength_of(m) > 1.0) {
+            true => &["KHR_materials_emissive_strength"],
+            false => &[],
+        };
         let of_lights: &[&str] = if scene.lights.is_empty() { &[] } else { &["KHR_lights_punctual"] };
-        let extensions = [of_lights, of_glass].concat();
+        let extensions = [of_lights, of_glow, of_glass].concat();
         if !extensions.is_empty() {
             self.root.insert("extensionsUsed".into(), json!(extensions));
         }
@@ -189,20 +193,33 @@ fn material(m: &crate::Material) -> Value {
         pbr["baseColorTexture"] = json!({ "index": texture });
     }
     let mut json = json!({ "name": m.name, "pbrMetallicRoughness": pbr });
+    let strength = strength_of(m);
     if m.emissive != [0.0; 3] {
-        json["emissiveFactor"] = json!(m.emissive.map(short));
+        json["emissiveFactor"] = json!(m.emissive.map(|light| short(light / strength)));
     }
     if m.double_sided {
         json["doubleSided"] = true.into();
     }
+    let mut extensions = Map::new();
     if let Optics::Dielectric { ior, is_thin } = m.optics {
-        json["extensions"] = json!({
-            "KHR_materials_ior": { "ior": short(ior) },
-            "KHR_materials_transmission": { "transmissionFactor": 1 },
-            "KHR_materials_volume": { "thicknessFactor": if is_thin { 0 } else { 1 } },
-        });
+        extensions.insert("KHR_materials_ior".into(), json!({ "ior": short(ior) }));
+        extensions.insert("KHR_materials_transmission".into(), json!({ "transmissionFactor": 1 }));
+        extensions.insert("KHR_materials_volume".into(), json!({ "thicknessFactor": if is_thin { 0 } else { 1 } }));
+    }
+    if strength > 1.0 {
+        extensions.insert("KHR_materials_emissive_strength".into(), json!({ "emissiveStrength": strength }));
+    }
+    if !extensions.is_empty() {
+        json["extensions"] = extensions.into();
     }
     json
+}
+
+/// What light is divided by, as its factors are at most 1: a power of two, so that it is read back as it is.
+fn strength_of(m: &crate::Material) -> f32 {
+    let most = m.emissive.into_iter().fold(1.0f32, f32::max);
+    let below = f32::from_bits(most.to_bits() & 0x7f80_0000);
+    if below < most { 2.0 * below } else { below }
 }
 
 fn sampler(t: &Texture) -> Value {
