@@ -1,4 +1,4 @@
-//! The sections of `raystep report` on passes, offset, scale, grid resolution and samples, from the built binary.
+//! The sections of `raystep report` on passes, offset, scale, grid resolution, samples and strategies, from the built binary.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -145,4 +145,55 @@ fn slopes_have_an_interval_over_seeds_and_none_over_few() {
         assert!(is_within(time, "time_ratio") && number(time, "runs") >= 6.0, "{time:?}");
     }
     place.fails(2, "--seeds", &["report", "x.glb", "-o", "no", "--seeds", "0"]);
+}
+
+#[test]
+fn strategies_are_compared_where_a_surface_emits_light() {
+    let place = Place::new();
+    place.ok(&["scene", "cornell-lamp", "-o", "lit.glb", "--quiet"]);
+    let wanted = ["--quick", "--device", "cpu", "--section", "strategies", "--size", "16x16", "--seeds", "6"];
+    place.ok(&[&["report", "lit.glb", "-o", "out", "--quiet"], &wanted[..]].concat());
+    let rows = rows(&place, "out/strategies.csv");
+    let of = |quantity: &str, strategy: &str| {
+        let wanted = [("quantity", quantity), ("path_strategy", strategy)];
+        rows.iter().filter(move |row| is(row, &wanted)).collect::<Vec<_>>()
+    };
+    let last = |strategy: &str| number(of("median_error", strategy).last().expect("a row"), "error");
+    for strategy in ["mis", "light", "bsdf"] {
+        let medians = of("median_error", strategy);
+        assert_eq!(medians.iter().map(|row| row["samples"].as_str()).collect::<Vec<_>>(), ["2", "4", "8", "16", "32"]);
+        assert_eq!(of("error", strategy).len(), 6 * 5);
+        for column in ["error", "flip"] {
+            assert!(medians.windows(2).all(|of| number(of[0], column) > number(of[1], column)), "{strategy}: {column}");
+            assert!(medians.iter().all(|row| is_within(row, column) && row["seeds"] == "6"), "{strategy}: {column}");
+        }
+        assert!(medians.iter().all(|row| row["is_fitted"] == "true"), "{strategy}: {medians:?}");
+        let times = of("time", strategy);
+        assert_eq!(
+            times.iter().map(|row| row["accelerator"].as_str()).collect::<Vec<_>>(),
+            ["bvh", "grid", "irregular"]
+        );
+        for time in times {
+            let is_of = |row: &&&Row| row["accelerator"] == time["accelerator"];
+            let convergence = of("convergence", strategy);
+            let of_structure: Vec<_> = convergence.iter().filter(is_of).collect();
+            assert_eq!(of_structure.len(), medians.len());
+            for (row, median) in of_structure.iter().zip(&medians) {
+                assert_eq!(row["error"], median["error"], "the image does not depend on the structure");
+                let expected = number(time, "ns_per_sample") * number(row, "samples");
+                assert!((number(row, "image_ns") / expected - 1.0).abs() < 1e-4, "{row:?}");
+                assert_eq!(row["same_error_time_ratio"].is_empty(), strategy == "mis", "{row:?}");
+                assert!(strategy == "mis" || is_within(row, "same_error_time_ratio"), "{row:?}");
+            }
+        }
+    }
+    // A small lamp is rarely hit by chance.
+    assert!(last("bsdf") > 2.0 * last("mis") && last("light") < 2.0 * last("mis"));
+    let page = String::from_utf8(place.read("out/index.html")).expect("text");
+    assert!(page.contains("Error over time, by strategy") && page.contains("FLIP over time, by strategy"));
+
+    report(&place, "cornell-box.gltf", &["strategies", "-o", "none", "--quiet"]);
+    assert!(self::rows(&place, "none/strategies.csv").is_empty());
+    let page = String::from_utf8(place.read("none/index.html")).expect("text");
+    assert!(page.contains("No surface of the scene emits light"));
 }

@@ -18,6 +18,7 @@ mod rules;
 mod samples;
 mod section;
 mod stiff;
+mod strategies;
 mod times;
 mod words;
 mod work;

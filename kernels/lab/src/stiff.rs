@@ -35,7 +35,7 @@ mod words;
 use std::io;
 use std::time::{Duration, Instant};
 
-use raystep_kernels::options::Integrator;
+use raystep_kernels::options::{Integrator, MAX_DEPTH};
 use raystep_kernels::{Accelerator, Ray, RaySource, Rule, ScheduleKind};
 use raystep_scenes::Scene;
 
@@ -63,7 +63,7 @@ pub const RUNS: &str = "runs.csv";
 
 /// Default seed of rays.
 pub const SEED: u32 = 2007;
-/// Default time limit of a family: sixteen of them take at most 27 minutes.
+/// Default time limit of a family: eighteen of them take at most 30 minutes.
 pub const BUDGET: Duration = Duration::from_secs(100);
 /// Default time limit of a run.
 pub const LONGEST_RUN: Duration = Duration::from_secs(5);
@@ -217,10 +217,20 @@ pub fn measure(
             late += usize::from(is_late);
             let stratum = family.stratum;
             let (scene, rays) = (&scene, &rays[..]);
-            let integrator = family.integrator;
+            let (integrator, max_depth) = (family.integrator, (family.max_depth)(parameter));
             let family = family.name;
-            let point =
-                Point { family, parameter: Some(parameter), name, stratum, scene, rays, grid, integrator, is_late };
+            let point = Point {
+                family,
+                parameter: Some(parameter),
+                name,
+                stratum,
+                scene,
+                rays,
+                grid,
+                integrator,
+                max_depth,
+                is_late,
+            };
             one(&work, &point, &missing, &mut cost, append)?;
             measured += 1;
         }
@@ -267,6 +277,7 @@ pub fn measure_scene(
         rays: &rays,
         grid,
         integrator: Integrator::default(),
+        max_depth: MAX_DEPTH,
         is_late: false,
     };
     Work { wanted, meter, reporter }.measure(&point, &wanted.configurations(scene.triangles.len()), cost)

@@ -97,7 +97,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
 }
 
 /// The seeds of the measured images.
-fn seeds(work: &Work<'_>) -> impl Iterator<Item = u32> {
+pub(super) fn seeds(work: &Work<'_>) -> impl Iterator<Item = u32> {
     let first = work.seed();
     (0..work.seeds).map(move |i| first.wrapping_add(i))
 }
@@ -107,7 +107,7 @@ fn options(work: &Work<'_>, samples: Samples) -> Options {
 }
 
 /// Small images, since many samples are needed.
-fn rays(work: &Work<'_>) -> RaySource {
+pub(super) fn rays(work: &Work<'_>) -> RaySource {
     let side = work.either(32, 64);
     let mut size = work.size;
     size.height = size.height.min(side);
@@ -116,7 +116,7 @@ fn rays(work: &Work<'_>) -> RaySource {
 }
 
 /// Runs until this many samples are complete; `false` if that takes too long.
-fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32) -> Result<bool, Error> {
+pub(super) fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32) -> Result<bool, Error> {
     let longest = work.time.map_or(LONGEST, |time| time.mul_f64(FOR_IMAGES));
     let watch = |progress: &raystep_kernels::Progress| {
         work.reporter.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));
@@ -176,7 +176,7 @@ fn edges_of(seen: &[Option<u32>], width: usize, height: usize) -> Vec<bool> {
 }
 
 /// Error of linear red, green and blue, over all pixels or some.
-fn rmse(a: &Image, b: &Image, of: Option<&[bool]>) -> Option<f64> {
+pub(super) fn rmse(a: &Image, b: &Image, of: Option<&[bool]>) -> Option<f64> {
     let pixels = a.pixels.iter().zip(&b.pixels).enumerate();
     let wanted = pixels.filter(|(i, _)| of.is_none_or(|of| of[*i]));
     root_mean_square(wanted.flat_map(|(_, (a, b))| [0, 1, 2].map(|c| f64::from(a[c]) - f64::from(b[c]))))

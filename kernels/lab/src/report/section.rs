@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::page::Part;
 use super::work::Work;
-use super::{choices, grid, left_out, moved, resolved, rules, samples, stiff};
+use super::{choices, grid, left_out, moved, resolved, rules, samples, stiff, strategies};
 use crate::Error;
 use crate::tidy::Table;
 
@@ -161,6 +161,20 @@ pub const SECTIONS: &[Section] = &[
         is_bounded: true,
         columns: samples::COLUMNS,
         run: Run::Blocking(samples::run),
+    },
+    Section {
+        name: "strategies",
+        help: "Error of paths over time, by strategy and by structure, if a surface emits light",
+        title: "Strategies of paths",
+        is_default: true,
+        what: "The image along paths (--integrator path): its error and FLIP over the time that it takes, for every way to find \
+               light (--strategy) and every structure. Only in scenes in which a surface emits light.",
+        file: "strategies.csv",
+        row: "a number of samples of a seed and a strategy, or what quantity says",
+        seconds: 15.0,
+        is_bounded: true,
+        columns: strategies::COLUMNS,
+        run: Run::Blocking(strategies::run),
     },
     Section {
         name: "left-out",

@@ -1,7 +1,7 @@
 //! The families: each a table entry with its parameter's values. A new family is an entry here, built from functions in
 //! `scenes`.
 
-use raystep_kernels::options::Integrator;
+use raystep_kernels::options::{Integrator, MAX_DEPTH};
 
 use super::{lit, scenes};
 use crate::Error;
@@ -24,6 +24,8 @@ pub struct Family {
     pub stratum: &'static str,
     /// The light that is computed at the hits; none but the hits themselves if it is local.
     pub integrator: Integrator,
+    /// Most bounces of paths, by parameter.
+    pub max_depth: fn(f64) -> u32,
     /// Generates scene and rays, by parameter, number of rays and seed.
     pub(super) make: Make,
 }
@@ -42,7 +44,8 @@ const WIDE: &[f64] = &[1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7];
 const SLIVERS: &[f64] = &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8];
 
 const fn family(name: &'static str, title: &'static str, stratum: &'static str, make: Make) -> Family {
-    Family { name, title, what: "", parameter: "", points: &[], stratum, integrator: Integrator::Local, make }
+    let (integrator, max_depth): (_, fn(f64) -> u32) = (Integrator::Local, |_| MAX_DEPTH);
+    Family { name, title, what: "", parameter: "", points: &[], stratum, integrator, max_depth, make }
 }
 
 impl Family {
@@ -53,6 +56,16 @@ impl Family {
     /// Rays to lights are traced, too.
     const fn lit(self) -> Self {
         Self { integrator: Integrator::Shadows, ..self }
+    }
+
+    /// Light is followed along paths.
+    const fn along_paths(self) -> Self {
+        Self { integrator: Integrator::Path, ..self }
+    }
+
+    /// The parameter is the number of bounces.
+    const fn deep(self) -> Self {
+        Self { max_depth: |bounces| bounces as u32, ..self }
     }
 
     /// Whether the light at the hits is computed, with rays to lights.
@@ -129,6 +142,16 @@ pub static FAMILIES: &[Family] = &[
             "1 / sine of the angle between light and plane",
             &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6],
         ),
+    family("depth", "Deep paths", SURFACE, lit::depth)
+        .along_paths()
+        .deep()
+        .of("a ball of 320 triangles, which is a mirror, in a bright sphere of 1,280, of which eight glow")
+        .over("most bounces of a path", &[1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0, 64.0]),
+    family("pdfs", "Unequal pdfs", SURFACE, lit::pdfs)
+        .along_paths()
+        .of("a tilted plane of 5,000 triangles with a sphere on it, under two lamps of the same power, of which one is smaller: \
+             the pdfs of its points are larger by the square of that, and so are the ranges of weights")
+        .over("side of one lamp / of the other", &[1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 3e4, 1e5]),
 ];
 
 #[cfg(test)]
@@ -198,6 +221,14 @@ mod tests {
                 }
                 _ => panic!("a directional light"),
             },
+            // Two triangles of each lamp.
+            "pdfs" => {
+                let area = |t: &[[f32; 3]; 3]| (vec(t[1]) - vec(t[0])).cross(vec(t[2]) - vec(t[0])).length();
+                let glows = |material: &u32| scene.materials[*material as usize].emissive != [0.0; 3];
+                let lamps = all.iter().zip(&scene.triangle_materials).filter(|(_, material)| glows(material));
+                let areas: Vec<f64> = lamps.map(|(triangle, _)| area(triangle)).collect();
+                ((areas[0] + areas[1]) / (areas[2] + areas[3])).sqrt()
+            }
             _ => panic!("{name}: how is its parameter measured?"),
         }
     }
@@ -205,17 +236,22 @@ mod tests {
     #[test]
     fn each_familys_geometry_follows_its_parameter() {
         let names: BTreeSet<&str> = FAMILIES.iter().map(|family| family.name).collect();
-        assert_eq!((names.len(), FAMILIES.len()), (16, 16));
+        assert_eq!((names.len(), FAMILIES.len()), (18, 18));
         for family in FAMILIES {
             assert!((8..=12).contains(&family.points.len()), "{}", family.name);
             let mut before = 0.0;
+            let Workload { scene, .. } = (family.make)(family.points[0], 1, 7).expect("a scene");
+            let glows = scene.materials.iter().any(|material| material.emissive != [0.0; 3]);
             assert_eq!(
-                family.is_lit(),
-                !(family.make)(family.points[0], 1, 7).expect("a scene").scene.lights.is_empty()
+                (family.is_lit(), family.integrator == Integrator::Path),
+                (glows || !scene.lights.is_empty(), glows)
             );
             for &point in family.points {
                 let made = (family.make)(point, 32, 7).expect("a scene");
-                let measure = measured(family.name, &made);
+                let measure = match family.name {
+                    "depth" => f64::from((family.max_depth)(point)),
+                    name => measured(name, &made),
+                };
                 assert!(measure > before, "{} at {point}: {measure} after {before}", family.name);
                 // Rounding to f32 moves the corners of the thinnest slivers and the origins of the flattest rays.
                 let is_rounded = matches!(family.name, "slivers-aslant" | "grazing" | "light-grazing") && point > 1e4;

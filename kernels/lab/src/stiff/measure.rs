@@ -47,6 +47,8 @@ pub(super) struct Point<'a> {
     pub(super) grid: GridSize,
     /// The light that is computed at the hits; local for none.
     pub(super) integrator: Integrator,
+    /// Most bounces of its paths.
+    pub(super) max_depth: u32,
     /// Whether the family has spent its time: then each configuration makes one run of few rays.
     pub(super) is_late: bool,
 }
@@ -95,6 +97,7 @@ impl Work<'_> {
             grid: if configuration.accelerator == Accelerator::Grid { point.grid } else { GridSize::Auto },
             shade: point.is_lit(),
             integrator: point.integrator,
+            max_depth: point.max_depth,
             counters,
             timings: !counters && self.meter.machine.timer().times_passes(),
             keep_passes: false,

@@ -19,6 +19,7 @@ static SMALL: Family = Family {
     points: &[1.0, 2.0],
     stratum: "edges",
     integrator: Integrator::Local,
+    max_depth: |_| MAX_DEPTH,
     make: scenes::layers,
 };
 

@@ -326,7 +326,11 @@ const COLUMNS: &[Column] = &[
     count("paid_off_rays_low", "fewest such rays that the intervals of both times allow"),
     count("paid_off_rays_high", "most such rays that the intervals of both times allow"),
     // Samples per pixel.
-    text("quantity", "what the row is: error, slope (of a seed), median_error, median_slope (over seeds) or time"),
+    text(
+        "quantity",
+        "what the row is: error, slope (of a seed), median_error, median_slope (over seeds), time, or convergence (a median with \
+         a time)",
+    ),
     text("sampler", "positions of samples: sobol or random"),
     text("pixels", "pixels in which the error is measured: all or edges"),
     count("seeds", "seeds of which it is the median"),

@@ -4,9 +4,19 @@
 #[must_use]
 pub fn is_of_time(column: &str) -> bool {
     let is_unit = ["_ns", "_s", "_ns_low", "_ns_high", "_s_with"].iter().any(|end| column.ends_with(end));
-    let is_rate = ["ns_per_ray", "time_ratio", "start_ratio", "build", "held_out_", "paid_off", "interval_"]
-        .iter()
-        .any(|b| column.starts_with(b));
+    let is_rate = [
+        "ns_per_ray",
+        "ns_per_sample",
+        "time_ratio",
+        "same_error_time_ratio",
+        "start_ratio",
+        "build",
+        "held_out_",
+        "paid_off",
+        "interval_",
+    ]
+    .iter()
+    .any(|b| column.starts_with(b));
     is_unit
         || is_rate
         || matches!(

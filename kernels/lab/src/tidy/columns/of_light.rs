@@ -1,6 +1,6 @@
 //! Columns about light, and about the rays that kernels cast for it.
 
-use super::{Column, count, number};
+use super::{Column, count, number, text};
 
 /// All of them.
 pub(super) const OF_LIGHT: &[Column] = &[
@@ -13,6 +13,20 @@ pub(super) const OF_LIGHT: &[Column] = &[
         "samples_per_s",
         "samples of pixels, each with a primary ray, divided by the median time; empty for other kinds of rays",
     ),
+    text("path_strategy", "how paths find light: mis, light or bsdf"),
+    count("max_depth", "most bounces of a path"),
+    number("ns_per_sample", "median time of a run divided by its samples per pixel"),
+    number("image_ns", "samples times ns_per_sample"),
+    number("flip", "mean of FLIP over all pixels, from 0 to 1; of a seed, or the median over seeds"),
+    number("flip_low", "lower end of the interval of the median"),
+    number("flip_high", "upper end of the interval of the median"),
+    number(
+        "same_error_time_ratio",
+        "time for the same error, to that by strategy mis with the same structure: the ratio of squared errors at the same number \
+         of samples and seeds, times that of the times of a sample; empty unless is_fitted",
+    ),
+    number("same_error_time_ratio_low", "lower end of it, by the intervals of both ratios"),
+    number("same_error_time_ratio_high", "upper end of it, by the intervals of both ratios"),
     count("undecided_shadow_rays", "rays to lights that f32 cannot decide"),
     count(
         "wrong_shadow_rays",
