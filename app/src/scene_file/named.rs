@@ -172,7 +172,7 @@ mod tests {
         assert!(bytes.starts_with(b"glTF"));
         assert!(built_in(Path::new("cornell-box")).is_none() && is_known(Path::new("built-in:terrain")));
         let error = file_of(Path::new("built-in:palace")).expect_err("no such scene");
-        assert!(error.message().contains("cornell-box, soup, terrain"), "{error}");
+        assert!(error.message().contains("cornell-box, cornell-lamp, soup, terrain"), "{error}");
         assert!(!is_known(Path::new("built-in:palace")));
     }
 }

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
+use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::shared::start::start_of;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::tables::stream::STATE_TAG;
@@ -25,6 +27,8 @@ struct Lit {
     undecided: u64,
     /// Of these, rays that were decided wrongly.
     wrong: u64,
+    /// Of these, rays that begin so near to another surface that rounding may have put their start on its other side.
+    close: u64,
     /// For each ray, whether each of its rays to lights was blocked, in their order.
     blocked: Vec<Vec<bool>>,
     /// Each ray's light: r, g, b.
@@ -121,6 +125,10 @@ impl Lit {
                     for shadow in arrived {
                         let [blocker, own] = [&found, &hits].map(|s| s.get(results.triangle.layer, shadow.ray));
                         lit.arrived(&shadow, blocker, own, judge);
+                        if let Some(triangles) = judge {
+                            let corners = renderer.data().corners(own);
+                            lit.close += u64::from(begins_close(shadow.origin, (own, corners), triangles));
+                        }
                     }
                 }
                 renderer.step().await?;
@@ -181,10 +189,22 @@ impl Lit {
             .set("undecided_shadow_rays", self.undecided)
             .set("wrong_shadow_rays", self.wrong)
             .set("wrong_shadow_per_million", per_million(self.wrong, self.cast))
+            .set("close_shadow_starts", self.close)
             .set("light_error_median", median(&errors))
             .set("light_error_largest", quantile(&errors, 1.0))
             .set("lit_otherwise_rays", (0..self.light.len()).filter(|ray| !is_same(ray)).count())
     }
+}
+
+/// Whether another surface is within the bound by which a ray's origin is off the triangle that it leaves, to either side
+/// along the normal. The bound is also that of the point itself, so the origin may be on the wrong side of it.
+fn begins_close(origin: [f32; 3], (own, corners): (u32, [Vec3<f64>; 3]), triangles: &Triangles<'_>) -> bool {
+    let start = start_of(corners, [1.0 / 3.0; 2], Vec3::splat(0.0));
+    [start.normal, -start.normal].into_iter().any(|way| {
+        let way = way.to_array().map(|c| c as f32);
+        let near = triangles.candidates(origin, way).within([0.0, 2.0 * start.distance]);
+        near.possible.iter().any(|possible| possible.triangle != own)
+    })
 }
 
 /// Whether a ray to a light was decided wrongly, and whether f32 cannot decide it. The surface that it leaves is no tie: the
@@ -262,6 +282,23 @@ mod tests {
         let mut other = brighter;
         other.blocked[3] = vec![!other.blocked[3][0]];
         assert_eq!(other.fill(Row::new(COLUMNS), &exact).get("lit_otherwise_rays"), "1");
+    }
+
+    /// Of two sheets, the rays from one begin close to the other only if it is within f32's bound on a point, above or below.
+    #[test]
+    fn starts_within_their_bound_of_another_surface_are_counted() {
+        for (gap, is_close) in [(1e-7, true), (-1e-7, true), (1e-5, false), (-1e-5, false)] {
+            let square = |y: f32| {
+                [[[-1.0, y, -1.0], [-1.0, y, 1.0], [1.0, y, 1.0]], [[-1.0, y, -1.0], [1.0, y, 1.0], [1.0, y, -1.0]]]
+            };
+            let scene = crate::stability::make::scene_of([square(0.0), square(gap)].concat());
+            let vertices: Vec<f32> = scene.triangles.iter().flatten().flatten().copied().collect();
+            let corners = scene.triangles[0].map(Vec3::<f64>::from_f32);
+            let triangles = Triangles::new(&vertices);
+            let start = start_of(corners, [0.25; 2], Vec3::splat(0.0));
+            let origin = (start.point + start.normal * start.distance).to_array().map(|c| c as f32);
+            assert_eq!(begins_close(origin, (0, corners), &triangles), is_close, "{gap}");
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ const GROUPS: &[&[&str]] = &[
     VERDICTS,
     columns![build_s hits passes cells_per_ray tests_per_ray structure_bytes],
     &["predicted_line", "stiffness"],
-    columns![shadow_rays undecided_shadow_rays wrong_shadow_rays wrong_shadow_per_million],
+    columns![shadow_rays undecided_shadow_rays wrong_shadow_rays wrong_shadow_per_million close_shadow_starts],
     columns![light_error_median light_error_largest lit_otherwise_rays],
 ];
 

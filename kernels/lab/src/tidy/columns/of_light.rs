@@ -33,6 +33,10 @@ pub(super) const OF_LIGHT: &[Column] = &[
         "rays to lights that pass through a triangle, or are stopped where there is none or by the one that they leave",
     ),
     number("wrong_shadow_per_million", "the same per million rays to lights"),
+    count(
+        "close_shadow_starts",
+        "rays to lights that begin so near to another surface that rounding may have put their start on its other side",
+    ),
     number(
         "light_error_median",
         "median error of a ray's light against f64, relative to its brightest channel, of rays that the same lights reach there",
