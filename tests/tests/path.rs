@@ -5,7 +5,7 @@ use raystep_kernels::programs::path::PROGRAM;
 use raystep_kernels::{Accelerator, Options, Samples, ScheduleKind};
 use raystep_scenes::{Optics, Scene};
 use raystep_tests::configurations::Configuration;
-use raystep_tests::{options, scene};
+use raystep_tests::{gpu, options, parity, scene};
 
 use crate::bounced::{
     Run, balls, breaks_are_named, compare, glazed, have_one_picture, judge_all, takes_a_pass_for_each_triangle,
@@ -39,6 +39,25 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
     compare(scenes, [19, 15], 4, takes_a_pass_for_each_triangle, runs);
 }
 
+/// The same scene with flat triangles: core WebGPU binds eight storage buffers, with which one kernel can follow whole paths.
+fn flat() -> Scene {
+    Scene { normals: None, ..glowing() }
+}
+
+#[test]
+fn whole_paths_agree_with_their_twin() {
+    let (scene, kernel) = (flat(), PROGRAM.kernel("fused_path").expect("a kernel"));
+    for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+        let options = along_paths(Configuration::new(accelerator, ScheduleKind::Fused, 1).of(&options(&scene, 24, 16)));
+        let samples = Samples { count: 2, ..Samples::default() };
+        for options in [Options { samples, ..options.clone() }, Options { counters: true, ..options }] {
+            let found = parity::compare(&gpu(), &scene, &options);
+            assert_eq!(found.breaches.iter().map(ToString::to_string).collect::<Vec<_>>(), [""; 0], "{accelerator}");
+            assert!(found.miscounts.is_empty() && found.transitions.iter().any(|(_, by, _)| *by == kernel));
+        }
+    }
+}
+
 #[test]
 fn every_ray_of_every_path_is_right_and_none_hits_the_surface_that_it_leaves() {
     let sum = judge_all(|scene| scene, along_paths, "sample_light");
@@ -49,15 +68,15 @@ fn every_ray_of_every_path_is_right_and_none_hits_the_surface_that_it_leaves() {
 #[test]
 fn pictures_are_the_same_however_they_are_traced() {
     have_one_picture(&glowing(), along_paths);
+    have_one_picture(&flat(), along_paths);
 }
 
 #[test]
 fn a_broken_kernel_is_named() {
-    let scene = glowing();
-    for (name, schedule) in [
-        ("sample_light", ScheduleKind::Compact),
-        ("sample_bsdf", ScheduleKind::Compact),
-        ("fused_path", ScheduleKind::Fused),
+    for (name, scene, schedule) in [
+        ("sample_light", glowing(), ScheduleKind::Compact),
+        ("sample_bsdf", glowing(), ScheduleKind::Compact),
+        ("fused_path", flat(), ScheduleKind::Fused),
     ] {
         let of = Configuration::new(Accelerator::Bvh, schedule, 8);
         let mut options = along_paths(of.of(&options(&scene, 24, 24)));

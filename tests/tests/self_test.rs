@@ -222,6 +222,7 @@ fn every_operation_of_every_kernel_is_probed() {
         let samples = Samples { count: 2, ..Samples::default() };
         let options = Options { integrator, samples, ..configuration.of(&options(&glowing, 8, 8)) };
         plans.push(Plan::new(&glowing, &options, &limits).expect("a plan").0);
+        plans.push(Plan::new(&glowing, &options, &Limits::CPU).expect("a plan").0);
     }
     let sort = Options { program: ProgramName::Sort, ..options(&scene("empty.gltf"), 8, 8) };
     plans.push(Plan::new(&scene("empty.gltf"), &sort, &limits).expect("a sort").0);

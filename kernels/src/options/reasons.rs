@@ -53,7 +53,7 @@ pub const EYE_RAYS: Reason = (
 /// Whole paths are followed in one kernel.
 const WHOLE_PATHS: Reason = (
     Because::Options,
-    "one kernel follows whole paths: needed only if that binds more storage buffers, or takes more loop turns, than the device allows",
+    "another kernel follows whole paths: needed only if that binds more storage buffers, or takes more loop turns, than the device allows",
 );
 
 /// The acceleration structures that something belongs to.
@@ -136,7 +136,7 @@ impl Run<'_> {
             On::Cells => needed_only_with!("--accelerator grid or irregular", " and "),
             On::Bvh => needed_only_with!("--accelerator bvh", " and "),
         };
-        if self.features.whole_paths && passes == Passes::Fused && has_accelerator {
+        if self.features.path && passes == Passes::Fused && has_accelerator {
             return WHOLE_PATHS;
         }
         let missing = if has_passes { Passes::Any } else { passes };

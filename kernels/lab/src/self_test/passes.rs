@@ -105,6 +105,8 @@ fn traced() -> Vec<Traced> {
         all.push(of(Place::Balls)(several(Bvh)).lit(integrator).in_parts());
         all.push(of(Place::Balls)(several(Grid)).lit(integrator).sampled(3));
     }
+    // Whole paths in one kernel, which binds everything that the others do: in a room with little of it.
+    all.extend([Grid, Bvh, None].map(|one| of(Place::Room)(Configuration::new(one, Fused, 1)).lit(Integrator::Path)));
     // From outside, where rays miss.
     all.extend(FAST.map(of(Place::Soup)));
     all

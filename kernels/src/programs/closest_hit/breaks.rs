@@ -117,7 +117,7 @@ fn random(options: &mut Options) {
 
 pub(super) const OF_GENERATE: &[Break] = &[
     Break::new(as_it_is, "0.5", "0.4995"),
-    Break::new(sobol, "column ^= column >> 1u", "column = column >> 1u"),
+    Break::new(sobol, "(digits & 0x33333333u) << 2u", "(digits & 0x33333333u) << 3u"),
     Break::new(sobol, "0x05526c56u", "0x05526c54u"),
     Break::new(sobol, "hashed(sampling.seed)", "hashed(0u)"),
     Break::new(sobol, "sampling.first + ", "sampling.first + 1u + "),

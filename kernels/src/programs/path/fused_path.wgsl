@@ -1,5 +1,6 @@
 // Follows a path from its first ray to its end: what the other kernels do one step at a time, with the path in registers.
-// A turn of the loop traces a ray to its nearest hit, or a shadow ray to any.
+// A turn of the loop traces a ray to its nearest hit, or a shadow ray to any. The loop has one exit, at its end: software
+// Vulkan (Mesa 22.3) counted the last walk of some rays twice with others.
 
 import package::camera::{Ray};
 import package::connected::{connected, emitted};
@@ -49,9 +50,11 @@ fn fused_path(@builtin(global_invocation_id) id: vec3u) {
     var pdf = 0.0;
     @if(shadows) var pending = vec3f(0.0);
     @if(counters) var spent = vec2u(0u);
-    loop {
+    var is_over = false;
+    while (!is_over) {
         trace = traced(trace);
         @if(counters) spent += vec2u(trace.cells, trace.tests);
+        var casts = false;
         if (trace.is_shadow) {
             @if(shadows) if (trace.triangle == NO_TRIANGLE) {
                 sum += pending;
@@ -60,36 +63,36 @@ fn fused_path(@builtin(global_invocation_id) id: vec3u) {
             if (depth == 0u) {
                 store_hit(texel, trace);
             }
-            if (trace.triangle == NO_TRIANGLE) {
+            leaves = trace.triangle;
+            if (leaves == NO_TRIANGLE) {
                 sum += carried * shading.background;
                 next.ended = BY_ESCAPE;
-                break;
-            }
-            leaves = trace.triangle;
-            let at = vertex_at(texel, depth, leaves, trace.u, trace.v, unit3(trace.direction), carried);
-            @if(emissive) sum += emitted(at, trace.origin, pdf);
-            if (depth == DEPTH) {
-                next.ended = BY_DEPTH;
-                break;
-            }
-            next = scattered(at);
-            @if(shadows) {
-                let to = connected(at);
-                if (to.is_cast) {
-                    pending = to.arrives;
-                    trace = trace_from(Ray(to.origin, to.direction), leaves, to.end);
-                    trace.is_shadow = true;
-                    continue;
+            } else {
+                let at = vertex_at(texel, depth, leaves, trace.u, trace.v, unit3(trace.direction), carried);
+                @if(emissive) sum += emitted(at, trace.origin, pdf);
+                if (depth == DEPTH) {
+                    next.ended = BY_DEPTH;
+                } else {
+                    next = scattered(at);
+                    @if(shadows) {
+                        let to = connected(at);
+                        casts = to.is_cast;
+                        if (casts) {
+                            pending = to.arrives;
+                            trace = trace_from(Ray(to.origin, to.direction), leaves, to.end);
+                            trace.is_shadow = true;
+                        }
+                    }
                 }
             }
         }
-        if (next.ended != 0u) {
-            break;
+        is_over = !casts && next.ended != 0u;
+        if (!casts && !is_over) {
+            carried = next.throughput;
+            pdf = next.pdf;
+            depth += 1u;
+            trace = trace_from(Ray(next.origin, next.direction), leaves, INF);
         }
-        carried = next.throughput;
-        pdf = next.pdf;
-        depth += 1u;
-        trace = trace_from(Ray(next.origin, next.direction), leaves, INF);
     }
     textureStore(color, texel, 0, vec4f(sum.x));
     textureStore(color, texel, 1, vec4f(sum.y));
