@@ -77,7 +77,7 @@ pub(crate) fn sobol_second(index: u32) -> u32 {
     digits ^= (digits & 0x3333_3333) << 2;
     digits ^= (digits & 0x0f0f_0f0f) << 4;
     digits ^= (digits & 0x00ff_00ff) << 8;
-    digits ^ digits << 16
+    digits ^ (digits << 16)
 }
 
 pub(crate) fn scrambled(digits: u32, seed: u32) -> u32 {
@@ -143,9 +143,9 @@ mod tests {
     #[test]
     fn the_second_coordinate_is_that_of_sobol() {
         let slow = |index: u32| {
-            let columns = std::iter::successors(Some(0x8000_0000u32), |column| Some(column ^ column >> 1));
+            let columns = std::iter::successors(Some(0x8000_0000u32), |column| Some(column ^ (column >> 1)));
             let bits = (0..32).map(|bit| index >> bit & 1);
-            bits.zip(columns).fold(0, |digits, (bit, column)| digits ^ bit * column)
+            bits.zip(columns).fold(0, |digits, (bit, column)| digits ^ (bit * column))
         };
         for index in (0..4096).chain((0..4096).map(hashed)) {
             assert_eq!(sobol_second(index), slow(index), "{index}");
