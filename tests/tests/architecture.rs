@@ -22,7 +22,7 @@ const STOPS: &[Stop] = &[
     Stop::at(&[("raystep_kernels::shader", "Variant::new")], "WGSL and its bindings"),
     Stop::at(&[("raystep_kernels::scene_data", "SceneData::new")], "what buffers hold"),
     Stop::at(&[("raystep_kernels::renderer", "Renderer::from_plan")], "an executor, with streams"),
-    Stop::at(&[("raystep_kernels::program::schedule", "Cursor::guess")], "which kernels are next"),
+    Stop::at(&[("raystep_kernels::program::schedule::cursor", "Cursor::guess")], "which kernels are next"),
     Stop::at(
         &[
             ("raystep_kernels::executor::gpu::batch", "GpuExecutor::run"),
