@@ -1,20 +1,22 @@
 //! The options that subcommands share.
 
 pub(crate) mod choices;
+pub(crate) mod kernel;
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use raystep_kernels::Choices;
 use raystep_kernels::options::mapping::{self, Mapping};
 use raystep_kernels::options::scene_data;
+use raystep_kernels::{Accelerator, Choices, ScheduleKind};
 use raystep_lab::{Machine, Size};
 use raystep_scenes::LoadOptions;
 
 use crate::error::Error;
 use choices::{ChoiceArgs, Sampling, Tracing};
+use kernel::KernelArgs;
 
 /// The scene file.
 #[derive(Args, Debug)]
@@ -102,13 +104,33 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) tracing: ChoiceArgs<Tracing>,
     #[command(flatten)]
+    pub(crate) kernels: KernelArgs,
+    #[command(flatten)]
     pub(crate) device: DeviceArgs,
 }
 
 impl RunArgs {
+    /// The choices of a run, whatever its view. With a kernel of the user's, single steps through the grid are the default:
+    /// those have all kernels of the paper.
+    pub(crate) fn values(&self) -> Choices {
+        let mut values = self.tracing.values;
+        if !self.kernels.kernels.is_empty() {
+            if !self.tracing.has("schedule") {
+                values.schedule = ScheduleKind::Compact;
+            }
+            if !self.tracing.has("steps-per-pass") {
+                values.steps_per_pass = 1;
+            }
+            if !self.tracing.has("accelerator") {
+                values.accelerator = Accelerator::Grid;
+            }
+        }
+        values
+    }
+
     /// The choices of a run with this view.
     pub(crate) fn choices(&self, view: &ViewArgs) -> Choices {
-        Choices { samples: view.samples.values.samples, ..self.tracing.values }
+        Choices { samples: view.samples.values.samples, ..self.values() }
     }
 
     /// The same on a device: one that only draws has defaults of its own.
@@ -132,7 +154,12 @@ impl RunArgs {
 
     /// Where passes run.
     pub(crate) fn device(&self) -> DeviceArgs {
-        self.device.if_needed(self.tracing.values.needs_gpu())
+        let mut device = self.device.if_needed(self.tracing.values.needs_gpu());
+        // On the CPU, a user's kernel is interpreted.
+        if !self.kernels.kernels.is_empty() && device.device == DeviceKind::Auto {
+            device.device = DeviceKind::GpuFirst;
+        }
+        device
     }
 }
 
@@ -170,6 +197,9 @@ pub(crate) enum DeviceKind {
     Gpu,
     /// All CPU cores
     Cpu,
+    /// The best adapter, even if it is software, otherwise the CPU
+    #[value(skip)]
+    GpuFirst,
 }
 
 /// `--quiet`

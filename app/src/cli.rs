@@ -7,8 +7,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, completions, dump, extension, info, inspect, merge, paper, plan, render, report, run, scene,
-    stability, sweep, trace,
+    bench, build, cast, check_kernel, completions, dump, extension, info, inspect, merge, paper, plan, render, report,
+    run, scene, stability, sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
@@ -35,6 +35,7 @@ Examples:
   raystep build teapot --check
   raystep run sort --elements 65536 --check
   raystep cast cornell-box --rays-file rays.npy -o hits.npy
+  raystep check-kernel my.wgsl --for intersect cornell-box
   raystep report cornell-box -o report
   raystep stability -o stability
   raystep paper -o paper
@@ -59,6 +60,7 @@ pub(crate) enum Command {
     Build(Box<build::BuildArgs>),
     Run(run::RunProgramArgs),
     Cast(Box<cast::CastArgs>),
+    CheckKernel(Box<check_kernel::CheckKernelArgs>),
     Merge(merge::MergeArgs),
     Report(Box<report::ReportArgs>),
     Stability(Box<stability::StabilityArgs>),

@@ -3,6 +3,7 @@
 pub(crate) mod bench;
 pub(crate) mod build;
 pub(crate) mod cast;
+pub(crate) mod check_kernel;
 pub(crate) mod completions;
 pub(crate) mod dump;
 pub(crate) mod info;

@@ -25,10 +25,14 @@ pub(crate) fn choose(args: &DeviceArgs) -> Result<Machine, Error> {
     match args.device {
         DeviceKind::Cpu => Ok(on_cpu("--device cpu".into())),
         DeviceKind::Gpu => Ok(on_gpu(open(&AdapterChoice::Best)?, "--device gpu")),
-        DeviceKind::Auto => Ok(match block_on(None, Gpu::new(&AdapterChoice::Best)) {
+        DeviceKind::Auto | DeviceKind::GpuFirst => Ok(match block_on(None, Gpu::new(&AdapterChoice::Best)) {
             Ok(gpu) => {
                 let name = gpu.info.name.clone();
-                match Device::auto(gpu, Some(now_ns)) {
+                let device = match args.device {
+                    DeviceKind::GpuFirst => Device::Gpu(gpu),
+                    _ => Device::auto(gpu, Some(now_ns)),
+                };
+                match device {
                     Device::Gpu(gpu) => {
                         check_clock(&gpu)?;
                         on_gpu(gpu, "the best adapter")

@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use raystep_kernels::plan::Bytes;
+use raystep_kernels::shader::{Mistake, ShaderError};
 use raystep_kernels::structures::grid::GridError;
 use raystep_kernels::{GpuError, Limits, PlanError, RenderError};
 
@@ -29,6 +30,8 @@ pub(crate) struct Error {
     pub(crate) message: String,
     /// The exit code.
     pub(crate) code: u8,
+    /// The line of a user's kernel that it is about, as lines below the message.
+    pub(crate) excerpt: Option<String>,
 }
 
 impl Error {
@@ -65,14 +68,21 @@ impl Error {
     fn new(message: impl fmt::Display, code: u8) -> Self {
         // File names and driver messages may contain line feeds.
         let message = message.to_string().split(['\n', '\r']).map(str::trim).collect::<Vec<_>>().join(" ");
-        Self { message, code }
+        Self { message, code, excerpt: None }
+    }
+}
+
+impl From<&Mistake> for Error {
+    fn from(mistake: &Mistake) -> Self {
+        Self { excerpt: mistake.excerpt(), ..Self::failed(mistake) }
     }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = if self.code == UNDECIDED { "undecided" } else { "error" };
-        write!(f, "{what}: {}", self.message)
+        write!(f, "{what}: {}", self.message)?;
+        self.excerpt.iter().try_for_each(|excerpt| write!(f, "\n{excerpt}"))
     }
 }
 
@@ -85,6 +95,7 @@ impl From<PlanError> for Error {
 impl From<&PlanError> for Error {
     fn from(error: &PlanError) -> Self {
         match error {
+            PlanError::Shader(ShaderError::Mistake(mistake)) => Self::from(&**mistake),
             PlanError::Grid(GridError::Size(_)) => Self::usage(format!("--grid: {error}")),
             PlanError::Samples { .. } => Self::usage(format!("--spp: {error}")),
             PlanError::Ray { .. } => Self::usage(format!("--ray: {error}")),

@@ -43,7 +43,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     ending.code = match run(arguments) {
         Ok(()) => 0,
         Err(error) => {
-            terminal::say(&error);
+            terminal::say_lines(&error.to_string());
             error.code
         }
     };
@@ -96,6 +96,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::Build(args) => commands::build::run(&args),
             Command::Run(args) => commands::run::run(&args),
             Command::Cast(args) => commands::cast::run(&args),
+            Command::CheckKernel(args) => commands::check_kernel::run(*args),
             Command::Merge(args) => commands::merge::run(&args),
             Command::Report(args) => commands::report::run(&args),
             Command::Stability(args) => commands::stability::run(&args),

@@ -7,6 +7,7 @@ use raystep_inspector::link::{Link, LinkCamera, LinkDevice, LinkRay};
 use raystep_lab::{Hash, Size};
 
 use crate::args::choices::{ChoiceArgs, with_linked};
+use crate::args::kernel::KernelArgs;
 use crate::args::{CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SceneArgs, Vector, ViewArgs, counted};
 use crate::error::Error;
 
@@ -49,7 +50,7 @@ impl LinkArgs {
     pub(crate) fn wanted(self, view: ViewArgs, mut run: RunArgs) -> Result<Wanted, Error> {
         if let Some(text) = self.link {
             let link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
-            return from_link(link, self.read, run.device);
+            return from_link(link, self.read, run.kernels, run.device);
         }
         let scene =
             self.scene.ok_or_else(|| Error::usage("missing scene: name its file, or use --link LINK (see --help)"))?;
@@ -59,7 +60,7 @@ impl LinkArgs {
     }
 }
 
-fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, Error> {
+fn from_link(link: Link, read: ReadArgs, kernels: KernelArgs, device: DeviceArgs) -> Result<Wanted, Error> {
     let scene = link.scene.ok_or_else(|| Error::usage("--link: it has no scene: add scene=FILE"))?;
     let is_named = link.device != LinkDevice::Auto || link.adapter.is_some();
     if is_named && (device.device != DeviceKind::Auto || device.adapter.is_some()) {
@@ -92,7 +93,7 @@ fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, E
             },
             samples: ChoiceArgs::of(link.choices),
         },
-        run: RunArgs { tracing: ChoiceArgs::of(link.choices), device: if is_named { linked } else { device } },
+        run: RunArgs { tracing: ChoiceArgs::of(link.choices), kernels, device: if is_named { linked } else { device } },
         ray: link.ray,
         scene_hash: link.scene_hash,
     })
@@ -121,7 +122,7 @@ pub(crate) fn link_of(wanted: &Wanted) -> Result<Link, Error> {
         size: [view.size.width, view.size.height],
         choices: run.choices(view),
         device: match run.device.device {
-            DeviceKind::Auto => LinkDevice::Auto,
+            DeviceKind::Auto | DeviceKind::GpuFirst => LinkDevice::Auto,
             DeviceKind::Gpu => LinkDevice::Gpu,
             DeviceKind::Cpu => LinkDevice::Cpu,
         },

@@ -72,6 +72,7 @@ impl Session {
         adjust: impl FnOnce(&Scene, &mut Options),
     ) -> Result<Self, Error> {
         run.check(view)?;
+        let replaced = run.kernels.read()?;
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
         let scene_path = scene.scene.clone();
@@ -98,7 +99,7 @@ impl Session {
                 mapping.name(),
             ));
         }
-        let mut options = Options::new(rays).chosen(&choices);
+        let mut options = Options { replaced, ..Options::new(rays).chosen(&choices) };
         adjust(&scene, &mut options);
         progress.stage("planning and building");
         let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;

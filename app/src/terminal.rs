@@ -32,8 +32,8 @@ pub(crate) fn say(line: impl std::fmt::Display) {
     let _ = writeln!(io::stderr(), "{}", visible(&line.to_string()));
 }
 
-/// Writes lines to stderr.
-fn say_lines(text: &str) {
+/// Writes lines to stderr; ignores failures.
+pub(crate) fn say_lines(text: &str) {
     let _ = writeln!(io::stderr(), "{}", visible_lines(text));
 }
 

@@ -18,6 +18,7 @@ mod options;
 mod words;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use items::Module;
 pub use options::left_out;
@@ -31,7 +32,8 @@ pub enum ComposeError {
     Malformed {
         /// The module.
         module: String,
-        /// Line, from 1; for an import or declaration, counted after the options have been decided.
+        /// Line, from 1; for an import or declaration of a module that is not composed in place, counted after the options
+        /// have been decided.
         line: usize,
         /// What is wrong.
         message: String,
@@ -85,31 +87,77 @@ pub fn compose<'a>(
     source: &dyn Fn(&str) -> Option<&'a str>,
     option: &dyn Fn(&str) -> Option<bool>,
 ) -> Result<String, ComposeError> {
-    let mut linker = Linker { source, option, modules: BTreeMap::new(), order: Vec::new() };
-    if !linker.load(root)? || !linker.modules[root].declares(entry) {
-        return Err(ComposeError::NoEntry { module: root.to_owned(), name: entry.to_owned() });
+    let linker = Linker { source, option, in_place: None, modules: BTreeMap::new(), order: Vec::new() };
+    linker.composed(root, entry).map(|composed| composed.text)
+}
+
+/// A composed text that knows where its declarations are from.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Composed {
+    /// Plain WGSL.
+    pub text: String,
+    /// Of each declaration: its bytes in the text, its module, and where it begins in the module's text.
+    origins: Vec<(Range<usize>, String, usize)>,
+}
+
+impl Composed {
+    /// The module that a byte of the text is from, and which byte of the root it is, if it is from there.
+    #[must_use]
+    pub fn origin(&self, at: usize, root: &str) -> Option<(&str, Option<usize>)> {
+        let (range, module, first) = self.origins.iter().find(|(range, ..)| range.contains(&at))?;
+        Some((module, (module == root).then_some(first + at - range.start)))
     }
-    let reached = linker.reached(root, entry)?;
-    linker.print(&reached)
+}
+
+/// As [`compose`], but in the text of the root, what the options leave out becomes spaces: every place in it has a place in
+/// the root's file.
+///
+/// # Errors
+/// As [`compose`].
+pub fn compose_in_place<'a>(
+    root: &str,
+    entry: &str,
+    source: &dyn Fn(&str) -> Option<&'a str>,
+    option: &dyn Fn(&str) -> Option<bool>,
+) -> Result<Composed, ComposeError> {
+    let in_place = Some(root.to_owned());
+    Linker { source, option, in_place, modules: BTreeMap::new(), order: Vec::new() }.composed(root, entry)
 }
 
 struct Linker<'f, 'a> {
     source: &'f dyn Fn(&str) -> Option<&'a str>,
     option: &'f dyn Fn(&str) -> Option<bool>,
+    /// The module in which what the options leave out becomes spaces.
+    in_place: Option<String>,
     modules: BTreeMap<String, Module>,
     /// Loaded modules, in the order in which they were first reached.
     order: Vec<String>,
 }
 
 impl Linker<'_, '_> {
+    fn composed(mut self, root: &str, entry: &str) -> Result<Composed, ComposeError> {
+        if !self.load(root)? || !self.modules[root].declares(entry) {
+            return Err(ComposeError::NoEntry { module: root.to_owned(), name: entry.to_owned() });
+        }
+        let reached = self.reached(root, entry)?;
+        self.print(&reached)
+    }
+
     /// Reads a module once; returns false if there is none of that name.
     fn load(&mut self, name: &str) -> Result<bool, ComposeError> {
         if self.modules.contains_key(name) {
             return Ok(true);
         }
         let Some(text) = (self.source)(name) else { return Ok(false) };
-        let text = options::decided(name, text, self.option)?;
-        self.modules.insert(name.to_owned(), Module::parse(name, &text)?);
+        let is_in_place = self.in_place.as_deref() == Some(name);
+        let text = options::decided(name, text, self.option, is_in_place)?;
+        let module = Module::parse(name, &text)?;
+        // A declaration would silently take the place of what is imported under its name.
+        if let Some((name_of, from)) = module.imports.iter().find(|(imported, _)| module.declares(imported)) {
+            let (first, second) = (name.to_owned(), from.clone());
+            return Err(ComposeError::Twice { name: name_of.clone(), first, second });
+        }
+        self.modules.insert(name.to_owned(), module);
         self.order.push(name.to_owned());
         Ok(true)
     }
@@ -151,8 +199,8 @@ impl Linker<'_, '_> {
         Ok(Some((from, name.to_owned())))
     }
 
-    fn print(&self, reached: &BTreeSet<(String, String)>) -> Result<String, ComposeError> {
-        let mut text = String::new();
+    fn print(&self, reached: &BTreeSet<(String, String)>) -> Result<Composed, ComposeError> {
+        let (mut text, mut origins) = (String::new(), Vec::new());
         let mut names: BTreeMap<&str, &str> = BTreeMap::new();
         for module in &self.order {
             let items = self.modules[module].items.iter();
@@ -166,13 +214,14 @@ impl Linker<'_, '_> {
                 if has_several_lines && !text.is_empty() && !text.ends_with("\n\n") {
                     text.push('\n');
                 }
+                origins.push((text.len()..text.len() + item.text.len(), module.clone(), item.start));
                 text.push_str(&item.text);
                 text.push_str(if has_several_lines { "\n\n" } else { "\n" });
             }
         }
         text.truncate(text.trim_end().len());
         text.push('\n');
-        Ok(text)
+        Ok(Composed { text, origins })
     }
 }
 

@@ -22,6 +22,8 @@ mod operators;
 mod recording;
 mod work;
 
+use std::fmt;
+
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
 
@@ -43,6 +45,9 @@ pub enum InterpretError {
     /// The elements of the kernel read each other.
     #[error("{0} cannot be interpreted for one element: its elements read each other")]
     NotAlone(&'static str),
+    /// A texel of another element is read or written.
+    #[error("the texel {0},{1} of {2} belongs to another element, whose thread runs at the same time")]
+    Other(u32, u32, &'static str),
     /// The source is not valid. This is a bug in raystep.
     #[error("{kernel} is not valid WGSL: {message}")]
     Invalid {
@@ -52,7 +57,7 @@ pub enum InterpretError {
         message: String,
     },
     /// A part of WGSL that the interpreter does not know.
-    #[error("line {line} has {what}, which the interpreter does not support")]
+    #[error("{}{what} is not supported by the interpreter", Line(*line))]
     Unsupported {
         /// What it is.
         what: String,
@@ -70,6 +75,9 @@ pub enum InterpretError {
     /// It did not end.
     #[error("not finished after {0} steps")]
     Steps(u64),
+    /// A loop of a user's kernel did not end.
+    #[error("a loop has not ended after {0} turns")]
+    Turns(u32),
     /// The texels given do not belong to the kernel.
     #[error("{given} components given for a kernel whose rays have {needed}")]
     Texels {
@@ -78,6 +86,15 @@ pub enum InterpretError {
         /// Number of components that are needed.
         needed: usize,
     },
+}
+
+/// A line at the beginning of a message; nothing if it is 0.
+struct Line(usize);
+
+impl fmt::Display for Line {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 > 0 { write!(f, "line {}: ", self.0) } else { Ok(()) }
+    }
 }
 
 /// The element of a set that a kernel is interpreted for.
@@ -117,6 +134,8 @@ pub struct Interpreter {
     layout: Layout,
     /// Streams that the variant updates in place, whose integers are what the ray has found before.
     kept: Vec<Stream>,
+    /// Most turns of all of its loops.
+    turns: u32,
 }
 
 impl Interpreter {
@@ -148,7 +167,13 @@ impl Interpreter {
             .map(|(stream, _)| stream)
             .collect();
         let layout = Layout::of(kernel.program().streams, streams.iter().copied());
-        Ok(Self { kernel, source, module, code, streams, layout, kept })
+        Ok(Self { kernel, source, module, code, streams, layout, kept, turns: u32::MAX })
+    }
+
+    /// The same, with a limit for the turns of all loops of an element.
+    #[must_use]
+    pub fn limited(self, turns: u32) -> Self {
+        Self { turns, ..self }
     }
 
     /// The kernel.
@@ -225,6 +250,13 @@ impl Counter<'_> {
     pub fn run(&mut self, element: Element, texels: &mut [u32]) -> Result<Outcomes, InterpretError> {
         self.machine.run(element, texels)?;
         Ok(self.machine.outcomes)
+    }
+
+    /// The lines of the composed source, from 1, that were run last: in the function that ran, in the one that called it, and
+    /// so on.
+    #[must_use]
+    pub fn lines(&self) -> Vec<usize> {
+        self.machine.lines()
     }
 
     /// What all elements so far took together.

@@ -4,16 +4,19 @@
 //! entry point reads and writes, including through the functions it calls. The WGSL is the only list of bindings.
 
 mod blocks;
+mod guarded;
 mod layouts;
 mod lists;
 mod parsed;
+mod replaced;
 mod selects;
 mod sharing;
+mod uniform;
 
 use std::collections::HashMap;
-use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
-use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
+use naga::valid::{Capabilities, FunctionInfo, GlobalUse, ValidationFlags, Validator};
 use naga::{AddressSpace, ImageClass, Module, ShaderStage, StorageAccess, TypeInner};
 
 use crate::compose::{ComposeError, compose};
@@ -25,6 +28,7 @@ pub(crate) use blocks::rewritten;
 pub use layouts::{ArrayLayout, Field, StructLayout};
 use layouts::{array_of, structs_of};
 pub(crate) use lists::in_textures;
+pub use replaced::{Mistake, Place, Replaced};
 pub(crate) use selects::by_component;
 pub use sharing::{Group, first_layer};
 
@@ -109,6 +113,8 @@ pub struct Variant {
     pub structs: Vec<StructLayout>,
     /// Elements of its read-only storage buffers.
     pub arrays: Vec<ArrayLayout>,
+    /// The user's file that the source is from, if it is not ours.
+    pub replaced: Option<Arc<Replaced>>,
 }
 
 /// The buffers of [`Resource::Live`] that every program has; the others are the program's lists. All but `live_rays`
@@ -118,7 +124,7 @@ pub const LIVE: [&str; 3] = ["sent", "own_list", "live_rays"];
 /// The uniform of [`Resource::Launch`].
 pub const LAUNCH: &str = "launch";
 
-/// A kernel's source is not valid. This is a bug in raystep, not in a scene.
+/// A kernel's source is not valid. Unless it is a user's, this is a bug in raystep, not in a scene.
 #[derive(Debug, thiserror::Error)]
 pub enum ShaderError {
     /// `import` or `@if` could not be resolved.
@@ -145,6 +151,9 @@ pub enum ShaderError {
         /// The global.
         name: String,
     },
+    /// A user's WGSL is not valid.
+    #[error("{0}")]
+    Mistake(Box<Mistake>),
 }
 
 /// Variants that were composed before. Parsing and validating one takes longer than rendering a small image.
@@ -191,7 +200,7 @@ impl Variant {
             return Ok(variant.clone());
         }
         // Done without the lock: two threads may compose the same variant at once, with equal results.
-        let variant = Self::reflected(kernel, features, lists)?;
+        let variant = Self::own(kernel, features, lists)?;
         let mut kept = kept();
         if kept.len() >= MOST_KEPT {
             kept.clear();
@@ -200,7 +209,7 @@ impl Variant {
         Ok(variant)
     }
 
-    fn reflected(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Result<Self, ShaderError> {
+    fn own(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Result<Self, ShaderError> {
         let name = kernel.name();
         let source =
             composed(kernel, features, lists).map_err(|source| ShaderError::Compose { kernel: name, source })?;
@@ -214,32 +223,9 @@ impl Variant {
             .iter()
             .position(|e| e.stage == ShaderStage::Compute && e.name == kernel.info().name)
             .ok_or_else(|| invalid(format!("no compute entry point named {}", kernel.info().name)))?;
-        let usage = info.get_entry_point(entry);
-
-        let (mut bindings, mut arrays) = (Vec::new(), Vec::new());
-        for (handle, global) in module.global_variables.iter() {
-            let (Some(at), Some(global_name)) = (&global.binding, &global.name) else { continue };
-            let used = usage[handle];
-            if used.is_empty() {
-                continue;
-            }
-            let global_name = kernel.bound(global_name);
-            let resource = resource_of(kernel, &module, global, global_name)
-                .ok_or_else(|| ShaderError::UnknownBinding { kernel: name, name: global_name.to_owned() })?;
-            if resource == Resource::Storage {
-                arrays.extend(array_of(&module, global, global_name));
-            }
-            bindings.push(Binding {
-                group: at.group,
-                index: at.binding,
-                name: global_name.to_owned(),
-                resource,
-                reads: used.contains(GlobalUse::READ),
-                writes: used.contains(GlobalUse::WRITE),
-            });
-        }
-        bindings.sort_by_key(|b| (b.group, b.index));
-        Ok(Self { kernel, structs: structs_of(&module), arrays, source, bindings })
+        let (bindings, structs, arrays) = reflected(kernel, &module, info.get_entry_point(entry))
+            .map_err(|global| ShaderError::UnknownBinding { kernel: name, name: global })?;
+        Ok(Self { kernel, structs, arrays, source, bindings, replaced: None })
     }
 
     /// Streams that the variant reads or writes.
@@ -249,6 +235,36 @@ impl Variant {
             _ => None,
         })
     }
+}
+
+/// What a module's entry point binds, and how structs and lists are laid out.
+type Reflected = (Vec<Binding>, Vec<StructLayout>, Vec<ArrayLayout>);
+
+/// Reflects a module. Fails with the name of a global that the host does not know.
+fn reflected(kernel: Kernel, module: &Module, usage: &FunctionInfo) -> Result<Reflected, String> {
+    let (mut bindings, mut arrays) = (Vec::new(), Vec::new());
+    for (handle, global) in module.global_variables.iter() {
+        let (Some(at), Some(global_name)) = (&global.binding, &global.name) else { continue };
+        let used = usage[handle];
+        if used.is_empty() {
+            continue;
+        }
+        let global_name = kernel.bound(global_name);
+        let resource = resource_of(kernel, module, global, global_name).ok_or_else(|| global_name.to_owned())?;
+        if resource == Resource::Storage {
+            arrays.extend(array_of(module, global, global_name));
+        }
+        bindings.push(Binding {
+            group: at.group,
+            index: at.binding,
+            name: global_name.to_owned(),
+            resource,
+            reads: used.contains(GlobalUse::READ),
+            writes: used.contains(GlobalUse::WRITE),
+        });
+    }
+    bindings.sort_by_key(|b| (b.group, b.index));
+    Ok((bindings, structs_of(module), arrays))
 }
 
 /// The modules that a kernel may import from: its program's, and those made of the program's rows.

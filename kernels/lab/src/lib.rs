@@ -13,6 +13,7 @@
 //! | [`configuration`], [`watertight`] | options that are compared, and a closed mesh that no ray may leave |
 //! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, interleaved timing, medians and intervals |
 //! | [`compared`], [`built`] | how much a comparison covered, by kernel; a grid that a device has built |
+//! | [`mod@check_kernel`], [`branch`] | a user's kernel beside the one that it replaces; how a condition came out, in words |
 //! | [`self_test`] | whether raystep works on a GPU: all of this in a minute |
 //! | [`strategies`] | one pixel's light by each strategy of a path tracer |
 //! | [`bounces`], [`non_finite`] | paths of light over the whole image, bounce by bounce; the first value that is not finite, and its cause |
@@ -30,7 +31,9 @@ pub mod tidy;
 
 pub mod bench;
 pub mod bounces;
+pub mod branch;
 pub mod built;
+pub mod check_kernel;
 pub mod compare;
 pub mod compared;
 pub mod configuration;

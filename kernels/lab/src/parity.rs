@@ -79,6 +79,8 @@ pub struct Parity {
     pub breaches: Vec<Breach>,
     /// Passes after which the recorded numbers of rays in each state are wrong.
     pub miscounts: Vec<Miscount>,
+    /// The streams before the first pass after which anything was wrong.
+    pub before: Vec<StreamData>,
 }
 
 /// Why a comparison failed.
@@ -129,25 +131,25 @@ pub async fn compare(
 ) -> Result<Parity, ParityError> {
     let (mut plan, data) = Plan::new(scene, options, limits)?;
     change(&mut plan);
-    compare_plan(gpu, plan, data, options, is_enough).await
+    compare_plan(&Device::Gpu(gpu.clone()), plan, data, options, is_enough).await
 }
 
-/// As [`compare`], for a plan that is made already.
+/// As [`compare`], on any device, for a plan that is made already. Users' kernels are compared with those that they replace.
 ///
 /// # Errors
 /// If the device fails, or there is not enough memory.
 pub async fn compare_plan(
-    gpu: &Arc<Gpu>,
+    device: &Device,
     plan: Plan,
     data: SceneData,
     options: &Options,
     is_enough: impl Fn(&Parity) -> bool,
 ) -> Result<Parity, ParityError> {
-    let device = Device::Gpu(gpu.clone());
-    let mut renderer = Renderer::from_plan(plan, data, options, &device).await?;
+    let mut renderer = Renderer::from_plan(plan, data, options, device).await?;
     let plan = renderer.shared_plan();
     let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
-    let mut twin = CpuExecutor::<f32>::new(&plan, None).map_err(CpuError::from)?;
+    let own = if plan.replaced().is_empty() { plan.clone() } else { Arc::new(plan.with_own_kernels()?) };
+    let mut twin = CpuExecutor::<f32>::new(&own, None).map_err(CpuError::from)?;
     let mut found = Parity::default();
 
     // Values that no kernel writes stay poisoned on both sides, so that reading one has a visible effect.
@@ -190,7 +192,10 @@ pub async fn compare_plan(
             after.push((renderer.values(stream).await?, of_twin));
         }
         let (data, kernel) = (renderer.data(), pass.kernel);
-        record(&mut found, &pass, &Rounding { plan: &plan, data, kernel, before: &before }, &after)?;
+        record(&mut found, &pass, &Rounding { plan: &own, data, kernel, before: &before }, &after)?;
+        if found.is_broken() && found.before.is_empty() {
+            found.before = std::mem::take(&mut before);
+        }
         before = after.into_iter().map(|(on_gpu, _)| on_gpu).collect();
     }
     Ok(found)

@@ -12,6 +12,8 @@ pub(super) struct Item {
     pub(super) name: String,
     /// Source text, including the comment right above it.
     pub(super) text: String,
+    /// Where that begins in the module.
+    pub(super) start: usize,
     /// Names that it mentions, except members.
     pub(super) mentions: Vec<String>,
 }
@@ -44,9 +46,11 @@ impl Module {
                 module.imports.extend(names.into_iter().map(|name| (name, from.clone())));
             } else if node[0].text != ";" {
                 let first = with_comment_above(text, node[0].start);
+                let whole = &text[first..words[end - 1].end()];
                 module.items.push(Item {
                     name: declared(node).ok_or_else(malformed)?.to_owned(),
-                    text: text[first..words[end - 1].end()].trim_matches('\n').to_owned(),
+                    text: whole.trim_matches('\n').to_owned(),
+                    start: first + whole.len() - whole.trim_start_matches('\n').len(),
                     mentions: mentions(node),
                 });
             }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::ComposeError;
 use super::condition::holds;
-use super::words::{Word, code, line_of, with_comment_above, without};
+use super::words::{Word, blanked, code, line_of, with_comment_above, without};
 
 /// One branch of a choice: a declaration, import, statement or struct member that is kept or left out.
 struct Arm {
@@ -19,18 +19,24 @@ struct Arm {
     has_else: bool,
 }
 
-/// The text of a module after all options are decided.
+/// The text of a module after all options are decided; what they leave out is removed, or becomes spaces.
 ///
 /// # Errors
 /// If an attribute cannot be parsed.
-pub(super) fn decided(module: &str, text: &str, option: &dyn Fn(&str) -> Option<bool>) -> Result<String, ComposeError> {
+pub(super) fn decided(
+    module: &str,
+    text: &str,
+    option: &dyn Fn(&str) -> Option<bool>,
+    is_in_place: bool,
+) -> Result<String, ComposeError> {
     let removed = arms(module, text, option)?.into_iter().map(|arm| match arm {
         Arm { is_in: true, start, body, .. } => start..body,
         // A comment right above belongs to both branches, if there are two.
         Arm { has_else: true, start, end, .. } => start..end,
         Arm { start, end, .. } => with_comment_above(text, start)..end,
     });
-    Ok(without(text, &removed.collect::<Vec<_>>()))
+    let removed: Vec<_> = removed.collect();
+    Ok(if is_in_place { blanked(text, &removed) } else { without(text, &removed) })
 }
 
 /// The byte ranges that the options leave out of a module's text, attributes included, in order. Nested ranges are not

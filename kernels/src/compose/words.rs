@@ -135,6 +135,18 @@ pub(super) fn with_comment_above(text: &str, at: usize) -> usize {
     first
 }
 
+/// Replaces byte ranges of a text by spaces, but keeps their line breaks.
+pub(super) fn blanked(text: &str, removed: &[Range<usize>]) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    for byte in removed.iter().flat_map(|range| range.clone()) {
+        if !matches!(bytes[byte], b'\n' | b'\r') {
+            bytes[byte] = b' ';
+        }
+    }
+    // Ranges begin and end at words, so no character was cut in two.
+    String::from_utf8(bytes).unwrap_or_else(|_| text.to_owned())
+}
+
 /// Removes byte ranges from a text; a line of which only spaces remain is removed too.
 pub(super) fn without(text: &str, removed: &[Range<usize>]) -> String {
     let mut marked = vec![false; text.len()];

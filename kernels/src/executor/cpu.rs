@@ -5,13 +5,13 @@ mod columns;
 mod guest;
 mod rows;
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::executor::PassResult;
 use crate::executor::sizes::{Sizes, TooMany};
 use crate::numbers::parallel::for_chunks;
 use crate::plan::Plan;
-use crate::program::kernel::{ElementTwin, Precision};
+use crate::program::kernel::Precision;
 use crate::program::schedule::Call;
 use crate::program::{Course, Kernel, Twin};
 use crate::scene_data::SceneData;
@@ -20,7 +20,8 @@ use crate::tables::kernel::Role;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 use crate::tables::texels::{Layout, MOST_STREAMS};
-pub(crate) use guest::OnElement;
+pub use guest::Failed;
+pub(crate) use guest::{Interpreted, OnElement};
 pub use rows::OutOfMemory;
 use rows::{Rows, count_tags};
 pub(crate) use rows::{from_stream_bits, to_stream_bits};
@@ -38,10 +39,12 @@ pub struct CpuExecutor<R: Precision> {
     /// without elements in the kernel's states.
     counts: Vec<Vec<StateCounts>>,
     clock: Option<fn() -> u64>,
+    /// The kernels that are users'.
+    interpreted: Arc<[Interpreted]>,
 }
 
 /// Why twins cannot run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CpuError {
     /// The streams do not fit in memory.
     #[error(transparent)]
@@ -49,6 +52,9 @@ pub enum CpuError {
     /// The run has found more elements than fit.
     #[error(transparent)]
     TooMany(#[from] TooMany),
+    /// A user's kernel failed.
+    #[error(transparent)]
+    Failed(#[from] Failed),
 }
 
 /// Elements per task: enough work to be worth scheduling, few enough to balance the load.
@@ -76,7 +82,8 @@ impl<R: Precision> CpuExecutor<R> {
             let set = plan.program.elements.iter().position(|e| e.name == stream.info().elements.name);
             set_of[stream.index()] = set.unwrap_or(0);
         }
-        let mut executor = Self { plan: plan.clone(), sizes, rows, set_of, counts: Vec::new(), clock };
+        let interpreted = Interpreted::of(plan).into();
+        let mut executor = Self { plan: plan.clone(), sizes, rows, set_of, counts: Vec::new(), clock, interpreted };
         executor.clear();
         Ok(executor)
     }
@@ -174,7 +181,7 @@ impl<R: Precision> CpuExecutor<R> {
         adopted.into_iter().for_each(|(stream, rows)| self.put_rows(stream, &rows));
         let begin_ns = self.clock.map(|now| now());
         let threads_launched = match kernel.info().twin {
-            Twin::Element { f32, f64 } => self.run_elements(kernel, R::twin(f32, f64), scene),
+            Twin::Element { .. } => self.run_elements(kernel, scene)?,
             Twin::Pass(twin) => {
                 twin(&mut columns::All(self, call), scene);
                 u64::from(self.size(kernel.instance().over).map_or(0, |size| size.count))
@@ -199,17 +206,21 @@ impl<R: Precision> CpuExecutor<R> {
         })
     }
 
-    /// Calls a twin for each element of every task with work for it; returns the number of calls.
-    fn run_elements(&mut self, kernel: Kernel, twin: ElementTwin<R>, scene: &SceneData) -> u64 {
+    /// Runs a kernel on each element of every task with work for it; returns the number of these elements.
+    fn run_elements(&mut self, kernel: Kernel, scene: &SceneData) -> Result<u64, Failed> {
         let program = self.plan.program;
         let course = program.courses.iter().position(|c| c.stream.info().elements.name == kernel.instance().over.name);
         let tag = course.and_then(|course| self.tag(&program.courses[course]));
         let takes_all = kernel.takes().is_empty();
         let is_first = scene.features.eye_rays && kernel.role() == Role::Whole;
         let set = program.elements.iter().position(|e| e.name == kernel.instance().over.name);
-        let Some(rows) = set.map(|set| &mut self.rows[set]) else { return 0 };
-        let (twin, stride) = (OnElement::new(kernel, twin, &rows.layout), rows.layout.stride.max(1));
+        let Some(rows) = set.map(|set| &mut self.rows[set]) else { return Ok(0) };
+        let Some(on_element) = OnElement::<R>::new(kernel, &self.interpreted, &rows.layout) else { return Ok(0) };
+        let stride = rows.layout.stride.max(1);
         let (width, elements) = rows.size.map_or((1, 0), |size| (size.width as usize, size.count as usize));
+        let size = rows.size.map_or([1, 1], |size| [size.width, size.height]);
+        // A device launches a kernel with a list on the elements in its states only. Twins have no work for others anyway.
+        let only = tag.filter(|_| on_element.is_interpreted() && scene.features.live_lists && kernel.list().is_some());
         // Elements without states have no counts.
         let counts = match course {
             Some(course) if tag.is_some() => self.counts[course].as_mut_slice(),
@@ -226,19 +237,32 @@ impl<R: Precision> CpuExecutor<R> {
             .collect();
         let in_task = |first: usize, texels: &[R::Bits]| (texels.len() / stride).min(elements.saturating_sub(first));
         let calls = tasks.iter().map(|(first, texels, _)| in_task(*first, texels) as u64).sum();
+        // Of the failures, that of the first element.
+        let failed: Mutex<Option<(usize, Failed)>> = Mutex::new(None);
         for_chunks(&mut tasks, 1, |_, tasks| {
             for (first, texels, counts) in tasks {
                 let last = *first + in_task(*first, texels);
+                let mut runner = on_element.runner(scene, size);
                 for (row, element) in texels.chunks_exact_mut(stride).zip(*first..last) {
+                    if only.is_some_and(|tag| !kernel.takes().contains(&R::bits_to_u32(row[tag]))) {
+                        continue;
+                    }
                     let (x, y) = ((element % width) as u32, (element / width) as u32);
-                    twin.run(row, x, y, scene);
+                    if let Err(why) = runner.run(row, x, y) {
+                        let mut first = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                        if first.as_ref().is_none_or(|(other, _)| element < *other) {
+                            *first = Some((element, why));
+                        }
+                        break;
+                    }
                 }
                 if let (Some(counts), Some(tag)) = (counts, tag) {
                     **counts = count_tags::<R>(texels, stride, tag, program.states);
                 }
             }
         });
-        calls
+        let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
+        failed.map_or(Ok(calls), |(_, failed)| Err(failed))
     }
 
     /// Where the tag is in a row of a course's elements; `None` if the plan left the states out.
@@ -322,7 +346,8 @@ impl<R: Precision> CpuExecutor<R> {
         };
         let rows = self.rows.iter().map(copy).collect::<Result<_, _>>()?;
         let (plan, sizes, counts) = (self.plan.clone(), self.sizes.clone(), self.counts.clone());
-        Ok(Self { plan, sizes, rows, set_of: self.set_of, counts, clock: self.clock })
+        let interpreted = self.interpreted.clone();
+        Ok(Self { plan, sizes, rows, set_of: self.set_of, counts, clock: self.clock, interpreted })
     }
 
     /// Restores a copy made by an executor of the same plan.

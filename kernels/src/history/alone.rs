@@ -2,7 +2,7 @@
 //! so per pass, without a device and without moving the run.
 
 use super::{RayState, Trace, TraceGrid, TraceRow, after_all};
-use crate::executor::cpu::{OnElement, from_stream_bits, to_stream_bits};
+use crate::executor::cpu::{Interpreted, OnElement, from_stream_bits, to_stream_bits};
 use crate::plan::Plan;
 use crate::program::kernel::Precision;
 use crate::program::schedule::Cursor;
@@ -129,6 +129,9 @@ struct Alone<'a, R: Precision> {
     row: Vec<R::Bits>,
     pixel: [u32; 2],
     state: RayState,
+    /// Columns and rows of the run's streams.
+    size: [u32; 2],
+    interpreted: Vec<Interpreted>,
 }
 
 impl<'a, R: Precision> Alone<'a, R> {
@@ -144,7 +147,8 @@ impl<'a, R: Precision> Alone<'a, R> {
             row.extend(unwritten.map(|(layer, &bits)| from_stream_bits::<R>(stream, layer, bits)));
         }
         let state = (rays.decode)(&|_| None);
-        let mut ray = Self { data, program: plan.program, rays, streams, layout, row, pixel, state };
+        let (size, interpreted) = ([plan.width, plan.height], Interpreted::of(plan));
+        let mut ray = Self { data, program: plan.program, rays, streams, layout, row, pixel, state, size, interpreted };
         ray.state = ray.decoded();
         Some(ray)
     }
@@ -169,11 +173,11 @@ impl<'a, R: Precision> Alone<'a, R> {
     /// What a pass does to the ray; `None` if it does not work on it.
     fn run(&mut self, pass: &Pass) -> Option<TraceRow> {
         let tag: Tag = self.state.tag;
-        let Twin::Element { f32, f64 } = pass.kernel.info().twin else { return None };
         pass.kernel.takes().contains(&tag).then_some(())?;
         let [x, y] = self.pixel;
         let data = pass.kernel.reads(self.data);
-        OnElement::<R>::new(pass.kernel, R::twin(f32, f64), &self.layout).run(&mut self.row, x, y, &data);
+        let on_element = OnElement::<R>::new(pass.kernel, &self.interpreted, &self.layout)?;
+        on_element.runner(&data, self.size).run(&mut self.row, x, y).ok()?;
         let before = self.state;
         self.state = self.decoded();
         Some(TraceRow::new(pass, self.data, &before, &self.state))

@@ -45,6 +45,11 @@ pub(super) struct Machine<'a> {
     pub(super) element: Element,
     returned: Vec<Slot>,
     steps: u64,
+    turns: u32,
+    /// The statement that was run last.
+    at: u32,
+    /// The statements with the calls that have not returned.
+    calls: Vec<u32>,
     /// How often each statement ran.
     pub(super) runs: Vec<u64>,
     /// The node of the decision that the current statement was reached by.
@@ -72,6 +77,9 @@ impl<'a> Machine<'a> {
             element: Element { texel: [0; 2], size: [0; 2] },
             returned: Vec::new(),
             steps: 0,
+            turns: 0,
+            at: 0,
+            calls: Vec::new(),
             runs: vec![0; kernel.code.statements.len()],
             control: KNOWN,
             recording,
@@ -84,7 +92,9 @@ impl<'a> Machine<'a> {
         if texels.len() != needed {
             return Err(InterpretError::Texels { given: texels.len(), needed });
         }
-        (self.element, self.steps, self.control, self.outcomes) = (element, 0, KNOWN, Outcomes::default());
+        (self.element, self.control, self.outcomes) = (element, KNOWN, Outcomes::default());
+        (self.steps, self.turns) = (0, 0);
+        self.calls.clear();
         self.private.clear();
         self.private.resize(self.kernel.code.private as usize, Slot::default());
         self.row.clear();
@@ -130,8 +140,29 @@ impl<'a> Machine<'a> {
         let nodes: Vec<u32> = (0..self.row.len()).filter(written).map(|component| self.row[component].from).collect();
         let state = kernel.tag().filter(written).map(|tag| self.row[tag].from);
         recording.deciding = deciding::deciding(&recording, &kernel.code.sites, state.as_slice(), &nodes);
+        let line = |&statement: &u32| {
+            let span = kernel.code.statements.get(statement as usize)?;
+            Some(super::compile::line_of(&kernel.source, span.start))
+        };
+        recording.stored = self.stored.iter().map(line).collect();
         recording.non_finite = self.non_finite(&recording, &self.before);
         Ok(recording)
+    }
+
+    /// The line of the statement that was run last, from 1.
+    fn line(&self) -> usize {
+        self.line_of(self.at)
+    }
+
+    fn line_of(&self, statement: u32) -> usize {
+        let span = self.kernel.code.statements.get(statement as usize);
+        span.map_or(0, |span| super::compile::line_of(&self.kernel.source, span.start) + 1)
+    }
+
+    /// That line, and those of the calls that lead to it, the last one first.
+    pub(super) fn lines(&self) -> Vec<usize> {
+        let calls = self.calls.iter().rev().map(|&statement| self.line_of(statement));
+        std::iter::once(self.line()).chain(calls).collect()
     }
 
     fn function(&self, body: &Body) -> &'a Function {
@@ -185,6 +216,7 @@ impl<'a> Machine<'a> {
                 recording.ran[op.statement as usize] = true;
             }
             self.runs[op.statement as usize] += 1;
+            self.at = op.statement;
             self.steps += 1;
             if self.steps > MOST_STEPS {
                 return Err(InterpretError::Steps(MOST_STEPS));
@@ -224,7 +256,9 @@ impl<'a> Machine<'a> {
                     }
                 }
             }
-            What::Loop { body, continuing, break_if } => return self.repeat(frame, body, continuing, *break_if),
+            What::Loop { body, continuing, break_if } => {
+                return self.repeat(frame, op.statement, (body, continuing), *break_if);
+            }
             What::Break => return Ok(Flow::Break),
             What::Continue => return Ok(Flow::Continue),
             What::Return(value) => {
@@ -252,9 +286,7 @@ impl<'a> Machine<'a> {
             }
             What::Nothing => {}
             What::Unsupported(what) => {
-                let span = self.kernel.code.statements.get(op.statement as usize);
-                let line = span.map_or(0, |span| super::compile::line_of(&self.kernel.source, span.start) + 1);
-                return Err(InterpretError::Unsupported { what: (*what).into(), line });
+                return Err(InterpretError::Unsupported { what: (*what).into(), line: self.line() });
             }
         }
         Ok(Flow::Next)
@@ -286,12 +318,17 @@ impl<'a> Machine<'a> {
     fn repeat(
         &mut self,
         frame: &Frame<'a>,
-        body: &'a [Op],
-        continuing: &'a [Op],
+        statement: u32,
+        (body, continuing): (&'a [Op], &'a [Op]),
         break_if: Option<(Handle<Expression>, u32)>,
     ) -> Result<Flow, InterpretError> {
         let before = self.control;
         let flow = loop {
+            self.turns += 1;
+            if self.turns > self.kernel.turns {
+                self.at = statement;
+                return Err(InterpretError::Turns(self.kernel.turns));
+            }
             match self.block(frame, body)? {
                 Flow::Next | Flow::Continue => {}
                 Flow::Break => break Flow::Next,
@@ -329,7 +366,10 @@ impl<'a> Machine<'a> {
                 self.stack[base + place as usize + i as usize] = slot;
             }
         }
+        // What has failed leaves its calls there.
+        self.calls.push(self.at);
         self.call(body, base)?;
+        self.calls.pop();
         if let Some(result) = result {
             let cell = frame.body.cells[result.index()];
             let place = frame.base + cell.place as usize;

@@ -91,7 +91,12 @@ impl<'a> Machine<'a> {
             TypeInner::Array { base, size, stride } => {
                 let count = match size {
                     naga::ArraySize::Constant(count) => u64::from(count.get()),
-                    _ => u64::MAX,
+                    _ => match whole.root {
+                        Root::Bytes(global, first) => {
+                            (self.bytes[global].len() as u64).saturating_sub(first) / u64::from(stride.max(1))
+                        }
+                        _ => u64::MAX,
+                    },
                 };
                 (Inner::Of(&types[base].inner), stride, count)
             }
@@ -99,7 +104,15 @@ impl<'a> Machine<'a> {
             _ => return Err(self.unsupported(frame, pointer, "a pointer")),
         };
         if u64::from(index) >= count {
-            return Err(InterpretError::OutOfBounds { index: index.into(), what: format!("an array of {count}") });
+            let name = match whole.root {
+                Root::Bytes(global, _) => match &self.kernel.code.globals[global] {
+                    Global::Bytes(name) => name.as_str(),
+                    _ => "an array",
+                },
+                _ => "an array",
+            };
+            let what = format!("{name}, which has {count} elements");
+            return Err(InterpretError::OutOfBounds { index: index.into(), what });
         }
         let root = match whole.root {
             Root::Stack(first) => Root::Stack(first + part(types, outer, index) as usize),
@@ -239,7 +252,7 @@ impl<'a> Machine<'a> {
         let stream = stream.ok_or_else(|| self.unsupported(frame, image, "a texture that is not a stream"))?;
         let at = [0, 1].map(|lane| self.get(frame, texel, lane).bits);
         if at != self.element.texel {
-            return Err(InterpretError::NotAlone(self.kernel.kernel.name()));
+            return Err(InterpretError::Other(at[0], at[1], stream.name()));
         }
         let layer = self.get(frame, layer, 0).bits;
         let first = self.kernel.layout.first[stream.index()].filter(|_| (layer as usize) < stream.layers());

@@ -123,6 +123,8 @@ pub struct Recording {
     pub last: Vec<Option<usize>>,
     /// The decision that the element's new state is due to, see the module `deciding`.
     pub deciding: Option<usize>,
+    /// For every component of the element, the line of the composed source that stored it last, from 0.
+    pub stored: Vec<Option<usize>>,
     /// The first component of the element that has become infinite or not a number.
     pub non_finite: Option<NonFinite>,
 }
@@ -138,6 +140,7 @@ impl Recording {
             counts: vec![[0; 2]; code.sites.len()],
             last: vec![None; code.sites.len()],
             deciding: None,
+            stored: Vec::new(),
             non_finite: None,
         }
     }

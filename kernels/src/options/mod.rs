@@ -7,11 +7,14 @@ mod light;
 pub mod mapping;
 mod rays;
 pub mod reasons;
+pub mod replacement;
 pub mod row;
 pub mod rows;
 pub mod samples;
 pub mod scene_data;
 mod settled;
+
+use std::sync::Arc;
 
 pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
@@ -20,6 +23,7 @@ use keep::Keep;
 pub use light::{Environment, Integrator, MAX_DEPTH, MOST_BOUNCES, MOST_DEPTH, Strategy};
 use mapping::Mapping;
 pub use rays::{Ray, RaySource};
+use replacement::Replacement;
 use samples::Samples;
 use scene_data::SceneDataKind;
 
@@ -264,6 +268,8 @@ pub struct Options {
     pub keep: Keep,
     /// `--spp`, `--sampler`, `--seed`: samples per pixel. More than one require a camera and shading.
     pub samples: Samples,
+    /// `--kernel`: kernels whose WGSL is a user's.
+    pub replaced: Vec<Arc<Replacement>>,
 }
 
 impl Options {
@@ -299,6 +305,7 @@ impl Options {
             keep_passes: true,
             keep: Keep::NONE,
             samples: Samples::default(),
+            replaced: Vec::new(),
         }
     }
 }

@@ -48,7 +48,7 @@ impl Plan {
     pub(crate) fn read_intervals(&mut self, data: &mut SceneData) -> Result<(), PlanError> {
         self.features.intervals = true;
         data.features.intervals = true;
-        self.variants = variants(self.program, &self.schedule, &self.features)?;
+        self.variants = variants(self.program, &self.schedule, &self.features, &self.replaced())?;
         self.left_out.retain(|item| item.what != "stream ray_interval");
         Ok(())
     }

@@ -51,6 +51,10 @@ pub struct Limits {
 /// that no system resets the GPU.
 pub(crate) const TURNS_WITHOUT_LIMIT: u32 = 1 << 22;
 
+/// The same where the adapter allows any number: far more than a walk through any scene of the repository takes, and well
+/// below a second on a large GPU if all threads take them at once.
+const MOST_TURNS_OF_USERS: u32 = 1 << 20;
+
 impl Limits {
     /// The limits of the twins: memory is the only one, but images are kept to 2²⁶ pixels, about 6 GB of streams.
     pub const CPU: Self = Self {
@@ -64,6 +68,13 @@ impl Limits {
         turns: u32::MAX,
         is_gpu: false,
     };
+
+    /// Most turns of all loops of one thread of a user's kernel in a dispatch. Our own kernels stay below half of it where
+    /// the adapter sets a limit.
+    #[must_use]
+    pub fn turns_of_users(&self) -> u32 {
+        self.turns.saturating_mul(2).min(MOST_TURNS_OF_USERS)
+    }
 
     /// Whether it has compute shaders, or is the CPU.
     #[must_use]

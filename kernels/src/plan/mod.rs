@@ -16,10 +16,12 @@ pub(crate) mod over;
 pub mod structure;
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::options::Accelerator;
 use crate::options::features::Features;
 use crate::options::keep::Item;
+use crate::options::replacement::Replacement;
 use crate::program::live;
 use crate::program::schedule::{Schedule, Step};
 use crate::program::{Kernel, Program};
@@ -116,6 +118,8 @@ pub struct Plan {
     pub buffers: Vec<Planned<&'static str>>,
     /// What is left out.
     pub left_out: Vec<LeftOut>,
+    /// Most turns of the loops of a user's kernel, all loops of a thread together.
+    pub turns: u32,
     /// Most passes that a sample of all pixels can take: every ray visits at most nx + ny + nz + 2 cells and tests no
     /// list more than once. The paper's numerics can exceed it, see `docs`.
     pub pass_bound: u64,
@@ -126,13 +130,20 @@ pub(crate) fn variants(
     program: &'static Program,
     schedule: &Schedule,
     features: &Features,
+    replaced: &[Arc<Replacement>],
 ) -> Result<Vec<Variant>, ShaderError> {
     let mut kernels = schedule.kernels();
     if kernels.iter().any(|kernel| kernel.is_counted_anew(features)) {
         kernels.extend(program.kernels().filter(|kernel| kernel.role() == Role::Count));
     }
     let lists = live::lists(&kernels, features);
-    let variant = |kernel| Variant::new(kernel, features, &live::lists_of(kernel, &lists));
+    let variant = |kernel: Kernel| {
+        let lists = live::lists_of(kernel, &lists);
+        match replaced.iter().rfind(|by| by.kernel == kernel.name()) {
+            Some(by) => Variant::replaced(kernel, features, &lists, by),
+            None => Variant::new(kernel, features, &lists),
+        }
+    };
     kernels.into_iter().map(variant).collect()
 }
 
@@ -182,7 +193,7 @@ impl Plan {
         data: &SceneData,
         limits: &Limits,
     ) -> Result<Self, PlanError> {
-        let variants = variants(program, &schedule, &self.features)?;
+        let variants = variants(program, &schedule, &self.features, &self.replaced())?;
         let how = self.drawn.as_ref().map(|drawn| drawn.how);
         let drawn = how.map(|how| DrawnPlan::new(how, &variants, &self.features, limits)).transpose()?;
         let sharing = fit_bindings(program, &variants, drawn.as_ref(), self.features.scene_data, limits)?;
@@ -214,6 +225,20 @@ impl Plan {
     #[must_use]
     pub fn has_stream(&self, stream: Stream) -> bool {
         self.streams.iter().any(|s| s.what == stream)
+    }
+
+    /// The users' files that some kernels are from.
+    #[must_use]
+    pub fn replaced(&self) -> Vec<Arc<Replacement>> {
+        self.variants.iter().filter_map(|variant| Some(variant.replaced.as_ref()?.by.clone())).collect()
+    }
+
+    /// The same run by our own kernels, with the same streams: what those of users are compared with.
+    ///
+    /// # Errors
+    /// If a kernel is invalid, which is a bug.
+    pub fn with_own_kernels(&self) -> Result<Self, PlanError> {
+        Ok(Self { variants: variants(self.program, &self.schedule, &self.features, &[])?, ..self.clone() })
     }
 
     /// The variant of a kernel, if the run has it.

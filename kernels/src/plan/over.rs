@@ -37,7 +37,7 @@ impl Over<'_> {
         }
         derive(program, &mut known, limits.image_side)?;
         let sets: Vec<_> = program.elements.iter().zip(known).map(|(&what, size)| PlannedSet { what, size }).collect();
-        let variants = variants(program, &schedule, &data.features)?;
+        let variants = variants(program, &schedule, &data.features, &[])?;
         let sharing = fit_bindings(program, &variants, None, data.features.scene_data, limits)?;
         let bound = bound_by(&variants);
         let Allocated { sets, streams, buffers } = Allocated::of_sets(program, sets, &bound, data, limits)?;
@@ -62,6 +62,7 @@ impl Over<'_> {
             streams,
             buffers,
             left_out: Vec::new(),
+            turns: limits.turns_of_users(),
         };
         plan.left_out = absent(&plan, options);
         Ok(plan)

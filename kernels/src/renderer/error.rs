@@ -1,7 +1,7 @@
 //! Errors of a run.
 
 use crate::executor::TooMany;
-use crate::executor::cpu::{CpuError, OutOfMemory};
+use crate::executor::cpu::{CpuError, Failed, OutOfMemory};
 #[cfg(feature = "gpu")]
 use crate::executor::gpu::GpuError;
 use crate::plan::PlanError;
@@ -23,6 +23,9 @@ pub enum RenderError {
     /// The run found more elements than fit.
     #[error(transparent)]
     TooMany(#[from] TooMany),
+    /// A user's kernel failed.
+    #[error(transparent)]
+    Failed(#[from] Failed),
     /// The caller's progress function asked to stop.
     #[error("cancelled after {passes} passes")]
     Cancelled {
@@ -79,6 +82,7 @@ impl From<CpuError> for RenderError {
         match error {
             CpuError::Memory(error) => Self::Memory(error),
             CpuError::TooMany(error) => Self::TooMany(error),
+            CpuError::Failed(error) => Self::Failed(error),
         }
     }
 }

@@ -12,12 +12,11 @@ pub const FLOORS: &[&[&str]] = &[
     &["scene_data"],
     &["program"],
     &["compose", "shader"],
-    &["fragment"],
+    &["fragment", "interpret"],
     &["plan"],
     &["programs"],
     &["executor"],
     &["renderer"],
-    &["interpret"],
     &["history"],
     &["export"],
 ];
@@ -31,6 +30,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
         &[
             &[
                 "bounces",
+                "branch",
                 "built",
                 "compare",
                 "compared",
@@ -56,7 +56,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
             &["meter", "tidy"],
             &["html"],
             &["error", "reporter", "stability", "stiff"],
-            &["bench", "intensity", "report", "self_test"],
+            &["bench", "check_kernel", "intensity", "report", "self_test"],
             &["paper"],
         ],
     ),

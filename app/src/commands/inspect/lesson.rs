@@ -63,7 +63,7 @@ fn read(file: &Path, read: ReadArgs, device: &DeviceArgs) -> Result<Lesson, Erro
         find_scene(file, link, read).map_err(|why| wrong(line, Wrong::Argument("open", why)))?;
         if link.device == LinkDevice::Auto && link.adapter.is_none() {
             link.device = match device.device {
-                DeviceKind::Auto => LinkDevice::Auto,
+                DeviceKind::Auto | DeviceKind::GpuFirst => LinkDevice::Auto,
                 DeviceKind::Gpu => LinkDevice::Gpu,
                 DeviceKind::Cpu => LinkDevice::Cpu,
             };

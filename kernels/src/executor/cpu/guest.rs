@@ -1,53 +1,179 @@
-//! Runs a twin on one element of a program: as the twin's own program has it, or as an instance has renamed it.
+//! Runs a kernel on one element of a program: its twin, as the twin's own program has it or as an instance has renamed it; or a
+//! user's WGSL, by the interpreter.
 
 use std::borrow::Cow;
 
-use crate::program::Kernel;
+use super::{from_stream_bits, to_stream_bits};
+use crate::interpret::{Counter, Element, InterpretError, Interpreter};
+use crate::plan::Plan;
 use crate::program::kernel::{ElementTwin, Precision};
+use crate::program::{Kernel, Twin};
 use crate::scene_data::SceneData;
+use crate::shader::Variant;
 use crate::tables::state::Tag;
 use crate::tables::stream::{STATE_TAG, Stream};
 use crate::tables::texels::{Layout, Texels};
 
-/// A twin of a kernel, for elements whose texels are laid out in some way.
+/// A user's WGSL failed on an element.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {why}, for the ray of pixel {},{}", pixel[0], pixel[1])]
+pub struct Failed {
+    /// File and line.
+    pub place: String,
+    /// Column and row of the element.
+    pub pixel: [u32; 2],
+    /// What happened.
+    pub why: InterpretError,
+}
+
+/// A user's kernel, by the interpreter.
+#[derive(Debug)]
+pub(crate) struct Interpreted {
+    /// The kernel, and what names lines of its source.
+    variant: Variant,
+    /// Or why it cannot be interpreted.
+    code: Result<Interpreter, InterpretError>,
+}
+
+impl Interpreted {
+    /// Those of a plan.
+    pub(crate) fn of(plan: &Plan) -> Vec<Self> {
+        let replaced = plan.variants.iter().filter(|variant| variant.replaced.is_some());
+        let code = |variant: &Variant| Interpreter::new(variant).map(|code| code.limited(plan.turns));
+        replaced.map(|variant| Self { variant: variant.clone(), code: code(variant) }).collect()
+    }
+
+    /// `lines` are the one that failed and those that called it.
+    fn failed(&self, lines: &[usize], pixel: [u32; 2], why: InterpretError) -> Failed {
+        let (line, why) = match why {
+            InterpretError::Unsupported { what, line } => (Some(line), InterpretError::Unsupported { what, line: 0 }),
+            why => (None, why),
+        };
+        let is_own = |line: &usize| {
+            let place = self.variant.replaced.as_ref().and_then(|replaced| replaced.place_of_line(*line));
+            place.is_some_and(|place| place.line > 0)
+        };
+        let own = lines.iter().copied().find(is_own).or(lines.first().copied());
+        Failed { place: self.variant.named_line(line.or(own).unwrap_or(0)), pixel, why }
+    }
+}
+
+/// What computes an element.
+enum By<'a, R: Precision> {
+    Twin(ElementTwin<R>),
+    Wgsl(&'a Interpreted),
+}
+
+/// A kernel for elements whose texels are laid out in some way.
 pub(crate) struct OnElement<'a, R: Precision> {
-    twin: ElementTwin<R>,
-    /// The layout by the streams that the twin names.
+    by: By<'a, R>,
+    /// The layout by the streams that the twin names, or the program.
     layout: Cow<'a, Layout>,
     /// Where the tag is, and pairs of a tag in the program and the one that the twin means, if they differ.
     renamed: Option<(usize, Vec<(Tag, Tag)>)>,
 }
 
 impl<'a, R: Precision> OnElement<'a, R> {
-    /// For the layout of a set's streams in the kernel's program.
-    pub(crate) fn new(kernel: Kernel, twin: ElementTwin<R>, layout: &'a Layout) -> Self {
+    /// For the layout of a set's streams in the kernel's program; `None` if the kernel's elements read each other.
+    pub(crate) fn new(kernel: Kernel, interpreted: &'a [Interpreted], layout: &'a Layout) -> Option<Self> {
+        if let Some(own) = interpreted.iter().find(|own| own.variant.kernel == kernel) {
+            // Its WGSL has the program's tags and streams.
+            return Some(Self { by: By::Wgsl(own), layout: Cow::Borrowed(layout), renamed: None });
+        }
+        let Twin::Element { f32, f64 } = kernel.info().twin else { return None };
+        let by = By::Twin(R::twin(f32, f64));
         let renamed = kernel.instance().renamed.and_then(|renamed| {
             let tag = layout.first[kernel.course()?.stream.index()]? + STATE_TAG;
             Some((tag, renamed.tags.iter().map(|&(own, here)| (here, own)).collect()))
         });
         if kernel.is_at_home() {
-            return Self { twin, layout: Cow::Borrowed(layout), renamed };
+            return Some(Self { by, layout: Cow::Borrowed(layout), renamed });
         }
         let table = kernel.info().home.streams;
         let mut own = Layout { table, stride: layout.stride, ..Layout::of(table, std::iter::empty()) };
         for info in table {
             own.first[info.index] = kernel.stream(Stream::of(info)).and_then(|bound| layout.first[bound.index()]);
         }
-        Self { twin, layout: Cow::Owned(own), renamed }
+        Some(Self { by, layout: Cow::Owned(own), renamed })
     }
 
-    /// Runs the twin on the element at this texel.
-    pub(crate) fn run(&self, row: &mut [R::Bits], x: u32, y: u32, scene: &SceneData) {
-        let Some((at, tags)) = &self.renamed else {
-            return (self.twin)(&mut Texels::new(row, &self.layout, x, y), scene);
+    /// Whether it is a user's.
+    pub(crate) fn is_interpreted(&self) -> bool {
+        matches!(self.by, By::Wgsl(_))
+    }
+
+    /// Runs it on elements of a set with so many columns and rows, one after the other.
+    pub(crate) fn runner<'b>(&'b self, scene: &'b SceneData, size: [u32; 2]) -> Runner<'a, 'b, R> {
+        let counter = match &self.by {
+            By::Wgsl(Interpreted { code: Ok(code), .. }) => Some(code.counter(scene)),
+            _ => None,
+        };
+        Runner { on: self, scene, size, counter, texels: Vec::new() }
+    }
+}
+
+/// Runs a kernel on elements, one after the other.
+pub(crate) struct Runner<'a, 'b, R: Precision> {
+    on: &'b OnElement<'a, R>,
+    scene: &'b SceneData,
+    size: [u32; 2],
+    counter: Option<Counter<'b>>,
+    texels: Vec<u32>,
+}
+
+impl<R: Precision> Runner<'_, '_, R> {
+    /// Runs the kernel on the element at this texel.
+    ///
+    /// # Errors
+    /// If it is a user's, and fails.
+    pub(crate) fn run(&mut self, row: &mut [R::Bits], x: u32, y: u32) -> Result<(), Failed> {
+        let OnElement { by, layout, renamed } = self.on;
+        let twin = match by {
+            By::Twin(twin) => twin,
+            By::Wgsl(own) => return self.interpret(own, row, [x, y]),
+        };
+        let Some((at, tags)) = renamed else {
+            twin(&mut Texels::new(row, layout, x, y), self.scene);
+            return Ok(());
         };
         // The twin has no work for elements in states that it does not know.
-        let Some((_, own)) = tags.iter().find(|(here, _)| *here == R::bits_to_u32(row[*at])) else { return };
+        let Some((_, own)) = tags.iter().find(|(here, _)| *here == R::bits_to_u32(row[*at])) else { return Ok(()) };
         row[*at] = R::bits_from_u32(*own);
-        (self.twin)(&mut Texels::new(row, &self.layout, x, y), scene);
+        twin(&mut Texels::new(row, layout, x, y), self.scene);
         let left = R::bits_to_u32(row[*at]);
         if let Some((here, _)) = tags.iter().find(|(_, own)| *own == left) {
             row[*at] = R::bits_from_u32(*here);
         }
+        Ok(())
+    }
+
+    fn interpret(&mut self, own: &Interpreted, row: &mut [R::Bits], texel: [u32; 2]) -> Result<(), Failed> {
+        let (code, counter) = match (&own.code, &mut self.counter) {
+            (Ok(code), Some(counter)) => (code, counter),
+            (Ok(_), None) => return Ok(()),
+            (Err(why), _) => return Err(own.failed(&[], texel, why.clone())),
+        };
+        let layout = &self.on.layout;
+        let places = || {
+            code.streams().iter().flat_map(|&stream| {
+                let first = layout.first[stream.index()];
+                (0..stream.layers()).map(move |layer| (stream, layer, first.map(|first| first + layer)))
+            })
+        };
+        let load = |(stream, layer, at): (Stream, usize, Option<usize>)| {
+            at.map_or(0, |at| to_stream_bits::<R>(stream, layer, row[at]))
+        };
+        self.texels.clear();
+        self.texels.extend(places().map(load));
+        let before = self.texels.clone();
+        let ran = counter.run(Element { texel, size: self.size }, &mut self.texels);
+        ran.map_err(|why| own.failed(&counter.lines(), texel, why))?;
+        for ((stream, layer, at), (&after, before)) in places().zip(self.texels.iter().zip(before)) {
+            // What it leaves alone keeps its precision.
+            if let Some(at) = at.filter(|_| after != before) {
+                row[at] = from_stream_bits::<R>(stream, layer, after);
+            }
+        }
+        Ok(())
     }
 }

@@ -6,6 +6,7 @@ use super::*;
 use crate::numbers::real::Real;
 use crate::options::{Accelerator, Options, ProgramName, RaySource};
 use crate::plan::Limits;
+use crate::program::kernel::ElementTwin;
 use crate::program::{Home, Instance, KernelInfo, Program};
 use crate::programs::closest_hit::kernels::GENERATE;
 use crate::programs::closest_hit::states::{DONE, UNWRITTEN};

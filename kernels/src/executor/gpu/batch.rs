@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use super::books::{Place, blocks_a_dispatch, counted_anew, counts_after, groups, read_sent};
+use super::books::{Place, blocks_a_dispatch, counted_anew, counts_after, groups, read_endless, read_sent};
 use super::rounding::Runs;
 use super::timers::read_times;
 use super::uploaded::buffer;
@@ -87,7 +87,9 @@ impl GpuExecutor {
         self.gpu.pop_scopes(scopes).await?;
 
         let states = self.plan.program.states.0.len();
-        let sent = sent.finish(count * COUNT_SLOT_BYTES, |bytes| read_sent(bytes, states)).await?;
+        let (sent, endless) =
+            sent.finish(count * COUNT_SLOT_BYTES, |bytes| (read_sent(bytes, states), read_endless(bytes))).await?;
+        self.check_ended(passes, &endless)?;
         // The passes are over by now; reading their timestamps is not part of their time.
         let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
         self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
@@ -137,6 +139,17 @@ impl GpuExecutor {
             });
         }
         Ok(results)
+    }
+
+    /// Whether all loops of these passes have ended.
+    fn check_ended(&self, passes: &[Kernel], endless: &[u32]) -> Result<(), GpuError> {
+        for (&kernel, &line) in passes.iter().zip(endless).filter(|(_, line)| **line > 0) {
+            let variant = self.plan.variant(kernel).filter(|variant| variant.replaced.is_some());
+            if let Some(variant) = variant {
+                return Err(GpuError::Endless { place: variant.named_line(line as usize), turns: self.plan.turns });
+            }
+        }
+        Ok(())
     }
 
     /// Adds the time from a batch's first begin to its last end.

@@ -159,7 +159,7 @@ impl Books {
         };
         let bytes = match name {
             LAUNCH => size_of::<shared::launch::Launch>() as u64,
-            "sent" => 4 * self.program.states.0.len() as u64,
+            "sent" => COUNT_SLOT_BYTES,
             _ => LIST_WORDS * 4,
         };
         let size = std::num::NonZeroU64::new(bytes);
@@ -372,6 +372,12 @@ pub(super) fn counted_anew(kernel: Kernel, before: &StateCounts, counted: &State
     after.clear(kernel.course().into_iter().flat_map(|course| kernel.program().states_of(course)));
     after.iter_mut().zip(counted).for_each(|(a, n)| *a += n);
     after
+}
+
+/// For each pass, the line of the loop that did not end; 0 if all did. Only users' kernels write it.
+pub(super) fn read_endless(bytes: &[u8]) -> Vec<u32> {
+    let word = |slot: &[u8]| slot.last_chunk().map_or(0, |word| u32::from_le_bytes(*word));
+    bytes.chunks_exact(COUNT_SLOT_BYTES as usize).map(word).collect()
 }
 
 pub(super) fn read_sent(bytes: &[u8], states: usize) -> Vec<StateCounts> {

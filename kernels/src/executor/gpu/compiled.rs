@@ -58,6 +58,8 @@ impl Pipelines {
         if let Some(compiled) = kept().get(&key) {
             return Ok(compiled.clone());
         }
+        let guarded = variant.guarded(plan.turns)?;
+        let variant = guarded.as_ref().unwrap_or(variant);
         let shared = variant.sharing(&sharing.groups, sharing.most)?;
         let is_proved = is_proved && shared.is_none();
         let variant = shared.as_ref().unwrap_or(variant);

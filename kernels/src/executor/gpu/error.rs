@@ -25,6 +25,14 @@ pub enum GpuError {
     /// The device refused a call. This is a defect of raystep or of the driver.
     #[error("the GPU device refused a call: {0}")]
     Refused(String),
+    /// A loop of a user's kernel did not end.
+    #[error("{place}: a loop has not ended after {turns} turns of a thread")]
+    Endless {
+        /// Its place.
+        place: String,
+        /// Turns that one thread may take.
+        turns: u32,
+    },
     /// A read-back failed.
     #[error("reading back from the GPU failed: {0}")]
     Readback(String),

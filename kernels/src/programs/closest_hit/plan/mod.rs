@@ -3,6 +3,7 @@
 
 pub(in crate::programs) mod features;
 mod left_out;
+mod replaced;
 pub(in crate::programs) mod resolve;
 mod turns;
 mod view;
@@ -12,12 +13,13 @@ use raystep_scenes::Scene;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::mapping::Until;
+use crate::options::reasons::Run;
 use crate::options::{Options, RaySource, ScheduleKind};
 use crate::plan::allocated::Allocated;
 
 use crate::plan::{
     DrawnPlan, Limits, Plan, PlanError, Sharing, bound_by, check_rays, check_samples, check_scene, check_texels,
-    fit_bindings, image_size, variants,
+    fit_bindings, image_size, variants as variants_of,
 };
 use crate::program::Program;
 use crate::program::schedule::Schedule;
@@ -26,6 +28,7 @@ use crate::shader::Variant;
 use crate::shared::scene::SceneInfo;
 use crate::tables::elements::Size;
 use left_out::left_out;
+use replaced::check_replaced;
 pub(crate) use resolve::Built;
 use resolve::{Resolved, resolve};
 use turns::{Resumes, Walk};
@@ -99,7 +102,7 @@ pub(in crate::programs) fn plan(
 
     let compiled = |features: &Features| -> Result<Compiled, PlanError> {
         let schedule = scheduler(options, features);
-        let variants = variants(program, &schedule, features)?;
+        let variants = variants_of(program, &schedule, features, &options.replaced)?;
         let drawn =
             options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, features, limits)).transpose()?;
         let sharing = fit_bindings(program, &variants, drawn.as_ref(), features.scene_data, limits)?;
@@ -112,7 +115,11 @@ pub(in crate::programs) fn plan(
         outcome = compiled(&features);
     }
     let (schedule, variants, drawn, sharing) = outcome?;
-    let bound = bound_by(&variants);
+    check_replaced(program, &variants, &Run { options, features: &features, accelerator })?;
+    // What the kernels that were replaced bind is there, too: to compare with them.
+    let own = if options.replaced.is_empty() { Vec::new() } else { variants_of(program, &schedule, &features, &[])? };
+    let mut bound = bound_by(&variants);
+    bound.extend(bound_by(&own));
     if bound.contains("texels") {
         check_texels(scene, options.scene_data, limits)?;
     }
@@ -149,6 +156,7 @@ pub(in crate::programs) fn plan(
         streams,
         buffers,
         left_out: Vec::new(),
+        turns: limits.turns_of_users(),
         pass_bound,
     };
     plan.left_out = left_out(&plan, scene, options);

@@ -1,0 +1,100 @@
+//! `--kernel`: kernels whose WGSL is the user's.
+
+use std::io::Read as _;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use clap::Args;
+use raystep_kernels::options::replacement::Replacement;
+
+use crate::error::Error;
+
+/// Kernels to replace.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct KernelArgs {
+    /// Replace a kernel by WGSL of your own; can be repeated. Without NAME=, the kernel that the file's @compute function is
+    /// named after
+    ///
+    /// The file may import what the kernel's own file imports; 'raystep check-kernel' compares the two. Runs then take single
+    /// steps through the grid, unless options say otherwise. On the CPU, the file is interpreted.
+    #[arg(long = "kernel", value_name = "[NAME=]F.wgsl", help_heading = "Tracing")]
+    pub(crate) kernels: Vec<KernelFile>,
+}
+
+/// `NAME=FILE` or `FILE`
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct KernelFile {
+    name: Option<String>,
+    path: PathBuf,
+}
+
+impl FromStr for KernelFile {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let is_name = |name: &str| !name.is_empty() && name.chars().all(|c| c == '_' || c.is_ascii_alphanumeric());
+        let (name, path) = match text.split_once('=') {
+            Some((name, path)) if is_name(name) => (Some(name.to_owned()), path),
+            _ => (None, text),
+        };
+        let path = PathBuf::from(path);
+        if path.as_os_str().is_empty() {
+            return Err("expected a kernel and a file, such as intersect=my.wgsl");
+        }
+        Ok(Self { name, path })
+    }
+}
+
+/// Largest file: the longest kernel of ours has 10 KB.
+const MOST_BYTES: u64 = 1 << 20;
+
+impl KernelFile {
+    /// A file for this kernel.
+    pub(crate) fn new(name: Option<String>, path: PathBuf) -> Self {
+        Self { name, path }
+    }
+
+    /// Reads the file.
+    pub(crate) fn read(&self) -> Result<Arc<Replacement>, Error> {
+        let at = |why: &dyn std::fmt::Display| Error::at(&self.path, why);
+        let file = std::fs::File::open(&self.path).map_err(|e| at(&crate::error::reason(&e)))?;
+        let mut bytes = Vec::new();
+        file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| at(&crate::error::reason(&e)))?;
+        if bytes.len() as u64 > MOST_BYTES {
+            return Err(at(&"larger than 1 MiB, too large for a kernel"));
+        }
+        let source = String::from_utf8(bytes).map_err(|_| at(&"not a text in UTF-8"))?;
+        let path = self.path.to_string_lossy().into_owned();
+        match &self.name {
+            Some(name) => Ok(Arc::new(Replacement { kernel: name.clone(), file: path, source })),
+            None => Replacement::of_entry_point(path, source)
+                .map(Arc::new)
+                .ok_or_else(|| at(&"no @compute function tells which kernel it replaces: use --kernel NAME=FILE")),
+        }
+    }
+}
+
+impl KernelArgs {
+    /// Reads the files.
+    pub(crate) fn read(&self) -> Result<Vec<Arc<Replacement>>, Error> {
+        self.kernels.iter().map(KernelFile::read).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_kernel_is_a_name_and_a_file_or_a_file() {
+        let of = |text: &str| text.parse::<KernelFile>();
+        let file = |name: Option<&str>, path: &str| KernelFile { name: name.map(Into::into), path: path.into() };
+        assert_eq!(of("intersect=my.wgsl"), Ok(file(Some("intersect"), "my.wgsl")));
+        assert_eq!(of("my.wgsl"), Ok(file(None, "my.wgsl")));
+        // A path may have an equals sign.
+        assert_eq!(of("a/b=c.wgsl"), Ok(file(None, "a/b=c.wgsl")));
+        assert_eq!(of("setup=b=c.wgsl"), Ok(file(Some("setup"), "b=c.wgsl")));
+        assert!(of("setup=").is_err() && of("").is_err());
+    }
+}

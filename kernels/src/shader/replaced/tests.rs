@@ -1,0 +1,1 @@
+//! Mistakes in users' kernels are named with their places.
