@@ -8,6 +8,7 @@ mod measure;
 mod opening;
 mod screenshot;
 mod surface;
+mod watch;
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -93,6 +93,11 @@ commands! {
         OpenSession "Open session…", CTRL_SHIFT O;
         SaveSession "Save session…", CTRL S;
     }
+    File kernels {
+        /// Replaces the kernel that a WGSL file's entry point is named after, now and whenever the file is written.
+        ReplaceKernel "Replace kernel…";
+        BuiltInKernels "Use built-in kernels";
+    }
     File links {
         CopyLink "Copy link to this view", CTRL_SHIFT C;
         PasteLink "Open link…", CTRL_SHIFT V;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use raystep_kernels::options::Choices;
 use raystep_kernels::options::mapping::Mapping;
+use raystep_kernels::options::replacement::Replacement;
 use raystep_kernels::options::rows::{MOST_STEPS, Row, Values};
 use raystep_kernels::program::Program;
 use raystep_kernels::{Accelerator, Device, Gpu, Options, RaySource, Samples, ScheduleKind, Traversal, programs};
@@ -102,6 +103,9 @@ pub struct Settings {
     pub counters: bool,
     /// Where passes run.
     pub device: DeviceKind,
+    /// Kernels whose WGSL is the user's: neither links nor sessions have them.
+    #[serde(skip)]
+    pub replaced: Vec<Arc<Replacement>>,
 }
 
 impl View {
@@ -311,6 +315,7 @@ impl Settings {
                 RaySource::Camera { camera: self.view.camera(scene), width, height }
             }
         };
-        Options { counters: self.counters, timings: true, ..Options::new(rays).chosen(&self.taken()) }
+        let (counters, replaced) = (self.counters, self.replaced.clone());
+        Options { counters, timings: true, replaced, ..Options::new(rays).chosen(&self.taken()) }
     }
 }

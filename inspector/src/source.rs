@@ -42,13 +42,21 @@ pub struct Line {
 /// not call are left out as well.
 #[must_use]
 pub fn kernel_files(kernel: Kernel, variant: Option<&Variant>, features: &Features) -> Vec<Line> {
-    let text = own_source(kernel, features);
+    let text = file(kernel, variant, features);
     let marks = marks::marks(kernel.info().name, &text, variant.map(|variant| variant.source.as_str()), features);
     let mut lines = lines(&text);
     for (line, mark) in lines.iter_mut().zip(marks) {
         line.mark = mark;
     }
     lines
+}
+
+/// The kernel's own files, or the user's file in their place.
+fn file(kernel: Kernel, variant: Option<&Variant>, features: &Features) -> String {
+    match variant.and_then(|variant| variant.replaced.as_ref()) {
+        Some(replaced) => replaced.by.source.clone(),
+        None => own_source(kernel, features),
+    }
 }
 
 /// The composed source for the device: options resolved, shared functions included. No line is marked.
@@ -61,7 +69,7 @@ pub fn composed(variant: &Variant) -> Vec<Line> {
 /// functions, and for those that were left out.
 #[must_use]
 pub fn in_composed(variant: &Variant, features: &Features) -> Vec<Option<usize>> {
-    let text = own_source(variant.kernel, features);
+    let text = file(variant.kernel, Some(variant), features);
     let marks = marks::marks(variant.kernel.info().name, &text, Some(&variant.source), features);
     functions::in_composed(&text, &marks, &variant.source)
 }

@@ -19,6 +19,7 @@ mod mapping;
 mod measured;
 mod names;
 mod opening;
+mod own_kernels;
 mod passes;
 mod readable;
 mod retained;

@@ -294,7 +294,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
             "--pixel {x},{y}: the image has pixels 0,0 to {right},{bottom}; --size enlarges it"
         )));
     }
-    let mut settings = Settings::from(&linked);
+    let mut settings = Settings { replaced: wanted.run.kernels.read()?, ..Settings::from(&linked) };
     let Choices { program, elements, .. } = program.values;
     settings.choices = Choices { program, elements, ..settings.choices };
     let Wanted { scene, run, .. } = wanted;

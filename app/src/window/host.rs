@@ -16,7 +16,7 @@ use raystep_kernels::Gpu;
 use raystep_scenes::ENDINGS;
 
 use super::opening::Opening;
-use super::{files, last_error};
+use super::{files, last_error, watch};
 use crate::args::ReadArgs;
 use crate::output::{Target, write};
 use crate::session_file;
@@ -68,6 +68,9 @@ pub(super) struct Desktop {
     cannot_remember: bool,
     /// The scene that was loaded last.
     loaded: Option<Loaded>,
+    /// The files that threads watch until the window is closed.
+    watched: Vec<String>,
+    is_open: Arc<()>,
 }
 
 /// A scene's path as the inspector gave it, its file, and when that was written.
@@ -105,7 +108,8 @@ impl Desktop {
     pub(super) fn new(ctx: egui::Context, gpu: Arc<Gpu>, read: ReadArgs, opening: Option<Opening>) -> Self {
         let (tell, events) = channel();
         let (remembered, cannot_remember) = (String::new(), false);
-        Self { ctx, gpu, read, opening, events, tell, remembered, cannot_remember, loaded: None }
+        let (loaded, watched, is_open) = (None, Vec::new(), Arc::new(()));
+        Self { ctx, gpu, read, opening, events, tell, remembered, cannot_remember, loaded, watched, is_open }
     }
 
     /// Runs slow work in a thread, and reports its result.
@@ -172,6 +176,21 @@ impl Host for Desktop {
         // Linux distinguishes the letters' case.
         let endings: Vec<_> = ENDINGS.iter().flat_map(|ending| [(*ending).to_owned(), ending.to_uppercase()]).collect();
         self.choose("Scenes", &endings, "cancelled: no scene opened");
+    }
+
+    fn choose_kernel(&mut self) {
+        self.choose("WGSL", &["wgsl"], "cancelled: no kernel replaced");
+    }
+
+    fn watch(&mut self, path: &str) {
+        if !self.watched.iter().any(|watched| watched == path) {
+            self.watched.push(path.to_owned());
+            let (tell, ctx, window) = (self.tell.clone(), self.ctx.clone(), Arc::downgrade(&self.is_open));
+            watch::begin(PathBuf::from(path), window, move |event| {
+                let _ = tell.send(event);
+                ctx.request_repaint();
+            });
+        }
     }
 
     fn choose_session(&mut self) {

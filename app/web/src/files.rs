@@ -103,7 +103,8 @@ impl Files {
         let paths: Vec<String> = files.iter().map(|(path, _)| plain(path)).collect();
         self.local.borrow_mut().extend(paths.iter().cloned().zip(files.into_iter().map(|(_, file)| file)));
         let wish = self.wish.take();
-        let is_opened = |path: &&String| has_ending(path, &ENDINGS) || wish.is_none() && has_ending(path, &[EXTENSION]);
+        let is_opened =
+            |path: &&String| has_ending(path, &ENDINGS) || wish.is_none() && has_ending(path, &[EXTENSION, "wgsl"]);
         let Some(opened) = paths.iter().find(is_opened) else {
             let names = paths.first().map_or_else(String::new, |path| format!("{path}: "));
             self.tell(HostEvent::Failed(format!(

@@ -56,6 +56,10 @@ impl Host for Web {
         shell::choose(&format!(".{EXTENSION}"));
     }
 
+    fn choose_kernel(&mut self) {
+        shell::choose(".wgsl");
+    }
+
     fn read(&mut self, path: &str) {
         let ctx = self.ctx.clone();
         self.files.read_session(path, move || ctx.request_repaint());

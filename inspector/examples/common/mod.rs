@@ -40,6 +40,8 @@ impl Host for Threads {
 
     fn choose_scene(&mut self) {}
 
+    fn choose_kernel(&mut self) {}
+
     fn choose_session(&mut self) {}
 
     fn read(&mut self, _path: &str) {}

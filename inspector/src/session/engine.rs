@@ -23,6 +23,8 @@ use crate::settings::Settings;
 
 /// The name of opening a scene in errors.
 pub const OPENING: &str = "opening the scene";
+/// The name of making a run of the open scene in errors.
+pub const PREPARING: &str = "preparing the run";
 /// The name of tracing at a lower resolution.
 pub(super) const GLIMPSING: &str = "tracing at a lower resolution";
 /// The name of following a ray.
@@ -126,7 +128,7 @@ const TELL_EVERY_NS: u64 = 100_000_000;
 fn name(request: &Request) -> &'static str {
     match request {
         Request::Open { .. } => OPENING,
-        Request::Plan(_) | Request::Share(..) => "preparing the run",
+        Request::Plan(_) | Request::Share(..) => PREPARING,
         Request::Glimpse(_) => GLIMPSING,
         Request::Step(_) => "stepping",
         Request::RunToWatch { .. } => "running to a watch",

@@ -20,7 +20,7 @@ pub struct FileToSave {
 pub enum HostEvent {
     /// The user chose a scene.
     Chosen(String),
-    /// A session's file was read.
+    /// The file of a session or kernel was read.
     Read {
         /// Its path.
         path: String,
@@ -76,8 +76,12 @@ pub trait Host {
     fn choose_scene(&mut self);
     /// Asks the user for a session.
     fn choose_session(&mut self);
-    /// Reads a session's file.
+    /// Reads the file of a session or kernel.
     fn read(&mut self, path: &str);
+    /// Reads a file again whenever it is written, where there are files: [`Read`](HostEvent::Read) events.
+    fn watch(&mut self, _path: &str) {}
+    /// Asks the user for a kernel's file.
+    fn choose_kernel(&mut self);
     /// The path of a scene that a session's file names, relative to the session's folder.
     fn beside(&self, session: &str, scene: &str) -> String;
     /// Asks the user where to save a file, and writes it.

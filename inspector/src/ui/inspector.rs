@@ -8,6 +8,7 @@ mod first_steps;
 mod keep;
 mod lessons;
 mod menu;
+mod own_kernels;
 mod palette;
 mod perform;
 mod places;

@@ -98,6 +98,8 @@ pub struct Display {
     pub beside: Option<Arc<SceneData>>,
     /// The function that is marked in the kernel panel.
     pub code: Option<String>,
+    /// Why the last version of a user's kernel is not used: the one before it still runs.
+    pub kernel_error: Option<String>,
     /// Whether views of the ray's walk leave out what comes next: the reader of a lesson is asked for it.
     pub hides_next: bool,
     /// Thumbnails of the stream in view.

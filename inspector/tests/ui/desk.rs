@@ -126,6 +126,10 @@ impl Host for TestHost {
         desk.events.push(event);
     }
 
+    fn choose_kernel(&mut self) {
+        self.choose_scene();
+    }
+
     fn choose_session(&mut self) {
         let mut desk = self.desk();
         let event = match desk.session.clone() {

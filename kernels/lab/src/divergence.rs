@@ -8,6 +8,7 @@ mod map;
 mod tree;
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
 use raystep_kernels::programs::closest_hit::streams;
@@ -56,8 +57,10 @@ pub async fn divergence(
     renderer.restart();
     let is_gpu = renderer.gpu().is_some();
     let plan = renderer.shared_plan();
-    let mut single = CpuExecutor::<f32>::new(&plan, None)?;
-    let mut double = CpuExecutor::<f64>::new(&plan, None)?;
+    // A user's kernel is compared with the one that it replaces.
+    let own = if plan.replaced().is_empty() { plan.clone() } else { Arc::new(plan.with_own_kernels()?) };
+    let mut single = CpuExecutor::<f32>::new(&own, None)?;
+    let mut double = CpuExecutor::<f64>::new(&own, None)?;
     let mut map = DivergenceMap::new(&plan);
     let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
     let mut before = Vec::new();
@@ -78,8 +81,8 @@ pub async fn divergence(
             let in_f64 = if decides { double.read(stream) } else { None };
             after.push((renderer.values(stream).await?, twin, in_f64));
         }
-        let rules = Rounding { plan: &plan, data: renderer.data(), kernel: pass.kernel, before: &before };
-        if is_gpu {
+        let rules = Rounding { plan: &own, data: renderer.data(), kernel: pass.kernel, before: &before };
+        if is_gpu || !plan.replaced().is_empty() {
             let pairs: Vec<_> = after.iter().map(|(device, twin, _)| [device, twin]).collect();
             rules.judge(&pairs, |_, _| true, |judged| map.record(Against::Device, &judged))?;
         }

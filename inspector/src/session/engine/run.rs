@@ -15,7 +15,7 @@ use super::super::glimpse::Glimpses;
 use super::super::request::{At, Opened, Texels, Update};
 use super::super::sketcher::Sketcher;
 use super::super::{Session, Target};
-use super::{GLIMPSING, Moving, Run, Server, Trouble};
+use super::{GLIMPSING, Moving, PREPARING, Run, Server, Trouble};
 use crate::settings::Settings;
 
 impl Server {
@@ -119,7 +119,7 @@ impl Server {
         if place == 0 {
             return Ok(());
         }
-        let mut report = self.reporter("preparing the run");
+        let mut report = self.reporter(PREPARING);
         let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));
         session.step(Target::Pass(place), tell).await.map(drop).map_err(Trouble::from)
     }

@@ -28,6 +28,7 @@ impl Inspector {
         let event = |forward, why| needs(self.event(forward).is_some(), why);
         let mark = |forward, why| needs(self.state.bookmarks.from(model.place, forward).is_some(), why);
         match command {
+            C::BuiltInKernels => needs(self.has_own_kernels(), "no kernel is replaced"),
             C::Quit => needs(self.host.can_quit(), "close the browser's tab"),
             C::OpenScene | C::OpenSession | C::PasteLink | C::Palette | C::Help | C::Theme | C::ToolbarWords => None,
             C::Arrange(_) | C::SaveLayout | C::ResetLayout | C::Show(_) | C::Lesson(_) => None,
@@ -106,6 +107,8 @@ impl Inspector {
         match command {
             C::OpenScene => self.host.choose_scene(),
             C::ReloadScene => self.reload(),
+            C::ReplaceKernel => self.host.choose_kernel(),
+            C::BuiltInKernels => self.use_built_in_kernels(),
             C::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             C::NextPass => step(&mut self.model, Target::Next),
             C::PreviousPass => step(&mut self.model, Target::Previous),

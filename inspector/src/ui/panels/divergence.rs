@@ -7,7 +7,7 @@ use crate::ui::panels::zoom::Placed;
 use egui::{Color32, ColorImage, Sense, TextureHandle, TextureOptions, vec2};
 use raystep_kernels::plan::Bytes;
 use raystep_kernels::{Device, RenderError, Renderer};
-use raystep_lab::divergence::{Class, DivergenceMap, divergence, divergence_bytes};
+use raystep_lab::divergence::{Class, DivergenceMap, Parting, divergence, divergence_bytes};
 use raystep_lab::lockstep::{Lockstep, lockstep};
 use raystep_lab::text::counted;
 
@@ -100,6 +100,11 @@ impl Divergence {
     }
 }
 
+/// A component that differs, as a number.
+fn value(parting: &Parting, bits: u32) -> String {
+    if parting.stream.is_float_layer(parting.layer) { f32::from_bits(bits).to_string() } else { bits.to_string() }
+}
+
 impl Panel for Divergence {
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
@@ -132,6 +137,22 @@ impl Panel for Divergence {
             return;
         };
         strong(ui, map.sentence());
+        if let Some((ray, first)) = map.earliest() {
+            let [x, y] = [ray as u32 % map.width(), ray as u32 / map.width()];
+            let layer = first.stream.info().layers[first.layer];
+            let [found, expected] = [first.theirs, first.twin].map(|bits| value(&first, bits));
+            ui.horizontal_wrapped(|ui| {
+                if ui.button("Go there").clicked() {
+                    (cx.asks.select, cx.asks.go_to) = (Some([x, y]), Some(first.pass + 1));
+                }
+                ui.label(format!(
+                    "First in pass {}, {}, for the ray of pixel {x},{y}: {}.{layer} is {found}, expected {expected}",
+                    first.pass,
+                    first.kernel.name(),
+                    first.stream.name()
+                ));
+            });
+        }
         ui.horizontal_wrapped(|ui| {
             for class in Class::ALL {
                 let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
@@ -182,14 +203,10 @@ impl Panel for Divergence {
                     parting.kernel.name(),
                     parting.stream.name()
                 ));
-                let value = |bits: u32| match parting.stream.is_float_layer(parting.layer) {
-                    true => f32::from_bits(bits).to_string(),
-                    false => bits.to_string(),
-                };
                 ui.label(format!(
                     "{} on the device, {} on the CPU reference in f32",
-                    value(parting.theirs),
-                    value(parting.twin)
+                    value(&parting, parting.theirs),
+                    value(&parting, parting.twin)
                 ));
                 if let Some(ulps) = parting.ulps {
                     ui.label(format!("{ulps} ulp apart"));

@@ -295,10 +295,15 @@ impl KernelView {
                 ui.ctx().copy_text(self.listing.text());
             }
             strong(ui, shown.kernel.name()).on_hover_text(shown.kernel.info().summary);
+            self.origin(ui, shown.kernel, cx);
             if matches!(self.known, Known::Ray(_)) {
                 listing::legend(ui);
             }
         });
+        if let Some(error) = &cx.display.kernel_error {
+            ui.colored_label(ui.visuals().error_fg_color, error);
+            ui.weak("The version before it still runs.");
+        }
         match shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)) {
             Some(row) => {
                 let is_last = row.place() == Some(cx.model.place);
@@ -308,6 +313,20 @@ impl KernelView {
             None => drop(ui.weak(shown.kernel.info().summary)),
         }
         self.tell(ui, cx);
+    }
+
+    /// Whether the kernel is a user's, and buttons to change that.
+    fn origin(&self, ui: &mut egui::Ui, kernel: Kernel, cx: &mut Context<'_>) {
+        let variant = cx.model.opened.as_ref().and_then(|opened| opened.plan.variant(kernel));
+        let replaced = variant.and_then(|variant| variant.replaced.clone());
+        if let Some(replaced) = &replaced {
+            strong(ui, format!("from {}", replaced.by.short_name())).on_hover_text(&replaced.by.file);
+        }
+        if replaced.is_some() || cx.display.kernel_error.is_some() {
+            command_button(ui, cx.asks, Command::BuiltInKernels, "built-in");
+        } else {
+            command_button(ui, cx.asks, Command::ReplaceKernel, "replace…");
+        }
     }
 
     /// The branch in view, and what is not known.

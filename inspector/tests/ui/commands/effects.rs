@@ -4,6 +4,7 @@ use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
 use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::lesson::Lesson;
+use raystep_kernels::programs::closest_hit::kernels::INTERSECT;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_T;
 
@@ -17,6 +18,21 @@ pub(super) fn nothing(_: &mut Stage) -> f64 {
 
 pub(super) fn choose_cornell(stage: &mut Stage) -> f64 {
     stage.desk.lock().expect("not poisoned").choice = Some(CORNELL.into());
+    0.0
+}
+
+/// A kernel's own file.
+pub(super) fn choose_kernel(stage: &mut Stage) -> f64 {
+    let mut desk = stage.desk.lock().expect("not poisoned");
+    desk.choice = Some("my.wgsl".into());
+    desk.sessions = vec![("my.wgsl".into(), INTERSECT.info().wgsl.as_bytes().to_vec())];
+    0.0
+}
+
+/// That file in place of the kernel.
+pub(super) fn replace_kernel(stage: &mut Stage) -> f64 {
+    choose_kernel(stage);
+    stage.perform(Command::ReplaceKernel);
     0.0
 }
 

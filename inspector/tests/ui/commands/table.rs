@@ -7,10 +7,10 @@ use raystep_inspector::session_file::SessionFile;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-    ask, assert_all, begin_lesson, begin_play, beside, bookmarks_around, choose_cornell, choose_session, event,
-    exposure, focused, is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing,
-    open_session, over_a_texel, pixel_moved, play, range, remove_bookmarks, same_kernel, show_passes, show_watches,
-    shown, slice, sort_rays, watch_the_ray, zoomed,
+    ask, assert_all, begin_lesson, begin_play, beside, bookmarks_around, choose_cornell, choose_kernel, choose_session,
+    event, exposure, focused, is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing,
+    open_session, over_a_texel, pixel_moved, play, range, remove_bookmarks, replace_kernel, same_kernel, show_passes,
+    show_watches, shown, slice, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::layouts::{arranged, arranged_own, elsewhere, hide_the_ray, save_layouts, saved_layout, the_ray_is_back};
@@ -41,6 +41,18 @@ pub(super) fn row(command: Command) -> Row {
             s.settle();
             assert_eq!(s.harness.state().model().generation, was.generation + 1);
             assert_eq!((s.place(), s.harness.state().pixel()), (was.place, was.pixel));
+        }),
+        C::ReplaceKernel => (choose_kernel, |s, was| {
+            s.settle();
+            let model = s.harness.state().model();
+            assert_eq!((model.generation, model.place), (was.generation + 1, was.place));
+            assert_eq!(model.opened.as_ref().expect("a run").plan.replaced().len(), 1);
+        }),
+        C::BuiltInKernels => (replace_kernel, |s, was| {
+            s.settle();
+            let model = s.harness.state().model();
+            assert_eq!((model.generation, model.place), (was.generation + 1, was.place));
+            assert!(model.opened.as_ref().expect("a run").plan.replaced().is_empty());
         }),
         C::CopyLink => (nothing, |s, was| {
             s.settle();

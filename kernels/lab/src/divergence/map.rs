@@ -96,6 +96,8 @@ pub struct DivergenceMap {
     kernels: Vec<Kernel>,
     classes: [Option<Firsts>; Class::ALL.len()],
     refused: Option<OutOfMemory>,
+    /// Whether kernels are a user's, and compared with those that they replace.
+    has_replaced: bool,
 }
 
 /// Packs eight bits of stream, seven of layer, one of `against`.
@@ -126,7 +128,8 @@ impl DivergenceMap {
     /// The map of a run before its first pass. A class takes memory once its first ray diverges.
     pub(super) fn new(plan: &Plan) -> Self {
         let (width, height) = (plan.width, plan.height);
-        Self { width, height, kernels: Vec::new(), classes: [const { None }; 5], refused: None }
+        let has_replaced = plan.variants.iter().any(|variant| variant.replaced.is_some());
+        Self { width, height, kernels: Vec::new(), classes: [const { None }; 5], refused: None, has_replaced }
     }
 
     /// Adds a pass, whose rays are recorded next.
@@ -172,6 +175,9 @@ impl DivergenceMap {
         };
         let rays = counted(self.count(class), "ray");
         match class {
+            Class::Excess | Class::Decision if self.has_replaced => {
+                format!("{rays} differ from what the built-in kernels do. Click one.")
+            }
             Class::Rounding => {
                 format!("{rays} differ in their last bits, within the rounding bound: every ray takes the same path.")
             }
@@ -249,6 +255,14 @@ impl DivergenceMap {
         let [theirs, twin] = firsts.values[ray];
         let ulps = stream.is_float_layer(layer).then(|| ulps(theirs, twin));
         Some(Parting { class, pass, kernel, against, stream, layer, theirs, twin, ulps })
+    }
+
+    /// The first ray, and where, that differs by more than rounding explains: in the earliest pass, and there the first row.
+    #[must_use]
+    pub fn earliest(&self) -> Option<(usize, Parting)> {
+        let wrong = [Class::Excess, Class::Decision].into_iter();
+        let all = wrong.flat_map(|class| self.rays(class).filter_map(move |ray| Some((ray, self.first(class, ray)?))));
+        all.min_by_key(|(ray, parting)| (parting.pass, *ray))
     }
 
     /// All classes in which a ray diverged, the earliest first.
