@@ -6,6 +6,7 @@ import io
 import json
 import math
 import os
+import pathlib
 import signal
 import subprocess
 import sys
@@ -125,6 +126,19 @@ class Run(unittest.TestCase):
                 self.assertEqual(file.read(), path.image().png())
         with self.assertRaisesRegex(OptionError, "at most 8 with --integrator whitted"):
             Renderer("cornell-box", integrator="whitted", max_depth=9, **SMALL)
+
+    def test_a_kernel_of_ones_own_runs_in_place_of_the_built_in_one(self) -> None:
+        kernels = pathlib.Path(__file__).parents[3] / "kernels/src/programs/closest_hit"
+        own = Renderer("cornell-box", kernel=[kernels / "intersect.wgsl", f"setup={kernels / 'setup.wgsl'}"], **SMALL)
+        run = Renderer("cornell-box", steps_per_pass=1, **SMALL).run()
+        self.assertEqual(own.run().image().png(), run.image().png())
+        with tempfile.TemporaryDirectory() as folder:
+            wrong = pathlib.Path(folder, "wrong.wgsl")
+            text = (kernels / "intersect.wgsl").read_text()
+            wrong.write_text(text.replace("item += 1u", "item += one"))
+            line = text[: text.index("item += 1u")].count("\n") + 1
+            with self.assertRaisesRegex(SceneError, f"wrong.wgsl:{line}:17: no definition in scope"):
+                Renderer("cornell-box", kernel=wrong, **SMALL)
 
     def test_steps_forwards_and_backwards_pass_the_same_places(self) -> None:
         scene = Scene("teapot", device="cpu")

@@ -176,7 +176,7 @@ fn told(file: &str, kernel: &str, device: &str, outcome: &Outcome) -> String {
 const MOST_TOLD: usize = 4;
 
 fn differs(file: &str, kernel: &str, ran: &str, difference: &Difference) -> String {
-    let Difference { pass, pixel: [x, y], rays, stream, layer, value, expected, stored, decided } = difference;
+    let Difference { pass, pixel: [x, y], rays, stream, layer, value, expected, stored, decided, fails } = difference;
     let others = match rays {
         0 | 1 => String::new(),
         2 => " and another ray".into(),
@@ -193,7 +193,10 @@ fn differs(file: &str, kernel: &str, ran: &str, difference: &Difference) -> Stri
     };
     match stored {
         Some(line) => text += &format!("  stored by {}: {}\n", place(line), line.text),
-        None => text += "  no line stored it\n",
+        None => match fails {
+            Some(why) => text += &format!("  interpreted, this ray fails: {why}; --device cpu says where\n"),
+            None => text += "  no line stored it\n",
+        },
     }
     if let Some(Decided { at, how }) = decided {
         text += &format!("  decided by {}: {}\n", place(at), at.text);

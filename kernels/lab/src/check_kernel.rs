@@ -55,6 +55,8 @@ pub struct Difference {
     pub stored: Option<Line>,
     /// The condition that decided.
     pub decided: Option<Decided>,
+    /// Why the two are not known: the interpreter fails on the ray, as for an index that is out of range.
+    pub fails: Option<String>,
 }
 
 /// What a check has found.
@@ -117,6 +119,7 @@ pub async fn check_kernel(scene: &Scene, options: &Options, device: &Device) -> 
             expected: shown(first, first.twin),
             stored: None,
             decided: None,
+            fails: None,
         };
         explain(&variant, &data, first, &found, [width, height], &mut difference);
         return Ok(Outcome::Differs(Box::new(difference)));
@@ -176,7 +179,13 @@ fn explain(
     let components = streams.iter().flat_map(|data| (0..data.stream.layers()).map(move |layer| (*data, layer)));
     let mut texels: Vec<u32> = components.clone().map(|(data, layer)| data.get(layer, first.ray)).collect();
     let element = Element { texel: difference.pixel, size };
-    let recording = code.record(data, element, &mut texels).ok()?;
+    let recording = match code.record(data, element, &mut texels) {
+        Ok(recording) => recording,
+        Err(why) => {
+            difference.fails = Some(why.to_string());
+            return None;
+        }
+    };
     let component = components.clone().position(|(data, of)| data.stream == stream && of == layer);
     difference.stored = component
         .and_then(|component| recording.stored.get(component).copied().flatten())

@@ -5,6 +5,7 @@ mod columns;
 mod guest;
 mod rows;
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::executor::PassResult;
@@ -237,18 +238,23 @@ impl<R: Precision> CpuExecutor<R> {
             .collect();
         let in_task = |first: usize, texels: &[R::Bits]| (texels.len() / stride).min(elements.saturating_sub(first));
         let calls = tasks.iter().map(|(first, texels, _)| in_task(*first, texels) as u64).sum();
-        // Of the failures, that of the first element.
+        // Of the failures, that of the first element. After one, no other element is begun.
         let failed: Mutex<Option<(usize, Failed)>> = Mutex::new(None);
+        let has_failed = AtomicBool::new(false);
         for_chunks(&mut tasks, 1, |_, tasks| {
             for (first, texels, counts) in tasks {
                 let last = *first + in_task(*first, texels);
                 let mut runner = on_element.runner(scene, size);
                 for (row, element) in texels.chunks_exact_mut(stride).zip(*first..last) {
+                    if has_failed.load(Ordering::Relaxed) {
+                        break;
+                    }
                     if only.is_some_and(|tag| !kernel.takes().contains(&R::bits_to_u32(row[tag]))) {
                         continue;
                     }
                     let (x, y) = ((element % width) as u32, (element / width) as u32);
                     if let Err(why) = runner.run(row, x, y) {
+                        has_failed.store(true, Ordering::Relaxed);
                         let mut first = failed.lock().unwrap_or_else(PoisonError::into_inner);
                         if first.as_ref().is_none_or(|(other, _)| element < *other) {
                             *first = Some((element, why));

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
@@ -12,20 +13,25 @@ Vector: TypeAlias = Sequence[float]
 
 
 def words_of(options: dict[str, Any]) -> list[str]:
-    """`steps_per_pass=4` is `--steps-per-pass=4`, `keep_all=True` is `--keep-all`; None and False are left out."""
+    """`steps_per_pass=4` is `--steps-per-pass=4`, `keep_all=True` is `--keep-all`; None and False are left out.
+
+    Several kernels are a list: `kernel=["setup.wgsl", "intersect=my.wgsl"]`.
+    """
     words = []
     for name, value in options.items():
         option = f"--{name.replace('_', '-')}"
         if value is True:
             words.append(option)
+        elif name == "kernel" and isinstance(value, (list, tuple)):
+            words += [f"{option}={_text(one, option)}" for one in value]
         elif value is not None and value is not False:
             words.append(f"{option}={_text(value, option)}")
     return words
 
 
 def _text(value: Any, option: str) -> str:
-    if isinstance(value, str):
-        return value
+    if isinstance(value, (str, os.PathLike)):
+        return os.fspath(value)
     if getattr(value, "ndim", None) == 0:
         value = value.item()
     if isinstance(value, Iterable):

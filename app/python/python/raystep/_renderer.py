@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -120,7 +120,8 @@ class Renderer:
     render`, with the same values: pixels (`size=(640, 480)`, or `width` and `height`), camera (its index, or `eye`,
     `look_at`, `up`, `fov` in degrees, scene units), samples (`spp`, `sampler`, `seed`), and how rays are traced. As passes
     are stepped, `accelerator` is "grid" and `schedule` "compact" by default.
-    `counters` counts cells and tests per ray; `timings` times every pass.
+    `counters` counts cells and tests per ray; `timings` times every pass. `kernel` replaces a kernel by WGSL of your own:
+    a file whose `@compute` function has the kernel's name, "NAME=FILE", or several of these.
 
     Raises `OptionError` for a wrong option, with the command line's words; `SceneError` for a scene that cannot be
     traced; `DeviceError` if the device fails. Other threads run while it works, and calls from several threads take
@@ -156,6 +157,7 @@ class Renderer:
         integrator: str | None = None,
         max_depth: int | None = None,
         strategy: str | None = None,
+        environment: str | None = None,
         accelerator: str | None = None,
         schedule: str | None = None,
         mapping: str | None = None,
@@ -170,6 +172,7 @@ class Renderer:
         steps_per_pass: int | None = None,
         build: str | None = None,
         keep_all: bool = False,
+        kernel: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None = None,
         counters: bool = False,
         timings: bool = False,
         device: str | None = None,

@@ -22,7 +22,7 @@ pub(super) fn is_kernel(path: &str) -> bool {
 impl Inspector {
     /// A kernel's file was read: the run is made again with it, at the same place. Until that succeeds, the present run goes
     /// on.
-    pub(super) fn take_kernel(&mut self, path: &str, bytes: &[u8]) {
+    pub(in crate::ui) fn take_kernel(&mut self, path: &str, bytes: &[u8]) {
         let source = match std::str::from_utf8(bytes) {
             Ok(source) if bytes.len() <= MOST_BYTES => source,
             Ok(_) => return self.refuse_kernel(format!("{path}: larger than 1 MiB, too large for a kernel")),

@@ -144,6 +144,14 @@ pub(super) const ACTIONS: &[Action] = &[
         events: camera,
         is_shown: |i, was| i.model().generation > was.generation,
     },
+    Action {
+        name: "– a kernel that was saved, until its picture is there",
+        limit_ms: 1000.0,
+        times: 10,
+        frames: 1,
+        events: kernel,
+        is_shown: |i, was| i.model().generation > was.generation && !i.model().is_busy(),
+    },
 ];
 
 fn none(_: &mut Inspector, _: usize) -> Vec<Event> {
@@ -203,6 +211,17 @@ fn orbit(inspector: &mut Inspector, i: usize) -> Vec<Event> {
         _ => {}
     }
     events
+}
+
+/// A kernel of the walk as a user's file, with another comment each time.
+fn kernel(inspector: &mut Inspector, i: usize) -> Vec<Event> {
+    let opened = inspector.model().opened.as_ref();
+    let own = opened.and_then(|opened| opened.plan.variants.iter().rfind(|variant| variant.kernel.is_walk()));
+    if let Some(own) = own {
+        let source = format!("// Version {i}.\n{}", own.kernel.info().wgsl);
+        inspector.take_kernel("latency.wgsl", source.as_bytes());
+    }
+    Vec::new()
 }
 
 /// Moves the traced camera a little.
