@@ -304,8 +304,14 @@ mod tests {
 
     #[test]
     fn the_first_parting_of_each_class_is_kept_and_the_gravest_shown() {
-        let mut map =
-            DivergenceMap { width: 3, height: 2, kernels: Vec::new(), classes: [const { None }; 5], refused: None };
+        let mut map = DivergenceMap {
+            width: 3,
+            height: 2,
+            kernels: Vec::new(),
+            classes: [const { None }; 5],
+            refused: None,
+            has_replaced: false,
+        };
         let float =
             |ours, is_allowed| Component { stream: streams::STATE, layer: 1, ours, twin: 0x3f80_0000, is_allowed };
         let tag = Component { stream: streams::STATE, layer: 0, ours: 5, twin: 2, is_allowed: false };
