@@ -29,7 +29,7 @@ use naga::{Module, ShaderStage};
 
 use crate::program::{Kernel, Twin};
 use crate::scene_data::SceneData;
-use crate::shader::Variant;
+use crate::shader::{Noted, Notes, Variant};
 use crate::tables::stream::{STATE_TAG, Stream};
 use crate::tables::texels::Layout;
 use code::Code;
@@ -75,6 +75,9 @@ pub enum InterpretError {
     /// It did not end.
     #[error("not finished after {0} steps")]
     Steps(u64),
+    /// What a user's kernel asserts does not hold.
+    #[error("the assertion {0:?} does not hold")]
+    Assertion(String),
     /// A loop of a user's kernel did not end.
     #[error("a loop has not ended after {0} turns")]
     Turns(u32),
@@ -136,6 +139,8 @@ pub struct Interpreter {
     kept: Vec<Stream>,
     /// Most turns of all of its loops.
     turns: u32,
+    /// What it prints and asserts.
+    notes: Notes,
 }
 
 impl Interpreter {
@@ -167,7 +172,8 @@ impl Interpreter {
             .map(|(stream, _)| stream)
             .collect();
         let layout = Layout::of(kernel.program().streams, streams.iter().copied());
-        Ok(Self { kernel, source, module, code, streams, layout, kept, turns: u32::MAX })
+        let notes = variant.replaced.as_ref().map(|replaced| replaced.notes.clone()).unwrap_or_default();
+        Ok(Self { kernel, source, module, code, streams, layout, kept, turns: u32::MAX, notes })
     }
 
     /// The same, with a limit for the turns of all loops of an element.
@@ -205,6 +211,12 @@ impl Interpreter {
     pub fn tag(&self) -> Option<usize> {
         let stream = self.kernel.course()?.stream;
         self.layout.first[stream.index()].map(|first| first + STATE_TAG)
+    }
+
+    /// What it prints.
+    #[must_use]
+    pub fn notes(&self) -> &[Noted] {
+        &self.notes.noted
     }
 
     /// Its conditions, in no particular order.
@@ -257,6 +269,20 @@ impl Counter<'_> {
     #[must_use]
     pub fn lines(&self) -> Vec<usize> {
         self.machine.lines()
+    }
+
+    /// What the last element has printed, in the order of [`Interpreter::notes`]: the last value of each, and how often it was
+    /// printed.
+    #[must_use]
+    pub fn noted(&self) -> &[([u32; 4], u32)] {
+        &self.machine.noted
+    }
+
+    /// The same in words, of those that were printed.
+    #[must_use]
+    pub fn told(&self) -> Vec<String> {
+        let notes = self.machine.kernel.notes.noted.iter().zip(&self.machine.noted);
+        notes.filter_map(|(note, &noted)| note.told(noted)).collect()
     }
 
     /// What all elements so far took together.

@@ -30,7 +30,7 @@ impl Trace {
         };
         line(header, "why");
         for (row, cells) in self.rows.iter().zip(&rows) {
-            line(cells.each_ref().map(String::as_str), &scale.reason(&row.why));
+            line(cells.each_ref().map(String::as_str), &(scale.reason(&row.why) + &row.noted()));
         }
         let _ = match self.passes {
             Some(passes) => {
@@ -131,7 +131,7 @@ impl Trace {
             record.extend((0..3).map(|i| known(a.control.map(|c| c[i]))));
             record.extend([a.item.to_string(), known(a.t), known(a.t.map(|t| f64::from(t) * self.t_scale))]);
             record.extend((0..2).map(|i| known(a.barycentric.map(|b| b[i]))));
-            record.extend([known(a.triangle), known(row.tested), row.why.clone()]);
+            record.extend([known(a.triangle), known(row.tested), row.why.clone() + &row.noted()]);
             csv.write_record(record)?;
         }
         csv.flush()?;

@@ -177,9 +177,12 @@ impl<'a, R: Precision> Alone<'a, R> {
         let [x, y] = self.pixel;
         let data = pass.kernel.reads(self.data);
         let on_element = OnElement::<R>::new(pass.kernel, &self.interpreted, &self.layout)?;
-        on_element.runner(&data, self.size).run(&mut self.row, x, y).ok()?;
+        let mut runner = on_element.runner(&data, self.size);
+        runner.run(&mut self.row, x, y).ok()?;
+        let notes = runner.told();
+        drop(runner);
         let before = self.state;
         self.state = self.decoded();
-        Some(TraceRow::new(pass, self.data, &before, &self.state))
+        Some(TraceRow { notes, ..TraceRow::new(pass, self.data, &before, &self.state) })
     }
 }

@@ -6,9 +6,12 @@ pub mod light_tree;
 pub mod units;
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 pub use alone::RunSoFar;
 
+use crate::executor::cpu::Interpreted;
+use crate::interpret::Element;
 use crate::options::features::StructureKind;
 use crate::plan::Plan;
 use crate::program::Kernel;
@@ -41,6 +44,9 @@ pub struct TraceRow {
     pub index_after: Option<u32>,
     /// The reason, in words.
     pub why: String,
+    /// What a user's kernel has printed, as `label = value`.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
+    pub notes: Vec<String>,
 }
 
 /// The history of one ray.
@@ -119,6 +125,8 @@ pub struct Follower {
     rows: Vec<TraceRow>,
     /// Kernels that run only after the last ray's walk.
     after_all: Vec<Kernel>,
+    /// The kernels that are a user's.
+    interpreted: Arc<[Interpreted]>,
 }
 
 impl Follower {
@@ -134,7 +142,8 @@ impl Follower {
         }
         let before = ray_state(renderer, x, y).await?;
         let after_all = after_all(renderer.plan());
-        Ok(Self { pixel: [x, y], is_alone, before, rows: Vec::new(), after_all })
+        let interpreted = Interpreted::of(renderer.plan()).into();
+        Ok(Self { pixel: [x, y], is_alone, before, rows: Vec::new(), after_all, interpreted })
     }
 
     /// Runs a pass; `None` at the end of the run.
@@ -142,12 +151,25 @@ impl Follower {
     /// # Errors
     /// If the device fails.
     pub async fn step(&mut self, renderer: &mut Renderer) -> Result<Option<Pass>, RenderError> {
+        let [x, y] = self.pixel;
+        let next = renderer.next_kernel().filter(|kernel| kernel.takes().contains(&self.before.tag));
+        let printing = next.and_then(|kernel| Interpreted::printing(&self.interpreted, kernel));
+        let given = match printing {
+            Some(code) => Some((code, renderer.texels(code.streams(), x, y).await?.concat())),
+            None => None,
+        };
         let Some(pass) = renderer.step().await? else { return Ok(None) };
         // A kernel leaves every ray alone that is not in its states, so there is nothing to read back.
         if pass.kernel.takes().contains(&self.before.tag) {
-            let [x, y] = self.pixel;
             let after = ray_state(renderer, x, y).await?;
             let mut row = TraceRow::new(&pass, renderer.data(), &self.before, &after);
+            if let Some((code, mut texels)) = given {
+                let data = pass.kernel.reads(renderer.data());
+                let (mut counter, size) = (code.counter(&data), [renderer.plan().width, renderer.plan().height]);
+                if counter.run(Element { texel: [x, y], size }, &mut texels).is_ok() {
+                    row.notes = counter.told();
+                }
+            }
             row.pass = row.pass.filter(|_| !(self.is_alone && self.after_all.contains(&pass.kernel)));
             self.rows.push(row);
             self.before = after;
@@ -201,7 +223,14 @@ impl TraceRow {
             cell_after: index_after.filter(|_| is_grid).map(|index| data.grid.cell_of_index(index)),
             index_after,
             why,
+            notes: Vec::new(),
         }
+    }
+
+    /// What was printed, to be appended to a sentence.
+    #[must_use]
+    pub fn noted(&self) -> String {
+        self.notes.iter().map(|note| format!("; {note}")).collect()
     }
 
     /// Whether the pass is known to be among the first `passes` of the run.

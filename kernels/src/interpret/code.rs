@@ -160,6 +160,10 @@ pub(super) enum What {
     },
     /// The element's texel.
     Texel(Handle<Expression>),
+    /// Prints a value.
+    Note(usize, Handle<Expression>),
+    /// Asserts a condition.
+    Assertion(usize, Handle<Expression>),
     /// Of no concern for one element.
     Nothing,
     Unsupported(&'static str),

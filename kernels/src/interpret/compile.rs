@@ -12,7 +12,7 @@ use naga::{Arena, Binding, Block, Expression, Function, Handle, Literal, Module,
 
 use super::InterpretError;
 use super::code::{Body, CONSTANT, Cell, Code, Global, If, Local, NONE, Op, Site, SiteKind, Slot, What, kind, slots};
-use crate::shader::{Resource, Variant};
+use crate::shader::{Resource, Variant, statement_of};
 use flow::{BOOKS, TEXEL_OF, called, has_jump};
 pub(super) use text::line_of;
 use text::{arguments, last_of};
@@ -237,6 +237,15 @@ impl Compiler<'_> {
             Statement::Call { function, ref arguments, result } => {
                 let name = self.module.functions[function].name.as_deref().unwrap_or_default();
                 let what = match result {
+                    None if let Some((is_assertion, index)) = statement_of(name)
+                        && let &[value] = arguments.as_slice() =>
+                    {
+                        if is_assertion {
+                            What::Assertion(index, value)
+                        } else {
+                            What::Note(index, value)
+                        }
+                    }
                     Some(result) if TEXEL_OF.contains(&name) => What::Texel(result),
                     None if BOOKS.contains(&name) => What::Nothing,
                     _ => What::Call { function: function.index(), arguments: arguments.clone(), result },

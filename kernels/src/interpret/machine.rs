@@ -50,6 +50,8 @@ pub(super) struct Machine<'a> {
     at: u32,
     /// The statements with the calls that have not returned.
     calls: Vec<u32>,
+    /// What the element has printed: of each note the last value, and how often.
+    pub(super) noted: Vec<([u32; 4], u32)>,
     /// How often each statement ran.
     pub(super) runs: Vec<u64>,
     /// The node of the decision that the current statement was reached by.
@@ -80,6 +82,7 @@ impl<'a> Machine<'a> {
             turns: 0,
             at: 0,
             calls: Vec::new(),
+            noted: vec![([0; 4], 0); kernel.notes.noted.len()],
             runs: vec![0; kernel.code.statements.len()],
             control: KNOWN,
             recording,
@@ -95,6 +98,7 @@ impl<'a> Machine<'a> {
         (self.element, self.control, self.outcomes) = (element, KNOWN, Outcomes::default());
         (self.steps, self.turns) = (0, 0);
         self.calls.clear();
+        self.noted.fill(([0; 4], 0));
         self.private.clear();
         self.private.resize(self.kernel.code.private as usize, Slot::default());
         self.row.clear();
@@ -144,6 +148,7 @@ impl<'a> Machine<'a> {
             let span = kernel.code.statements.get(statement as usize)?;
             Some(super::compile::line_of(&kernel.source, span.start))
         };
+        recording.noted.clone_from(&self.noted);
         recording.stored = self.stored.iter().map(line).collect();
         recording.non_finite = self.non_finite(&recording, &self.before);
         Ok(recording)
@@ -282,6 +287,22 @@ impl<'a> Machine<'a> {
                 let place = frame.base + frame.body.cells[result.index()].place as usize;
                 for (i, bits) in self.element.texel.into_iter().enumerate() {
                     self.stack[place + i] = Slot { bits, from: KNOWN, wide: 0.0 };
+                }
+            }
+            What::Note(index, value) => {
+                let width = frame.body.cells[value.index()].width.min(4);
+                let values = std::array::from_fn(|lane| match lane as u32 {
+                    lane if lane < width => self.get(frame, *value, lane).bits,
+                    _ => 0,
+                });
+                if let Some((last, count)) = self.noted.get_mut(*index) {
+                    (*last, *count) = (values, *count + 1);
+                }
+            }
+            What::Assertion(index, condition) => {
+                if self.get(frame, *condition, 0).bits == 0 {
+                    let label = self.kernel.notes.asserted.get(*index).cloned().unwrap_or_default();
+                    return Err(InterpretError::Assertion(label));
                 }
             }
             What::Nothing => {}

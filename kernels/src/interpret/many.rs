@@ -41,6 +41,24 @@ impl Many<'_> {
         Ok(chunks.concat())
     }
 
+    /// What consecutive rays print, on all cores, in the order of [`Interpreter::notes`]: the last value of each note, and how
+    /// often it was printed. Nothing for a ray that the kernel does not work on.
+    ///
+    /// # Errors
+    /// As [`Interpreter::record`], for the first such ray.
+    pub fn noted(&self, rays: Range<usize>) -> Result<Vec<Vec<([u32; 4], u32)>>, InterpretError> {
+        let none = vec![([0; 4], 0); self.kernel.notes().len()];
+        let chunks = self.in_chunks(rays, |rays, counter| {
+            let mut texels = vec![0; self.kernel.components()];
+            let one = |ray| {
+                let is_worked_on = self.one(ray, counter, &mut texels)?.is_some();
+                Ok(if is_worked_on { counter.noted().to_vec() } else { none.clone() })
+            };
+            rays.map(one).collect::<Result<Vec<_>, _>>()
+        })?;
+        Ok(chunks.concat())
+    }
+
     /// The number of consecutive rays that the kernel works on, and what they took together, on all cores.
     ///
     /// # Errors

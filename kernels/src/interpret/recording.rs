@@ -125,6 +125,9 @@ pub struct Recording {
     pub deciding: Option<usize>,
     /// For every component of the element, the line of the composed source that stored it last, from 0.
     pub stored: Vec<Option<usize>>,
+    /// What it has printed, in the order of [`Interpreter::notes`](super::Interpreter::notes): the last value of each, and how
+    /// often it was printed.
+    pub noted: Vec<([u32; 4], u32)>,
     /// The first component of the element that has become infinite or not a number.
     pub non_finite: Option<NonFinite>,
 }
@@ -141,6 +144,7 @@ impl Recording {
             last: vec![None; code.sites.len()],
             deciding: None,
             stored: Vec::new(),
+            noted: Vec::new(),
             non_finite: None,
         }
     }

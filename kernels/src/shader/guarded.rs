@@ -5,10 +5,12 @@
 //! wgpu compiles into every loop, is 2⁶⁴.
 
 use naga::{
-    ArraySize, BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, Range, Span, Statement,
-    Type, TypeInner, UnaryOperator,
+    ArraySize, BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, Module, Range, Span,
+    Statement, Type, TypeInner, UnaryOperator,
 };
 
+use super::blocks::rewritten;
+use super::notes::{MOST_ASSERTIONS, assertion, statement_of};
 use super::parsed::Parsed;
 use super::{Binding, Resource, ShaderError, Variant};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
@@ -33,7 +35,9 @@ impl Variant {
         }
         let invalid = |message| ShaderError::Invalid { kernel: self.kernel.name(), message };
         let parsed = Parsed::new(&self.source).map_err(invalid)?;
-        if !parsed.functions().any(|(function, _)| has_loop(&function.body)) {
+        let statements = parsed.functions().filter_map(|(function, _)| statement_of(function.name.as_deref()?));
+        let has_statements = statements.count() > 0;
+        if !has_statements && !parsed.functions().any(|(function, _)| has_loop(&function.body)) {
             return Ok(None);
         }
         let mut bindings = self.bindings.clone();
@@ -81,6 +85,14 @@ fn guarded(source: &str, bindings: &[Binding], turns: u32) -> Result<String, Str
          return turns_left{suffix} == 0u;\n}}\n",
         last = COUNTER_WORDS - 1
     );
+    // An assertion adds to its counter.
+    let mut source = source.to_owned();
+    for index in 0..MOST_ASSERTIONS {
+        let body = format!(" if (!holds) {{ atomicAdd(&{name}[last_counter{suffix} - {}u], 1u); }} ", index + 1);
+        let empty = assertion(index);
+        source = source.replace(&empty, &empty.replace("{}", &format!("{{{body}}}")));
+    }
+    let source = source.as_str();
     let mut parsed = Parsed::new(&(before.clone() + source))?;
     let callee = parsed.function(&format!("turn_is_over{suffix}"))?;
     let (global, _) = find(&parsed, counters).ok_or("no counters")?;
@@ -96,15 +108,28 @@ fn guarded(source: &str, bindings: &[Binding], turns: u32) -> Result<String, Str
         let at = span.to_range().map_or(0, |range| range.start.saturating_sub(before.len()));
         source.get(..at).map_or(0, |text| text.matches('\n').count()) as u32 + 1
     };
+    let module = parsed.module.clone();
     parsed.rewritten(|function, _| {
         let mut function = function.clone();
         if function.name.as_deref().is_some_and(|name| name == format!("turn_is_over{suffix}")) {
             return Ok(function);
         }
         let body = std::mem::take(&mut function.body);
+        let body = rewritten(&body, &mut |block, statement, span| {
+            if !is_note(&module, statement) {
+                block.push(statement.clone(), span);
+            }
+            Ok::<(), String>(())
+        })?;
         function.body = with_turns(&mut function, body, callee, &line);
         Ok(function)
     })
+}
+
+/// Whether a statement prints something: a device does without.
+fn is_note(module: &Module, statement: &Statement) -> bool {
+    let Statement::Call { function, .. } = statement else { return false };
+    matches!(module.functions[*function].name.as_deref().and_then(statement_of), Some((false, _)))
 }
 
 /// The global that a binding is of, and its name.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use naga::valid::{Capabilities, FunctionError, ValidationError, ValidationFlags, Validator};
 use naga::{ShaderStage, Span, WithSpan};
 
+use super::notes::{Marked, Notes};
 use super::uniform::astray;
 use super::{Resource, ShaderError, Variant, modules, reflected};
 use crate::compose::{ComposeError, Composed, WordKind, compose_in_place};
@@ -25,6 +26,8 @@ pub struct Replaced {
     pub by: Arc<Replacement>,
     composed: Composed,
     root: &'static str,
+    /// What it prints and asserts.
+    pub notes: Notes,
 }
 
 /// A place in a user's file.
@@ -82,7 +85,7 @@ impl Mistake {
 impl Error for Mistake {}
 
 /// The place of a byte in a file's text.
-fn place_of(by: &Replacement, at: usize) -> Place {
+pub(super) fn place_of(by: &Replacement, at: usize) -> Place {
     let source = &by.source;
     let mut at = at.min(source.len());
     while !source.is_char_boundary(at) {
@@ -169,9 +172,11 @@ impl Variant {
         let root = kernel.info().name;
         let modules = modules(kernel, features, lists);
         let options = features.list();
+        let marked = Marked::new(by)?;
+        let own = marked.text.clone();
         let source = |name: &str| {
             if name == root {
-                return Some(by.source.as_str());
+                return Some(own.as_str());
             }
             modules.iter().find(|(module, _)| *module == name).map(|(_, source)| source.as_ref())
         };
@@ -179,8 +184,9 @@ impl Variant {
             "live_lists" => Some(!lists.is_empty()),
             _ => options.iter().find(|(option, _)| *option == name).map(|&(_, is_on)| is_on),
         };
-        let composed = compose_in_place(root, root, &source, &option).map_err(|e| not_composed(by, root, &e))?;
-        let replaced = Replaced { by: by.clone(), composed, root };
+        let mut composed = compose_in_place(root, root, &source, &option).map_err(|e| not_composed(by, root, &e))?;
+        let notes = marked.declare(by, &mut composed.text)?;
+        let replaced = Replaced { by: by.clone(), composed, root, notes };
         let text = &replaced.composed.text;
 
         let module = naga::front::wgsl::parse_str(text).map_err(|error| {

@@ -10,9 +10,9 @@ use super::elements::Elements;
 /// A state: the value in layer [`STATE_TAG`](super::stream::STATE_TAG) of the stream of states.
 pub type Tag = u32;
 
-/// Most states of a program: the GPU's counters of each pass have room for this many, and for one more word, which tells of a
-/// loop without end.
-pub const MOST_STATES: usize = 63;
+/// Most states of a program: the GPU's counters of each pass have room for this many, and for nine more words, which tell of
+/// loops without end and of assertions that do not hold.
+pub const MOST_STATES: usize = 55;
 
 /// Most lists of a program: the GPU's bind groups are kept by a bit for each.
 pub const MOST_LISTS: usize = 64;

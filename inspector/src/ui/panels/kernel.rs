@@ -308,7 +308,8 @@ impl KernelView {
             Some(row) => {
                 let is_last = row.place() == Some(cx.model.place);
                 let when = if is_last { "" } else { " (the last one of this ray so far)" };
-                strong(ui, format!("pass {}{when}: {}", row.number(), row.why)).on_hover_text("in traced units");
+                strong(ui, format!("pass {}{when}: {}", row.number(), row.why.clone() + &row.noted()))
+                    .on_hover_text("in traced units");
             }
             None => drop(ui.weak(shown.kernel.info().summary)),
         }

@@ -43,6 +43,12 @@ impl Interpreted {
         replaced.map(|variant| Self { variant: variant.clone(), code: code(variant) }).collect()
     }
 
+    /// The kernel's code, if it prints anything.
+    pub(crate) fn printing(own: &[Self], kernel: Kernel) -> Option<&Interpreter> {
+        let own = own.iter().find(|own| own.variant.kernel == kernel)?;
+        own.code.as_ref().ok().filter(|code| !code.notes().is_empty())
+    }
+
     /// `lines` are the one that failed and those that called it.
     fn failed(&self, lines: &[usize], pixel: [u32; 2], why: InterpretError) -> Failed {
         let (line, why) = match why {
@@ -145,6 +151,11 @@ impl<R: Precision> Runner<'_, '_, R> {
             row[*at] = R::bits_from_u32(*here);
         }
         Ok(())
+    }
+
+    /// What the last element has printed.
+    pub(crate) fn told(&self) -> Vec<String> {
+        self.counter.as_ref().map(Counter::told).unwrap_or_default()
     }
 
     fn interpret(&mut self, own: &Interpreted, row: &mut [R::Bits], texel: [u32; 2]) -> Result<(), Failed> {

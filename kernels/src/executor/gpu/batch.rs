@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use super::books::{Place, blocks_a_dispatch, counted_anew, counts_after, groups, read_endless, read_sent};
+use super::books::{Place, Wrong, blocks_a_dispatch, counted_anew, counts_after, groups, read_sent, read_wrong};
 use super::rounding::Runs;
 use super::timers::read_times;
 use super::uploaded::buffer;
@@ -87,9 +87,9 @@ impl GpuExecutor {
         self.gpu.pop_scopes(scopes).await?;
 
         let states = self.plan.program.states.0.len();
-        let (sent, endless) =
-            sent.finish(count * COUNT_SLOT_BYTES, |bytes| (read_sent(bytes, states), read_endless(bytes))).await?;
-        self.check_ended(passes, &endless)?;
+        let (sent, wrong) =
+            sent.finish(count * COUNT_SLOT_BYTES, |bytes| (read_sent(bytes, states), read_wrong(bytes))).await?;
+        self.check_users(passes, &wrong)?;
         // The passes are over by now; reading their timestamps is not part of their time.
         let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
         self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
@@ -141,12 +141,19 @@ impl GpuExecutor {
         Ok(results)
     }
 
-    /// Whether all loops of these passes have ended.
-    fn check_ended(&self, passes: &[Kernel], endless: &[u32]) -> Result<(), GpuError> {
-        for (&kernel, &line) in passes.iter().zip(endless).filter(|(_, line)| **line > 0) {
-            let variant = self.plan.variant(kernel).filter(|variant| variant.replaced.is_some());
-            if let Some(variant) = variant {
-                return Err(GpuError::Endless { place: variant.named_line(line as usize), turns: self.plan.turns });
+    /// Whether all loops of users' kernels have ended in these passes, and their assertions hold.
+    fn check_users(&self, passes: &[Kernel], wrong: &[Wrong]) -> Result<(), GpuError> {
+        for (&kernel, [line, failed @ ..]) in passes.iter().zip(wrong) {
+            let Some(variant) = self.plan.variant(kernel) else { continue };
+            let Some(replaced) = &variant.replaced else { continue };
+            if *line > 0 {
+                let place = variant.named_line(*line as usize);
+                return Err(GpuError::Endless { place, turns: self.plan.turns });
+            }
+            let labelled = replaced.notes.asserted.iter().zip(failed).find(|(_, count)| **count > 0);
+            if let Some((label, &count)) = labelled {
+                let (file, label) = (replaced.by.file.clone(), label.clone());
+                return Err(GpuError::Assertion { file, label, count });
             }
         }
         Ok(())

@@ -5,7 +5,7 @@ use crate::plan::Plan;
 use crate::program::live::LIVE_RAYS;
 use crate::program::schedule::Call;
 use crate::program::{Kernel, Program};
-use crate::shader::{Binding, LAUNCH, Resource};
+use crate::shader::{Binding, LAUNCH, MOST_ASSERTIONS, Resource};
 use crate::shared;
 use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
 use crate::shared::launch::BLOCK;
@@ -374,10 +374,17 @@ pub(super) fn counted_anew(kernel: Kernel, before: &StateCounts, counted: &State
     after
 }
 
-/// For each pass, the line of the loop that did not end; 0 if all did. Only users' kernels write it.
-pub(super) fn read_endless(bytes: &[u8]) -> Vec<u32> {
-    let word = |slot: &[u8]| slot.last_chunk().map_or(0, |word| u32::from_le_bytes(*word));
-    bytes.chunks_exact(COUNT_SLOT_BYTES as usize).map(word).collect()
+/// The words of a pass that users' kernels write, last first: the line of a loop that did not end, and for each assertion how
+/// many elements it did not hold for.
+pub(super) type Wrong = [u32; 1 + MOST_ASSERTIONS];
+
+/// These words of each pass.
+pub(super) fn read_wrong(bytes: &[u8]) -> Vec<Wrong> {
+    let words = |slot: &[u8]| {
+        let mut last = slot.rchunks_exact(4).map(|word| word.try_into().map_or(0, u32::from_le_bytes));
+        std::array::from_fn(|_| last.next().unwrap_or(0))
+    };
+    bytes.chunks_exact(COUNT_SLOT_BYTES as usize).map(words).collect()
 }
 
 pub(super) fn read_sent(bytes: &[u8], states: usize) -> Vec<StateCounts> {

@@ -33,6 +33,18 @@ pub enum GpuError {
         /// Turns that one thread may take.
         turns: u32,
     },
+    /// What a user's kernel asserts does not hold.
+    #[error(
+        "{file}: the assertion {label:?} does not hold for {count} elements of a pass; check-kernel names the first"
+    )]
+    Assertion {
+        /// The user's file.
+        file: String,
+        /// The assertion.
+        label: String,
+        /// How often it did not hold in the pass.
+        count: u32,
+    },
     /// A read-back failed.
     #[error("reading back from the GPU failed: {0}")]
     Readback(String),

@@ -116,7 +116,7 @@ impl RayRows<'_> {
 
     /// The reason, in the panel's units.
     pub(super) fn why(&self, row: &TraceRow) -> String {
-        self.scale.reason(&row.why)
+        self.scale.reason(&row.why) + &row.noted()
     }
 
     fn of(&self, row: &TraceRow, column: usize) -> String {

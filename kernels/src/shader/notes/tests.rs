@@ -1,0 +1,1 @@
+//! Notes and assertions are found, typed, and leave every column where it is.
