@@ -2,4 +2,5 @@
 
 mod bvh;
 mod grid;
+mod mutated;
 mod shaders;

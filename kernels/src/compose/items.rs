@@ -27,6 +27,9 @@ pub(super) struct Module {
     pub(super) imports: BTreeMap<String, String>,
 }
 
+/// What is wrong with a declaration that goes on to the end of the module.
+const ENDLESS: &str = "it does not end: the brackets after it do not match, or a semicolon is missing";
+
 impl Module {
     /// Reads a module whose options are decided.
     pub(super) fn parse(name: &str, text: &str) -> Result<Self, ComposeError> {
@@ -34,12 +37,13 @@ impl Module {
         let mut module = Self::default();
         let mut at = 0;
         while at < words.len() {
-            let malformed = || ComposeError::Malformed {
+            let because = |message: &str| ComposeError::Malformed {
                 module: name.to_owned(),
                 line: line_of(text, words[at].start),
-                message: "neither an import nor a declaration with a name".into(),
+                message: message.to_owned(),
             };
-            let end = node_end(&words, at, false).ok_or_else(malformed)?;
+            let malformed = || because("neither an import nor a declaration with a name");
+            let end = node_end(&words, at, false).ok_or_else(|| because(ENDLESS))?;
             let node = &words[at..end];
             if node[0].text == "import" {
                 let (from, names) = import(node).ok_or_else(malformed)?;

@@ -196,7 +196,11 @@ fn what_is_wrong_is_said_with_its_place() {
         ("fn main() {\n    @if(on) @else a();\n}", "main, line 2: @else without an @if right before it"),
         ("fn main() {\n    @if(on)\n}", "main, line 2: nothing complete comes after this"),
         ("fn main() {}\nimport tools::f;", "main, line 2: neither an import nor a declaration with a name"),
-        ("fn main() {}\nfn (", "main, line 2: neither an import nor a declaration with a name"),
+        ("fn main() {}\nfn () {}", "main, line 2: neither an import nor a declaration with a name"),
+        (
+            "fn main() {}\n\nfn f() {",
+            "main, line 3: it does not end: the brackets after it do not match, or a semicolon is missing",
+        ),
         ("import package::no::{f};\nfn main() { f(); }", "main imports from \"no\", which is no module"),
         (
             "import package::tools::g;\nfn main() { g(); }",

@@ -233,6 +233,11 @@ impl Plan {
         self.variants.iter().filter_map(|variant| Some(variant.replaced.as_ref()?.by.clone())).collect()
     }
 
+    /// Whether a kernel is from a user's file.
+    pub(crate) fn has_replaced(&self, name: &str) -> bool {
+        self.variants.iter().any(|variant| variant.replaced.is_some() && variant.kernel.name() == name)
+    }
+
     /// The same run by our own kernels, with the same streams: what those of users are compared with.
     ///
     /// # Errors

@@ -129,7 +129,14 @@ impl Plan {
     /// If the scene or the options do not fit `limits`, with the numbers.
     pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
         check_choices(options, limits)?;
-        (chosen(&options.choices()).plan)(scene, options, limits)
+        let (plan, data) = (chosen(&options.choices()).plan)(scene, options, limits)?;
+        if let Some(by) = options.replaced.iter().find(|by| !plan.has_replaced(&by.kernel)) {
+            let (kernel, file, program) = (&by.kernel, &by.file, plan.program.name);
+            return Err(PlanError::Refused(format!(
+                "--kernel {kernel}={file}: no kernel of {program} can be replaced"
+            )));
+        }
+        Ok((plan, data))
     }
 
     /// Plans a run of rays through a grid that is built already, as the options ask for.

@@ -193,3 +193,6 @@ fn counted(function: &mut Function, body: Block, callee: Handle<naga::Function>,
     }
     counted
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,23 +1,22 @@
 //! Kernels whose WGSL is a user's: composed and checked like ours, but a mistake is named with its place in their file.
 
+mod fits;
+
 use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
 
-use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationError, ValidationFlags, Validator};
-use naga::{
-    AddressSpace, GlobalVariable, ImageClass, Module, ScalarKind, ShaderStage, Span, StorageAccess, TypeInner, WithSpan,
-};
+use naga::valid::{Capabilities, FunctionError, ValidationError, ValidationFlags, Validator};
+use naga::{ShaderStage, Span, WithSpan};
 
 use super::uniform::astray;
-use super::{LAUNCH, LIVE, Resource, ShaderError, Variant, modules, reflected, resource_of};
-use crate::compose::{ComposeError, Composed, compose_in_place};
+use super::{Resource, ShaderError, Variant, modules, reflected};
+use crate::compose::{ComposeError, Composed, WordKind, compose_in_place};
 use crate::options::features::Features;
 use crate::options::replacement::Replacement;
 use crate::program::Kernel;
 use crate::program::live::LiveList;
-use crate::tables::kernel::Launch;
-use crate::tables::stream::Texel;
+use fits::{distinct, fits};
 
 /// What a kernel's WGSL was replaced by.
 #[derive(Clone, Debug)]
@@ -190,14 +189,14 @@ impl Variant {
             replaced.mistake(error.labels().map(|(span, _)| span), message)
         })?;
         distinct(&replaced, &module)?;
-        let info = Validator::new(ValidationFlags::all(), Capabilities::default())
-            .validate(&module)
-            .map_err(|error| not_valid(&replaced, &error))?;
         let entry = module
             .entry_points
             .iter()
             .position(|e| e.stage == ShaderStage::Compute && e.name == root)
             .ok_or_else(|| no_entry(by, root))?;
+        let info = Validator::new(ValidationFlags::all(), Capabilities::default())
+            .validate(&module)
+            .map_err(|error| not_valid(&replaced, &error))?;
         fits(&replaced, kernel, &module, &info, entry)?;
         if let Some(span) = astray(&module, &module.entry_points[entry].function) {
             let message = "some threads of a workgroup may not reach this, and it has a barrier, for which all must \
@@ -243,8 +242,9 @@ fn not_composed(by: &Replacement, root: &str, error: &ComposeError) -> Mistake {
     match error {
         ComposeError::Malformed { module, line, message } if module == root => {
             let at: usize = by.source.split_inclusive('\n').take(line - 1).map(str::len).sum();
-            let indent = by.source[at..].len() - by.source[at..].trim_start_matches([' ', '\t']).len();
-            Mistake { place: place_of(by, at + indent), message: message.clone() }
+            let words = crate::compose::words(&by.source);
+            let first = words.iter().find(|word| word.start >= at && word.kind != WordKind::Comment);
+            Mistake { place: place_of(by, first.map_or(at, |word| word.start)), message: message.clone() }
         }
         ComposeError::NoEntry { .. } => no_entry(by, root),
         ComposeError::NoModule { module, missing } if module == root => {
@@ -276,141 +276,32 @@ fn found(by: &Replacement, word: &str) -> Place {
 
 /// Where a name is declared in a file, for the last time.
 fn declared(by: &Replacement, name: &str) -> Place {
-    let words: Vec<_> = crate::compose::words(&by.source);
+    let mut words = crate::compose::words(&by.source);
+    words.retain(|word| word.kind != WordKind::Comment);
     let is_keyword = |text: &str| matches!(text, "fn" | "struct" | "const" | "alias" | ">" | "var" | "override");
     let at = words.windows(2).rev().find(|pair| pair[1].text == name && is_keyword(pair[0].text));
     at.map_or_else(|| found(by, name), |pair| place_of(by, pair[1].start))
 }
 
 fn not_valid(replaced: &Replaced, error: &WithSpan<ValidationError>) -> Mistake {
-    let mut message = error.as_inner().to_string();
-    let mut cause = error.as_inner().source();
-    while let Some(inner) = cause {
-        // The last says what is wrong; those around it, in which function.
-        message = format!("{message}: {inner}");
-        cause = inner.source();
+    let error_of = error.as_inner();
+    // The last says what is wrong; those around it only where, as the place does.
+    let mut last: &dyn Error = error_of;
+    while let Some(inner) = last.source() {
+        last = inner;
     }
-    replaced.mistake(error.spans().map(|(span, _)| *span), message)
-}
-
-/// Whether no two globals have the same binding.
-fn distinct(replaced: &Replaced, module: &Module) -> Result<(), Mistake> {
-    let mut seen: Vec<(u32, u32, &str)> = Vec::new();
-    for (handle, global) in module.global_variables.iter() {
-        let (Some(at), Some(name)) = (&global.binding, &global.name) else { continue };
-        if let Some((.., other)) = seen.iter().find(|(group, index, _)| (*group, *index) == (at.group, at.binding)) {
-            let message = format!("{name} and {other} have the same @group({}) @binding({})", at.group, at.binding);
-            return Err(replaced.mistake([module.global_variables.get_span(handle)], message));
+    let message = match error_of {
+        ValidationError::Function {
+            name, source: FunctionError::InvalidReturnType { expression: None, .. }, ..
+        } => {
+            format!("a way through {name} ends without a return")
         }
-        seen.push((at.group, at.binding, name));
-    }
-    Ok(())
-}
-
-/// Whether the module can run where the kernel does.
-fn fits(replaced: &Replaced, kernel: Kernel, module: &Module, info: &ModuleInfo, entry: usize) -> Result<(), Mistake> {
-    let point = &module.entry_points[entry];
-    let side = kernel.workgroup();
-    let (wanted, size) = match kernel.info().launch {
-        Launch::List { .. } => ([side, 1, 1], format!("{side}")),
-        Launch::Whole | Launch::Bands => ([side, side, 1], format!("{side}, {side}")),
+        _ => last.to_string(),
     };
-    let at = declared(&replaced.by, kernel.info().name);
-    if point.workgroup_size != wanted {
-        let [x, y, z] = point.workgroup_size;
-        let message = format!(
-            "its workgroups have {x}×{y}×{z} threads, but {} is launched with @workgroup_size({size})",
-            kernel.name()
-        );
-        return Err(Mistake { place: at, message });
-    }
-    if let Some((handle, _)) = module.overrides.iter().next() {
-        let message = "an override gets no value here: use a const".to_owned();
-        return Err(replaced.mistake([module.overrides.get_span(handle)], message));
-    }
-    let usage = info.get_entry_point(entry);
-    for (handle, global) in module.global_variables.iter() {
-        let (Some(at), Some(name)) = (&global.binding, &global.name) else { continue };
-        if usage[handle].is_empty() {
-            continue;
-        }
-        let mistake = |message: String| Err(replaced.mistake([module.global_variables.get_span(handle)], message));
-        let bound = kernel.bound(name);
-        if resource_of(kernel, module, global, bound).is_none_or(|resource| !is_readable(module, global, resource)) {
-            return mistake(mismatch(kernel, module, global, name, bound));
-        }
-        let is_live =
-            matches!(resource_of(kernel, module, global, bound), Some(Resource::Live { .. } | Resource::Launch));
-        if is_live != (at.group == 2) || at.group > 2 || at.binding > MOST_BINDING {
-            return mistake(format!(
-                "{name} is in @group({}) @binding({}): streams and scene data belong to groups 0 and 1, what \
-                 package::live declares to group 2, and no binding is above {MOST_BINDING}",
-                at.group, at.binding
-            ));
-        }
-        // Streams of other elements have another size.
-        let streams = kernel.program().stream(bound);
-        if usage[handle].contains(GlobalUse::WRITE)
-            && streams.is_some_and(|stream| stream.info().elements.name != kernel.instance().over.name)
-        {
-            return mistake(format!("{name} is a stream of other elements than those that {} works on", kernel.name()));
-        }
-    }
-    Ok(())
-}
-
-/// Largest index of a binding: core WebGPU allows 999.
-const MOST_BINDING: u32 = 639;
-
-/// Whether a texture's format and access are those that its stream is bound with.
-fn is_readable(module: &Module, global: &GlobalVariable, resource: Resource) -> bool {
-    let TypeInner::Image { class, .. } = module.types[global.ty].inner else { return true };
-    match (resource, class) {
-        (Resource::ReadStream(stream), ImageClass::Sampled { kind, multi }) => {
-            let wanted = match stream.info().texel {
-                Texel::F32 => ScalarKind::Float,
-                Texel::U32 => ScalarKind::Uint,
-            };
-            kind == wanted && !multi
-        }
-        (Resource::WriteStream { .. }, ImageClass::Storage { access, .. }) => {
-            access == StorageAccess::STORE || access == StorageAccess::STORE | StorageAccess::LOAD
-        }
-        _ => true,
-    }
-}
-
-/// Why a global cannot be bound, and what would be right.
-fn mismatch(kernel: Kernel, module: &Module, global: &GlobalVariable, name: &str, bound: &str) -> String {
-    let program = kernel.program();
-    if let Some(stream) = program.stream(bound) {
-        let (texel, format) = match stream.info().texel {
-            Texel::F32 => ("f32", "r32float"),
-            Texel::U32 => ("u32", "r32uint"),
-        };
-        return format!(
-            "the stream {name} is texture_2d_array<{texel}>, or texture_storage_2d_array<{format}, read_write>, or the \
-             same with write"
-        );
-    }
-    if let Some(buffer) = program.buffer(bound) {
-        let space = if buffer.is_uniform { "var<uniform>" } else { "var<storage, read>" };
-        let is_written =
-            matches!(global.space, AddressSpace::Storage { access } if access.contains(StorageAccess::STORE));
-        let why = if is_written { ": a kernel only reads it" } else { "" };
-        return format!("the buffer {name} is {space}{why}");
-    }
-    if name == LAUNCH || LIVE.contains(&name) || program.lists.iter().any(|list| list.name == name) {
-        return format!("{name} is not declared as in package::live: import from there");
-    }
-    let is_texture = matches!(module.types[global.ty].inner, TypeInner::Image { .. });
-    let (kind, mut names): (&str, Vec<&str>) = if is_texture {
-        ("stream", program.streams().map(|stream| stream.name()).collect())
-    } else {
-        ("buffer", program.buffers.iter().map(|buffer| buffer.name).collect())
-    };
-    names.sort_unstable();
-    format!("no {kind} is named {name}; there are {}", names.join(", "))
+    // The smallest is nearest to it; others are the whole function, or what it is part of.
+    let mut spans: Vec<Span> = error.spans().map(|(span, _)| *span).filter(Span::is_defined).collect();
+    spans.sort_by_key(|span| span.to_range().map(|range| range.len()));
+    replaced.mistake(spans, message)
 }
 
 #[cfg(test)]
