@@ -21,6 +21,7 @@ mod light;
 mod mapping;
 mod mitsuba;
 mod names;
+mod own_kernels;
 mod parity;
 mod path;
 mod plan;
