@@ -89,7 +89,8 @@ pub fn run_options(scene: &Scene, words: &[OsString]) -> Result<(Options, Vec<St
     run.check(&view)?;
     let (camera, note) = scene_file::camera(&view.camera, scene)?;
     let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
-    let options = Options { counters, timings, ..Options::new(rays).chosen(&run.choices(&view)) };
+    let options =
+        Options { counters, timings, replaced: run.kernels.read()?, ..Options::new(rays).chosen(&run.choices(&view)) };
     Ok((options, note.into_iter().collect()))
 }
 

@@ -8,9 +8,9 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use raystep_kernels::Choices;
 use raystep_kernels::options::mapping::{self, Mapping};
 use raystep_kernels::options::scene_data;
-use raystep_kernels::{Accelerator, Choices, ScheduleKind};
 use raystep_lab::{Machine, Size};
 use raystep_scenes::LoadOptions;
 
@@ -110,22 +110,9 @@ pub(crate) struct RunArgs {
 }
 
 impl RunArgs {
-    /// The choices of a run, whatever its view. With a kernel of the user's, single steps through the grid are the default:
-    /// those have all kernels of the paper.
+    /// The choices of a run, whatever its view.
     pub(crate) fn values(&self) -> Choices {
-        let mut values = self.tracing.values;
-        if !self.kernels.kernels.is_empty() {
-            if !self.tracing.has("schedule") {
-                values.schedule = ScheduleKind::Compact;
-            }
-            if !self.tracing.has("steps-per-pass") {
-                values.steps_per_pass = 1;
-            }
-            if !self.tracing.has("accelerator") {
-                values.accelerator = Accelerator::Grid;
-            }
-        }
-        values
+        if self.kernels.kernels.is_empty() { self.tracing.values } else { self.tracing.through_the_grid() }
     }
 
     /// The choices of a run with this view.

@@ -6,6 +6,7 @@ mod build;
 mod cases;
 mod cast;
 mod cast_formats;
+mod check_kernel;
 mod common;
 mod confined;
 mod defaults;

@@ -192,8 +192,9 @@ pub(crate) fn small(example: &str) -> String {
         Some((_, rest)) => Some((format!(" {option} {}", rest.split(' ').next().unwrap_or_default()), option, value)),
         None => is_wanted.then(|| (String::new(), option, value)),
     };
-    let is_view =
-        matches!(command, "render" | "trace" | "dump" | "plan" | "inspect") && !has("--link") && !has("--lesson");
+    let is_view = matches!(command, "render" | "trace" | "dump" | "plan" | "inspect" | "check-kernel")
+        && !has("--link")
+        && !has("--lesson");
     // A session has its own size.
     let is_view = is_view && !example.contains(".raystep-session");
     let changes = [
@@ -233,8 +234,7 @@ fn help_examples_run() {
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    let commands =
-        "inspect render trace dump bench cast merge report stability sweep plan paper info scene completions";
+    let commands = "inspect render trace dump bench cast check-kernel merge report stability sweep plan paper info scene completions";
     let mut helps: Vec<Vec<&str>> = commands.split(' ').map(|name| vec![name]).collect();
     helps.extend([vec![], vec!["scene", "convert"], vec!["scene", "soup"]]);
     // On two threads: most of the time, an example keeps one core busy.
@@ -268,6 +268,11 @@ fn run_examples(help: &[&str]) -> usize {
     let lesson: Vec<u8> =
         "# A lesson\n\n## The only step\n\nA text.\n\n```raystep\nopen scene=built-in:cornell-box size=16x16\n```\n"
             .into();
+    let kernel = |name: &str| {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../kernels/src/programs/closest_hit");
+        std::fs::read(folder.join(name)).expect("a kernel's file")
+    };
+    let [intersect, setup, walk] = ["intersect.wgsl", "setup.wgsl", "walk.wgsl"].map(kernel);
     let sweep: Vec<u8> = "what = \"stability\"\n[options]\ncase = [\"no-triangle\"]\nquick = true\n".into();
     for (name, bytes) in [
         ("rays.npy", &npy),
@@ -276,6 +281,10 @@ fn run_examples(help: &[&str]) -> usize {
         ("teapot.raystep-session", &session),
         ("my-lesson.md", &lesson),
         ("sweep.toml", &sweep),
+        ("my.wgsl", &intersect),
+        ("my-intersect.wgsl", &intersect),
+        ("my-setup.wgsl", &setup),
+        ("walk.wgsl", &walk),
     ] {
         std::fs::write(place.path(name), bytes).expect("a file");
     }

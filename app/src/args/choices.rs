@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 use clap::builder::{ArgPredicate, PossibleValuesParser, TypedValueParser as _};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::options::rows::{ROWS, Refusal, Row, Value, Values};
 use raystep_kernels::{Accelerator, Choices, GridSize, Options, RaySource, ScheduleKind};
 
@@ -87,6 +88,22 @@ impl<S: Group> ChoiceArgs<S> {
         if !self.has("steps-per-pass") {
             self.values.steps_per_pass = 1;
         }
+    }
+
+    /// With a kernel of the user's, single steps through the grid are the default: those have all kernels of the paper.
+    pub(crate) fn through_the_grid(&self) -> Choices {
+        let mut values = self.values;
+        // Fragment programs, for which there is another default, cannot be replaced: the plan says so.
+        if !self.has("schedule") && values.mapping == Mapping::Compute {
+            values.schedule = ScheduleKind::Compact;
+        }
+        if !self.has("steps-per-pass") {
+            values.steps_per_pass = 1;
+        }
+        if !self.has("accelerator") {
+            values.accelerator = Accelerator::Grid;
+        }
+        values
     }
 
     /// Refuses what has no effect with any of these, or goes together with none of them.

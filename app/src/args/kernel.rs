@@ -76,6 +76,11 @@ impl KernelFile {
 }
 
 impl KernelArgs {
+    /// Refuses them where they would have no effect.
+    pub(crate) fn refuse(&self, why: &str) -> Result<(), Error> {
+        if self.kernels.is_empty() { Ok(()) } else { Err(Error::usage(format!("--kernel: {why}"))) }
+    }
+
     /// Reads the files.
     pub(crate) fn read(&self) -> Result<Vec<Arc<Replacement>>, Error> {
         self.kernels.iter().map(KernelFile::read).collect()

@@ -73,6 +73,7 @@ struct Invalid<'a> {
 
 pub(crate) fn run(args: CheckKernelArgs) -> Result<(), Error> {
     let CheckKernelArgs { file, name, scene, size, camera, json, quiet, run } = args;
+    run.kernels.refuse("check-kernel compares one kernel, that of FILE, with built-in kernels around it")?;
     let file = KernelFile::new(name, file);
     let by = file.read()?;
     let run = RunArgs { kernels: KernelArgs { kernels: vec![file] }, ..run };
@@ -137,6 +138,7 @@ pub(crate) fn run(args: CheckKernelArgs) -> Result<(), Error> {
     }
     match checked.last() {
         Some((_, Outcome::Same { .. })) => Ok(()),
+        Some((_, Outcome::Idle)) => Err(Error::failed(format!("{} was not compared with {}", by.file, by.kernel))),
         _ => Err(Error::failed(format!("{} does not do what {} does", by.file, by.kernel))),
     }
 }
