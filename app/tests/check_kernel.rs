@@ -235,8 +235,8 @@ fn what_cannot_be_replaced_is_refused() {
     }
     place.fails(2, "--kernel", &["render", &scene, "-o", "a.png", "--kernel", "intersect="]);
     // The window needs the kernel to be right from the start.
-    let shot = ["inspect", &*scene, "--kernel", "wrong.wgsl", "--screenshot", "a.png"];
-    place.fails(1, "wrong.wgsl:", &shot);
+    let shot = ["inspect", &*scene, "--kernel", "intersect=empty.wgsl", "--screenshot", "a.png"];
+    place.fails(1, "empty.wgsl: it has no @compute function named intersect", &shot);
     let twice = ["check-kernel", "my.wgsl", &scene, "--kernel", "my.wgsl"];
     place.fails(2, "--kernel: check-kernel compares one kernel, that of FILE", &twice);
     place.fails(1, tell, &["check-kernel", "empty.wgsl", &scene, "--quiet"]);
