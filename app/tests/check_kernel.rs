@@ -260,3 +260,38 @@ fn runs_with_a_kernel_take_single_steps_unless_told_otherwise() {
     let outcome = place.ok(&[&["check-kernel", "walk.wgsl", &scene, "--steps-per-pass", "8"], &SMALL[..]].concat());
     assert!(outcome.stdout.contains("walk.wgsl does what walk does, interpreted"), "{outcome:?}");
 }
+
+#[test]
+fn what_a_kernel_prints_is_traced_and_dumped() {
+    let place = Place::new();
+    let scene = cornell_box();
+    write_intersect(
+        &place,
+        "item += 1u;",
+        "note(\"triangle tested\", entry.triangle); note(\"t\", candidate.t);\n        item += 1u;",
+    );
+    let with = ["--kernel", "my.wgsl", "--device", "cpu"];
+    let traced = place.ok(&[&["trace", &scene, "--pixel", "8,6", "--format", "json"], &SMALL[..], &with].concat());
+    let traced: Value = serde_json::from_str(&traced.stdout).expect("JSON");
+    let rows = traced["rows"].as_array().expect("rows");
+    let tested: Vec<_> = rows.iter().filter(|row| !row["tested"].is_null()).collect();
+    assert!(!tested.is_empty(), "{traced}");
+    for row in tested {
+        assert_eq!(row["notes"][0], format!("triangle tested = {}", row["tested"]), "{row}");
+    }
+    place.ok(&[&["dump", &scene, "--pass", "all", "--stream", "state", "-o", "d"], &SMALL[..], &with].concat());
+    let index: Value = serde_json::from_slice(&fs::read(place.path("d/index.json")).expect("a file")).expect("JSON");
+    let passes = index["passes"].as_array().expect("passes");
+    for pass in passes {
+        let files = pass["files"].as_array().expect("files").iter().filter(|file| file.to_string().contains(".note."));
+        assert_eq!(files.count(), if pass["kernel"] == "intersect" { 2 } else { 0 }, "{pass}");
+    }
+    // The first triangles that a pixel's ray tests.
+    let pass = rows.iter().find(|row| !row["tested"].is_null()).expect("a test");
+    let file = format!("d/pass-{:06}.note.triangle_tested.npy", pass["pass"].as_u64().expect("a pass"));
+    let bytes = fs::read(place.path(&file)).expect("a file");
+    let at = bytes.len() - 4 * (16 * 12 - (6 * 16 + 8));
+    let value = u32::from_le_bytes(bytes[at..at + 4].try_into().expect("a word"));
+    assert_eq!(u64::from(value), pass["tested"].as_u64().expect("a triangle"));
+    assert!(String::from_utf8_lossy(&bytes[..128]).contains("(1, 12, 16)"));
+}

@@ -29,7 +29,7 @@ use naga::{Module, ShaderStage};
 
 use crate::program::{Kernel, Twin};
 use crate::scene_data::SceneData;
-use crate::shader::{Noted, Notes, Variant};
+use crate::shader::{Noted, Notes, Printed, Variant};
 use crate::tables::stream::{STATE_TAG, Stream};
 use crate::tables::texels::Layout;
 use code::Code;
@@ -274,7 +274,7 @@ impl Counter<'_> {
     /// What the last element has printed, in the order of [`Interpreter::notes`]: the last value of each, and how often it was
     /// printed.
     #[must_use]
-    pub fn noted(&self) -> &[([u32; 4], u32)] {
+    pub fn noted(&self) -> &[Printed] {
         &self.machine.noted
     }
 

@@ -178,7 +178,8 @@ fn told(file: &str, kernel: &str, device: &str, outcome: &Outcome) -> String {
 const MOST_TOLD: usize = 4;
 
 fn differs(file: &str, kernel: &str, ran: &str, difference: &Difference) -> String {
-    let Difference { pass, pixel: [x, y], rays, stream, layer, value, expected, stored, decided, fails } = difference;
+    let Difference { pass, pixel: [x, y], rays, stream, layer, value, expected, stored, decided, notes, fails } =
+        difference;
     let others = match rays {
         0 | 1 => String::new(),
         2 => " and another ray".into(),
@@ -200,6 +201,7 @@ fn differs(file: &str, kernel: &str, ran: &str, difference: &Difference) -> Stri
             None => text += "  no line stored it\n",
         },
     }
+    notes.iter().for_each(|note| text += &format!("  noted: {note}\n"));
     if let Some(Decided { at, how }) = decided {
         text += &format!("  decided by {}: {}\n", place(at), at.text);
         how.iter().take(MOST_TOLD).for_each(|line| text += &format!("    {line}\n"));

@@ -3,6 +3,7 @@
 mod buffers;
 mod index;
 mod left_out;
+mod notes;
 mod wanted;
 
 use std::convert::Infallible;
@@ -32,7 +33,7 @@ use wanted::streams;
 /// Write streams after one pass or after every pass
 ///
 /// DIR/pass-000123.hit.npy has the stream 'hit' after pass 123 as an array (layer, row, column) of float32 or uint32,
-/// depending on the stream. With --buffers, DIR/scene.vertices.npy has the triangles as kernels read them, and so on.
+/// depending on the stream. DIR/pass-000123.note.NAME.npy has what a kernel of yours prints in it. With --buffers, DIR/scene.vertices.npy has the triangles as kernels read them, and so on.
 /// index.json describes every pass, the structure, and how to convert the streams' units to the scene file's coordinates.
 #[derive(Args, Debug)]
 #[command(after_help = "\
@@ -178,9 +179,10 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let left_out = LeftOut::of(&session.plan);
     let mut running = session.start(&progress)?;
 
+    let mut printed = None;
     let passes = match args.pass {
         Which::Number(wanted) => {
-            step_to(&mut running, wanted, left_out, &progress)?;
+            printed = step_to(&mut running, wanted, left_out, &progress)?;
             vec![wanted]
         }
         Which::Last | Which::All => {
@@ -220,7 +222,11 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     }
     for (done, &wanted) in passes.iter().enumerate() {
         if args.pass == Which::All && index.passes[wanted].left_out.is_none() {
+            printed = notes::Before::next_pass(&running)?;
             running.chosen.wait(running.renderer.step())?;
+        }
+        if let Some(printed) = printed.take() {
+            index.passes[wanted].files.extend(printed.write(&running, folder, wanted)?);
         }
         progress.part("writing", done as u64, passes.len() as u64);
         for &stream in &streams {
@@ -271,8 +277,18 @@ fn listed(folder: &Path) -> Vec<String> {
     files.filter_map(|name| name.as_str()).filter(|name| is_plain(name)).map(str::to_owned).collect()
 }
 
-fn step_to(running: &mut Running, wanted: usize, left_out: LeftOut, progress: &Progress) -> Result<(), Error> {
+/// Also returns what the last of these passes starts from, if it prints something.
+fn step_to(
+    running: &mut Running,
+    wanted: usize,
+    left_out: LeftOut,
+    progress: &Progress,
+) -> Result<Option<notes::Before>, Error> {
+    let mut printed = None;
     while left_out.before() + running.renderer.pass_count() <= wanted {
+        if left_out.before() + running.renderer.pass_count() == wanted {
+            printed = notes::Before::next_pass(running)?;
+        }
         if running.chosen.wait(running.renderer.step())?.is_none() {
             let count = left_out.count(running);
             if wanted < count {
@@ -285,7 +301,7 @@ fn step_to(running: &mut Running, wanted: usize, left_out: LeftOut, progress: &P
         }
         progress.rays(&running.renderer.progress());
     }
-    Ok(())
+    Ok(printed)
 }
 
 /// Bytes of the streams after one pass.

@@ -55,6 +55,8 @@ pub struct Difference {
     pub stored: Option<Line>,
     /// The condition that decided.
     pub decided: Option<Decided>,
+    /// What the kernel prints for this ray in this pass, as `label = value`.
+    pub notes: Vec<String>,
     /// Why the two are not known: the interpreter fails on the ray, as for an index that is out of range.
     pub fails: Option<String>,
 }
@@ -119,6 +121,7 @@ pub async fn check_kernel(scene: &Scene, options: &Options, device: &Device) -> 
             expected: shown(first, first.twin),
             stored: None,
             decided: None,
+            notes: Vec::new(),
             fails: None,
         };
         explain(&variant, &data, first, &found, [width, height], &mut difference);
@@ -186,6 +189,8 @@ fn explain(
             return None;
         }
     };
+    let noted = code.notes().iter().zip(&recording.noted);
+    difference.notes = noted.filter_map(|(note, &noted)| note.told(noted)).collect();
     let component = components.clone().position(|(data, of)| data.stream == stream && of == layer);
     difference.stored = component
         .and_then(|component| recording.stored.get(component).copied().flatten())

@@ -28,16 +28,21 @@ pub fn file_bytes(data: &StreamData) -> u64 {
 /// # Errors
 /// If `out` fails.
 pub fn write_stream(out: &mut impl Write, data: &StreamData) -> io::Result<()> {
-    let kind = match data.stream.info().texel {
-        Texel::F32 => "<f4",
-        Texel::U32 => "<u4",
-    };
-    let shape = (data.stream.layers(), data.height, data.width);
-    let shape = format!("{}, {}, {}", shape.0, shape.1, shape.2);
-    out.write_all(&header(&format!("'{kind}'"), &shape, HEADER_BYTES as usize))?;
+    let is_float = data.stream.info().texel == Texel::F32;
+    write_bits(out, is_float, [data.stream.layers() as u32, data.height, data.width], &data.bits)
+}
+
+/// Writes numbers of 32 bits, floats or integers without sign, as an array of shape (layer, row, column).
+///
+/// # Errors
+/// If `out` fails.
+pub fn write_bits(out: &mut impl Write, is_float: bool, shape: [u32; 3], bits: &[u32]) -> io::Result<()> {
+    let kind = if is_float { "'<f4'" } else { "'<u4'" };
+    let shape = format!("{}, {}, {}", shape[0], shape[1], shape[2]);
+    out.write_all(&header(kind, &shape, HEADER_BYTES as usize))?;
     // In pieces: a stream can take half of the memory.
     let mut bytes = Vec::with_capacity(4 << 14);
-    for piece in data.bits.chunks(1 << 14) {
+    for piece in bits.chunks(1 << 14) {
         bytes.clear();
         bytes.extend(piece.iter().flat_map(|bits| bits.to_le_bytes()));
         out.write_all(&bytes)?;

@@ -7,6 +7,7 @@ use super::compile::is_invocation;
 use super::recording::{Decision, KNOWN, OUTSIDE, Recording};
 use super::{Element, InterpretError, Interpreter, MOST_SITES, MOST_STEPS, Outcomes, deciding};
 use crate::scene_data::SceneData;
+use crate::shader::Printed;
 use crate::tables::stream::Texel;
 
 /// How a block is left.
@@ -51,7 +52,7 @@ pub(super) struct Machine<'a> {
     /// The statements with the calls that have not returned.
     calls: Vec<u32>,
     /// What the element has printed: of each note the last value, and how often.
-    pub(super) noted: Vec<([u32; 4], u32)>,
+    pub(super) noted: Vec<Printed>,
     /// How often each statement ran.
     pub(super) runs: Vec<u64>,
     /// The node of the decision that the current statement was reached by.

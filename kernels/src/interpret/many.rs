@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::{Counter, Element, InterpretError, Interpreter, Outcomes, Work};
 use crate::numbers::parallel::map_ranges;
 use crate::scene_data::SceneData;
+use crate::shader::Printed;
 use crate::tables::kernel::Role;
 use crate::tables::stream::StreamData;
 
@@ -46,7 +47,7 @@ impl Many<'_> {
     ///
     /// # Errors
     /// As [`Interpreter::record`], for the first such ray.
-    pub fn noted(&self, rays: Range<usize>) -> Result<Vec<Vec<([u32; 4], u32)>>, InterpretError> {
+    pub fn noted(&self, rays: Range<usize>) -> Result<Vec<Vec<Printed>>, InterpretError> {
         let none = vec![([0; 4], 0); self.kernel.notes().len()];
         let chunks = self.in_chunks(rays, |rays, counter| {
             let mut texels = vec![0; self.kernel.components()];

@@ -5,6 +5,7 @@
 //! if it was written in a branch, or could have been, on that branch's condition.
 
 use super::code::{Code, Kind};
+use crate::shader::Printed;
 use crate::tables::stream::Stream;
 
 /// A constant, or found in an earlier pass.
@@ -127,7 +128,7 @@ pub struct Recording {
     pub stored: Vec<Option<usize>>,
     /// What it has printed, in the order of [`Interpreter::notes`](super::Interpreter::notes): the last value of each, and how
     /// often it was printed.
-    pub noted: Vec<([u32; 4], u32)>,
+    pub noted: Vec<Printed>,
     /// The first component of the element that has become infinite or not a number.
     pub non_finite: Option<NonFinite>,
 }

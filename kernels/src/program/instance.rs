@@ -189,7 +189,8 @@ impl Kernel {
     }
 
     /// What it reads of a scene in a run that reads this.
-    pub(crate) fn reads(self, data: &SceneData) -> Cow<'_, SceneData> {
+    #[must_use]
+    pub fn reads(self, data: &SceneData) -> Cow<'_, SceneData> {
         let features = self.features(&data.features);
         if features == data.features { Cow::Borrowed(data) } else { Cow::Owned(data.with(features)) }
     }

@@ -71,7 +71,7 @@ fn every_fault_is_found_and_said() {
     let cases: Vec<(&str, &'static Program)> = vec![
         ("two streams are called \"state\"", changed(|p| p.streams = stream(|s| s.name = "state"))),
         ("ray_origin does not stand at its own place", changed(|p| p.streams = stream(|s| s.index = 5))),
-        ("has 64 states, at most 63 fit", changed(|p| p.states = States(leaked(vec![state(0, "LATE"); 64])))),
+        ("has 56 states, at most 55 fit", changed(|p| p.states = States(leaked(vec![state(0, "LATE"); 56])))),
         (
             "stream ray_origin has 3 layers and 1 initial values",
             changed(|p| p.streams = stream(|s| s.unwritten = &[0])),

@@ -7,8 +7,7 @@
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner};
 
-use super::Mistake;
-use super::replaced::place_of;
+use super::mistake::{Mistake, place_of};
 use crate::compose::{Word, WordKind, words};
 use crate::options::replacement::Replacement;
 
@@ -33,6 +32,9 @@ pub struct Noted {
     pub words: u32,
 }
 
+/// The last value that an element has printed by a note, and how often it has.
+pub type Printed = ([u32; 4], u32);
+
 /// What a kernel prints and asserts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Notes {
@@ -43,9 +45,15 @@ pub struct Notes {
 }
 
 impl Noted {
+    /// Whether its values are floats.
+    #[must_use]
+    pub fn is_float(&self) -> bool {
+        self.kind == ScalarKind::Float
+    }
+
     /// A value in words: `t = 0.5`, and how often it was printed, if several times. `None` if it was not printed.
     #[must_use]
-    pub fn told(&self, (values, times): ([u32; 4], u32)) -> Option<String> {
+    pub fn told(&self, (values, times): Printed) -> Option<String> {
         let number = |bits: u32| match self.kind {
             ScalarKind::Float | ScalarKind::AbstractFloat => f32::from_bits(bits).to_string(),
             ScalarKind::Sint | ScalarKind::AbstractInt => bits.cast_signed().to_string(),
@@ -151,10 +159,15 @@ impl Marked {
                     None => text = text.replace(&format!("{NOTE}{index}("), &format!("{LET}{index}=(")),
                 }
             }
-            // What is wrong with the text is told by whoever parses it next.
-            let Ok(module) = naga::front::wgsl::parse_str(&text) else { break };
-            let validator = Validator::new(ValidationFlags::empty(), Capabilities::default()).validate(&module);
-            let Ok(info) = validator else { break };
+            // What is wrong with the text is told by whoever parses it next; its columns are those of the file.
+            let module = naga::front::wgsl::parse_str(&text);
+            let info = module.as_ref().ok().map(|module| {
+                Validator::new(ValidationFlags::empty(), Capabilities::default()).validate(module).map_err(drop)
+            });
+            let (Ok(module), Some(Ok(info))) = (module, info) else {
+                *composed = text;
+                return Ok(Notes::default());
+            };
             let plain = module.functions.iter().map(|(handle, function)| (function, &info[handle]));
             let entries = module.entry_points.iter().enumerate();
             let all = plain.chain(entries.map(|(at, entry)| (&entry.function, info.get_entry_point(at))));
