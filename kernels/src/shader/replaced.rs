@@ -5,7 +5,7 @@ mod fits;
 use std::error::Error;
 use std::sync::Arc;
 
-use naga::valid::{Capabilities, FunctionError, ValidationError, ValidationFlags, Validator};
+use naga::valid::{CallError, Capabilities, FunctionError, ValidationError, ValidationFlags, Validator};
 use naga::{ShaderStage, Span, WithSpan};
 
 use super::mistake::{Mistake, Place, place_of};
@@ -234,6 +234,13 @@ fn not_valid(replaced: &Replaced, error: &WithSpan<ValidationError>) -> Mistake 
             name, source: FunctionError::InvalidReturnType { expression: None, .. }, ..
         } => {
             format!("a way through {name} ends without a return")
+        }
+        // Types and values have numbers in its message.
+        ValidationError::Function {
+            source: FunctionError::InvalidCall { error: CallError::ArgumentType { index, .. }, .. },
+            ..
+        } => {
+            format!("argument {} has another type than the function's parameter", index + 1)
         }
         _ => last.to_string(),
     };
