@@ -19,6 +19,7 @@ mod many;
 mod memory;
 mod non_finite;
 mod operators;
+mod ran;
 mod recording;
 mod work;
 

@@ -141,6 +141,42 @@ for (const [way, device] of [
             await tab.page.close();
         });
 
+        test("a dropped kernel takes the place of the built-in one; one that is wrong or does not end does no harm", async () => {
+            const tab = await browser.page(`${SMALL}&device=${device}&stream=color.r`);
+            await tab.settled();
+            const picture = async () => {
+                const download = tab.page.waitForEvent("download");
+                await tab.perform("Export stream as npy");
+                return floats(readFileSync(await (await download).path()));
+            };
+            const own = readFileSync(path.join(scenes, "../kernels/src/programs/closest_hit/intersect.wgsl"), "utf8");
+            const drop = async (from, to) => {
+                assert.ok(own.includes(from), from);
+                await tab.drop([["my.wgsl", own.replace(from, to)]]);
+                return (await tab.settled()).error;
+            };
+            const before = await picture();
+            const error = await drop("candidate.is_hit && accepted", "candidate.is_hit && accepted && entry.triangle > 3u");
+            if (way === "webgl") {
+                assert.match(error, /my\.wgsl: a kernel is replaced as a compute shader/);
+            } else {
+                assert.equal(error, "");
+                const after = await picture();
+                const differ = after.filter((value, i) => value !== before[i]).length;
+                assert.ok(differ > 100 && after.length === before.length, `${differ} of ${after.length} differ`);
+                await tab.screenshot(`${way}-own-kernel`);
+                const line = own.slice(0, own.indexOf("item += 1u;")).split("\n").length;
+                const wrong = await drop("item += 1u;", "item += one;");
+                assert.ok(wrong.startsWith(`my.wgsl:${line}:17: no definition in scope`), wrong);
+                const endless = await drop("    let ray = load_ray(texel);", "    var n = 1u; while (n > 0u) { n ^= 2u; }\n    let ray = load_ray(texel);");
+                assert.match(endless, /my\.wgsl:\d+: a loop has not ended after \d+ turns/);
+                // The version before is still there, on the same device.
+                assert.deepEqual(await picture(), after);
+            }
+            assert.deepEqual(tab.troubles, []);
+            await tab.page.close();
+        });
+
         test("exports are downloads", async () => {
             const tab = await browser.page(`${SMALL}&device=${device}`);
             await tab.settled();

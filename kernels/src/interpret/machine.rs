@@ -5,7 +5,7 @@ use naga::{Expression, Function, Handle};
 use super::code::{Body, Global, If, NONE, Op, Slot, What};
 use super::compile::is_invocation;
 use super::recording::{Decision, KNOWN, OUTSIDE, Recording};
-use super::{Element, InterpretError, Interpreter, MOST_SITES, MOST_STEPS, Outcomes, deciding};
+use super::{Element, InterpretError, Interpreter, MOST_SITES, MOST_STEPS, Outcomes};
 use crate::scene_data::SceneData;
 use crate::shader::Printed;
 use crate::tables::stream::Texel;
@@ -42,15 +42,15 @@ pub(super) struct Machine<'a> {
     /// The statements that wrote them.
     pub(super) stored: Vec<u32>,
     /// The components before.
-    before: Vec<u32>,
+    pub(super) before: Vec<u32>,
     pub(super) element: Element,
     returned: Vec<Slot>,
     steps: u64,
     turns: u32,
     /// The statement that was run last.
-    at: u32,
+    pub(super) at: u32,
     /// The statements with the calls that have not returned.
-    calls: Vec<u32>,
+    pub(super) calls: Vec<u32>,
     /// What the element has printed: of each note the last value, and how often.
     pub(super) noted: Vec<Printed>,
     /// How often each statement ran.
@@ -134,41 +134,6 @@ impl<'a> Machine<'a> {
             *texel = slot.bits;
         }
         Ok(())
-    }
-
-    /// The recording, with the decision that the new state is due to.
-    pub(super) fn finish(mut self) -> Result<Recording, InterpretError> {
-        let unrecorded = || InterpretError::Unsupported { what: "no recording".into(), line: 0 };
-        let mut recording = self.recording.take().ok_or_else(unrecorded)?;
-        let kernel = self.kernel;
-        let written = |&component: &usize| self.written[component];
-        let nodes: Vec<u32> = (0..self.row.len()).filter(written).map(|component| self.row[component].from).collect();
-        let state = kernel.tag().filter(written).map(|tag| self.row[tag].from);
-        recording.deciding = deciding::deciding(&recording, &kernel.code.sites, state.as_slice(), &nodes);
-        let line = |&statement: &u32| {
-            let span = kernel.code.statements.get(statement as usize)?;
-            Some(super::compile::line_of(&kernel.source, span.start))
-        };
-        recording.noted.clone_from(&self.noted);
-        recording.stored = self.stored.iter().map(line).collect();
-        recording.non_finite = self.non_finite(&recording, &self.before);
-        Ok(recording)
-    }
-
-    /// The line of the statement that was run last, from 1.
-    fn line(&self) -> usize {
-        self.line_of(self.at)
-    }
-
-    fn line_of(&self, statement: u32) -> usize {
-        let span = self.kernel.code.statements.get(statement as usize);
-        span.map_or(0, |span| super::compile::line_of(&self.kernel.source, span.start) + 1)
-    }
-
-    /// That line, and those of the calls that lead to it, the last one first.
-    pub(super) fn lines(&self) -> Vec<usize> {
-        let calls = self.calls.iter().rev().map(|&statement| self.line_of(statement));
-        std::iter::once(self.line()).chain(calls).collect()
     }
 
     fn function(&self, body: &Body) -> &'a Function {

@@ -7,7 +7,7 @@ use crate::numbers::real::Real;
 use crate::options::{Accelerator, Options, ProgramName, RaySource};
 use crate::plan::Limits;
 use crate::program::kernel::ElementTwin;
-use crate::program::{Home, Instance, KernelInfo, Program};
+use crate::program::{Home, Instance, Kernel, KernelInfo, Program};
 use crate::programs::closest_hit::kernels::GENERATE;
 use crate::programs::closest_hit::states::{DONE, UNWRITTEN};
 use crate::programs::closest_hit::streams::{COLOR, STATE};

@@ -73,7 +73,7 @@ fn what_is_wrong_is_named_at_its_place() {
         ("    assert_that(index, \"a\");", 5, "argument 1 has another type than the function's parameter"),
         (
             "    note(\"a\", vec4u(1u)); note(\"b\", walk.tmax); note(\"c\", vec2i(1));",
-            51,
+            49,
             "at most 8 words, and these have 9",
         ),
     ] {
