@@ -150,29 +150,33 @@ for (const [way, device] of [
                 return floats(readFileSync(await (await download).path()));
             };
             const own = readFileSync(path.join(scenes, "../kernels/src/programs/closest_hit/intersect.wgsl"), "utf8");
-            const drop = async (from, to) => {
+            // The file is read aside, so the page may be calm for a moment before anything comes of it.
+            const drop = async (from, to, wanted) => {
                 assert.ok(own.includes(from), from);
                 await tab.drop([["my.wgsl", own.replace(from, to)]]);
-                return (await tab.settled()).error;
+                let error = "";
+                for (let turn = 0; turn < 100 && !wanted.test(error); turn++) {
+                    await tab.page.waitForTimeout(100);
+                    ({ error } = await tab.settled());
+                }
+                assert.match(error, wanted);
             };
+            const [hit, fewer] = ["candidate.is_hit && accepted", "candidate.is_hit && accepted && entry.triangle > 3u"];
             const before = await picture();
-            const error = await drop("candidate.is_hit && accepted", "candidate.is_hit && accepted && entry.triangle > 3u");
-            if (way === "webgl") {
-                assert.match(error, /my\.wgsl: a kernel is replaced as a compute shader/);
-            } else {
-                assert.equal(error, "");
-                const after = await picture();
-                const differ = after.filter((value, i) => value !== before[i]).length;
-                assert.ok(differ > 100 && after.length === before.length, `${differ} of ${after.length} differ`);
-                await tab.screenshot(`${way}-own-kernel`);
-                const line = own.slice(0, own.indexOf("item += 1u;")).split("\n").length;
-                const wrong = await drop("item += 1u;", "item += one;");
-                assert.ok(wrong.startsWith(`my.wgsl:${line}:17: no definition in scope`), wrong);
-                const endless = await drop("    let ray = load_ray(texel);", "    var n = 1u; while (n > 0u) { n ^= 2u; }\n    let ray = load_ray(texel);");
-                assert.match(endless, /my\.wgsl:\d+: a loop has not ended after \d+ turns/);
-                // The version before is still there, on the same device.
-                assert.deepEqual(await picture(), after);
+            await drop(hit, fewer, /^$/);
+            let after = before;
+            const differ = () => after.filter((value, i) => value !== before[i]).length;
+            for (let turn = 0; turn < 20 && differ() === 0; turn++) {
+                after = await picture();
             }
+            assert.ok(differ() > 100 && after.length === before.length, `${differ()} of ${after.length} differ`);
+            await tab.screenshot(`${way}-own-kernel`);
+            const line = own.slice(0, own.indexOf("item += 1u;")).split("\n").length;
+            await drop("item += 1u;", "item += one;", new RegExp(`^my\\.wgsl:${line}:17: no definition in scope`));
+            const loop = "    var n = 1u; while (n > 0u) { n ^= 2u; }\n    let ray = load_ray(texel);";
+            await drop("    let ray = load_ray(texel);", loop, /my\.wgsl:\d+: a loop has not ended after \d+ turns/);
+            // The version before is still there, on the same device.
+            assert.deepEqual(await picture(), after);
             assert.deepEqual(tab.troubles, []);
             await tab.page.close();
         });
