@@ -2,34 +2,14 @@
 
 mod keys;
 mod layout;
+mod menu;
 mod pane_kind;
 
 use egui::{Key, Modifiers};
 
 pub use layout::{Layout, MOST_OWN};
+pub use menu::Menu;
 pub use pane_kind::PaneKind;
-use raystep_kernels::named;
-
-/// A menu.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Menu {
-    /// Scenes, links, exports.
-    File,
-    /// Passes.
-    Step,
-    /// The ray.
-    Ray,
-    /// How things are shown.
-    View,
-    /// Panels and their layouts.
-    Panels,
-    /// Two runs.
-    Compare,
-    /// Help and lessons.
-    Help,
-}
-
-named!(Menu, File "File", Step "Step", Ray "Ray", View "View", Panels "Panels", Compare "Compare", Help "Help");
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
