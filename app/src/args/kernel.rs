@@ -46,9 +46,6 @@ impl FromStr for KernelFile {
     }
 }
 
-/// Largest file: the longest kernel of ours has 10 KB.
-const MOST_BYTES: u64 = 1 << 20;
-
 impl KernelFile {
     /// A file for this kernel.
     pub(crate) fn new(name: Option<String>, path: PathBuf) -> Self {
@@ -60,18 +57,10 @@ impl KernelFile {
         let at = |why: &dyn std::fmt::Display| Error::at(&self.path, why);
         let file = std::fs::File::open(&self.path).map_err(|e| at(&crate::error::reason(&e)))?;
         let mut bytes = Vec::new();
-        file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| at(&crate::error::reason(&e)))?;
-        if bytes.len() as u64 > MOST_BYTES {
-            return Err(at(&"larger than 1 MiB, too large for a kernel"));
-        }
-        let source = String::from_utf8(bytes).map_err(|_| at(&"not a text in UTF-8"))?;
+        let most = Replacement::MOST_BYTES as u64 + 1;
+        file.take(most).read_to_end(&mut bytes).map_err(|e| at(&crate::error::reason(&e)))?;
         let path = self.path.to_string_lossy().into_owned();
-        match &self.name {
-            Some(name) => Ok(Arc::new(Replacement { kernel: name.clone(), file: path, source })),
-            None => Replacement::of_entry_point(path, source)
-                .map(Arc::new)
-                .ok_or_else(|| at(&"no @compute function tells which kernel it replaces: use --kernel NAME=FILE")),
-        }
+        Replacement::new(self.name.clone(), path, bytes).map(Arc::new).map_err(|why| at(&why))
     }
 }
 

@@ -72,6 +72,8 @@ struct OpenScene {
     path: Option<String>,
     /// Whether its file was written since it was opened.
     has_changed: bool,
+    /// Whether the run that is being made is the first with a version of a user's kernel.
+    awaits_kernel: bool,
     /// Runs known to the panels: in a new one, the selected pixel's ray is followed from the start.
     generation: u64,
     /// What to do once the scene being opened is ready.

@@ -9,6 +9,7 @@ use raystep_inspector::command::{Command, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::host::HostEvent;
+use raystep_kernels::options::replacement::Replacement;
 use raystep_kernels::programs::closest_hit::kernels::INTERSECT;
 
 use super::desk::CORNELL;
@@ -94,6 +95,18 @@ fn follows(theme: Theme, name: &str) {
     // The same text once more changes nothing.
     save(&mut stage, changed("item += 1u;", "item += 1u; // as it was"));
     assert_eq!(stage.harness.state().model().generation, generation + 2);
+
+    // What the command line named may have another ending.
+    let before = stage.harness.state().model().opened.clone().expect("a run").settings.clone();
+    let named = Replacement { file: "my.txt".into(), ..Replacement::clone(&before.replaced[0]) };
+    stage.inspector().plan(Settings { replaced: vec![Arc::new(named)], ..before });
+    stage.settle();
+    let bytes = changed("item += 1u;", "item += 1u; // saved");
+    stage.desk.lock().expect("not poisoned").events.push(HostEvent::Read { path: "my.txt".into(), bytes });
+    stage.frame();
+    stage.settle();
+    let own = stage.harness.state().model().opened.clone().expect("a run").plan.replaced();
+    assert!(own[0].source.contains("// saved") && own[0].kernel == "intersect" && own[0].file == "my.txt");
 
     stage.click(Role::Button, Command::BuiltInKernels.name());
     stage.settle();

@@ -10,7 +10,6 @@ use std::sync::Arc;
 use raystep_lab::text::counted;
 
 use super::asked_path::{AskedPath, NOT_WRITTEN};
-use super::own_kernels;
 use crate::session::engine::{OPENING, PREPARING};
 use crate::session::request::{Opened, Request};
 use crate::session::{Model, Target};
@@ -32,15 +31,16 @@ impl Inspector {
                 // The place of the old run no longer applies.
                 (self.scene.arrival, self.state.runs.opening) = (None, None);
             }
-            // Of a user's kernel the message begins with its place.
-            let is_of_kernel = what == PREPARING && message.contains(own_kernels::ENDING);
-            self.fail(if is_of_kernel { message.clone() } else { format!("{what}: {message}") });
-            if is_of_kernel {
-                self.state.display.kernel_error = Some(message);
+            if what == PREPARING && std::mem::take(&mut self.scene.awaits_kernel) {
+                self.refuse_kernel(message);
+            } else {
+                self.fail(format!("{what}: {message}"));
             }
         }
         let cancelled = self.model.cancelled.drain(..).chain(self.other.iter_mut().flat_map(|m| m.cancelled.drain(..)));
-        if cancelled.filter(|&what| what == EXPORTING).count() > 0 {
+        let cancelled: Vec<_> = cancelled.collect();
+        self.scene.awaits_kernel &= !cancelled.contains(&PREPARING);
+        if cancelled.contains(&EXPORTING) {
             self.note(NOT_WRITTEN);
         }
         for event in self.host.events() {
@@ -52,7 +52,7 @@ impl Inspector {
                 }
                 HostEvent::Previewed { .. } => {}
                 HostEvent::Changed { path } => self.scene.has_changed |= self.scene.path.as_ref() == Some(&path),
-                HostEvent::Read { path, bytes } if own_kernels::is_kernel(&path) => self.take_kernel(&path, &bytes),
+                HostEvent::Read { path, bytes } if self.is_kernel(&path) => self.take_kernel(&path, bytes),
                 HostEvent::Read { path, bytes } => self.open_session_bytes(&path, &bytes),
                 HostEvent::Saved { holds, path } => self.note(format!("{holds} written to {path}")),
                 HostEvent::Cancelled(what) => self.note(what),
@@ -95,7 +95,7 @@ impl Inspector {
 
     /// A file from a dialog, a drop or the list of recent ones: with the current settings, and the scene's own view.
     pub(super) fn open_file(&mut self, path: &str) {
-        if session_file::is_session(path) || own_kernels::is_kernel(path) {
+        if session_file::is_session(path) || self.is_kernel(path) {
             self.host.read(path);
             return;
         }
@@ -120,7 +120,7 @@ impl Inspector {
     fn arrived(&mut self) {
         self.scene.path = self.model.opened.as_ref().and_then(|opened| opened.path.clone());
         self.scene.has_changed = false;
-        self.state.display.kernel_error = None;
+        (self.scene.awaits_kernel, self.state.display.kernel_error) = (false, None);
         self.watch_kernels();
         self.remember_file();
         let scene = self.scene.path.as_deref().map(|path| {

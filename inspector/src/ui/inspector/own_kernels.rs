@@ -8,45 +8,26 @@ use crate::session::request::Request;
 use crate::settings::Settings;
 use crate::ui::Inspector;
 
-/// The ending of a kernel's file.
-pub(super) const ENDING: &str = ".wgsl";
-
-/// Largest file of a kernel.
-const MOST_BYTES: usize = 1 << 20;
-
-/// Whether a path is that of a kernel.
-pub(super) fn is_kernel(path: &str) -> bool {
-    path.to_ascii_lowercase().ends_with(ENDING)
-}
-
 impl Inspector {
     /// A kernel's file was read: the run is made again with it, at the same place. Until that succeeds, the present run goes
     /// on.
-    pub(in crate::ui) fn take_kernel(&mut self, path: &str, bytes: &[u8]) {
-        let source = match std::str::from_utf8(bytes) {
-            Ok(source) if bytes.len() <= MOST_BYTES => source,
-            Ok(_) => return self.refuse_kernel(format!("{path}: larger than 1 MiB, too large for a kernel")),
-            Err(_) => return self.refuse_kernel(format!("{path}: not a text in UTF-8")),
-        };
-        let Some(settings) = self.model.opened.as_ref().map(|opened| opened.settings.clone()) else {
+    pub(in crate::ui) fn take_kernel(&mut self, path: &str, bytes: Vec<u8>) {
+        let Some(mut settings) = self.model.opened.as_ref().map(|opened| opened.settings.clone()) else {
             return self.fail(format!("{path}: open a scene first, then the kernel"));
         };
-        // The name that the command line gave it, or that of its entry point.
+        // The name that the command line gave it.
         let known = settings.replaced.iter().find(|own| own.file == path).map(|own| own.kernel.clone());
-        let own = match known {
-            Some(kernel) => Some(Replacement { kernel, file: path.to_owned(), source: source.to_owned() }),
-            None => Replacement::of_entry_point(path.to_owned(), source.to_owned()),
-        };
-        let Some(own) = own else {
-            return self.refuse_kernel(format!("{path}: it has no @compute function named after a kernel"));
+        let own = match Replacement::new(known, path.to_owned(), bytes) {
+            Ok(own) => own,
+            Err(why) => return self.refuse_kernel(format!("{path}: {why}")),
         };
         self.host.watch(path);
         if settings.replaced.iter().any(|before| **before == own) && self.state.display.kernel_error.is_none() {
             return;
         }
-        let mut settings = settings;
         settings.replaced.retain(|other| other.kernel != own.kernel);
         settings.replaced.push(Arc::new(own));
+        self.scene.awaits_kernel = true;
         self.plan(settings);
     }
 
@@ -58,7 +39,14 @@ impl Inspector {
         self.model.ask(Request::Plan(Box::new(settings)));
     }
 
-    fn refuse_kernel(&mut self, why: String) {
+    /// Whether a file is a kernel: by its ending, or because it is one of those that are replaced.
+    pub(super) fn is_kernel(&self, path: &str) -> bool {
+        let replaced = self.model.opened.iter().flat_map(|opened| &opened.settings.replaced);
+        path.to_ascii_lowercase().ends_with(".wgsl") || replaced.into_iter().any(|own| own.file == path)
+    }
+
+    /// The last version of a kernel is not used: says why, until one is.
+    pub(super) fn refuse_kernel(&mut self, why: String) {
         self.state.display.kernel_error = Some(why.clone());
         self.fail(why);
     }

@@ -219,7 +219,7 @@ fn kernel(inspector: &mut Inspector, i: usize) -> Vec<Event> {
     let own = opened.and_then(|opened| opened.plan.variants.iter().rfind(|variant| variant.kernel.is_walk()));
     if let Some(own) = own {
         let source = format!("// Version {i}.\n{}", own.kernel.info().wgsl);
-        inspector.take_kernel("latency.wgsl", source.as_bytes());
+        inspector.take_kernel("latency.wgsl", source.into_bytes());
     }
     Vec::new()
 }
