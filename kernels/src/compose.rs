@@ -22,6 +22,7 @@ use std::ops::Range;
 
 use items::Module;
 pub use options::left_out;
+pub(crate) use words::blanked;
 pub use words::{Word, WordKind, words};
 
 /// Why modules cannot be composed.

@@ -136,7 +136,7 @@ pub(super) fn with_comment_above(text: &str, at: usize) -> usize {
 }
 
 /// Replaces byte ranges of a text by spaces, but keeps their line breaks.
-pub(super) fn blanked(text: &str, removed: &[Range<usize>]) -> String {
+pub(crate) fn blanked(text: &str, removed: &[Range<usize>]) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for byte in removed.iter().flat_map(|range| range.clone()) {
         if !matches!(bytes[byte], b'\n' | b'\r') {

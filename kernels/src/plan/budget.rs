@@ -38,6 +38,8 @@ pub(crate) fn fit_bindings(
     let Some(drawn) = drawn else {
         let sharing = shared(program, variants, limits.storage_textures);
         for variant in variants {
+            let guarded = variant.guarded(limits.turns_of_users())?;
+            let variant = guarded.as_ref().unwrap_or(variant);
             let shared = variant.sharing(&sharing.groups, sharing.most)?;
             let bindings = &shared.as_ref().unwrap_or(variant).bindings;
             check(variant.kernel.name(), bindings, scene_data, limits)?;

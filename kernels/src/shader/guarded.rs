@@ -21,6 +21,9 @@ const COUNTERS: &str = "sent";
 /// Words of the counters of a pass.
 pub(crate) const COUNTER_WORDS: u32 = COUNT_SLOT_BYTES as u32 / 4;
 
+/// What guards add to a source.
+const NAMES: [&str; 4] = ["turn_is_over", "turns_left", "last_counter", "counters_of_pass"];
+
 /// Turns between two looks at the counters.
 const BETWEEN_LOOKS: u32 = 1 << 10;
 
@@ -41,60 +44,59 @@ impl Variant {
             return Ok(None);
         }
         let mut bindings = self.bindings.clone();
-        if !bindings.iter().any(|binding| binding.name == COUNTERS) {
+        let declared = bindings.iter().find(|binding| binding.name == COUNTERS).cloned();
+        let counters = declared.clone().unwrap_or_else(|| {
             let is_taken = |index: &u32| bindings.iter().any(|b| b.group == 2 && b.index == *index);
             let index = (0..).find(|index| !is_taken(index)).unwrap_or(0);
             let resource = Resource::Live { writable: true };
-            bindings.push(Binding { group: 2, index, name: COUNTERS.into(), resource, reads: true, writes: true });
+            Binding { group: 2, index, name: COUNTERS.into(), resource, reads: true, writes: true }
+        });
+        if declared.is_none() {
+            bindings.push(counters.clone());
             bindings.sort_by_key(|binding| (binding.group, binding.index));
         }
-        let source = guarded(&self.source, &bindings, turns).map_err(invalid)?;
+        let name = declared.and_then(|counters| find(&parsed, &counters)).map(|(_, name)| name);
+        let source = guarded(&self.source, name, &counters, turns).map_err(invalid)?;
         Ok(Some(Self { source, bindings, ..self.clone() }))
     }
 }
 
-fn guarded(source: &str, bindings: &[Binding], turns: u32) -> Result<String, String> {
-    let counters = bindings.iter().find(|binding| binding.name == COUNTERS).ok_or("no counters")?;
+/// The source with guards; `name` is that of the counters, if it declares them.
+fn guarded(source: &str, name: Option<String>, counters: &Binding, turns: u32) -> Result<String, String> {
     // Under names that the source does not have.
     let mut suffix = String::new();
-    while source.contains(&format!("turn_is_over{suffix}")) || source.contains(&format!("turns_left{suffix}")) {
+    while NAMES.iter().any(|name| source.contains(&format!("{name}{suffix}"))) {
         suffix.push('x');
     }
-    let is_declared = |parsed: &Parsed| find(parsed, counters).is_some();
-    let declaration = if is_declared(&Parsed::new(source)?) {
-        String::new()
-    } else {
-        let (group, index) = (counters.group, counters.index);
-        format!(
-            "@group({group}) @binding({index}) var<storage, read_write> counters_of_pass{suffix}: \
-             array<atomic<u32>, {COUNTER_WORDS}>;\n"
-        )
+    let [is_over, left, last, of_pass] = NAMES.map(|name| name.to_owned() + &suffix);
+    let declaration = match name {
+        Some(_) => String::new(),
+        None => format!(
+            "@group({}) @binding({}) var<storage, read_write> {of_pass}: array<atomic<u32>, {COUNTER_WORDS}>;\n",
+            counters.group, counters.index
+        ),
     };
-    let name = match find(&Parsed::new(&(declaration.clone() + source))?, counters) {
-        Some((_, name)) => name,
-        None => return Err("no counters".into()),
-    };
+    let name = name.unwrap_or(of_pass);
     let before = format!(
-        "{declaration}var<private> turns_left{suffix}: u32 = {turns}u;\nvar<private> last_counter{suffix}: u32 = {last}u;\n\
-         fn turn_is_over{suffix}(line: u32) -> bool {{\n\
-         if (turns_left{suffix} == 0u) {{ return true; }}\n\
-         turns_left{suffix} -= 1u;\n\
-         if (turns_left{suffix} == 0u) {{ atomicMax(&{name}[last_counter{suffix}], line); return true; }}\n\
-         if (turns_left{suffix} % {BETWEEN_LOOKS}u == 0u && atomicLoad(&{name}[last_counter{suffix}]) != 0u) {{\n\
-         turns_left{suffix} = 0u;\n}}\n\
-         return turns_left{suffix} == 0u;\n}}\n",
-        last = COUNTER_WORDS - 1
+        "{declaration}var<private> {left}: u32 = {turns}u;\nvar<private> {last}: u32 = {}u;\n\
+         fn {is_over}(line: u32) -> bool {{\n\
+         if ({left} == 0u) {{ return true; }}\n\
+         {left} -= 1u;\n\
+         if ({left} == 0u) {{ atomicMax(&{name}[{last}], line); return true; }}\n\
+         if ({left} % {BETWEEN_LOOKS}u == 0u && atomicLoad(&{name}[{last}]) != 0u) {{\n{left} = 0u;\n}}\n\
+         return {left} == 0u;\n}}\n",
+        COUNTER_WORDS - 1
     );
     // An assertion adds to its counter.
     let mut source = source.to_owned();
     for index in 0..MOST_ASSERTIONS {
-        let body = format!(" if (!holds) {{ atomicAdd(&{name}[last_counter{suffix} - {}u], 1u); }} ", index + 1);
+        let body = format!(" if (!holds) {{ atomicAdd(&{name}[{last} - {}u], 1u); }} ", index + 1);
         let empty = assertion(index);
         source = source.replace(&empty, &empty.replace("{}", &format!("{{{body}}}")));
     }
     let source = source.as_str();
     let mut parsed = Parsed::new(&(before.clone() + source))?;
-    let callee = parsed.function(&format!("turn_is_over{suffix}"))?;
+    let callee = parsed.function(&is_over)?;
     let (global, _) = find(&parsed, counters).ok_or("no counters")?;
     let TypeInner::Array { base, stride, .. } = parsed.module.types[parsed.module.global_variables[global].ty].inner
     else {
@@ -111,7 +113,7 @@ fn guarded(source: &str, bindings: &[Binding], turns: u32) -> Result<String, Str
     let module = parsed.module.clone();
     parsed.rewritten(|function, _| {
         let mut function = function.clone();
-        if function.name.as_deref().is_some_and(|name| name == format!("turn_is_over{suffix}")) {
+        if function.name.as_ref() == Some(&is_over) {
             return Ok(function);
         }
         let body = std::mem::take(&mut function.body);

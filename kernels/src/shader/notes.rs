@@ -4,11 +4,13 @@
 //! and every column of the file stays where it is. The interpreter knows the names. A device gets no notes at all, and counts
 //! the assertions that do not hold.
 
+use std::ops::Range;
+
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner};
 
 use super::mistake::{Mistake, place_of};
-use crate::compose::{Word, WordKind, words};
+use crate::compose::{Word, WordKind, blanked, words};
 use crate::options::replacement::Replacement;
 
 /// Most words of all notes of a kernel: each component of a value is one.
@@ -92,16 +94,16 @@ impl Marked {
         let all = words(source);
         let code: Vec<_> = all.iter().filter(|word| word.kind != WordKind::Comment).collect();
         for (index, word) in code.iter().enumerate() {
+            if word.text.starts_with(NOTE) || word.text.starts_with(ASSERTION) {
+                return Err(mistake(word.start, reserved(word.text)));
+            }
             let is_note = word.text == "note";
             let is_call = code.get(index + 1).is_some_and(|next| next.text == "(");
             if !is_call || !is_note && word.text != "assert_that" {
                 continue;
             }
             if index > 0 && code[index - 1].text == "fn" {
-                return Err(mistake(
-                    word.start,
-                    format!("{} is what raystep calls so: choose another name", word.text),
-                ));
+                return Err(mistake(word.start, reserved(word.text)));
             }
             let right = if is_note { "note(\"label\", value);" } else { "assert_that(condition, \"label\");" };
             let wrong = || mistake(word.start, format!("expected {right}"));
@@ -114,22 +116,24 @@ impl Marked {
                 let message = format!("a label has 1 to {MOST_LETTERS} characters, without slashes and line breaks");
                 return Err(mistake(first, message));
             }
-            let mut put = |at: usize, new: &str| text.replace_range(at..at + new.len(), new);
+            // Everything keeps its place.
+            let mut put = |removed: Range<usize>, at: usize, name: String| {
+                text = blanked(&text, &[removed]);
+                text.replace_range(at..at + name.len(), &name);
+            };
             if is_note {
                 let comma = last + 1 + source[last + 1..close].find(',').ok_or_else(wrong)?;
                 if !source[open + 1..first].trim().is_empty() || !source[last + 1..comma].trim().is_empty() {
                     return Err(wrong());
                 }
-                put(word.start, &blank(&source[word.start..=comma]));
-                put(word.start, &format!("{NOTE}{}(", notes.len()));
+                put(word.start..comma + 1, word.start, format!("{NOTE}{}(", notes.len()));
                 notes.push((label, word.start));
             } else {
                 let before = source[..first].trim_end();
                 if !before.ends_with(',') || !source[last + 1..close].trim().is_empty() {
                     return Err(wrong());
                 }
-                put(before.len() - 1, &blank(&source[before.len() - 1..close]));
-                put(word.start, &format!("{ASSERTION}{} ", asserted.len()));
+                put(before.len() - 1..close, word.start, format!("{ASSERTION}{} ", asserted.len()));
                 asserted.push(label);
             }
             if notes.len() > MOST_NOTE_WORDS as usize {
@@ -242,9 +246,8 @@ fn length(code: &[&Word<'_>]) -> Option<usize> {
     Some(close?.start - code.first()?.start)
 }
 
-/// Spaces of the same length, with the line breaks.
-fn blank(text: &str) -> String {
-    text.bytes().map(|byte| if matches!(byte, b'\n' | b'\r') { char::from(byte) } else { ' ' }).collect()
+fn reserved(name: &str) -> String {
+    format!("the name {name} is reserved: choose another")
 }
 
 #[cfg(test)]

@@ -43,11 +43,15 @@ impl Replaced {
         byte.map(|byte| place_of(&self.by, byte))
     }
 
+    /// The first byte of a line of the composed source, from 1.
+    fn first_of(&self, line: usize) -> usize {
+        self.composed.text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum()
+    }
+
     /// The place in the user's file of a line of the composed source, from 1.
     #[must_use]
     pub fn place_of_line(&self, line: usize) -> Option<Place> {
-        let text = &self.composed.text;
-        let first: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+        let (text, first) = (&self.composed.text, self.first_of(line));
         let indent = text[first..].len() - text[first..].trim_start_matches([' ', '\t']).len();
         self.place(first + indent)
     }
@@ -55,8 +59,7 @@ impl Replaced {
     /// A place of the composed source as a reader finds it: in their file, or in a module that they import from.
     #[must_use]
     pub fn named_line(&self, line: usize) -> String {
-        let first: usize = self.composed.text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
-        match (self.place_of_line(line), self.composed.origin(first, self.root)) {
+        match (self.place_of_line(line), self.composed.origin(self.first_of(line), self.root)) {
             (Some(place), _) => format!("{}:{}", place.file, place.line),
             (None, Some((module, _))) => format!("package::{module}"),
             (None, None) => self.by.file.clone(),

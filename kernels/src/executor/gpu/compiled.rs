@@ -61,7 +61,8 @@ impl Pipelines {
         let guarded = variant.guarded(plan.turns)?;
         let variant = guarded.as_ref().unwrap_or(variant);
         let shared = variant.sharing(&sharing.groups, sharing.most)?;
-        let is_proved = is_proved && shared.is_none();
+        // What was rewritten is not the shader of the proof.
+        let is_proved = is_proved && guarded.is_none() && shared.is_none();
         let variant = shared.as_ref().unwrap_or(variant);
         let compiled = match scene_data {
             SceneDataKind::Buffers => compile(device, variant, is_proved),

@@ -6,7 +6,7 @@ use naga::{Block, Expression, Function, Literal, Statement};
 
 use super::super::parsed::Parsed;
 use super::super::{Binding, Resource, Variant};
-use super::guarded;
+use super::{find, guarded};
 use crate::options::features::Features;
 use crate::options::replacement::Replacement;
 use crate::programs::closest_hit::kernels::{FUSED, GENERATE, INTERSECT};
@@ -109,9 +109,14 @@ fn breaks(block: &Block) -> usize {
     block.iter().map(of).sum()
 }
 
+fn with_guards(source: &str, counters: &Binding, turns: u32) -> String {
+    let name = find(&Parsed::new(source).expect("valid WGSL"), counters).map(|(_, name)| name);
+    guarded(source, name, counters, turns).expect("valid WGSL")
+}
+
 #[test]
 fn every_loop_counts_its_turns_and_has_no_exit_more_than_it_needs() {
-    let text = guarded(LOOPS, &[counters(3)], 100).expect("valid WGSL");
+    let text = with_guards(LOOPS, &counters(3), 100);
     let parsed = Parsed::new(&text).expect("valid WGSL");
     // The source has functions of these names, which are left alone.
     let guard = parsed.function("turn_is_overx").expect("the guard");
@@ -133,7 +138,7 @@ fn every_loop_counts_its_turns_and_has_no_exit_more_than_it_needs() {
 fn counters_are_declared_where_there_are_none() {
     let source =
         "@compute @workgroup_size(1)\nfn main() {\n    var n = 0u;\n    while (n < 9u) {\n        n++;\n    }\n}\n";
-    let text = guarded(source, &[counters(5)], 10).expect("valid WGSL");
+    let text = with_guards(source, &counters(5), 10);
     assert!(text.contains("@group(2) @binding(5)"), "{text}");
     let parsed = Parsed::new(&text).expect("valid WGSL");
     let (mut found, guard) = (Vec::new(), parsed.function("turn_is_over").expect("the guard"));

@@ -69,6 +69,7 @@ fn what_is_wrong_is_named_at_its_place() {
         ("    note(\"a\", walk);", 5, "a note has a number, a truth value, or a vector of these"),
         ("    note(\"a\", nothing);", 15, "no definition in scope for identifier: `nothing`"),
         ("    note(\"a\", walk.tmax); let x: f32 = 1u;", 31, "the type of `x` is expected to be `f32`, but got `u32`"),
+        ("    note___3(index);", 5, "the name note___3 is reserved: choose another"),
         ("    assert_that(\"a\", index > 1u);", 5, "expected assert_that(condition, \"label\");"),
         ("    assert_that(index, \"a\");", 5, "argument 1 has another type than the function's parameter"),
         (

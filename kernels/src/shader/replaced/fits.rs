@@ -1,7 +1,10 @@
 //! Whether a user's WGSL fits the kernel that it replaces: how it is launched, and what it binds.
 
 use naga::valid::{FunctionInfo, GlobalUse, ModuleInfo};
-use naga::{AddressSpace, GlobalVariable, Handle, ImageClass, Module, ScalarKind, StorageAccess, TypeInner};
+use naga::{
+    AddressSpace, Block, Function, GlobalVariable, Handle, ImageClass, Module, ScalarKind, Statement, StorageAccess,
+    TypeInner,
+};
 
 use super::super::{LAUNCH, LIVE, Resource, resource_of};
 use super::{Mistake, Replaced, declared};
@@ -50,6 +53,14 @@ pub(super) fn fits(
         let message = "an override gets no value here: use a const".to_owned();
         return Err(replaced.mistake([module.overrides.get_span(handle)], message));
     }
+    let statements = inlined(module, &point.function);
+    if statements > MOST_STATEMENTS {
+        let message = format!(
+            "with the functions that it calls in their places, it has more than {MOST_STATEMENTS} statements: a driver \
+             would compile it for hours"
+        );
+        return Err(Mistake { place: at, message });
+    }
     let usage = info.get_entry_point(entry);
     workgroup_fits(replaced, module, usage)?;
     for (handle, global) in module.global_variables.iter() {
@@ -81,6 +92,32 @@ pub(super) fn fits(
     }
     Ok(())
 }
+
+/// Statements of a function with those that it calls in their places, as drivers compile it.
+fn inlined(module: &Module, entry: &Function) -> u64 {
+    fn count(block: &Block, sizes: &[u64]) -> u64 {
+        let of = |statement: &Statement| match statement {
+            Statement::Block(block) => count(block, sizes),
+            Statement::If { accept, reject, .. } => count(accept, sizes).saturating_add(count(reject, sizes)),
+            Statement::Switch { cases, .. } => {
+                cases.iter().fold(0, |sum: u64, case| sum.saturating_add(count(&case.body, sizes)))
+            }
+            Statement::Loop { body, continuing, .. } => count(body, sizes).saturating_add(count(continuing, sizes)),
+            Statement::Call { function, .. } => sizes.get(function.index()).copied().unwrap_or_default(),
+            _ => 0,
+        };
+        block.iter().fold(0, |sum: u64, statement| sum.saturating_add(1).saturating_add(of(statement)))
+    }
+    // A function comes before those that call it.
+    let mut sizes = Vec::new();
+    for (_, function) in module.functions.iter() {
+        sizes.push(count(&function.body, &sizes));
+    }
+    count(&entry.body, &sizes)
+}
+
+/// Far more than any kernel of ours has.
+const MOST_STATEMENTS: u64 = 1 << 17;
 
 /// Whether the variables of a workgroup fit on every device; where they do not, drivers fail or take other memory.
 fn workgroup_fits(replaced: &Replaced, module: &Module, usage: &FunctionInfo) -> Result<(), Mistake> {

@@ -16,6 +16,7 @@ use crate::plan::{Limits, Plan};
 use crate::program::live::{self, LiveList};
 use crate::program::{Kernel, Twin};
 use crate::programs;
+use crate::programs::closest_hit::kernels::TRAVERSE_GRID;
 use crate::shader::{ShaderError, Variant};
 
 /// A kernel with this WGSL in place of its own, or what is wrong with it.
@@ -273,6 +274,32 @@ fn every_mistake_is_named_with_its_place() {
         }
     }
     assert!(faults.is_empty(), "{faults}");
+}
+
+/// Each function calls the one before it twice: few lines, and more statements than a driver could ever compile.
+#[test]
+fn calls_that_double_are_refused_at_once() {
+    let mut functions = String::from("fn twice_0(x: f32) -> f32 {\n    return x + 1.0;\n}\n\n");
+    for depth in 1..60 {
+        let below = depth - 1;
+        write!(
+            functions,
+            "fn twice_{depth}(x: f32) -> f32 {{\n    return twice_{below}(x) + twice_{below}(2.0 * x);\n}}\n\n"
+        )
+        .expect("a text");
+    }
+    let with = |depth: usize| {
+        let own = TRAVERSE_GRID.info().wgsl;
+        let call = format!(
+            "    if (twice_{depth}(walk.tmax.x) < 0.0) {{\n        return NOBODY;\n    }}\n    if (!walk.inside) {{"
+        );
+        let source = own.replacen("fn step_cell", &format!("{functions}fn step_cell"), 1);
+        let source = source.replacen("    if (!walk.inside) {", &call, 1);
+        replaced(TRAVERSE_GRID, &Features { grid: true, ..Features::default() }, &[], &source)
+    };
+    with(8).expect("few");
+    let mistake = with(59).expect_err("too many");
+    assert!(mistake.message.contains("more than 131072 statements"), "{mistake}");
 }
 
 #[test]
