@@ -26,6 +26,8 @@ pub struct Note {
     pub text: String,
     /// Whether f64 would decide otherwise.
     pub differs: bool,
+    /// Whether it is about the values in f64.
+    pub is_f64: bool,
 }
 
 /// Most comparisons that are told about a condition.
@@ -58,23 +60,24 @@ pub fn branch(kernel: &Interpreter, recording: &Recording, site: usize) -> Optio
     let mut notes = Vec::new();
     // Of several comparisons none alone is the outcome.
     if comparisons.len() > 1 {
-        notes.push(Note { text: outcome.clone(), differs: decision.differs });
+        notes.push(Note { text: outcome.clone(), differs: decision.differs, is_f64: false });
     }
     for comparison in comparisons.iter().take(MOST_TOLD) {
         let text = in_words(comparison);
         let text = if notes.is_empty() { format!("{outcome}: {text}") } else { text };
         let differs = comparison.holds != comparison.holds_wide;
-        notes.push(Note { text, differs });
-        notes.extend(in_f64(comparison).map(|text| Note { text, differs }));
+        notes.push(Note { text, differs, is_f64: false });
+        notes.extend(in_f64(comparison).map(|text| Note { text, differs, is_f64: true }));
     }
     if notes.is_empty() {
-        notes.push(Note { text: outcome, differs: decision.differs });
+        notes.push(Note { text: outcome, differs: decision.differs, is_f64: false });
     }
     if let (Some(line), Some(last)) = (because, notes.last_mut()) {
         last.text += &format!("; because of line {line}");
     }
     if comparisons.len() > MOST_TOLD {
-        notes.push(Note { text: format!("and {} more comparisons", comparisons.len() - MOST_TOLD), differs: false });
+        let text = format!("and {} more comparisons", comparisons.len() - MOST_TOLD);
+        notes.push(Note { text, differs: false, is_f64: false });
     }
     Some(Branch {
         site,

@@ -198,8 +198,7 @@ fn explain(
     let site = recording.deciding.and_then(|index| recording.decisions.get(index)).map(|decision| decision.site)?;
     let branch = branch(&code, &recording, site)?;
     // How f64 would have compared is for the inspector.
-    let is_told = |note: &crate::branch::Note| !note.text.trim_start().starts_with("in f64");
-    let how = branch.notes.into_iter().filter(is_told).map(|note| note.text).collect();
+    let how = branch.notes.into_iter().filter(|note| !note.is_f64).map(|note| note.text).collect();
     difference.decided = Some(Decided { at: Line { text: branch.condition, ..place(variant, branch.line + 1) }, how });
     Some(())
 }

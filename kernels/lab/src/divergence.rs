@@ -8,7 +8,6 @@ mod map;
 mod tree;
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
 use raystep_kernels::programs::closest_hit::streams;
@@ -58,7 +57,7 @@ pub async fn divergence(
     let is_gpu = renderer.gpu().is_some();
     let plan = renderer.shared_plan();
     // A user's kernel is compared with the one that it replaces.
-    let own = if plan.replaced().is_empty() { plan.clone() } else { Arc::new(plan.with_own_kernels()?) };
+    let own = plan.with_own_kernels()?;
     let mut single = CpuExecutor::<f32>::new(&own, None)?;
     let mut double = CpuExecutor::<f64>::new(&own, None)?;
     let mut map = DivergenceMap::new(&plan);

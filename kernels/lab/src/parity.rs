@@ -149,7 +149,7 @@ pub async fn compare_plan(
     let mut renderer = Renderer::from_plan(plan, data, options, device).await?;
     let plan = renderer.shared_plan();
     let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
-    let own = if plan.replaced().is_empty() { plan.clone() } else { Arc::new(plan.with_own_kernels()?) };
+    let own = plan.with_own_kernels()?;
     let mut twin = CpuExecutor::<f32>::new(&own, None).map_err(CpuError::from)?;
     let mut found = Parity::default();
 

@@ -238,12 +238,17 @@ impl Plan {
         self.variants.iter().any(|variant| variant.replaced.is_some() && variant.kernel.name() == name)
     }
 
-    /// The same run by our own kernels, with the same streams: what those of users are compared with.
+    /// The same run by our own kernels, with the same streams: what those of users are compared with. Without any of these,
+    /// it is this plan.
     ///
     /// # Errors
     /// If a kernel is invalid, which is a bug.
-    pub fn with_own_kernels(&self) -> Result<Self, PlanError> {
-        Ok(Self { variants: variants(self.program, &self.schedule, &self.features, &[])?, ..self.clone() })
+    pub fn with_own_kernels(self: &Arc<Self>) -> Result<Arc<Self>, PlanError> {
+        if self.replaced().is_empty() {
+            return Ok(self.clone());
+        }
+        let variants = variants(self.program, &self.schedule, &self.features, &[])?;
+        Ok(Arc::new(Self { variants, ..Self::clone(self) }))
     }
 
     /// The variant of a kernel, if the run has it.
