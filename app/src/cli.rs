@@ -7,12 +7,12 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, check_kernel, completions, dump, extension, info, inspect, merge, paper, plan, render, report,
-    run, scene, stability, sweep, trace,
+    bench, build, cast, check, check_kernel, completions, dump, extension, info, inspect, merge, new, paper, plan,
+    render, report, run, scene, stability, sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
-use crate::{usage, window};
+use crate::{program_folder, usage, window};
 
 /// A ray tracer for inspecting every pass and every stream
 ///
@@ -36,6 +36,9 @@ Examples:
   raystep run sort --elements 65536 --check
   raystep cast cornell-box --rays-file rays.npy -o hits.npy
   raystep check-kernel my.wgsl --for intersect cornell-box
+  raystep new my-program
+  raystep run my-program -o result.png
+  raystep check my-program
   raystep report cornell-box -o report
   raystep stability -o stability
   raystep paper -o paper
@@ -61,6 +64,8 @@ pub(crate) enum Command {
     Run(run::RunProgramArgs),
     Cast(Box<cast::CastArgs>),
     CheckKernel(Box<check_kernel::CheckKernelArgs>),
+    New(new::NewArgs),
+    Check(check::CheckArgs),
     Merge(merge::MergeArgs),
     Report(Box<report::ReportArgs>),
     Stability(Box<stability::StabilityArgs>),
@@ -101,9 +106,11 @@ pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Req
 fn is_scene(argument: &OsString) -> bool {
     let path = Path::new(argument);
     let ending = extension(path);
+    let is_command = || Cli::command().find_subcommand(argument).is_some();
     ENDINGS.contains(&ending.as_str())
+        || program_folder::find(path).is_some() && !is_command()
         || ending == "raystep-session"
-        || is_known(path) && Cli::command().find_subcommand(argument).is_none()
+        || is_known(path) && !is_command()
 }
 
 #[cfg(test)]

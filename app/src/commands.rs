@@ -3,6 +3,7 @@
 pub(crate) mod bench;
 pub(crate) mod build;
 pub(crate) mod cast;
+pub(crate) mod check;
 pub(crate) mod check_kernel;
 pub(crate) mod completions;
 pub(crate) mod dump;
@@ -10,6 +11,7 @@ pub(crate) mod info;
 mod input;
 pub(crate) mod inspect;
 pub(crate) mod merge;
+pub(crate) mod new;
 pub(crate) mod paper;
 pub(crate) mod plan;
 pub(crate) mod render;

@@ -12,6 +12,7 @@ mod interrupt;
 mod link;
 mod output;
 mod process;
+mod program_folder;
 mod rays_file;
 mod scene_file;
 mod session;
@@ -97,6 +98,8 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::Run(args) => commands::run::run(&args),
             Command::Cast(args) => commands::cast::run(&args),
             Command::CheckKernel(args) => commands::check_kernel::run(*args),
+            Command::New(args) => commands::new::run(&args),
+            Command::Check(args) => commands::check::run(&args),
             Command::Merge(args) => commands::merge::run(&args),
             Command::Report(args) => commands::report::run(&args),
             Command::Stability(args) => commands::stability::run(&args),

@@ -6,10 +6,12 @@ mod named;
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use beside::Beside;
 use glam::DVec3;
 pub(crate) use named::{file_of, is_known, names, set_folder};
+use raystep_kernels::options::folder::Folder;
 use raystep_kernels::plan::Bytes;
 use raystep_lab::Hash;
 use raystep_lab::text::visible;
@@ -17,12 +19,15 @@ use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scen
 
 use crate::args::{CameraArgs, ReadArgs, SceneArgs, Vector, WRONG_FOV};
 use crate::error::{Error, reason};
+use crate::program_folder;
 
 /// Vertical angle of view for `--eye` without `--fov`, degrees.
 const DEFAULT_FOV_DEG: f64 = 40.0;
 
-/// A scene and its files.
+/// A scene and its files, or a program that needs none.
 pub(crate) struct SceneFile {
+    /// The program's folder.
+    pub(crate) folder: Option<Arc<Folder>>,
     /// The scene.
     pub(crate) scene: Scene,
     /// The canonical names of the file and of those it refers to: no output may replace them.
@@ -34,7 +39,24 @@ pub(crate) struct SceneFile {
 
 /// Reads a scene.
 pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
+    let found = read_any(args)?;
+    match &found.folder {
+        Some(folder) => Err(Error::usage(format!(
+            "{} is a program: expected a scene; 'raystep run', 'inspect', 'dump', 'plan' and 'check' take programs",
+            folder.place
+        ))),
+        None => Ok(found),
+    }
+}
+
+/// Reads a scene, or a program's folder in its place.
+pub(crate) fn read_any(args: &SceneArgs) -> Result<SceneFile, Error> {
     let SceneArgs { scene, scene_index, read } = args;
+    if let Some(at) = program_folder::find(scene) {
+        let (folder, files) = program_folder::read(&at)?;
+        let scene = Scene { name: folder.name.clone(), ..Scene::default() };
+        return Ok(SceneFile { folder: Some(Arc::new(folder)), scene, inputs: canonical(&files), files });
+    }
     let path = &file_of(scene)?;
     let options = LoadOptions { scene: *scene_index, max_bytes: read.max_memory, ..LoadOptions::default() };
     let failed = |problem: &dyn std::fmt::Display| Error::failed(format!("{}: {problem}", path.display()));
@@ -62,10 +84,10 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
         }
     }
     if named::built_in_name(path).is_some() {
-        return Ok(SceneFile { scene, inputs: vec![path.clone()], files: vec![path.clone()] });
+        return Ok(SceneFile { folder: None, scene, inputs: vec![path.clone()], files: vec![path.clone()] });
     }
     let files = files.into_read(path);
-    Ok(SceneFile { scene, inputs: canonical(&files), files })
+    Ok(SceneFile { folder: None, scene, inputs: canonical(&files), files })
 }
 
 /// The name of a scene's file without its folder; a built-in scene's is that of a GLB file.
@@ -91,6 +113,9 @@ pub(crate) fn beside(file: &Path, name: &str, read: ReadArgs) -> Result<PathBuf,
 
 /// Checks whether a file may be a scene, without reading it.
 pub(crate) fn expect_scene(path: &Path) -> Result<(), Error> {
+    if program_folder::find(path).is_some() {
+        return Ok(());
+    }
     let path = &file_of(path)?;
     if named::built_in_name(path).is_some() {
         return Ok(());

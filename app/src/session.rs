@@ -71,12 +71,34 @@ impl Session {
         progress: &Progress,
         adjust: impl FnOnce(&Scene, &mut Options),
     ) -> Result<Self, Error> {
+        Self::of(scene, scene_file::read, view, run, progress, adjust)
+    }
+
+    /// The same with a scene or a program's folder.
+    pub(crate) fn of_any(
+        scene: &SceneArgs,
+        view: &ViewArgs,
+        run: &RunArgs,
+        progress: &Progress,
+        adjust: impl FnOnce(&Scene, &mut Options),
+    ) -> Result<Self, Error> {
+        Self::of(scene, scene_file::read_any, view, run, progress, adjust)
+    }
+
+    fn of(
+        scene: &SceneArgs,
+        read: fn(&SceneArgs) -> Result<SceneFile, Error>,
+        view: &ViewArgs,
+        run: &RunArgs,
+        progress: &Progress,
+        adjust: impl FnOnce(&Scene, &mut Options),
+    ) -> Result<Self, Error> {
         run.check(view)?;
         let replaced = run.kernels.read()?;
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
         let scene_path = scene.scene.clone();
-        let SceneFile { scene, inputs, .. } = scene_file::read(scene)?;
+        let SceneFile { folder, scene, inputs, .. } = read(scene)?;
         for note in &scene.notes {
             progress.say(format_args!("note: {}", note.0));
         }
@@ -99,12 +121,12 @@ impl Session {
                 mapping.name(),
             ));
         }
-        let mut options = Options { replaced, ..Options::new(rays).chosen(&choices) };
+        let mut options = Options { replaced, folder, ..Options::new(rays).chosen(&choices) };
         adjust(&scene, &mut options);
         progress.stage("planning and building");
         let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;
         watch.lap("plan_and_grid");
-        if misses_all(&scene, &options, &plan) {
+        if options.traces_rays() && misses_all(&scene, &options, &plan) {
             progress.say(format_args!("note: {MISSES_ALL}"));
         }
         if let Some(note) = drawn_as_diffuse(&scene, &options) {

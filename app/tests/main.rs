@@ -23,6 +23,7 @@ mod link;
 mod mapping;
 mod messages;
 mod named;
+mod own_programs;
 mod paper;
 mod passes;
 mod plan;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use raystep_kernels::options::Choices;
+use raystep_kernels::options::folder::Folder;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::options::replacement::Replacement;
 use raystep_kernels::options::rows::{MOST_STEPS, Row, Values};
@@ -106,6 +107,9 @@ pub struct Settings {
     /// Kernels whose WGSL is the user's: neither links nor sessions have them.
     #[serde(skip)]
     pub replaced: Vec<Arc<Replacement>>,
+    /// A user's program, which was opened as scenes are.
+    #[serde(skip)]
+    pub folder: Option<Arc<Folder>>,
 }
 
 impl View {
@@ -182,7 +186,7 @@ impl Settings {
     /// Whether the program traces rays.
     #[must_use]
     pub fn traces_rays(&self) -> bool {
-        traces_rays(programs::chosen(&self.choices).program())
+        self.folder.is_none() && traces_rays(programs::chosen(&self.choices).program())
     }
 
     /// A link with these settings, without scene and place. A link cannot express parallel rays of a custom camera: it
@@ -315,7 +319,7 @@ impl Settings {
                 RaySource::Camera { camera: self.view.camera(scene), width, height }
             }
         };
-        let (counters, replaced) = (self.counters, self.replaced.clone());
-        Options { counters, timings: true, replaced, ..Options::new(rays).chosen(&self.taken()) }
+        let (counters, replaced, folder) = (self.counters, self.replaced.clone(), self.folder.clone());
+        Options { counters, timings: true, replaced, folder, ..Options::new(rays).chosen(&self.taken()) }
     }
 }

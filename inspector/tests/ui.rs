@@ -20,6 +20,7 @@ mod measured;
 mod names;
 mod opening;
 mod own_kernels;
+mod own_programs;
 mod passes;
 mod readable;
 mod retained;

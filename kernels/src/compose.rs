@@ -88,7 +88,7 @@ pub fn compose<'a>(
     source: &dyn Fn(&str) -> Option<&'a str>,
     option: &dyn Fn(&str) -> Option<bool>,
 ) -> Result<String, ComposeError> {
-    let linker = Linker { source, option, in_place: None, modules: BTreeMap::new(), order: Vec::new() };
+    let linker = Linker { source, option, in_place: &[], modules: BTreeMap::new(), order: Vec::new() };
     linker.composed(root, entry).map(|composed| composed.text)
 }
 
@@ -99,37 +99,38 @@ pub struct Composed {
     pub text: String,
     /// Of each declaration: its bytes in the text, its module, and where it begins in the module's text.
     origins: Vec<(Range<usize>, String, usize)>,
+    in_place: Vec<&'static str>,
 }
 
 impl Composed {
-    /// The module that a byte of the text is from, and which byte of the root it is, if it is from there.
+    /// The module that a byte of the text is from, and which byte of it, if that is composed in place.
     #[must_use]
-    pub fn origin(&self, at: usize, root: &str) -> Option<(&str, Option<usize>)> {
+    pub fn origin(&self, at: usize) -> Option<(&str, Option<usize>)> {
         let (range, module, first) = self.origins.iter().find(|(range, ..)| range.contains(&at))?;
-        Some((module, (module == root).then_some(first + at - range.start)))
+        Some((module, self.in_place.contains(&module.as_str()).then_some(first + at - range.start)))
     }
 }
 
-/// As [`compose`], but in the text of the root, what the options leave out becomes spaces: every place in it has a place in
-/// the root's file.
+/// As [`compose`], but in the text of some modules, what the options leave out becomes spaces: every place in it has a place
+/// in the module's file.
 ///
 /// # Errors
 /// As [`compose`].
 pub fn compose_in_place<'a>(
     root: &str,
     entry: &str,
+    in_place: &[&'static str],
     source: &dyn Fn(&str) -> Option<&'a str>,
     option: &dyn Fn(&str) -> Option<bool>,
 ) -> Result<Composed, ComposeError> {
-    let in_place = Some(root.to_owned());
     Linker { source, option, in_place, modules: BTreeMap::new(), order: Vec::new() }.composed(root, entry)
 }
 
 struct Linker<'f, 'a> {
     source: &'f dyn Fn(&str) -> Option<&'a str>,
     option: &'f dyn Fn(&str) -> Option<bool>,
-    /// The module in which what the options leave out becomes spaces.
-    in_place: Option<String>,
+    /// The modules in which what the options leave out becomes spaces.
+    in_place: &'f [&'static str],
     modules: BTreeMap<String, Module>,
     /// Loaded modules, in the order in which they were first reached.
     order: Vec<String>,
@@ -150,7 +151,7 @@ impl Linker<'_, '_> {
             return Ok(true);
         }
         let Some(text) = (self.source)(name) else { return Ok(false) };
-        let is_in_place = self.in_place.as_deref() == Some(name);
+        let is_in_place = self.in_place.contains(&name);
         let text = options::decided(name, text, self.option, is_in_place)?;
         let module = Module::parse(name, &text)?;
         // A declaration would silently take the place of what is imported under its name.
@@ -222,7 +223,7 @@ impl Linker<'_, '_> {
         }
         text.truncate(text.trim_end().len());
         text.push('\n');
-        Ok(Composed { text, origins })
+        Ok(Composed { text, origins, in_place: self.in_place.to_vec() })
     }
 }
 

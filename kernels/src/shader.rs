@@ -3,6 +3,7 @@
 //! [`compose`](crate::compose) resolves `import` and `@if`; naga parses and validates the result and tells what every
 //! entry point reads and writes, including through the functions it calls. The WGSL is the only list of bindings.
 
+mod before;
 mod blocks;
 mod guarded;
 mod layouts;
@@ -15,6 +16,7 @@ mod selects;
 mod sharing;
 mod uniform;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
@@ -26,10 +28,12 @@ use crate::options::features::Features;
 use crate::program::live::{self, LiveList};
 use crate::program::{self, Kernel};
 use crate::tables::stream::{Stream, Texel};
+pub use before::name_of_copy;
 pub(crate) use blocks::rewritten;
 pub use layouts::{ArrayLayout, Field, StructLayout};
 use layouts::{array_of, structs_of};
 pub(crate) use lists::in_textures;
+pub(crate) use mistake::place_in;
 pub use mistake::{Mistake, Place};
 pub(crate) use notes::statement_of;
 pub use notes::{MOST_ASSERTIONS, MOST_NOTE_WORDS, Noted, Notes, Printed};
@@ -275,8 +279,9 @@ fn reflected(kernel: Kernel, module: &Module, usage: &FunctionInfo) -> Result<Re
 /// The modules that a kernel may import from: its program's, and those made of the program's rows.
 #[must_use]
 pub fn modules(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Vec<program::Module> {
-    let own = (kernel.program().modules)(features);
-    own.into_iter().chain(live::modules(kernel, features, lists)).collect()
+    let program = kernel.program();
+    let files = program.files.iter().map(|file| (file.module, Cow::Borrowed(file.source)));
+    files.chain((program.modules)(features)).chain(live::modules(kernel, features, lists)).collect()
 }
 
 /// The WGSL that belongs to a kernel alone, before its options are decided: its file, and below it the modules named

@@ -22,6 +22,7 @@ mod mapping;
 mod mitsuba;
 mod names;
 mod own_kernels;
+mod own_programs;
 mod parity;
 mod path;
 mod plan;

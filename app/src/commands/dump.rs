@@ -23,6 +23,7 @@ use crate::args::choices::{ChoiceArgs, What};
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
 use crate::output::TargetFolder;
+use crate::program_folder;
 use crate::scene_file::read_file;
 use crate::session::{Running, Session};
 use crate::terminal::Progress;
@@ -110,7 +111,10 @@ fn parse_stream(value: &str) -> Result<Wanted, Infallible> {
 /// The streams that are named, of the program that runs; none for all of them.
 fn named_streams(args: &DumpArgs) -> Result<Vec<Stream>, Error> {
     let Choices { program, .. } = args.program.values;
-    let program = programs::chosen(&Choices { program, ..args.run.tracing.values }).program();
+    let program = match program_folder::find(&args.scene.scene) {
+        Some(folder) => program_folder::own(&folder)?.program,
+        None => programs::chosen(&Choices { program, ..args.run.tracing.values }).program(),
+    };
     let mut named = Vec::new();
     for wanted in &args.stream {
         let Wanted::Named(name) = wanted else { return Ok(Vec::new()) };
@@ -150,13 +154,14 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let progress = Progress::new(args.quiet.quiet);
     let named = named_streams(args)?;
     let is_wanted = |stream| named.is_empty() || named.contains(&stream);
-    let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
+    let mut session = Session::of_any(&args.scene, &args.view, &args.run, &progress, |_, options| {
         let Choices { program, elements, .. } = args.program.values;
         (options.program, options.elements) = (program, elements);
         if !args.run.tracing.has("steps-per-pass") {
             options.steps_per_pass = 1;
         }
-        let program = programs::chosen(&options.choices()).program();
+        // A program that is wrong is refused when the run is planned.
+        let Ok(program) = programs::program_of(options) else { return };
         options.counters = args.counters || program.results.is_some_and(|results| named.contains(&results.counters));
         // Much of the scene data is for shading.
         // Where several kernels finish rays, these cast others, in passes that are counted by running them.

@@ -85,7 +85,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
     }
     let target = args.intensity_csv.as_deref().map(Target::new).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
-    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
+    let session = Session::of_any(&args.scene, &args.view, &args.run, &progress, |_, options| {
         (options.program, options.elements) = (program, elements);
         options.counters = args.counters;
     })?;

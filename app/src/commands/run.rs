@@ -1,47 +1,53 @@
 //! `raystep run`: programs that need no scene.
 
+mod result;
+
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
-use raystep_kernels::export::npy;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::plan::Plan;
+use raystep_kernels::programs::own::OwnResult;
 use raystep_kernels::programs::{Alone, registered};
-use raystep_kernels::{Options, RaySource};
+use raystep_kernels::{Options, RaySource, Stream, StreamData};
 use raystep_scenes::{Camera, Scene};
 
 use crate::args::choices::{Amount, ChoiceArgs};
 use crate::args::{DeviceArgs, QuietArgs};
 use crate::device;
 use crate::error::Error;
-use crate::output::{Target, write};
+use crate::output::{Target, ending, write};
+use crate::program_folder;
 use crate::session::{Session, Stopwatch};
 use crate::terminal::{Progress, print};
+use crate::usage::did_you_mean;
 
 /// Run a stream program that needs no scene
 ///
-/// sort puts random keys in ascending order. Its passes are a network of comparisons that does not depend on the keys:
-/// 136 passes for 65,536 keys. 'raystep inspect cornell-box --program sort' shows them one by one.
+/// A folder with program.toml is a program of your own; 'raystep new NAME' makes one. sort puts random keys in ascending
+/// order. Its passes are a network of comparisons that does not depend on the keys: 136 passes for 65,536 keys.
+/// 'raystep inspect FOLDER' and 'raystep inspect cornell-box --program sort' show the passes one by one.
 #[derive(Args, Debug)]
-#[command(mut_arg("seed", |seed| seed.help("Seed of the keys")), after_help = "\
+#[command(mut_arg("seed", |seed| seed.help("Seed of sort's keys")), mut_arg("elements", |elements| elements.help("How many keys sort has")),
+    after_help = "\
 Examples:
+  raystep run my-program -o result.png
+  raystep run my-program --passes-csv passes.csv --device gpu
   raystep run sort --elements 65536 --check
-  raystep run sort --elements 1000000 --device gpu --passes-csv passes.csv
   raystep run sort --seed 7 -o keys.npy
-  raystep inspect cornell-box --program sort --elements 1024")]
+  raystep inspect my-program")]
 pub(crate) struct RunProgramArgs {
-    /// The program
-    #[arg(value_parser = PossibleValuesParser::new(alone().map(named)).try_map(|name| parse(&name)))]
-    program: Runs,
+    /// The program: a folder with program.toml, or sort
+    program: PathBuf,
     #[command(flatten)]
     size: ChoiceArgs<Amount>,
-    /// Compare with the same computation on the host, and fail if a result differs
+    /// Of sort: compare with the same computation on the host, and fail if a result differs; for a folder there is 'raystep
+    /// check'
     #[arg(long)]
     check: bool,
-    /// Write the results as an npy array (layer, row, column) of uint32: of sort, the keys, and the element that each came
-    /// from
+    /// Write the result: as a picture (.png), a plot (.svg), a table with a row per element (.csv), or an array (layer, row, column) (.npy)
     #[arg(short, long, value_name = "F")]
     output: Option<PathBuf>,
     /// Time every pass, and write one row per pass
@@ -53,17 +59,73 @@ pub(crate) struct RunProgramArgs {
     device: DeviceArgs,
 }
 
+/// What runs.
+struct Runs {
+    options: Options,
+    /// The stream of the results, if it is known.
+    results: Option<Stream>,
+    shown: Option<OwnResult>,
+    /// Whether results are right, if they are the same on the host.
+    are_right: Option<fn(&Options, &StreamData) -> bool>,
+    files: Vec<PathBuf>,
+}
+
+/// The names of programs that need no scene.
+fn alone() -> impl Iterator<Item = (ProgramName, &'static Alone)> {
+    ProgramName::ALL.iter().filter_map(|&name| Some((name, registered(name).alone.as_ref()?)))
+}
+
+/// A view for programs that look at none.
+fn nothing() -> RaySource {
+    RaySource::Camera { camera: Camera::framing(&Scene::default().bounds()), width: 1, height: 1 }
+}
+
+impl Runs {
+    fn of(program: &Path, size: &ChoiceArgs<Amount>) -> Result<Self, Error> {
+        if let Some(folder) = program_folder::find(program) {
+            let (folder, files) = program_folder::read(&folder)?;
+            let folder = Arc::new(folder);
+            let own = program_folder::program(&folder)?;
+            let options = Options { folder: Some(folder), ..size.options(nothing()) };
+            let results = own.result.map(|result| result.stream);
+            return Ok(Self { options, results, shown: own.result, are_right: None, files });
+        }
+        let name = program.to_string_lossy();
+        if let Some((name, alone)) = alone().find(|(of, _)| of.name() == name) {
+            let options = Options { program: name, ..size.options(nothing()) };
+            let are_right = Some(alone.are_right);
+            return Ok(Self { options, results: Some(alone.results), shown: None, are_right, files: Vec::new() });
+        }
+        let names: Vec<&str> = alone().map(|(name, _)| name.name()).collect();
+        let hint = did_you_mean(&name, &names);
+        Err(Error::usage(format!(
+            "{name}: neither a folder with program.toml nor a program that needs no scene; {hint}'raystep new NAME' makes a folder"
+        )))
+    }
+}
+
 pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
-    let Runs { name, alone } = args.program;
+    if let Some(path) = &args.output {
+        ending("-o", path, &["png", "svg", "csv", "npy"])?;
+    }
     let output = args.output.as_deref().map(Target::new).transpose()?;
     let passes = args.passes_csv.as_deref().map(Target::new).transpose()?;
+    let runs = Runs::of(&args.program, &args.size)?;
+    crate::output::refuse_inputs(&[output.as_ref(), passes.as_ref()], &crate::scene_file::canonical(&runs.files))?;
+    if args.check && runs.are_right.is_none() {
+        return Err(Error::usage("--check: 'raystep check FOLDER' checks a program of your own"));
+    }
+    if output.is_some() && runs.results.is_none() {
+        return Err(Error::usage(
+            "-o: program.toml names no result; [result] needs stream = \"NAME\", and 'raystep dump' writes all streams",
+        ));
+    }
     let progress = Progress::new(args.quiet.quiet);
     let mut watch = Stopwatch::start();
     let chosen = device::choose(&args.device)?;
     watch.lap("device");
     let scene = Scene { name: "none".into(), ..Scene::default() };
-    let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 1, height: 1 };
-    let options = Options { program: name, timings: passes.is_some(), ..args.size.options(rays) };
+    let options = Options { timings: passes.is_some(), ..runs.options };
     let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;
     watch.lap("plan");
     let session = Session { scene_path: PathBuf::new(), scene, inputs: Vec::new(), options, chosen, plan, data, watch };
@@ -73,25 +135,37 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
         ControlFlow::Continue(())
     };
     running.chosen.wait(running.renderer.run(show))?;
-    let results = running.chosen.wait(running.renderer.values(alone.results))?;
+    let results = match runs.results {
+        Some(stream) => Some(running.chosen.wait(running.renderer.values(stream))?),
+        None => None,
+    };
     let mut files = Vec::new();
     if let Some(target) = passes {
         files.push((target, running.passes_csv(&running.run_context(), &[])?));
     }
-    if let Some(target) = output {
-        let mut bytes = Vec::new();
-        npy::write_stream(&mut bytes, &results).map_err(|error| Error::failed(error.to_string()))?;
+    if let Some((target, results)) = output.zip(results.as_ref()) {
+        let elements = running.renderer.size(results.stream.info().elements).map_or(0, |size| size.count);
+        let bytes = result::file(
+            target.path(),
+            results,
+            elements,
+            runs.shown.as_ref(),
+            running.renderer.plan().program.states,
+        )?;
         files.push((target, bytes));
     }
     write(files)?;
     progress.finish();
 
     let renderer = &running.renderer;
-    let is_right = args.check.then(|| (alone.are_right)(&running.options, &results));
+    let is_right = args.check.then(|| {
+        runs.are_right.zip(results.as_ref()).is_some_and(|(are_right, results)| are_right(&running.options, results))
+    });
     let device = running.chosen.gpu().map_or("CPU".into(), |gpu| gpu.info.name.clone());
+    let main = renderer.plan().program.elements[0];
     let mut lines = vec![
         ("device", format!("{device}: {}", running.chosen.reason)),
-        (renderer.plan().program.elements[0].name, running.options.elements.to_string()),
+        (main.name, renderer.plan().rays.to_string()),
         ("passes", renderer.pass_count().to_string()),
     ];
     let ns = renderer.device_ns().filter(|&ns| ns > 0).or(renderer.host_ns());
@@ -103,24 +177,4 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
         Some(false) => Err(Error::failed("the results are not those of the host: a defect of raystep")),
         _ => Ok(()),
     }
-}
-
-/// A program that needs no scene.
-#[derive(Clone, Copy, Debug)]
-struct Runs {
-    name: ProgramName,
-    alone: &'static Alone,
-}
-
-/// All of them.
-fn alone() -> impl Iterator<Item = Runs> {
-    ProgramName::ALL.iter().filter_map(|&name| Some(Runs { name, alone: registered(name).alone.as_ref()? }))
-}
-
-fn named(runs: Runs) -> PossibleValue {
-    PossibleValue::new(runs.name.name()).help(registered(runs.name).program().summary)
-}
-
-fn parse(name: &str) -> Result<Runs, &'static str> {
-    alone().find(|runs| runs.name.name() == name).ok_or("expected a program that needs no scene")
 }

@@ -6,9 +6,9 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use raystep_inspector::session::preview::Preview;
+use raystep_inspector::session::request::Loaded;
 use raystep_inspector::settings::Settings;
 use raystep_lab::block_on;
-use raystep_scenes::Scene;
 
 use super::SceneChoice;
 use crate::args::{ReadArgs, SceneArgs};
@@ -22,7 +22,7 @@ pub(crate) struct Opening {
     choice: SceneChoice,
     settings: Settings,
     /// The scene, or why it cannot be read.
-    pub(super) scene: Receiver<Result<Arc<Scene>, String>>,
+    pub(super) scene: Receiver<Result<Loaded, String>>,
     /// Its preview, if there will be one.
     pub(super) preview: Receiver<Preview>,
 }
@@ -34,8 +34,10 @@ impl Opening {
         let opening = Self { choice: choice.clone(), settings: settings.clone(), scene, preview };
         std::thread::spawn(move || {
             let file = SceneArgs { scene: choice.path, scene_index: choice.index, read };
-            let read = scene_file::read(&file).map(|read| Arc::new(read.scene)).map_err(|e| e.message().to_owned());
-            let scene = read.as_ref().ok().cloned();
+            let read = scene_file::read_any(&file).map_err(|e| e.message().to_owned());
+            let read = read.map(|read| Loaded { scene: Arc::new(read.scene), folder: read.folder });
+            // A program has no rays to preview.
+            let scene = read.as_ref().ok().filter(|read| read.folder.is_none()).map(|read| read.scene.clone());
             let is_wanted = tell_scene.send(read).is_ok();
             let Some(scene) = scene.filter(|_| is_wanted) else { return };
             let begin = Instant::now();

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use futures_channel::mpsc::{UnboundedSender, unbounded};
 use futures_channel::oneshot;
 use js_sys::Uint8Array;
-use raystep_inspector::session::request::Loader;
+use raystep_inspector::session::request::{Loaded, Loader};
 use raystep_inspector::session_file::{EXTENSION, MOST_BYTES};
 use raystep_inspector::ui::host::HostEvent;
 use raystep_scenes::{ENDINGS, FileError, LoadOptions, Resolver, Scene, external_files, load};
@@ -235,7 +235,7 @@ impl Files {
                 loop {
                     match receive.recv().await {
                         Ok(Fetching::Progress(done, of)) if on_read(done, of) => {}
-                        Ok(Fetching::Done(fetched)) => return read(&path, scene, &fetched?).map(Arc::new),
+                        Ok(Fetching::Done(fetched)) => return read(&path, scene, &fetched?).map(Loaded::from),
                         Ok(Fetching::Progress(..)) | Err(_) => return Err(format!("{path}: cancelled")),
                     }
                 }

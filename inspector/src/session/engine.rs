@@ -18,7 +18,7 @@ use raystep_scenes::Scene;
 use super::Session;
 use super::confirm::Confirming;
 use super::glimpse::Glimpses;
-use super::request::{JobContext, Request, Texels, Update};
+use super::request::{JobContext, Loaded, Request, Texels, Update};
 use crate::settings::Settings;
 
 /// The name of opening a scene in errors.
@@ -208,12 +208,12 @@ impl Server {
         match request {
             Request::Open { path, load, settings } => {
                 self.say(Update::Progress("reading the scene", 0, 0));
-                let scene = match load(Box::new(self.reporter("reading the scene"))).await {
-                    Ok(scene) => scene,
+                let Loaded { scene, folder } = match load(Box::new(self.reporter("reading the scene"))).await {
+                    Ok(loaded) => loaded,
                     Err(_) if self.is_cancelled() => return Err(Trouble::Cancelled),
                     Err(message) => return Err(Trouble::Failed(message)),
                 };
-                self.open(Some(path), scene, *settings, 0).await
+                self.open(Some(path), scene, Settings { folder, ..*settings }, 0).await
             }
             Request::Share(scene, settings) => self.open(None, scene, *settings, 0).await,
             Request::Plan(settings) => self.plan(*settings).await,

@@ -14,12 +14,34 @@ use raystep_scenes::Scene;
 use super::measure::Measure;
 use super::{Direction, Edit, Fired, Sketch, Target, Watch};
 use crate::settings::Settings;
+use raystep_kernels::options::folder::Folder;
 
 /// Reads a scene; the error is one line.
 pub type Loader = Box<dyn FnOnce(OnRead) -> Loading + Send>;
 
 /// The future of a [`Loader`].
-pub type Loading = std::pin::Pin<Box<dyn Future<Output = Result<Arc<Scene>, String>> + Send>>;
+pub type Loading = std::pin::Pin<Box<dyn Future<Output = Result<Loaded, String>> + Send>>;
+
+/// What a [`Loader`] has read.
+pub struct Loaded {
+    /// The scene; empty for a program that needs none.
+    pub scene: Arc<Scene>,
+    /// The user's program.
+    pub folder: Option<Arc<Folder>>,
+}
+
+impl From<Scene> for Loaded {
+    fn from(scene: Scene) -> Self {
+        Self { scene: Arc::new(scene), folder: None }
+    }
+}
+
+impl From<Folder> for Loaded {
+    fn from(folder: Folder) -> Self {
+        let scene = Scene { name: folder.name.clone(), ..Scene::default() };
+        Self { scene: Arc::new(scene), folder: Some(Arc::new(folder)) }
+    }
+}
 
 /// Called by a loader that takes long: bytes read so far, and in total, 0 if that is not known. It returns whether to go
 /// on.
@@ -27,7 +49,7 @@ pub type OnRead = Box<dyn FnMut(u64, u64) -> bool + Send>;
 
 /// A loader that reads the scene at once, where it may block.
 pub fn at_once(read: impl FnOnce() -> Result<Scene, String> + Send + 'static) -> Loader {
-    Box::new(|_| Box::pin(async { read().map(Arc::new) }))
+    Box::new(|_| Box::pin(async { read().map(Loaded::from) }))
 }
 
 /// A request. Requests are served one after the other.

@@ -4,15 +4,30 @@ use std::sync::{Arc, Mutex};
 
 use raystep_inspector::session::engine::EngineTask;
 use raystep_inspector::session::preview::Preview;
-use raystep_inspector::session::request::{Loader, at_once};
+use raystep_inspector::session::request::{Loaded, Loader, at_once};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
+use raystep_kernels::options::folder::Folder;
 use raystep_scenes::{Light, LoadOptions, NoFiles, Scene, generate, load};
 
 use crate::ui::adapter::block_on;
 
 /// The scene of most tests.
+/// A program in place of a scene.
+pub(crate) const PROGRAM: &str = "work/life";
+
+/// The Game of Life, on a small field.
+pub(crate) fn life() -> Folder {
+    let files = [
+        ("program.toml", include_str!("../../../app/programs/life/program.toml").replace("[256, 256]", "[48, 32]")),
+        ("seed.wgsl", include_str!("../../../app/programs/life/seed.wgsl").to_owned()),
+        ("generation.wgsl", include_str!("../../../app/programs/life/generation.wgsl").to_owned()),
+    ];
+    let files = files.map(|(name, text)| (name.to_owned(), text.into_bytes()));
+    Folder::new("life".into(), PROGRAM.into(), files.into()).expect("a folder")
+}
+
 pub(crate) const CORNELL: &str = "cornell-box";
 /// The same room with lights of every kind, of which the last is behind its back wall.
 pub(crate) const ROOM: &str = "room";
@@ -98,6 +113,9 @@ impl Host for TestHost {
             self.desk().events.push(HostEvent::Previewed { path: path.into(), preview });
         }
         let path = path.to_owned();
+        if path == PROGRAM {
+            return Box::new(|_| Box::pin(async { Ok(Loaded::from(life())) }));
+        }
         at_once(move || {
             let json = match path.as_str() {
                 CORNELL => return Ok(generate::cornell_box()),

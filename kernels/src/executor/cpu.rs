@@ -179,6 +179,9 @@ impl<R: Precision> CpuExecutor<R> {
         let adopted: Vec<_> = adopted.into_iter().map(|(to, from)| (to, self.rows_alone(from))).collect();
         self.resize(sizes)?;
         adopted.into_iter().for_each(|(stream, rows)| self.put_rows(stream, &rows));
+        let copied = kernel.instance().copies.iter().map(|&(to, from)| (to, self.rows_alone(from)));
+        let copied: Vec<_> = copied.collect();
+        copied.into_iter().for_each(|(stream, rows)| self.put_rows(stream, &rows));
         let begin_ns = self.clock.map(|now| now());
         let threads_launched = match kernel.info().twin {
             Twin::Element { .. } => self.run_elements(kernel, scene)?,
@@ -186,6 +189,7 @@ impl<R: Precision> CpuExecutor<R> {
                 twin(&mut columns::All(self, call), scene);
                 u64::from(self.size(kernel.instance().over).map_or(0, |size| size.count))
             }
+            Twin::Interpreted => self.run_interpreted(call, scene)?,
         };
         let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
         let elements = self.size(kernel.instance().over).map_or(0, |size| size.count);

@@ -2,6 +2,7 @@
 
 pub mod bytes;
 pub mod named;
+pub mod npy;
 pub mod parallel;
 pub mod real;
 pub mod srgb;

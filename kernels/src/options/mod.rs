@@ -1,6 +1,7 @@
 //! A user's options, and the options of the kernels that follow from them.
 
 pub mod features;
+pub mod folder;
 mod grid_size;
 pub mod keep;
 mod light;
@@ -18,6 +19,7 @@ use std::sync::Arc;
 
 pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
+use folder::Folder;
 pub use grid_size::{GridSize, MOST_CELLS};
 use keep::Keep;
 pub use light::{Environment, Integrator, MAX_DEPTH, MOST_BOUNCES, MOST_DEPTH, Strategy};
@@ -270,6 +272,8 @@ pub struct Options {
     pub samples: Samples,
     /// `--kernel`: kernels whose WGSL is a user's.
     pub replaced: Vec<Arc<Replacement>>,
+    /// A user's program, which runs in place of [`program`](Self::program).
+    pub folder: Option<Arc<Folder>>,
 }
 
 impl Options {
@@ -306,7 +310,14 @@ impl Options {
             keep: Keep::NONE,
             samples: Samples::default(),
             replaced: Vec::new(),
+            folder: None,
         }
+    }
+
+    /// Whether it traces the rays of a scene.
+    #[must_use]
+    pub fn traces_rays(&self) -> bool {
+        self.program == ProgramName::ClosestHit && self.folder.is_none()
     }
 }
 

@@ -141,7 +141,8 @@ pub(crate) fn variants(
         let lists = live::lists_of(kernel, &lists);
         match replaced.iter().rfind(|by| by.kernel == kernel.name()) {
             Some(by) => Variant::replaced(kernel, features, &lists, by),
-            None => Variant::new(kernel, features, &lists),
+            None if program.files.is_empty() => Variant::new(kernel, features, &lists),
+            None => Variant::of_folder(kernel, features, &lists),
         }
     };
     kernels.into_iter().map(variant).collect()
@@ -227,9 +228,12 @@ impl Plan {
         self.streams.iter().any(|s| s.what == stream)
     }
 
-    /// The users' files that some kernels are from.
+    /// The users' files that some kernels are from, in place of ours.
     #[must_use]
     pub fn replaced(&self) -> Vec<Arc<Replacement>> {
+        if !self.program.files.is_empty() {
+            return Vec::new();
+        }
         self.variants.iter().filter_map(|variant| Some(variant.replaced.as_ref()?.by.clone())).collect()
     }
 

@@ -7,7 +7,7 @@ use super::check::PlanError;
 use super::{Limits, Plan, PlannedSet, bound_by, variants};
 use crate::options::{Accelerator, Options};
 use crate::program::Program;
-use crate::program::schedule::Schedule;
+use crate::program::schedule::{MOST_PASSES, Schedule};
 use crate::program::sizes::{TooMany, derive};
 use crate::scene_data::SceneData;
 use crate::shared::launch::MOST_ELEMENTS;
@@ -18,22 +18,29 @@ pub(crate) struct Over<'a> {
     pub(crate) program: &'static Program,
     pub(crate) schedule: Schedule,
     /// The sets whose sizes are known, and these; the first is the program's main set.
-    pub(crate) given: &'a [(&'static Elements, u64)],
+    pub(crate) sizes: &'a [(&'static Elements, Size)],
     /// The structure that is built; [`Accelerator::None`] if none is.
     pub(crate) accelerator: Accelerator,
+}
+
+/// So many elements of a set, one after the other.
+pub(crate) fn in_rows(
+    elements: &'static Elements,
+    count: u64,
+    limits: &Limits,
+) -> Result<(&'static Elements, Size), TooMany> {
+    let most = MOST_ELEMENTS.min(u64::from(limits.image_side).pow(2));
+    let size = Size::folded(count, limits.image_side).filter(|_| count <= MOST_ELEMENTS);
+    Ok((elements, size.ok_or(TooMany { elements: elements.name, count, most })?))
 }
 
 impl Over<'_> {
     /// Plans the run; `data` is what its kernels read.
     pub(crate) fn plan(self, data: &SceneData, options: &Options, limits: &Limits) -> Result<Plan, PlanError> {
-        let Self { program, schedule, given, accelerator } = self;
-        let most = MOST_ELEMENTS.min(u64::from(limits.image_side).pow(2));
+        let Self { program, schedule, sizes, accelerator } = self;
         let mut known = vec![None; program.elements.len()];
         for (size, elements) in known.iter_mut().zip(program.elements) {
-            if let Some(&(_, count)) = given.iter().find(|(set, _)| set.name == elements.name) {
-                let folded = Size::folded(count, limits.image_side).filter(|_| count <= MOST_ELEMENTS);
-                *size = Some(folded.ok_or(TooMany { elements: elements.name, count, most })?);
-            }
+            *size = sizes.iter().find(|(set, _)| set.name == elements.name).map(|&(_, size)| size);
         }
         derive(program, &mut known, limits.image_side)?;
         let sets: Vec<_> = program.elements.iter().zip(known).map(|(&what, size)| PlannedSet { what, size }).collect();
@@ -54,7 +61,7 @@ impl Over<'_> {
             accelerator,
             is_gpu: limits.is_gpu,
             features: data.features,
-            pass_bound: schedule.steps.len() as u64,
+            pass_bound: if program.files.is_empty() { schedule.steps.len() as u64 } else { MOST_PASSES },
             schedule,
             variants,
             sharing,

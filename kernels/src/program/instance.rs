@@ -39,6 +39,8 @@ pub struct Instance {
     /// the size of the set of `from`, which then has no size until it is renewed. If it has none to begin with, nothing
     /// happens.
     pub adopts: &'static [(Stream, Stream)],
+    /// Pairs (to, from): before the kernel runs, the stream `from` is copied to `to`, of the same elements.
+    pub copies: &'static [(Stream, Stream)],
 }
 
 impl Instance {
@@ -55,6 +57,7 @@ impl Instance {
             changes: None,
             renews: &[],
             adopts: &[],
+            copies: &[],
         }
     }
 }

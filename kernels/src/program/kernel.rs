@@ -32,6 +32,8 @@ pub enum Twin {
     },
     /// For a kernel whose elements read each other.
     Pass(PassTwin),
+    /// A kernel of a user's program has no Rust: its WGSL is interpreted.
+    Interpreted,
 }
 
 impl fmt::Debug for Twin {
@@ -39,6 +41,7 @@ impl fmt::Debug for Twin {
         f.write_str(match self {
             Self::Element { .. } => "Element",
             Self::Pass(_) => "Pass",
+            Self::Interpreted => "Interpreted",
         })
     }
 }

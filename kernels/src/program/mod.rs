@@ -63,6 +63,19 @@ pub struct Program {
     /// Its own WGSL modules that kernels import from, by name: `package::NAME`. All may also import what is made of the
     /// program's rows: see [`live`].
     pub modules: fn(&Features) -> Vec<Module>,
+    /// The WGSL files of a user's program, its kernels among them; empty for ours.
+    pub files: &'static [UserFile],
+}
+
+/// A WGSL file of a user's program.
+#[derive(Clone, Copy, Debug)]
+pub struct UserFile {
+    /// The module that others import it as: its name without the ending.
+    pub module: &'static str,
+    /// What it is called in messages.
+    pub file: &'static str,
+    /// Its text.
+    pub source: &'static str,
 }
 
 /// The course of a set's elements through states: where it begins and ends. Elements whose set has none have no states.
@@ -113,6 +126,12 @@ impl Program {
     #[must_use]
     pub fn stream(&'static self, name: &str) -> Option<Stream> {
         self.streams().find(|stream| stream.name() == name)
+    }
+
+    /// The WGSL file of a user's program with this module.
+    #[must_use]
+    pub fn file(&self, module: &str) -> Option<&'static UserFile> {
+        self.files.iter().find(|file| file.module == module)
     }
 
     /// The buffer with this name.

@@ -8,6 +8,9 @@ use crate::tables::kernel::Role;
 use crate::tables::state::Population;
 pub use cursor::Cursor;
 
+/// Most passes of a run of a user's program.
+pub const MOST_PASSES: u64 = 1_000_000;
+
 /// A step of a schedule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {

@@ -3,6 +3,7 @@
 pub mod closest_hit;
 pub mod grid_build;
 pub mod light;
+pub mod own;
 pub mod path;
 pub mod primitives;
 pub mod sort;
@@ -15,6 +16,7 @@ use crate::plan::{Limits, Plan, PlanError, check_choices};
 use crate::program::Program;
 use crate::program::schedule::Schedule;
 use crate::scene_data::SceneData;
+use crate::shader::Mistake;
 use crate::tables::stream::{Stream, StreamData};
 pub(crate) use closest_hit::plan::Built;
 
@@ -101,7 +103,18 @@ pub fn named(name: ProgramName) -> &'static Program {
     registered(name).program()
 }
 
-/// The program that these options choose.
+/// The program that runs with these options.
+///
+/// # Errors
+/// If it is a user's, and wrong.
+pub fn program_of(options: &Options) -> Result<&'static Program, Box<Mistake>> {
+    match &options.folder {
+        Some(folder) => Ok(own::read(folder)?.program),
+        None => Ok(chosen(&options.choices()).program()),
+    }
+}
+
+/// The program that these choices name.
 #[must_use]
 pub fn chosen(choices: &Choices) -> &'static Registered {
     let is_it = |it: &&Registered| it.name == choices.program && it.integrators.contains(&choices.integrator);
@@ -129,7 +142,10 @@ impl Plan {
     /// If the scene or the options do not fit `limits`, with the numbers.
     pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
         check_choices(options, limits)?;
-        let (plan, data) = (chosen(&options.choices()).plan)(scene, options, limits)?;
+        let (plan, data) = match &options.folder {
+            Some(folder) => own::plan(folder, options, limits)?,
+            None => (chosen(&options.choices()).plan)(scene, options, limits)?,
+        };
         if let Some(by) = options.replaced.iter().find(|by| !plan.has_replaced(&by.kernel)) {
             let (kernel, file, program) = (&by.kernel, &by.file, plan.program.name);
             return Err(PlanError::Refused(format!(

@@ -32,6 +32,12 @@ pub enum RenderError {
         /// Number of passes that were complete.
         passes: usize,
     },
+    /// A user's program does not end.
+    #[error("the program has not ended after {passes} passes: check the conditions of its schedule's loops")]
+    Endless {
+        /// Number of passes.
+        passes: u64,
+    },
     /// The stream is not part of the plan.
     #[error("stream {0:?} is omitted from this run's plan")]
     NoStream(&'static str),

@@ -112,7 +112,7 @@ impl Plan {
             let why = "--build device needs compute shaders, which this adapter does not have: use --build host";
             return Err(PlanError::Refused(why.into()).into());
         }
-        if !is_for_device || options.program != ProgramName::ClosestHit {
+        if !is_for_device || !options.traces_rays() {
             return Ok(Self::new(scene, options, &limits)?);
         }
         let building = Options {

@@ -131,6 +131,10 @@ impl Renderer {
         if self.is_over_bound() {
             self.give_up_walks().await?;
         }
+        let is_own = !self.plan.program.files.is_empty();
+        if is_own && self.pass_count() as u64 >= self.pass_bound && self.next_kernel().is_some() {
+            return Err(RenderError::Endless { passes: self.pass_bound });
+        }
         let foreseen = self.foreseen.get(self.pass_count()..).filter(|left| !left.is_empty());
         let mut guess = match foreseen {
             Some(left) => left[..left.len().min(most)].to_vec(),
@@ -220,7 +224,8 @@ impl Renderer {
     /// Only possible with the paper's numerics: a ray wraps over a face of the grid.
     fn is_over_bound(&self) -> bool {
         let is_first = self.unfinished == 0 || self.plan.has_more_walks();
-        is_first && self.undecided() > 0 && self.records.of_sample() as u64 >= self.pass_bound
+        let is_ours = self.plan.program.files.is_empty();
+        is_ours && is_first && self.undecided() > 0 && self.records.of_sample() as u64 >= self.pass_bound
     }
 
     /// Ends the walks that are still active. If another sample or ray follows, their rays count as misses:

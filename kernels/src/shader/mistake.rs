@@ -61,7 +61,11 @@ impl Error for Mistake {}
 
 /// The place of a byte in a file's text.
 pub(super) fn place_of(by: &Replacement, at: usize) -> Place {
-    let source = &by.source;
+    place_in(&by.file, &by.source, at)
+}
+
+/// The place of a byte in a text.
+pub(crate) fn place_in(file: &str, source: &str, at: usize) -> Place {
     let mut at = at.min(source.len());
     while !source.is_char_boundary(at) {
         at -= 1;
@@ -69,5 +73,5 @@ pub(super) fn place_of(by: &Replacement, at: usize) -> Place {
     let first = source[..at].rfind('\n').map_or(0, |end| end + 1);
     let text = source[first..].lines().next().unwrap_or_default().to_owned();
     let (line, column) = (source[..first].matches('\n').count() + 1, source[first..at].chars().count() + 1);
-    Place { file: by.file.clone(), line, column, text }
+    Place { file: file.to_owned(), line, column, text }
 }

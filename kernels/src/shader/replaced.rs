@@ -5,18 +5,20 @@ mod fits;
 use std::error::Error;
 use std::sync::Arc;
 
-use naga::valid::{CallError, Capabilities, FunctionError, ValidationError, ValidationFlags, Validator};
-use naga::{ShaderStage, Span, WithSpan};
+use naga::valid::{CallError, Capabilities, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator};
+use naga::{Module, ShaderStage, Span, WithSpan};
 
-use super::mistake::{Mistake, Place, place_of};
+use super::before::from_copies;
+use super::mistake::{Mistake, Place, place_in, place_of};
 use super::notes::{Marked, Notes};
 use super::uniform::astray;
-use super::{Resource, ShaderError, Variant, modules, reflected};
+use super::{Reflected, Resource, ShaderError, Variant, modules, reflected};
 use crate::compose::{ComposeError, Composed, WordKind, compose_in_place};
 use crate::options::features::Features;
 use crate::options::replacement::Replacement;
-use crate::program::Kernel;
 use crate::program::live::LiveList;
+use crate::program::{Kernel, UserFile};
+use crate::tables::stream::Stream;
 use fits::{distinct, fits};
 
 /// What a kernel's WGSL was replaced by.
@@ -25,7 +27,8 @@ pub struct Replaced {
     /// The user's file.
     pub by: Arc<Replacement>,
     composed: Composed,
-    root: &'static str,
+    /// The files of the program, if it is a user's.
+    files: &'static [UserFile],
     /// What it prints and asserts.
     pub notes: Notes,
 }
@@ -39,8 +42,16 @@ impl Replaced {
     /// The place in the user's file of a byte of the composed source; `None` if that is from another module.
     #[must_use]
     pub fn place(&self, at: usize) -> Option<Place> {
-        let (_, byte) = self.composed.origin(at, self.root)?;
-        byte.map(|byte| place_of(&self.by, byte))
+        let (module, byte) = self.composed.origin(at)?;
+        byte.map(|byte| self.place_in(module, byte))
+    }
+
+    /// The place of a byte of a user's module: the file that replaces a kernel, or one of a program's.
+    fn place_in(&self, module: &str, byte: usize) -> Place {
+        match self.files.iter().find(|file| file.module == module) {
+            Some(file) => place_in(file.file, file.source, byte),
+            None => place_of(&self.by, byte),
+        }
     }
 
     /// The first byte of a line of the composed source, from 1.
@@ -59,7 +70,7 @@ impl Replaced {
     /// A place of the composed source as a reader finds it: in their file, or in a module that they import from.
     #[must_use]
     pub fn named_line(&self, line: usize) -> String {
-        match (self.place_of_line(line), self.composed.origin(self.first_of(line), self.root)) {
+        match (self.place_of_line(line), self.composed.origin(self.first_of(line))) {
             (Some(place), _) => format!("{}:{}", place.file, place.line),
             (None, Some((module, _))) => format!("package::{module}"),
             (None, None) => self.by.file.clone(),
@@ -70,8 +81,8 @@ impl Replaced {
     fn mistake(&self, spans: impl IntoIterator<Item = Span>, message: String) -> Mistake {
         let mut elsewhere = None;
         for range in spans.into_iter().filter_map(Span::to_range) {
-            match self.composed.origin(range.start, self.root) {
-                Some((_, Some(byte))) => return Mistake { place: place_of(&self.by, byte), message },
+            match self.composed.origin(range.start) {
+                Some((module, Some(byte))) => return Mistake { place: self.place_in(module, byte), message },
                 Some((module, None)) => elsewhere = elsewhere.or(Some(module.to_owned())),
                 None => {}
             }
@@ -96,7 +107,22 @@ impl Variant {
         by: &Arc<Replacement>,
     ) -> Result<Self, ShaderError> {
         let features = &kernel.features(features);
-        Self::of_user(kernel, features, lists, by).map_err(|mistake| ShaderError::Mistake(Box::new(mistake)))
+        let root = kernel.info().name;
+        Self::of_user(kernel, features, lists, by, root).map_err(|mistake| ShaderError::Mistake(Box::new(mistake)))
+    }
+
+    /// A kernel of a user's program.
+    ///
+    /// # Errors
+    /// If the WGSL is not valid, or does not fit the program: with its place.
+    pub(crate) fn of_folder(kernel: Kernel, features: &Features, lists: &[LiveList]) -> Result<Self, ShaderError> {
+        let source = kernel.info().wgsl;
+        let file = kernel.program().files.iter().find(|file| std::ptr::eq(file.source, source));
+        let (module, file) = file.map_or((kernel.info().name, kernel.name()), |file| (file.module, file.file));
+        let by = Replacement { kernel: kernel.name().to_owned(), file: file.to_owned(), source: source.to_owned() };
+        let features = &kernel.features(features);
+        let variant = Self::of_user(kernel, features, lists, &Arc::new(by), module);
+        variant.map_err(|mistake| ShaderError::Mistake(Box::new(mistake)))
     }
 
     fn of_user(
@@ -104,8 +130,10 @@ impl Variant {
         features: &Features,
         lists: &[LiveList],
         by: &Arc<Replacement>,
+        root: &'static str,
     ) -> Result<Self, Mistake> {
-        let root = kernel.info().name;
+        let name = kernel.info().name;
+        let files = kernel.program().files;
         let modules = modules(kernel, features, lists);
         let options = features.list();
         let marked = Marked::new(by)?;
@@ -120,9 +148,11 @@ impl Variant {
             "live_lists" => Some(!lists.is_empty()),
             _ => options.iter().find(|(option, _)| *option == name).map(|&(_, is_on)| is_on),
         };
-        let mut composed = compose_in_place(root, root, &source, &option).map_err(|e| not_composed(by, root, &e))?;
+        let in_place: Vec<&'static str> = files.iter().map(|file| file.module).chain([root]).collect();
+        let composed = compose_in_place(root, name, &in_place, &source, &option);
+        let mut composed = composed.map_err(|error| not_composed(by, files, [root, name], &error))?;
         let notes = marked.declare(by, &mut composed.text)?;
-        let replaced = Replaced { by: by.clone(), composed, root, notes };
+        let replaced = Replaced { by: by.clone(), composed, files, notes };
         let text = &replaced.composed.text;
 
         let module = naga::front::wgsl::parse_str(text).map_err(|error| {
@@ -134,36 +164,49 @@ impl Variant {
         let entry = module
             .entry_points
             .iter()
-            .position(|e| e.stage == ShaderStage::Compute && e.name == root)
-            .ok_or_else(|| no_entry(by, root))?;
+            .position(|e| e.stage == ShaderStage::Compute && e.name == name)
+            .ok_or_else(|| no_entry(by, name))?;
         let info = Validator::new(ValidationFlags::all(), Capabilities::default())
             .validate(&module)
             .map_err(|error| not_valid(&replaced, &error))?;
         fits(&replaced, kernel, &module, &info, entry)?;
         if let Some(span) = astray(&module, &module.entry_points[entry].function) {
             let message = "some threads of a workgroup may not reach this, and it has a barrier, for which all must \
-                           arrive: call it outside of if and loop, and after no return"
+                           arrive: call it where no condition before it or around it differs between threads"
                 .to_owned();
             return Err(replaced.mistake([span], message));
         }
-        let source = replaced.composed.text.clone();
         let unknown = |_: &str| everywhere(by, format!("its bindings are not those of {}", kernel.name()));
-        let (bindings, structs, arrays) =
-            reflected(kernel, &module, info.get_entry_point(entry)).map_err(|name| unknown(&name))?;
+        let with = |source: String, (bindings, structs, arrays): Reflected| Self {
+            kernel,
+            source,
+            bindings,
+            structs,
+            arrays,
+            replaced: Some(Arc::new(replaced.clone())),
+        };
+        let bound = reflected(kernel, &module, info.get_entry_point(entry)).map_err(|name| unknown(&name))?;
+        if !files.is_empty() {
+            let Some((source, module, info)) = loading_copies(&replaced, kernel)? else {
+                return Ok(with(replaced.composed.text.clone(), bound));
+            };
+            let bound = reflected(kernel, &module, info.get_entry_point(entry)).map_err(|name| unknown(&name))?;
+            return Ok(with(source, bound));
+        }
         // Rays that a kernel does not book are lost for those after it.
         let own = Self::new(kernel, features, lists).map_err(|error| everywhere(by, error.to_string()))?;
         let is_missing = |binding: &&super::Binding| {
             binding.writes
                 && matches!(binding.resource, Resource::Live { .. })
-                && !bindings.iter().any(|other| other.name == binding.name && other.writes)
+                && !bound.0.iter().any(|other| other.name == binding.name && other.writes)
         };
         if own.bindings.iter().any(|binding| is_missing(&binding)) {
             let message = "it does not say where its rays go: the last call of every thread must be send(lane, texel, \
                            tag), from package::live, with the tag that it stored or NOBODY"
                 .to_owned();
-            return Err(Mistake { place: declared(by, root), message });
+            return Err(Mistake { place: declared(by, name), message });
         }
-        Ok(Self { kernel, source, bindings, structs, arrays, replaced: Some(Arc::new(replaced)) })
+        Ok(with(replaced.composed.text.clone(), bound))
     }
 
     /// A place of the composed source for messages: the line in a user's file, if it is from there.
@@ -176,11 +219,56 @@ impl Variant {
     }
 }
 
+/// The shader of a kernel of a user's program that loads some streams as they were before the pass, if it does.
+fn loading_copies(replaced: &Replaced, kernel: Kernel) -> Result<Option<(String, Module, ModuleInfo)>, Mistake> {
+    let copied: Vec<_> = kernel.instance().copies.iter().map(|(_, from)| *from).collect();
+    if copied.is_empty() {
+        return Ok(None);
+    }
+    let binds = kernel.instance().binds;
+    let named = |stream: &Stream| {
+        let own = binds.iter().find(|(_, bound)| *bound == stream.name()).map_or(stream.name(), |(own, _)| *own);
+        (own.to_owned(), stream.info().texel)
+    };
+    let names: Vec<_> = copied.iter().map(named).collect();
+    let source = from_copies(&replaced.composed.text, &names).map_err(|at| {
+        let message = "this texture is read at other elements than it is written at, so it must not be given to a function: \
+                       use it in textureLoad and textureStore, where its name says which stream it is";
+        replaced.mistake([Span::new(at as u32, at as u32 + 1)], message.into())
+    })?;
+    let failed = |message: String| everywhere(&replaced.by, message);
+    let module = naga::front::wgsl::parse_str(&source).map_err(|error| failed(error.emit_to_string(&source)))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::default())
+        .validate(&module)
+        .map_err(|error| failed(error.emit_to_string(&source)))?;
+    Ok(Some((source, module, info)))
+}
+
 fn no_entry(by: &Replacement, root: &str) -> Mistake {
     everywhere(by, format!("it has no @compute function named {root}, which is the kernel that it replaces"))
 }
 
-fn not_composed(by: &Replacement, root: &str, error: &ComposeError) -> Mistake {
+fn not_composed(
+    by: &Replacement,
+    files: &'static [UserFile],
+    [root, entry]: [&str; 2],
+    error: &ComposeError,
+) -> Mistake {
+    // What is wrong with another file of the user's.
+    let other = |module: &str| {
+        let file = files.iter().find(|file| file.module == module && module != root)?;
+        let [kernel, file, source] = [module, file.file, file.source].map(str::to_owned);
+        Some(Replacement { kernel, file, source })
+    };
+    let wrong = match error {
+        ComposeError::Malformed { module, .. }
+        | ComposeError::NoModule { module, .. }
+        | ComposeError::NoItem { module, .. } => other(module).map(|by| (by, module.as_str())),
+        _ => None,
+    };
+    if let Some((by, root)) = wrong {
+        return not_composed(&by, &[], [root, entry], error);
+    }
     match error {
         ComposeError::Malformed { module, line, message } if module == root => {
             let at: usize = by.source.split_inclusive('\n').take(line - 1).map(str::len).sum();
@@ -188,7 +276,7 @@ fn not_composed(by: &Replacement, root: &str, error: &ComposeError) -> Mistake {
             let first = words.iter().find(|word| word.start >= at && word.kind != WordKind::Comment);
             Mistake { place: place_of(by, first.map_or(at, |word| word.start)), message: message.clone() }
         }
-        ComposeError::NoEntry { .. } => no_entry(by, root),
+        ComposeError::NoEntry { .. } => no_entry(by, entry),
         ComposeError::NoModule { module, missing } if module == root => {
             let message = format!("no module is named package::{missing}");
             Mistake { place: found(by, missing), message }

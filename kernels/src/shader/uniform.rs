@@ -1,55 +1,118 @@
 //! Whether every thread of a workgroup reaches a kernel's barriers.
 
-use naga::{Block, Function, Module, Span, Statement};
+use naga::{
+    AddressSpace, Binding, Block, BuiltIn, Expression, Function, Handle, ImageClass, Module, Span, Statement,
+    StorageAccess, TypeInner,
+};
 
-/// A barrier that some threads of a workgroup may not reach: inside of a branch or loop, or after a `return` of one. Stricter
-/// than WGSL, which allows it where the condition is the same for all threads.
+/// A barrier that some threads of a workgroup may not reach: in a branch or loop whose condition may differ between threads,
+/// or after a `return` of one. As in WGSL, a value is known to be the same for all threads if it is made of constants, uniforms
+/// and the workgroup's own index; of a function's arguments nothing is known.
 pub(super) fn astray(module: &Module, entry: &Function) -> Option<Span> {
     // A function comes before those that call it.
-    let mut barriers = Barriers(Vec::new());
+    let mut barriers = Vec::new();
     for (_, function) in module.functions.iter() {
-        barriers.0.push(barriers.are_in(&function.body));
+        barriers.push(are_in(&barriers, &function.body));
     }
-    let functions = module.functions.iter().map(|(_, function)| function);
-    std::iter::once(entry).chain(functions).find_map(|function| barriers.astray(&function.body, false, &mut false))
+    let functions = module.functions.iter().map(|(_, function)| (function, false));
+    std::iter::once((entry, true)).chain(functions).find_map(|(function, is_entry)| {
+        let mut threads = Threads {
+            module,
+            function,
+            is_entry,
+            barriers: &barriers,
+            same: vec![true; function.local_variables.len()],
+            changed: true,
+            has_left: false,
+        };
+        while std::mem::take(&mut threads.changed) {
+            threads.has_left = false;
+            threads.walk(&function.body, false, &mut false);
+        }
+        threads.has_left = false;
+        threads.walk(&function.body, false, &mut false)
+    })
 }
 
-/// For each function of a module, whether it or one that it calls has a barrier.
-struct Barriers(Vec<bool>);
-
-impl Barriers {
-    fn is_one(&self, statement: &Statement) -> bool {
-        match statement {
-            Statement::ControlBarrier(_) | Statement::WorkGroupUniformLoad { .. } => true,
-            Statement::Call { function, .. } => self.0.get(function.index()).copied().unwrap_or_default(),
-            _ => false,
-        }
+/// Whether a statement is a barrier; `barriers` says it of functions.
+fn is_one(barriers: &[bool], statement: &Statement) -> bool {
+    match statement {
+        Statement::ControlBarrier(_) | Statement::WorkGroupUniformLoad { .. } => true,
+        Statement::Call { function, .. } => barriers.get(function.index()).copied().unwrap_or_default(),
+        _ => false,
     }
+}
 
-    fn are_in(&self, block: &Block) -> bool {
-        block.iter().any(|statement| match statement {
-            Statement::Block(block) => self.are_in(block),
-            Statement::If { accept, reject, .. } => self.are_in(accept) || self.are_in(reject),
-            Statement::Switch { cases, .. } => cases.iter().any(|case| self.are_in(&case.body)),
-            Statement::Loop { body, continuing, .. } => self.are_in(body) || self.are_in(continuing),
-            other => self.is_one(other),
-        })
-    }
+fn are_in(barriers: &[bool], block: &Block) -> bool {
+    block.iter().any(|statement| match statement {
+        Statement::Block(block) => are_in(barriers, block),
+        Statement::If { accept, reject, .. } => are_in(barriers, accept) || are_in(barriers, reject),
+        Statement::Switch { cases, .. } => cases.iter().any(|case| are_in(barriers, &case.body)),
+        Statement::Loop { body, continuing, .. } => are_in(barriers, body) || are_in(barriers, continuing),
+        other => is_one(barriers, other),
+    })
+}
 
-    /// `has_left` becomes true where a thread may have returned.
-    fn astray(&self, block: &Block, is_nested: bool, has_left: &mut bool) -> Option<Span> {
+/// What is the same for all threads of a workgroup in a function.
+struct Threads<'a> {
+    module: &'a Module,
+    function: &'a Function,
+    is_entry: bool,
+    barriers: &'a [bool],
+    /// Of each local variable, whether it has the same value in all threads, as far as is known yet.
+    same: Vec<bool>,
+    /// Whether one was found to differ.
+    changed: bool,
+    /// Whether some threads may have returned.
+    has_left: bool,
+}
+
+impl Threads<'_> {
+    /// The first barrier of a block that threads reach apart. `apart`: only some of them may run the block. `leaves` becomes
+    /// true if some may leave the loop around it, or go on to its next turn, before others.
+    fn walk(&mut self, block: &Block, apart: bool, leaves: &mut bool) -> Option<Span> {
         for (statement, &span) in block.span_iter() {
-            if (is_nested || *has_left) && self.is_one(statement) {
+            let now = apart || self.has_left || *leaves;
+            if now && is_one(self.barriers, statement) {
                 return Some(span);
             }
-            let mut inner = |block: &Block| self.astray(block, true, has_left);
             let found = match statement {
-                Statement::Block(block) => self.astray(block, is_nested, has_left),
-                Statement::If { accept, reject, .. } => inner(accept).or_else(|| inner(reject)),
-                Statement::Switch { cases, .. } => cases.iter().find_map(|case| inner(&case.body)),
-                Statement::Loop { body, continuing, .. } => inner(body).or_else(|| inner(continuing)),
+                Statement::Block(block) => self.walk(block, apart, leaves),
+                Statement::If { condition, accept, reject } => {
+                    let apart = now || !self.is_same(*condition);
+                    self.walk(accept, apart, leaves).or_else(|| self.walk(reject, apart, leaves))
+                }
+                Statement::Switch { selector, cases } => {
+                    let apart = now || !self.is_same(*selector);
+                    // A `break` in it ends the case.
+                    cases.iter().find_map(|case| self.walk(&case.body, apart, leaves))
+                }
+                Statement::Loop { body, continuing, break_if } => {
+                    // Whether threads leave it apart is known after its body.
+                    let mut apart_in = false;
+                    self.walk(body, now, &mut apart_in);
+                    self.walk(continuing, now, &mut apart_in);
+                    apart_in |= break_if.is_some_and(|condition| !self.is_same(condition));
+                    let apart = now || apart_in;
+                    self.walk(body, apart, &mut apart_in).or_else(|| self.walk(continuing, apart, &mut apart_in))
+                }
+                Statement::Break | Statement::Continue => {
+                    *leaves |= now;
+                    None
+                }
                 Statement::Return { .. } => {
-                    *has_left |= is_nested;
+                    self.has_left |= now;
+                    None
+                }
+                Statement::Store { pointer, value } => {
+                    if now || !self.is_same(*value) || !self.is_same_index(*pointer) {
+                        self.differs(*pointer);
+                    }
+                    None
+                }
+                Statement::Call { arguments, .. } => {
+                    // A function may store what is pointed to.
+                    arguments.iter().for_each(|&argument| self.differs(argument));
                     None
                 }
                 _ => None,
@@ -59,5 +122,125 @@ impl Barriers {
             }
         }
         None
+    }
+
+    /// The variable that a pointer leads to is not the same in all threads.
+    fn differs(&mut self, pointer: Handle<Expression>) {
+        match self.function.expressions[pointer] {
+            Expression::LocalVariable(local) => self.changed |= std::mem::take(&mut self.same[local.index()]),
+            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => self.differs(base),
+            _ => {}
+        }
+    }
+
+    /// Whether all threads store at the same place of a variable.
+    fn is_same_index(&self, pointer: Handle<Expression>) -> bool {
+        match self.function.expressions[pointer] {
+            Expression::Access { base, index } => self.is_same(index) && self.is_same_index(base),
+            Expression::AccessIndex { base, .. } => self.is_same_index(base),
+            _ => true,
+        }
+    }
+
+    fn is_same(&self, at: Handle<Expression>) -> bool {
+        let all = |parts: &[Handle<Expression>]| parts.iter().all(|&part| self.is_same(part));
+        match &self.function.expressions[at] {
+            Expression::Literal(_)
+            | Expression::Constant(_)
+            | Expression::ZeroValue(_)
+            | Expression::WorkGroupUniformLoadResult { .. } => true,
+            Expression::FunctionArgument(index) => {
+                let argument = self.function.arguments.get(*index as usize);
+                let binding = argument.and_then(|argument| argument.binding.as_ref());
+                let of_group = [BuiltIn::WorkGroupId, BuiltIn::NumWorkGroups].map(Binding::BuiltIn);
+                self.is_entry && binding.is_some_and(|binding| of_group.contains(binding))
+            }
+            Expression::GlobalVariable(global) => {
+                let global = &self.module.global_variables[*global];
+                match global.space {
+                    AddressSpace::Uniform => true,
+                    AddressSpace::Storage { access } => !access.contains(StorageAccess::STORE),
+                    AddressSpace::Handle => matches!(
+                        self.module.types[global.ty].inner,
+                        TypeInner::Image { class: ImageClass::Sampled { .. }, .. }
+                    ),
+                    _ => false,
+                }
+            }
+            Expression::LocalVariable(local) => self.same[local.index()],
+            Expression::Load { pointer } => self.is_same(*pointer),
+            Expression::AccessIndex { base, .. } => self.is_same(*base),
+            Expression::Access { base, index } => all(&[*base, *index]),
+            Expression::Splat { value, .. } => self.is_same(*value),
+            Expression::Swizzle { vector, .. } => self.is_same(*vector),
+            Expression::Compose { components, .. } => all(components),
+            Expression::Unary { expr, .. } | Expression::As { expr, .. } => self.is_same(*expr),
+            Expression::Relational { argument, .. } => self.is_same(*argument),
+            Expression::Binary { left, right, .. } => all(&[*left, *right]),
+            Expression::Select { condition, accept, reject } => all(&[*condition, *accept, *reject]),
+            Expression::Math { arg, arg1, arg2, arg3, .. } => {
+                [Some(*arg), *arg1, *arg2, *arg3].into_iter().flatten().all(|part| self.is_same(part))
+            }
+            // The size of a texture; of a pointer to one, nothing is known.
+            Expression::ImageQuery { image, .. } => {
+                matches!(self.function.expressions[*image], Expression::GlobalVariable(_))
+            }
+            Expression::ArrayLength(array) => self.is_same(*array),
+            Expression::ImageLoad { image, coordinate, array_index: Some(layer), level: Some(level), .. } => {
+                all(&[*image, *coordinate, *layer, *level])
+            }
+            _ => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The text at the barrier that threads reach apart, in a kernel with this body.
+    fn found(body: &str) -> Option<String> {
+        let source = format!(
+            "@group(0) @binding(0) var<uniform> size: vec4u;\nvar<workgroup> row: array<u32, 64>;\n\
+             fn inner() {{ workgroupBarrier(); }}\n\
+             @compute @workgroup_size(64) fn main(@builtin(local_invocation_index) lane: u32, \
+             @builtin(workgroup_id) group: vec3u) {{\n{body}\n}}"
+        );
+        let module = naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)));
+        let span = astray(&module, &module.entry_points[0].function)?;
+        span.to_range().map(|range| source[range].to_owned())
+    }
+
+    #[test]
+    fn threads_stay_together_where_conditions_are_the_same_for_all() {
+        for body in [
+            "workgroupBarrier();",
+            "for (var i = 0u; i < size.x; i += 64u) { row[lane] = i; workgroupBarrier(); }",
+            "var reach = 1u; while (reach < 64u) { workgroupBarrier(); reach *= 2u; }",
+            "if (group.x > size.y) { return; } workgroupBarrier();",
+            "if (lane < size.x) { row[lane] = 1u; } workgroupBarrier();",
+            "var now = 0u; for (var i = 0u; i < 6u; i++) { workgroupBarrier(); now = 1u - now; } if (now == 1u) { inner(); }",
+            "switch group.x { case 0u: { workgroupBarrier(); } default: {} }",
+        ] {
+            assert_eq!(found(body), None, "{body}");
+        }
+    }
+
+    #[test]
+    fn a_barrier_that_threads_reach_apart_is_found() {
+        for body in [
+            "if (lane < 32u) { workgroupBarrier(); }",
+            "if (lane >= size.x) { return; } workgroupBarrier();",
+            "for (var i = 0u; i < lane; i++) { workgroupBarrier(); }",
+            "loop { if (lane == 3u) { break; } workgroupBarrier(); if (size.x == 1u) { break; } }",
+            "for (var i = 0u; i < 4u; i++) { if (lane == i) { continue; } workgroupBarrier(); }",
+            "var n = 1u; if (lane == 0u) { n = 2u; } for (var i = 0u; i < n; i++) { workgroupBarrier(); }",
+            "var n = size.x; for (var i = 0u; i < 2u; i++) { if (n == 7u) { workgroupBarrier(); } n = lane; }",
+            "if (row[0] == 1u) { workgroupBarrier(); }",
+            "for (var i = 0u; i < 9u; i++) { if (i == lane) { return; } } workgroupBarrier();",
+        ] {
+            assert_eq!(found(body).as_deref(), Some("workgroupBarrier"), "{body}");
+        }
+        assert_eq!(found("if (lane == 1u) { inner(); }").as_deref(), Some("inner"));
     }
 }

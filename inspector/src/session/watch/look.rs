@@ -82,7 +82,8 @@ impl Look {
         let Some(pass) = renderer.last_pass() else { return Ok(None) };
         let mut changed: Vec<Stream> =
             renderer.plan().variant(pass.kernel).into_iter().flat_map(|v| v.written_streams()).collect();
-        changed.extend(pass.kernel.instance().adopts.iter().map(|(stream, _)| stream));
+        let instance = pass.kernel.instance();
+        changed.extend(instance.adopts.iter().chain(instance.copies).map(|(stream, _)| stream));
         changed.extend(edited);
         let mut before = BTreeMap::new();
         for (&stream, data) in self.streams.iter_mut().filter(|(stream, _)| changed.contains(stream)) {

@@ -14,11 +14,11 @@ use std::io::{self, Read};
 
 use glam::DVec3;
 use raystep_kernels::named;
+use raystep_kernels::numbers::npy::{Header, NpyError, fill};
 use raystep_kernels::options::Ray;
 use raystep_scenes::Scene;
 
 use crate::Hash;
-use npy::Header;
 
 /// Rays or strata converted at a time by [`read_all`].
 const AT_ONCE: usize = 1 << 16;
@@ -92,34 +92,9 @@ pub enum RaysError {
     /// The stream failed.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// It is not an npy file.
-    #[error("not an npy file: it does not begin with \\x93NUMPY")]
-    NotNpy,
-    /// A version that is not known.
-    #[error("npy version {0}.{1} is not known: expected 1.0, 2.0 or 3.0")]
-    Version(u8, u8),
-    /// The header cannot be parsed.
-    #[error("its npy header {0}")]
-    Header(String),
-    /// Numbers of another type.
-    #[error("its numbers are of type {found}: expected {expected}")]
-    Type {
-        /// NumPy's name for the type.
-        found: String,
-        /// The types that are read.
-        expected: &'static str,
-    },
-    /// Column by column.
-    #[error("it is in Fortran order: expected C order, as numpy.ascontiguousarray gives")]
-    Fortran,
-    /// An array of another shape.
-    #[error("its shape is {found}: expected {expected}")]
-    Shape {
-        /// The array's shape, as NumPy writes it.
-        found: String,
-        /// The shapes that are read.
-        expected: String,
-    },
+    /// It is not the array of an npy file that is expected.
+    #[error(transparent)]
+    Npy(#[from] NpyError),
     /// It ends too early.
     #[error("it ends {bytes} bytes into ray {after} (counted from 0, of {})", of(*rays))]
     Truncated {
@@ -202,7 +177,7 @@ impl<R: Read> RaysReader<R> {
                 let width = if found == types[1] { 8 } else { 4 };
                 match header.shape[..] {
                     [rays, columns @ (6 | 8)] => (columns as usize, width, columns == 8, Some(rays)),
-                    _ => return Err(header.wrong_shape("(N, 6) or (N, 8)")),
+                    _ => return Err(header.wrong_shape("(N, 6) or (N, 8)").into()),
                 }
             }
         };
@@ -293,20 +268,6 @@ impl<R: Read> RaysReader<R> {
             _ => Err(RaysError::Extra { rays: self.done }),
         }
     }
-}
-
-/// Reads until the buffer is full or the stream ends; returns the number of bytes.
-fn fill(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
-    let mut read = 0;
-    while read < buffer.len() {
-        match input.read(&mut buffer[read..]) {
-            Ok(0) => break,
-            Ok(more) => read += more,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(read)
 }
 
 /// All rays of a file.

@@ -188,3 +188,15 @@ impl<R: Precision> Runner<'_, '_, R> {
         Ok(())
     }
 }
+
+impl<R: Precision> super::CpuExecutor<R> {
+    /// XXX to be replaced by the pass interpreter.
+    pub(super) fn run_interpreted(
+        &mut self,
+        call: crate::program::schedule::Call,
+        _: &SceneData,
+    ) -> Result<u64, Failed> {
+        let why = InterpretError::NotAlone(call.kernel.name());
+        Err(Failed { place: String::new(), pixel: [0; 2], why })
+    }
+}

@@ -179,6 +179,7 @@ impl GpuExecutor {
         let each = self.timers.as_ref().filter(|t| t.each_pass);
         if let Some(timers) = each {
             for (i, (&kernel, place)) in (0..).zip(passes.iter().zip(places)) {
+                self.encode_copies(&mut encoder, kernel);
                 let (recorded, encode_ns) = timed(clock, || {
                     let timestamp_writes = timers.writes(Some(2 * i), Some(2 * i + 1));
                     let label = self.pipelines.get(kernel).map(|pipeline| pipeline.label.as_str());
@@ -190,16 +191,33 @@ impl GpuExecutor {
             }
             return Ok((encoder, encoded));
         }
-        let timestamp_writes = self.timers.as_ref().and_then(|t| t.writes(Some(0), Some(1)));
-        let mut pass = encoder
-            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(self.plan.program.name), timestamp_writes });
-        for (&kernel, place) in passes.iter().zip(places) {
-            let (recorded, encode_ns) = timed(clock, || self.dispatch(&mut pass, kernel, place, None));
-            recorded?;
-            encoded.push(encode_ns);
+        // A copy ends what a device counts as one pass.
+        let has_copies = |kernel: &Kernel| !kernel.instance().copies.is_empty();
+        let mut done = 0;
+        for part in passes.chunk_by(|_, next| !has_copies(next)) {
+            self.encode_copies(&mut encoder, part[0]);
+            let (is_first, is_last) = (done == 0, done + part.len() == passes.len());
+            let (begin, end) = (is_first.then_some(0), is_last.then_some(1));
+            let timestamp_writes = self.timers.as_ref().and_then(|t| t.writes(begin, end));
+            let descriptor = wgpu::ComputePassDescriptor { label: Some(self.plan.program.name), timestamp_writes };
+            let mut pass = encoder.begin_compute_pass(&descriptor);
+            for (&kernel, place) in part.iter().zip(&places[done..]) {
+                let (recorded, encode_ns) = timed(clock, || self.dispatch(&mut pass, kernel, place, None));
+                recorded?;
+                encoded.push(encode_ns);
+            }
+            done += part.len();
         }
-        drop(pass);
         Ok((encoder, encoded))
+    }
+
+    /// Copies the streams of which a kernel loads other elements than it stores.
+    fn encode_copies(&self, encoder: &mut wgpu::CommandEncoder, kernel: Kernel) {
+        for (to, from) in kernel.instance().copies {
+            if let (Some(to), Some(from)) = (self.texture(*to), self.texture(*from)) {
+                encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
+            }
+        }
     }
 
     /// Rows of workgroups of a kernel that is launched in bands, and those of a band.
@@ -261,6 +279,7 @@ impl GpuExecutor {
         let blocks = x * y;
         let a_dispatch = self.blocks_a_dispatch(kernel).unwrap_or(blocks);
         let pipeline = self.pipelines.get(kernel).ok_or(GpuError::Missing(kernel.name()))?;
+        self.encode_copies(&mut encoder, kernel);
         let all: Vec<u32> = (0..blocks).step_by(a_dispatch as usize).collect();
         for submitted in all.chunks(DISPATCHES_A_SUBMISSION) {
             if submitted[0] > 0 {

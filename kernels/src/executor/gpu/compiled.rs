@@ -101,7 +101,8 @@ fn compile(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compile
         label: Some(&label),
         layout: Some(&layout),
         module: &module,
-        entry_point: Some(variant.kernel.info().name),
+        // The only one. Where a shader was rewritten, it may have another name than the kernel.
+        entry_point: None,
         compilation_options: wgpu::PipelineCompilationOptions {
             zero_initialize_workgroup_memory: variant.kernel.role() != Role::Whole,
             ..Default::default()

@@ -122,6 +122,7 @@ impl GpuExecutor {
             for &stream in self.pipelines.get(*kernel).map_or(&[][..], |pipeline| &pipeline.writes) {
                 self.copies.forget(stream);
             }
+            kernel.instance().copies.iter().for_each(|(copy, _)| self.copies.forget(*copy));
         }
     }
 }

@@ -80,6 +80,7 @@ pub static PROGRAM: Program = Program {
     lists: &kernels::LISTS,
     kernels: &kernels::KERNELS,
     modules,
+    files: &[],
 };
 
 /// WGSL modules that kernels import from, by name: `package::NAME`.

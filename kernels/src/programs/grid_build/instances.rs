@@ -29,6 +29,7 @@ macro_rules! instances {
             changes: None,
             renews: instances!(@list $($renews)?),
             adopts: instances!(@list $($adopts)?),
+            copies: &[],
         }),*];
 
         $(pub(super) const $id: Kernel = Kernel::at(&PROGRAM, Index::$id as usize);)*

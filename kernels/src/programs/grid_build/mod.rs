@@ -66,6 +66,7 @@ pub static PROGRAM: Program = Program {
     lists: &[],
     kernels: &instances::KERNELS,
     modules,
+    files: &[],
 };
 
 /// WGSL modules that kernels import from, by name: `package::NAME`.

@@ -8,7 +8,7 @@ use super::schedule::{self, Kind};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, Rule};
-use crate::plan::over::Over;
+use crate::plan::over::{Over, in_rows};
 use crate::plan::{Limits, Plan, PlanError, check_list, check_rays, check_scene};
 use crate::programs::closest_hit::plan::features::features;
 use crate::programs::closest_hit::plan::resolve::{self, ChosenGrid};
@@ -110,10 +110,11 @@ pub(crate) fn of(
     let data = SceneData::new(features, Contents { units, grid, growth, build, vertices, ..Contents::default() });
 
     let cells: u64 = build.cells.iter().map(|&n| u64::from(n)).product();
+    let sizes = [in_rows(&TRIANGLES, triangles, limits)?, in_rows(&CELLS, cells, limits)?, in_rows(&WHOLE, 1, limits)?];
     let run = Over {
         program: &PROGRAM,
         schedule: schedule::of(what.kind(), cells as u32),
-        given: &[(&TRIANGLES, triangles), (&CELLS, cells), (&WHOLE, 1)],
+        sizes: &sizes,
         accelerator: if is_uniform { Accelerator::Grid } else { Accelerator::Irregular },
     };
     Ok((run.plan(&data, options, limits)?, data))

@@ -143,6 +143,7 @@ static GUESTS: Program = Program {
         ),
     ],
     modules: |_| shared::MODULES.iter().chain(MODULES).map(|&(name, wgsl)| (name, Cow::Borrowed(wgsl))).collect(),
+    files: &[],
 };
 
 /// Sorts by pairs of digits, there and back, and keeps what is wanted.

@@ -56,6 +56,7 @@ pub static PROGRAM: Program = Program {
     lists: &[],
     kernels: &[Instance::of(EXCHANGES, &KEYS)],
     modules: |_| shared::MODULES.iter().map(|&(name, source)| (name, Cow::Borrowed(source))).collect(),
+    files: &[],
 };
 
 pub(super) const REGISTERED: Registered = Registered {

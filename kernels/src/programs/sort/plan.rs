@@ -4,7 +4,7 @@ use raystep_scenes::Scene;
 
 use super::{KEY, KEYS, PROGRAM, random_keys, schedule};
 use crate::options::{Accelerator, MOST_ELEMENTS, Options};
-use crate::plan::over::Over;
+use crate::plan::over::{Over, in_rows};
 use crate::plan::{Limits, Plan, PlanError, check_buffer};
 use crate::program::sizes::TooMany;
 use crate::scene_data::{Contents, SceneData};
@@ -27,7 +27,7 @@ pub(super) fn plan(_: &Scene, options: &Options, limits: &Limits) -> Result<(Pla
     bits.extend(0..texels as u32);
     let inputs = vec![StreamData { stream: KEY, width, height, bits }];
     let data = SceneData::from(Contents { inputs, ..Contents::default() });
-    let given = [(&KEYS, u64::from(keys))];
-    let run = Over { program: &PROGRAM, schedule: schedule(keys), given: &given, accelerator: Accelerator::None };
+    let sizes = [in_rows(&KEYS, keys.into(), limits)?];
+    let run = Over { program: &PROGRAM, schedule: schedule(keys), sizes: &sizes, accelerator: Accelerator::None };
     Ok((run.plan(&data, options, limits)?, data))
 }

@@ -83,7 +83,7 @@ pub(super) fn fits(
             ));
         }
         // Streams of other elements have another size.
-        let streams = kernel.program().stream(bound);
+        let streams = kernel.program().stream(bound).filter(|_| kernel.program().files.is_empty());
         if usage[handle].contains(GlobalUse::WRITE)
             && streams.is_some_and(|stream| stream.info().elements.name != kernel.instance().over.name)
         {

@@ -1,0 +1,17 @@
+// The table: the squares of 0, 1, 2, …
+
+import package::launch::{BLOCK, element, launch, texel};
+
+@group(0) @binding(0) var table: texture_storage_2d_array<r32uint, write>;
+
+@compute @workgroup_size(BLOCK)
+fn fill(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = element(group, groups, lane);
+    if (i < launch.elements) {
+        textureStore(table, texel(i, launch.width), 0, vec4u(i * i));
+    }
+}

@@ -1,0 +1,284 @@
+//! `program.toml` as it is written: names are not looked up yet.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use toml::Spanned;
+
+use crate::tables::state::StateRole;
+use crate::tables::stream::{Meaning, Texel};
+
+/// The file.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Manifest {
+    #[serde(default)]
+    pub(super) summary: String,
+    #[serde(default)]
+    pub(super) constants: Named<toml::Value>,
+    pub(super) elements: Named<Set>,
+    pub(super) streams: Named<Column>,
+    #[serde(default)]
+    pub(super) states: Named<State>,
+    pub(super) kernels: Named<Kernel>,
+    pub(super) schedule: Order,
+    pub(super) result: Option<Spanned<Shown>>,
+}
+
+/// A table's entries in the order of the file, each with its place.
+pub(super) struct Named<T>(pub(super) Vec<(String, Spanned<T>)>);
+
+impl<T> Default for Named<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Entries<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+            type Value = Named<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Named<T>, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(Named(entries))
+            }
+        }
+        from.deserialize_map(Entries(PhantomData))
+    }
+}
+
+/// A set of elements: one of `image`, `count`, `per` and `found`.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Set {
+    /// Columns and rows.
+    pub(super) image: Option<[u32; 2]>,
+    /// Number of elements.
+    pub(super) count: Option<u32>,
+    /// Another set, of which a block of `block` elements has `each` of this one.
+    pub(super) per: Option<String>,
+    pub(super) block: Option<u32>,
+    pub(super) each: Option<u32>,
+    /// `STREAM` or `STREAM.LAYER`, whose first texel has the number.
+    pub(super) found: Option<String>,
+}
+
+/// A stream.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Column {
+    pub(super) of: Option<String>,
+    #[serde(rename = "type")]
+    pub(super) texel: Type,
+    pub(super) layers: Option<Vec<String>>,
+    pub(super) meaning: Option<Several<Means>>,
+    #[serde(default)]
+    pub(super) unit: String,
+    pub(super) start: Option<toml::Value>,
+}
+
+/// One, or a list.
+#[derive(Clone, serde::Deserialize)]
+#[serde(untagged)]
+pub(super) enum Several<T> {
+    One(T),
+    List(Vec<T>),
+}
+
+impl<T: Clone> Several<T> {
+    pub(super) fn list(&self) -> Vec<T> {
+        match self {
+            Self::One(one) => vec![one.clone()],
+            Self::List(list) => list.clone(),
+        }
+    }
+}
+
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Type {
+    F32,
+    U32,
+}
+
+impl From<Type> for Texel {
+    fn from(of: Type) -> Self {
+        match of {
+            Type::F32 => Self::F32,
+            Type::U32 => Self::U32,
+        }
+    }
+}
+
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Means {
+    Float,
+    Distance,
+    Light,
+    Count,
+    Id,
+    State,
+}
+
+impl From<Means> for Meaning {
+    fn from(of: Means) -> Self {
+        match of {
+            Means::Float => Self::Float,
+            Means::Distance => Self::Distance,
+            Means::Light => Self::Light,
+            Means::Count => Self::Count,
+            Means::Id => Self::Id,
+            Means::State => Self::Tag,
+        }
+    }
+}
+
+/// A state.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct State {
+    pub(super) role: Role,
+    #[serde(default)]
+    pub(super) meaning: String,
+}
+
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Role {
+    Unborn,
+    Active,
+    Resolved,
+    Finished,
+}
+
+impl From<Role> for StateRole {
+    fn from(of: Role) -> Self {
+        match of {
+            Role::Unborn => Self::Unborn,
+            Role::Active => Self::Active,
+            Role::Resolved => Self::Resolved,
+            Role::Finished => Self::Finished,
+        }
+    }
+}
+
+/// A kernel.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Kernel {
+    /// Its file; `NAME.wgsl` if it is not given.
+    pub(super) file: Option<String>,
+    /// The set that it is launched over; the first if it is not given.
+    pub(super) over: Option<String>,
+    #[serde(default)]
+    pub(super) summary: String,
+    #[serde(default)]
+    pub(super) takes: Vec<String>,
+    #[serde(default)]
+    pub(super) sends: Vec<Sent>,
+    #[serde(default)]
+    pub(super) parameter: u32,
+    /// Streams of the program by names in the WGSL.
+    #[serde(default)]
+    pub(super) binds: Named<String>,
+    /// Sets whose numbers are read again before it runs.
+    #[serde(default)]
+    pub(super) renews: Vec<String>,
+    /// Streams of which it reads and writes other elements, in pairs that no two threads share.
+    #[serde(default)]
+    pub(super) in_place: Vec<String>,
+}
+
+/// A transition.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Sent {
+    pub(super) from: String,
+    pub(super) to: String,
+    #[serde(default)]
+    pub(super) when: String,
+}
+
+/// The schedule.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Order {
+    pub(super) steps: Vec<Spanned<Step>>,
+}
+
+/// A step of it: one of `run`, `repeat`, `while_any` and `until_idle`.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Step {
+    pub(super) run: Option<String>,
+    pub(super) parameter: Option<Number>,
+    pub(super) repeat: Option<Number>,
+    pub(super) name: Option<String>,
+    pub(super) while_any: Option<Several<String>>,
+    pub(super) until_idle: Option<String>,
+    pub(super) steps: Option<Vec<Spanned<Step>>>,
+}
+
+/// A number, or one that counts with the turns of the loops around it.
+#[derive(Clone, serde::Deserialize)]
+#[serde(untagged)]
+pub(super) enum Number {
+    Always(u32),
+    Counted {
+        first: u32,
+        #[serde(default)]
+        by: Vec<u32>,
+    },
+}
+
+/// What the result is.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Shown {
+    pub(super) stream: String,
+    pub(super) layer: Option<String>,
+    #[serde(rename = "as")]
+    pub(super) show: Option<Way>,
+    /// What is black, or the colours' first, and what is white, or their last.
+    pub(super) range: Option<[f64; 2]>,
+    #[serde(default)]
+    pub(super) colours: Colours,
+}
+
+/// How it is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Way {
+    /// A pixel for each element.
+    Image,
+    /// Values over the elements' numbers.
+    Plot,
+    /// Numbers.
+    Table,
+}
+
+/// Colours of numbers in an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Colours {
+    /// From black to white.
+    #[default]
+    Gray,
+    /// From violet over green to yellow.
+    Viridis,
+    /// From blue over grey to yellow.
+    Cividis,
+    /// From black over red to pale yellow.
+    Magma,
+}

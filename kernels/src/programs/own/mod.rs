@@ -1,0 +1,74 @@
+//! Programs of users: a folder with `program.toml`, which says what the program consists of, and WGSL files.
+
+mod manifest;
+mod plan;
+mod start;
+mod steps;
+mod tables;
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::options::folder::Folder;
+use crate::program::Program;
+use crate::program::schedule::Schedule;
+use crate::shader::Mistake;
+use crate::tables::elements::{Elements, Size};
+use crate::tables::stream::{Stream, StreamData};
+pub use manifest::{Colours, Way};
+pub(super) use plan::plan;
+
+/// A user's program.
+pub struct Own {
+    /// The program.
+    pub program: &'static Program,
+    /// The order of its kernels.
+    pub schedule: Schedule,
+    /// The sizes of its sets that are known before it runs.
+    pub sizes: Vec<(&'static Elements, Size)>,
+    /// What its streams begin with, if their elements begin with different values.
+    pub inputs: Vec<StreamData>,
+    /// What its result is.
+    pub result: Option<OwnResult>,
+}
+
+/// What the result of a program is, and how it is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnResult {
+    /// The stream.
+    pub stream: Stream,
+    /// The layer; `None` for a colour of three layers.
+    pub layer: Option<usize>,
+    /// How it is shown.
+    pub way: Way,
+    /// The numbers that have the first colour and the last; the smallest and the largest if it is not given.
+    pub range: Option<[f64; 2]>,
+    /// Its colours.
+    pub colours: Colours,
+}
+
+/// Programs that were read before: a program lives as long as the process, so the same files are read once.
+static READ: Mutex<Vec<(Arc<Folder>, Arc<Own>)>> = Mutex::new(Vec::new());
+
+/// Most programs to remember.
+const MOST_READ: usize = 16;
+
+/// The program of a folder.
+///
+/// # Errors
+/// If a file is wrong: with its place.
+pub fn read(folder: &Arc<Folder>) -> Result<Arc<Own>, Box<Mistake>> {
+    let remembered = || READ.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, own)) = remembered().iter().find(|(other, _)| other == folder) {
+        return Ok(own.clone());
+    }
+    let own = Arc::new(tables::read(folder).map_err(Box::new)?);
+    let mut all = remembered();
+    if all.len() >= MOST_READ {
+        all.remove(0);
+    }
+    all.push((folder.clone(), own.clone()));
+    Ok(own)
+}
+
+#[cfg(test)]
+mod tests;
