@@ -14,13 +14,17 @@ mod code;
 mod compile;
 mod compute;
 mod deciding;
+mod flow;
+mod invocation;
 mod machine;
 mod many;
 mod memory;
 mod non_finite;
 mod operators;
+pub mod pass;
 mod ran;
 mod recording;
+mod streams;
 mod work;
 
 use std::fmt;
@@ -73,6 +77,15 @@ pub enum InterpretError {
         /// What it indexes.
         what: String,
     },
+    /// A barrier that some threads of a workgroup do not reach.
+    #[error("not all threads of a workgroup wait at this barrier: {0}")]
+    Barrier(Absentee),
+    /// A stream that the kernel binds is not there.
+    #[error("the stream {0} is not part of the run, or its elements are not counted yet")]
+    Missing(&'static str),
+    /// There is not enough memory.
+    #[error("{0} bytes do not fit in memory")]
+    Memory(u64),
     /// It did not end.
     #[error("not finished after {0} steps")]
     Steps(u64),
@@ -90,6 +103,22 @@ pub enum InterpretError {
         /// Number of components that are needed.
         needed: usize,
     },
+}
+
+/// A thread that does not wait where others do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Absentee {
+    /// Its index in the workgroup.
+    pub thread: u32,
+    /// Whether it has come to its end; if not, it waits elsewhere, or in another turn of a loop.
+    pub has_ended: bool,
+}
+
+impl fmt::Display for Absentee {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let how = if self.has_ended { "has returned" } else { "waits at another, or in another turn of a loop" };
+        write!(f, "thread {} {how}", self.thread)
+    }
 }
 
 /// A line at the beginning of a message; nothing if it is 0.
@@ -138,6 +167,11 @@ pub struct Interpreter {
     layout: Layout,
     /// Streams that the variant updates in place, whose integers are what the ray has found before.
     kept: Vec<Stream>,
+    written: Vec<Stream>,
+    /// For all threads of a pass, not for one element.
+    is_whole: bool,
+    /// Threads of a workgroup along x, y and z.
+    workgroup: [u32; 3],
     /// Most turns of all of its loops.
     turns: u32,
     /// What it prints and asserts.
@@ -150,8 +184,13 @@ impl Interpreter {
     /// # Errors
     /// If its elements read each other, or if its source is not valid.
     pub fn new(variant: &Variant) -> Result<Self, InterpretError> {
+        Self::compiled(variant, false)
+    }
+
+    fn compiled(variant: &Variant, is_whole: bool) -> Result<Self, InterpretError> {
         let kernel = variant.kernel;
-        if !matches!(kernel.info().twin, Twin::Element { .. }) || kernel.course().is_none() {
+        let is_alone = matches!(kernel.info().twin, Twin::Element { .. }) && kernel.course().is_some();
+        if !is_whole && !is_alone {
             return Err(InterpretError::NotAlone(kernel.name()));
         }
         let source = variant.source.clone();
@@ -165,16 +204,24 @@ impl Interpreter {
             .iter()
             .position(|e| e.stage == ShaderStage::Compute && e.name == kernel.info().name)
             .ok_or_else(|| invalid(format!("no compute entry point named {}", kernel.info().name)))?;
-        let code = compile::compile(variant, &module, &info, entry)?;
-        let streams: Vec<Stream> = variant.streams().map(|(stream, _)| stream).collect();
-        let kept = variant
-            .streams()
-            .filter(|(_, binding)| binding.reads && binding.writes)
-            .map(|(stream, _)| stream)
-            .collect();
+        if is_whole && !invocation::are_known(&module, &module.entry_points[entry].function) {
+            return Err(InterpretError::Unsupported { what: "an argument of the kernel".into(), line: 0 });
+        }
+        let code = compile::compile(variant, &module, &info, entry, is_whole)?;
+        let mut streams: Vec<Stream> = Vec::new();
+        let (mut kept, mut written) = (Vec::new(), Vec::new());
+        for (stream, binding) in variant.streams() {
+            if !streams.contains(&stream) {
+                streams.push(stream);
+            }
+            written.extend(Some(stream).filter(|_| binding.writes));
+            kept.extend(Some(stream).filter(|_| binding.reads && binding.writes));
+        }
         let layout = Layout::of(kernel.program().streams, streams.iter().copied());
         let notes = variant.replaced.as_ref().map(|replaced| replaced.notes.clone()).unwrap_or_default();
-        Ok(Self { kernel, source, module, code, streams, layout, kept, turns: u32::MAX, notes })
+        let workgroup = module.entry_points.get(entry).map_or([1; 3], |point| point.workgroup_size);
+        let turns = u32::MAX;
+        Ok(Self { kernel, source, module, code, streams, layout, kept, written, is_whole, workgroup, turns, notes })
     }
 
     /// The same, with a limit for the turns of all loops of an element.
@@ -276,13 +323,13 @@ impl Counter<'_> {
     /// printed.
     #[must_use]
     pub fn noted(&self) -> &[Printed] {
-        &self.machine.noted
+        &self.machine.thread.noted
     }
 
     /// The same in words, of those that were printed.
     #[must_use]
     pub fn told(&self) -> Vec<String> {
-        let notes = self.machine.kernel.notes.noted.iter().zip(&self.machine.noted);
+        let notes = self.machine.kernel.notes.noted.iter().zip(&self.machine.thread.noted);
         notes.filter_map(|(note, &noted)| note.told(noted)).collect()
     }
 

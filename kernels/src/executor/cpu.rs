@@ -4,6 +4,7 @@
 mod columns;
 mod elements;
 mod guest;
+mod interpreted;
 mod rows;
 
 use std::sync::Arc;
@@ -22,6 +23,7 @@ use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 use crate::tables::texels::{Layout, MOST_STREAMS};
 pub use guest::Failed;
 pub(crate) use guest::{Interpreted, OnElement};
+pub use interpreted::RaceFound;
 pub use rows::OutOfMemory;
 use rows::{Rows, count_tags};
 pub(crate) use rows::{from_stream_bits, to_stream_bits};
@@ -41,6 +43,8 @@ pub struct CpuExecutor<R: Precision> {
     clock: Option<fn() -> u64>,
     /// The kernels that are users'.
     interpreted: Arc<[Interpreted]>,
+    /// The first race that one of them has shown.
+    race: Option<RaceFound>,
 }
 
 /// Why twins cannot run.
@@ -83,7 +87,8 @@ impl<R: Precision> CpuExecutor<R> {
             set_of[stream.index()] = set.unwrap_or(0);
         }
         let interpreted = Interpreted::of(plan).into();
-        let mut executor = Self { plan: plan.clone(), sizes, rows, set_of, counts: Vec::new(), clock, interpreted };
+        let mut executor =
+            Self { plan: plan.clone(), sizes, rows, set_of, counts: Vec::new(), clock, interpreted, race: None };
         executor.clear();
         Ok(executor)
     }
@@ -92,6 +97,7 @@ impl<R: Precision> CpuExecutor<R> {
     pub fn clear(&mut self) {
         // Cannot fail: it never needs more memory than before.
         let _: Result<(), OutOfMemory> = self.resize(Sizes::new(&self.plan));
+        self.race = None;
         let streams: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).collect();
         self.rows.iter_mut().for_each(|rows| rows.clear(&streams));
         self.count();
@@ -185,6 +191,9 @@ impl<R: Precision> CpuExecutor<R> {
         let begin_ns = self.clock.map(|now| now());
         let threads_launched = match kernel.info().twin {
             Twin::Element { .. } => self.run_elements(kernel, scene)?,
+            Twin::Pass(_) if Interpreted::find(&self.interpreted, kernel).is_some() => {
+                self.run_interpreted(call, scene)?
+            }
             Twin::Pass(twin) => {
                 twin(&mut columns::All(self, call), scene);
                 u64::from(self.size(kernel.instance().over).map_or(0, |size| size.count))
@@ -291,8 +300,8 @@ impl<R: Precision> CpuExecutor<R> {
         };
         let rows = self.rows.iter().map(copy).collect::<Result<_, _>>()?;
         let (plan, sizes, counts) = (self.plan.clone(), self.sizes.clone(), self.counts.clone());
-        let interpreted = self.interpreted.clone();
-        Ok(Self { plan, sizes, rows, set_of: self.set_of, counts, clock: self.clock, interpreted })
+        let (interpreted, race) = (self.interpreted.clone(), self.race.clone());
+        Ok(Self { plan, sizes, rows, set_of: self.set_of, counts, clock: self.clock, interpreted, race })
     }
 
     /// Restores a copy made by an executor of the same plan.

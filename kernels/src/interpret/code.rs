@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use naga::{Expression, Function, Handle, LocalVariable, Type};
+use naga::{AtomicFunction, Barrier, Expression, Function, Handle, LocalVariable, Type};
 
 use super::work::Work;
 use crate::tables::stream::Stream;
@@ -91,8 +91,29 @@ pub(super) enum Global {
     Stream(Stream),
     /// In private memory, from this slot on.
     Private(u32),
+    /// In the workgroup's memory, from this slot on; only in a whole pass.
+    Workgroup(u32),
+    /// The parameters of the launch; only in a whole pass.
+    Launch,
     /// Of the launch or the workgroup.
     Other,
+}
+
+/// An argument of a function.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Argument {
+    /// Its slots in the frame. A pointer and a texture have one, which tells where the variable is.
+    pub(super) place: u32,
+    pub(super) width: u32,
+    pub(super) holds: Holds,
+}
+
+/// What is handed to a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Holds {
+    Value,
+    Pointer,
+    Texture,
 }
 
 /// A local variable.
@@ -110,8 +131,7 @@ pub(super) struct Body {
     /// `None` for the entry point.
     pub(super) handle: Option<Handle<Function>>,
     pub(super) cells: Vec<Cell>,
-    /// Place and width of each argument.
-    pub(super) arguments: Vec<(u32, u32)>,
+    pub(super) arguments: Vec<Argument>,
     pub(super) locals: Vec<Local>,
     /// Slots of a frame.
     pub(super) frame: u32,
@@ -133,7 +153,7 @@ pub(super) enum What {
     Switch {
         site: u32,
         selector: Handle<Expression>,
-        cases: Vec<(Option<u32>, Vec<Op>, bool)>,
+        cases: Vec<Case>,
     },
     Loop {
         body: Vec<Op>,
@@ -158,6 +178,19 @@ pub(super) enum What {
         arguments: Vec<Handle<Expression>>,
         result: Option<Handle<Expression>>,
     },
+    Atomic {
+        pointer: Handle<Expression>,
+        fun: AtomicFunction,
+        value: Handle<Expression>,
+        result: Option<Handle<Expression>>,
+    },
+    /// Waits for the other threads of the workgroup.
+    Barrier(Barrier),
+    /// The same before and after a load.
+    UniformLoad {
+        pointer: Handle<Expression>,
+        result: Handle<Expression>,
+    },
     /// The element's texel.
     Texel(Handle<Expression>),
     /// Prints a value.
@@ -168,6 +201,9 @@ pub(super) enum What {
     Nothing,
     Unsupported(&'static str),
 }
+
+/// A value, its statements, and whether those of the next case follow.
+pub(super) type Case = (Option<u32>, Vec<Op>, bool);
 
 #[derive(Debug)]
 pub(super) struct If {
@@ -191,8 +227,13 @@ pub(super) struct Code {
     pub(super) entry: usize,
     pub(super) constants: Vec<Slot>,
     pub(super) globals: Vec<Global>,
-    /// Slots of private memory.
-    pub(super) private: u32,
+    /// Private memory before the first statement.
+    pub(super) private: Vec<Slot>,
+    /// Slots of the workgroup's memory, and where each of its variables begins.
+    pub(super) workgroup: u32,
+    pub(super) shared: Vec<(u32, String)>,
+    /// What its barriers order.
+    pub(super) barriers: Barrier,
     pub(super) sites: Vec<Site>,
     /// Spans of statements.
     pub(super) statements: Vec<Range<usize>>,
@@ -200,12 +241,17 @@ pub(super) struct Code {
     pub(super) costs: Vec<Work>,
 }
 
+/// Most slots of a variable, a frame or a kind of memory: beyond, it is refused. WGSL has 8 KiB in functions and private memory,
+/// 16 KiB in a workgroup, and devices rarely more than 64.
+pub(super) const MOST_SLOTS: u32 = 1 << 18;
+
 /// Number of slots of a type; `None` for one without values.
 pub(super) fn slots(types: &naga::UniqueArena<Type>, inner: &naga::TypeInner) -> Option<u32> {
     use naga::TypeInner as T;
     match *inner {
         T::Scalar(_) | T::Atomic(_) => Some(1),
         T::Vector { size, .. } => Some(size as u32),
+        T::Matrix { columns, rows, .. } => Some(columns as u32 * rows as u32),
         T::Array { base, size: naga::ArraySize::Constant(count), .. } => {
             slots(types, &types[base].inner)?.checked_mul(count.get())
         }

@@ -2,58 +2,54 @@
 
 mod cost;
 mod flow;
+mod globals;
 mod parts;
 mod text;
 
 use std::ops::Range;
 
 use naga::valid::{FunctionInfo, ModuleInfo};
-use naga::{Arena, Binding, Block, Expression, Function, Handle, Literal, Module, Span, Statement, TypeInner};
+use naga::{Arena, Block, Expression, Function, Handle, Literal, Module, Span, Statement, TypeInner};
 
 use super::InterpretError;
-use super::code::{Body, CONSTANT, Cell, Code, Global, If, Local, NONE, Op, Site, SiteKind, Slot, What, kind, slots};
-use crate::shader::{Resource, Variant, statement_of};
-use flow::{BOOKS, TEXEL_OF, called, has_jump};
-use parts::{inner, slot};
+use super::code::{
+    Argument, Body, CONSTANT, Cell, Code, Holds, If, Local, MOST_SLOTS, NONE, Op, Site, SiteKind, What, kind, slots,
+};
+use crate::shader::{Variant, statement_of};
+use flow::{called, has_jump, skipped};
+use globals::globals;
+use parts::{evaluated, holds, inner, is_known};
 pub(super) use parts::{part, pointee};
 pub(super) use text::line_of;
 use text::{arguments, last_of};
 
+/// `is_whole`: for all threads of a pass, not for one element.
 pub(super) fn compile(
     variant: &Variant,
     module: &Module,
     info: &ModuleInfo,
     entry: usize,
+    is_whole: bool,
 ) -> Result<Code, InterpretError> {
     let mut code = Code::default();
-    for (_, global) in module.global_variables.iter() {
-        let name = global.name.as_deref().map(|name| variant.kernel.bound(name));
-        let binding = name.and_then(|name| variant.bindings.iter().find(|binding| binding.name == name));
-        let found = match (binding.map(|binding| binding.resource), global.space) {
-            (Some(Resource::ReadStream(stream) | Resource::WriteStream { stream, .. }), _) => Global::Stream(stream),
-            (Some(Resource::Uniform | Resource::Storage), _) => Global::Bytes(name.unwrap_or_default().to_owned()),
-            (None, naga::AddressSpace::Private) => {
-                let place = code.private;
-                code.private += slots(&module.types, &module.types[global.ty].inner).unwrap_or(0);
-                Global::Private(place)
-            }
-            _ => Global::Other,
-        };
-        code.globals.push(found);
-    }
     let Some(point) = module.entry_points.get(entry) else { return Ok(code) };
-    let called = called(module, &point.function);
+    globals(variant, module, info.get_entry_point(entry), is_whole, &mut code)?;
+    let skipped = skipped(variant, module, info, is_whole);
+    let is_skipped = |function: Handle<Function>| skipped.contains(&function);
+    let called = called(module, &point.function, &is_skipped);
+    let source = &variant.source;
     for (handle, function) in module.functions.iter() {
         if !called.contains(&handle) {
             code.bodies.push(Body::default());
             continue;
         }
-        let body = Compiler { source: &variant.source, module, function, info: &info[handle], code: &mut code };
+        let (info, code) = (&info[handle], &mut code);
+        let body = Compiler { source, module, function, info, code, is_whole, is_skipped: &is_skipped };
         let body = body.function(Some(handle))?;
         code.bodies.push(body);
     }
-    let info = info.get_entry_point(entry);
-    let body = Compiler { source: &variant.source, module, function: &point.function, info, code: &mut code };
+    let (info, function) = (info.get_entry_point(entry), &point.function);
+    let body = Compiler { source, module, function, info, code: &mut code, is_whole, is_skipped: &is_skipped };
     let body = body.function(None)?;
     code.entry = code.bodies.len();
     code.bodies.push(body);
@@ -66,6 +62,8 @@ struct Compiler<'a> {
     function: &'a Function,
     info: &'a FunctionInfo,
     code: &'a mut Code,
+    is_whole: bool,
+    is_skipped: &'a dyn Fn(Handle<Function>) -> bool,
 }
 
 /// A body without its statements.
@@ -83,19 +81,26 @@ impl Compiler<'_> {
 
     fn function(mut self, handle: Option<Handle<Function>>) -> Result<Body, InterpretError> {
         let types = &self.module.types;
-        let mut frame = 0;
+        let mut frame = 0u32;
+        // More than there may be is refused below.
         let mut place = |width: u32| {
-            frame += width;
-            frame - width
+            let place = frame;
+            frame = frame.saturating_add(width);
+            place
         };
         let mut arguments = Vec::new();
         for argument in &self.function.arguments {
-            let width = slots(types, &types[argument.ty].inner).unwrap_or(0);
-            arguments.push((place(width), width));
+            let inner = &types[argument.ty].inner;
+            let holds = holds(inner);
+            let width = if holds == Holds::Value { slots(types, inner) } else { Some(1) };
+            let width = width.ok_or_else(|| self.unsupported("an argument of this type", Span::UNDEFINED))?;
+            arguments.push(Argument { place: place(width), width, holds });
         }
         let mut locals = Vec::new();
-        for (_, local) in self.function.local_variables.iter() {
-            let width = slots(types, &types[local.ty].inner).unwrap_or(0);
+        for (handle, local) in self.function.local_variables.iter() {
+            let span = self.function.local_variables.get_span(handle);
+            let width = slots(types, &types[local.ty].inner).filter(|&width| width <= MOST_SLOTS);
+            let width = width.ok_or_else(|| self.unsupported("a variable of this size", span))?;
             let init = match local.init {
                 Some(init) => self.constant(&self.function.expressions, init)?,
                 None => NONE,
@@ -105,17 +110,23 @@ impl Compiler<'_> {
         let mut cells: Vec<Cell> = Vec::new();
         for (expression, what) in self.function.expressions.iter() {
             let inner = inner(&self.info[expression].ty, &self.module.types);
+            if !is_known(inner) {
+                return Err(self.unsupported("a type", self.function.expressions.get_span(expression)));
+            }
             let width = slots(&self.module.types, inner).unwrap_or(0);
             let cell = Cell { place: NONE, width, kind: kind(inner), site: NONE };
             let of = |handle: Handle<Expression>| cells.get(handle.index()).copied();
             let cell = match *what {
                 _ if width == 0 => cell,
                 Expression::Literal(Literal::AbstractInt(_) | Literal::AbstractFloat(_)) => cell,
-                Expression::Literal(_) | Expression::Constant(_) | Expression::ZeroValue(_) => {
+                Expression::Literal(_)
+                | Expression::Constant(_)
+                | Expression::Override(_)
+                | Expression::ZeroValue(_) => {
                     Cell { place: self.constant(&self.function.expressions, expression)?, ..cell }
                 }
                 Expression::FunctionArgument(index) => {
-                    Cell { place: arguments.get(index as usize).map_or(NONE, |&(place, _)| place), ..cell }
+                    Cell { place: arguments.get(index as usize).map_or(NONE, |argument| argument.place), ..cell }
                 }
                 // A part of a value lies in the value.
                 Expression::AccessIndex { base, index } if of(base).is_some_and(|base| base.width > 0) => {
@@ -133,6 +144,10 @@ impl Compiler<'_> {
             };
             cells.push(cell);
         }
+        if frame > MOST_SLOTS {
+            let name = self.function.name.as_deref().unwrap_or("the kernel");
+            return Err(self.unsupported(format!("{name} with {frame} words of variables"), Span::UNDEFINED));
+        }
         let made = Frame { cells, locals };
         let ops = self.block(&made, &self.function.body)?;
         Ok(Body { handle, cells: made.cells, arguments, locals: made.locals, frame, ops })
@@ -149,26 +164,13 @@ impl Compiler<'_> {
 
     /// The value of an expression without variables, in the constants.
     fn constant(&mut self, arena: &Arena<Expression>, at: Handle<Expression>) -> Result<u32, InterpretError> {
-        let value = self.evaluated(arena, at)?;
+        let value = evaluated(self.module, arena, at).ok_or_else(|| {
+            // Its span is of no use if it is not of the function.
+            self.unsupported("a constant expression", arena.get_span(at))
+        })?;
         let place = self.code.constants.len() as u32;
         self.code.constants.extend(value);
         Ok(CONSTANT | place)
-    }
-
-    fn evaluated(&self, arena: &Arena<Expression>, at: Handle<Expression>) -> Result<Vec<Slot>, InterpretError> {
-        let types = &self.module.types;
-        let globals = &self.module.global_expressions;
-        Ok(match arena[at] {
-            Expression::Literal(literal) => vec![slot(literal)],
-            Expression::ZeroValue(ty) => vec![Slot::default(); slots(types, &types[ty].inner).unwrap_or(0) as usize],
-            Expression::Constant(constant) => self.evaluated(globals, self.module.constants[constant].init)?,
-            Expression::Compose { ref components, .. } => {
-                let parts = components.iter().map(|&part| self.evaluated(arena, part));
-                parts.collect::<Result<Vec<_>, _>>()?.concat()
-            }
-            Expression::Splat { size, value } => self.evaluated(arena, value)?.repeat(size as usize),
-            _ => return Err(self.unsupported("a constant expression", arena.get_span(at))),
-        })
     }
 
     fn site(&mut self, kind: SiteKind, span: Range<usize>) -> u32 {
@@ -248,11 +250,22 @@ impl Compiler<'_> {
                             What::Note(index, value)
                         }
                     }
-                    Some(result) if TEXEL_OF.contains(&name) => What::Texel(result),
-                    None if BOOKS.contains(&name) => What::Nothing,
+                    Some(result) if (self.is_skipped)(function) => What::Texel(result),
+                    None if (self.is_skipped)(function) => What::Nothing,
                     _ => What::Call { function: function.index(), arguments: arguments.clone(), result },
                 };
                 (what, whole)
+            }
+            Statement::ControlBarrier(which) if self.is_whole && !which.contains(naga::Barrier::SUB_GROUP) => {
+                self.code.barriers |= which;
+                (What::Barrier(which), whole)
+            }
+            Statement::WorkGroupUniformLoad { pointer, result } if self.is_whole => {
+                self.code.barriers |= naga::Barrier::WORK_GROUP;
+                (What::UniformLoad { pointer, result }, whole)
+            }
+            Statement::Atomic { pointer, fun, value, result } if self.is_whole => {
+                (What::Atomic { pointer, fun, value, result }, whole)
             }
             Statement::ControlBarrier(_) | Statement::MemoryBarrier(_) => (What::Unsupported("a barrier"), whole),
             Statement::Atomic { .. } => (What::Unsupported("an atomic operation"), whole),
@@ -363,9 +376,4 @@ impl Compiler<'_> {
             _ => None,
         }
     }
-}
-
-/// Which argument of the entry point is the invocation's id.
-pub(super) fn is_invocation(argument: &naga::FunctionArgument) -> bool {
-    matches!(argument.binding, Some(Binding::BuiltIn(naga::BuiltIn::GlobalInvocationId)))
 }

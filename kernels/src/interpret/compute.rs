@@ -24,7 +24,7 @@ impl<'a> Machine<'a> {
                 for lane in lanes {
                     let sides = [self.get(frame, left, lane), self.get(frame, right, lane)];
                     let mut value = binary(op, kind, sides).ok_or_else(|| unsupported("an operator"))?;
-                    if self.recording.is_some() {
+                    if self.thread.recording.is_some() {
                         value.from = self.join(sides[0].from, sides[1].from);
                         if let Some(operator) = comparison(op).filter(|_| kind != Kind::Bool) {
                             value.from = self.compared(frame, [left, right], operator, lane, cell.width, value, sides);
@@ -32,14 +32,14 @@ impl<'a> Machine<'a> {
                             value.from = self.computed(frame, at, &[(left, sides[0]), (right, sides[1])], value);
                         }
                     }
-                    self.stack[to + lane as usize] = value;
+                    self.thread.stack[to + lane as usize] = value;
                 }
             }
             Expression::Unary { op, expr } => {
                 let kind = frame.body.cells[expr.index()].kind;
                 for lane in lanes {
                     let value = self.get(frame, expr, lane);
-                    self.stack[to + lane as usize] = unary(op, kind, value);
+                    self.thread.stack[to + lane as usize] = unary(op, kind, value);
                 }
             }
             Expression::Math { fun, arg, arg1, arg2, .. } => {
@@ -53,13 +53,13 @@ impl<'a> Machine<'a> {
                     let mut value = math(fun, kind, values).ok_or_else(|| unsupported("a function"))?;
                     let from = self.join(values[0].from, values[1].from);
                     value.from = self.join(from, values[2].from);
-                    let is_float = cell.kind.is_float() && self.recording.is_some();
+                    let is_float = cell.kind.is_float() && self.thread.recording.is_some();
                     if is_float && !f32::from_bits(value.bits).is_finite() {
                         let handles = [Some(arg), arg1, arg2].into_iter().zip(values);
                         let operands: Vec<_> = handles.filter_map(|(at, value)| Some((at?, value))).collect();
                         value.from = self.computed(frame, at, &operands, value);
                     }
-                    self.stack[to + lane as usize] = value;
+                    self.thread.stack[to + lane as usize] = value;
                 }
             }
             Expression::Select { condition, accept, reject } => {
@@ -73,7 +73,7 @@ impl<'a> Machine<'a> {
                     if cell.kind == Kind::Bool && (chosen.wide != 0.0) != (chosen.bits != 0) {
                         value.wide = self.get(frame, if chosen.bits != 0 { reject } else { accept }, lane).wide;
                     }
-                    self.stack[to + lane as usize] = value;
+                    self.thread.stack[to + lane as usize] = value;
                 }
             }
             Expression::Relational { fun, argument } => {
@@ -91,7 +91,7 @@ impl<'a> Machine<'a> {
                         false => Slot { bits: result.bits | other.bits, wide: result.wide.max(other.wide), from },
                     };
                 }
-                self.stack[to] = result;
+                self.thread.stack[to] = result;
             }
             Expression::As { expr, kind, convert: width } => {
                 if width.is_some_and(|width| width != 4 && kind != naga::ScalarKind::Bool) {
@@ -100,23 +100,23 @@ impl<'a> Machine<'a> {
                 let before = frame.body.cells[expr.index()].kind;
                 for lane in lanes {
                     let value = self.get(frame, expr, lane);
-                    self.stack[to + lane as usize] = convert(value, before, cell.kind, width.is_some());
+                    self.thread.stack[to + lane as usize] = convert(value, before, cell.kind, width.is_some());
                 }
             }
             Expression::Splat { value, .. } => {
                 let value = self.get(frame, value, 0);
-                lanes.for_each(|lane| self.stack[to + lane as usize] = value);
+                lanes.for_each(|lane| self.thread.stack[to + lane as usize] = value);
             }
             Expression::Swizzle { vector, pattern, .. } => {
                 for (lane, component) in lanes.zip(pattern) {
-                    self.stack[to + lane as usize] = self.get(frame, vector, component as u32);
+                    self.thread.stack[to + lane as usize] = self.get(frame, vector, component as u32);
                 }
             }
             Expression::Compose { ref components, .. } => {
                 let mut next = to;
                 for &component in components {
                     for lane in 0..frame.body.cells[component.index()].width {
-                        self.stack[next] = self.get(frame, component, lane);
+                        self.thread.stack[next] = self.get(frame, component, lane);
                         next += 1;
                     }
                 }
@@ -132,20 +132,27 @@ impl<'a> Machine<'a> {
                 for lane in lanes {
                     let mut value = self.get(frame, base, first as u32 + lane);
                     value.from = self.join(value.from, index.from);
-                    self.stack[to + lane as usize] = value;
+                    self.thread.stack[to + lane as usize] = value;
                 }
             }
             Expression::Load { pointer } => self.load(frame, pointer, to)?,
-            Expression::ImageLoad { image, coordinate, array_index: Some(layer), .. } => {
-                self.image_load(frame, image, coordinate, layer, to, cell.kind.is_float())?;
+            Expression::ImageLoad { image, coordinate, array_index: Some(layer), level, .. } => {
+                self.image_load(frame, image, [coordinate, layer], level, to, cell.kind.is_float())?;
             }
-            Expression::ImageQuery { query: naga::ImageQuery::Size { .. }, .. } => {
-                for (lane, bits) in lanes.zip(self.element.size) {
-                    self.stack[to + lane as usize] = Slot { bits, ..Slot::default() };
+            Expression::ImageQuery { image, query } => {
+                let values = self.queried(frame, image, query)?;
+                for (lane, bits) in lanes.zip(values) {
+                    self.thread.stack[to + lane as usize] = Slot { bits, ..Slot::default() };
                 }
             }
+            Expression::ArrayLength(array) => {
+                let bits = self.length(frame, array)?;
+                self.thread.stack[to] = Slot { bits, ..Slot::default() };
+            }
             // Written by its statement.
-            Expression::CallResult(_) => {}
+            Expression::CallResult(_)
+            | Expression::AtomicResult { .. }
+            | Expression::WorkGroupUniformLoadResult { .. } => {}
             _ => return Err(unsupported("an expression")),
         }
         Ok(())
@@ -223,7 +230,7 @@ impl<'a> Machine<'a> {
             holds_wide: result.wide != 0.0,
             has_constant: sides.iter().any(|&side| is_constant(frame, side)),
         };
-        self.recording.as_mut().map_or(KNOWN, |recording| recording.compare(comparison, result.from))
+        self.thread.recording.as_mut().map_or(KNOWN, |recording| recording.compare(comparison, result.from))
     }
 }
 

@@ -2,22 +2,15 @@
 
 use naga::{Expression, Function, Handle};
 
-use super::code::{Body, Global, If, NONE, Op, Slot, What};
-use super::compile::is_invocation;
+use super::code::{Body, Global, Holds, NONE, Op, Slot, What};
+use super::flow::{After, Flow, Todo};
+use super::invocation::{Invocation, enter};
+use super::pass::Group;
 use super::recording::{Decision, KNOWN, OUTSIDE, Recording};
-use super::{Element, InterpretError, Interpreter, MOST_SITES, MOST_STEPS, Outcomes};
+use super::{Element, InterpretError, Interpreter, MOST_SITES, Outcomes};
 use crate::scene_data::SceneData;
 use crate::shader::Printed;
 use crate::tables::stream::Texel;
-
-/// How a block is left.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Flow {
-    Next,
-    Break,
-    Continue,
-    Return,
-}
 
 /// A function's call.
 #[derive(Clone, Copy)]
@@ -28,13 +21,36 @@ pub(super) struct Frame<'a> {
     pub(super) base: usize,
 }
 
+/// What belongs to one thread while it runs.
+#[derive(Default)]
+pub(super) struct Thread<'a> {
+    pub(super) stack: Vec<Slot>,
+    pub(super) private: Vec<Slot>,
+    /// The blocks that it is in, innermost last.
+    pub(super) todo: Vec<Todo<'a>>,
+    /// The function that it is in; `None` before the first.
+    pub(super) frame: Option<Frame<'a>>,
+    pub(super) steps: u64,
+    pub(super) turns: u32,
+    /// The statement that was run last.
+    pub(super) at: u32,
+    /// The statements with the calls that have not returned.
+    pub(super) calls: Vec<u32>,
+    /// What the element has printed: of each note the last value, and how often.
+    pub(super) noted: Vec<Printed>,
+    /// The node of the decision that the current statement was reached by.
+    pub(super) control: u32,
+    pub(super) recording: Option<Recording>,
+}
+
 /// The state of an interpretation.
 pub(super) struct Machine<'a> {
     pub(super) kernel: &'a Interpreter,
     /// The bytes of each global that has some.
     pub(super) bytes: Vec<&'a [u8]>,
-    pub(super) stack: Vec<Slot>,
-    pub(super) private: Vec<Slot>,
+    pub(super) thread: Thread<'a>,
+    /// The workgroup, in a whole pass.
+    pub(super) group: Option<Box<Group<'a>>>,
     /// The element's components in the kernel's streams.
     pub(super) row: Vec<Slot>,
     /// Components that were written.
@@ -44,20 +60,9 @@ pub(super) struct Machine<'a> {
     /// The components before.
     pub(super) before: Vec<u32>,
     pub(super) element: Element,
-    returned: Vec<Slot>,
-    steps: u64,
-    turns: u32,
-    /// The statement that was run last.
-    pub(super) at: u32,
-    /// The statements with the calls that have not returned.
-    pub(super) calls: Vec<u32>,
-    /// What the element has printed: of each note the last value, and how often.
-    pub(super) noted: Vec<Printed>,
+    pub(super) returned: Vec<Slot>,
     /// How often each statement ran.
     pub(super) runs: Vec<u64>,
-    /// The node of the decision that the current statement was reached by.
-    pub(super) control: u32,
-    pub(super) recording: Option<Recording>,
     pub(super) outcomes: Outcomes,
 }
 
@@ -68,40 +73,32 @@ impl<'a> Machine<'a> {
             Global::Bytes(name) => program.buffer(name).map_or(&[][..], |buffer| buffer.contents(data)),
             _ => &[],
         });
+        let noted = vec![([0; 4], 0); kernel.notes.noted.len()];
         Self {
             kernel,
             bytes: bytes.collect(),
-            stack: Vec::new(),
-            private: Vec::new(),
+            thread: Thread { noted, recording, ..Thread::default() },
+            group: None,
             row: Vec::new(),
             written: Vec::new(),
             stored: Vec::new(),
             before: Vec::new(),
             element: Element { texel: [0; 2], size: [0; 2] },
             returned: Vec::new(),
-            steps: 0,
-            turns: 0,
-            at: 0,
-            calls: Vec::new(),
-            noted: vec![([0; 4], 0); kernel.notes.noted.len()],
             runs: vec![0; kernel.code.statements.len()],
-            control: KNOWN,
-            recording,
             outcomes: Outcomes::default(),
         }
     }
 
     pub(super) fn run(&mut self, element: Element, texels: &mut [u32]) -> Result<(), InterpretError> {
+        if self.kernel.is_whole {
+            return Err(InterpretError::NotAlone(self.kernel.kernel.name()));
+        }
         let needed = self.kernel.components();
         if texels.len() != needed {
             return Err(InterpretError::Texels { given: texels.len(), needed });
         }
-        (self.element, self.control, self.outcomes) = (element, KNOWN, Outcomes::default());
-        (self.steps, self.turns) = (0, 0);
-        self.calls.clear();
-        self.noted.fill(([0; 4], 0));
-        self.private.clear();
-        self.private.resize(self.kernel.code.private as usize, Slot::default());
+        (self.element, self.outcomes) = (element, Outcomes::default());
         self.row.clear();
         self.written.clear();
         self.written.resize(needed, false);
@@ -119,21 +116,31 @@ impl<'a> Machine<'a> {
                 self.row.push(Slot { bits, from, wide });
             }
         }
-        let kernel = self.kernel;
-        let entry = &kernel.code.bodies[kernel.code.entry];
-        let function = self.function(entry);
-        self.reserve(entry.frame as usize);
-        for (argument, &(place, width)) in function.arguments.iter().zip(&entry.arguments) {
-            let id = if is_invocation(argument) { [element.texel[0], element.texel[1], 0] } else { [0; 3] };
-            for (i, bits) in id.into_iter().take(width as usize).enumerate() {
-                self.stack[place as usize + i] = Slot { bits, from: KNOWN, wide: 0.0 };
-            }
-        }
-        self.call(entry, 0)?;
+        let [x, y] = element.texel;
+        self.begin(&Invocation { global: [x, y, 0], ..Invocation::default() });
+        self.go_on()?;
         for (texel, slot) in texels.iter_mut().zip(&self.row) {
             *texel = slot.bits;
         }
         Ok(())
+    }
+
+    /// Before the first statement of a thread.
+    pub(super) fn begin(&mut self, of: &Invocation) {
+        let kernel = self.kernel;
+        let thread = &mut self.thread;
+        (thread.steps, thread.turns, thread.control) = (0, 0, KNOWN);
+        thread.calls.clear();
+        thread.todo.clear();
+        thread.noted.clear();
+        thread.noted.resize(kernel.notes.noted.len(), ([0; 4], 0));
+        thread.private.clone_from(&kernel.code.private);
+        let entry = &kernel.code.bodies[kernel.code.entry];
+        let function = self.function(entry);
+        self.reserve(entry.frame as usize);
+        enter(of, kernel, function, entry, &mut self.thread.stack);
+        self.call(entry, 0);
+        self.thread.todo.push(Todo { ops: &entry.ops, next: 0, after: After::Block });
     }
 
     fn function(&self, body: &Body) -> &'a Function {
@@ -153,82 +160,53 @@ impl<'a> Machine<'a> {
     }
 
     fn reserve(&mut self, slots: usize) {
-        if self.stack.len() < slots {
-            self.stack.resize(slots.next_power_of_two(), Slot::default());
+        if self.thread.stack.len() < slots {
+            self.thread.stack.resize(slots.next_power_of_two(), Slot::default());
         }
     }
 
-    /// Runs a function whose arguments are in its frame.
-    fn call(&mut self, body: &'a Body, base: usize) -> Result<(), InterpretError> {
+    /// Enters a function whose arguments are in its frame.
+    fn call(&mut self, body: &'a Body, base: usize) {
         let frame = Frame { body, function: self.function(body), base };
         for local in &body.locals {
             let first = base + local.place as usize;
             for i in 0..local.width {
                 let value = if local.init == NONE { Slot::default() } else { self.at(&frame, local.init, i) };
-                self.stack[first + i as usize] = value;
+                self.thread.stack[first + i as usize] = value;
             }
         }
         self.returned.clear();
-        let before = self.control;
-        self.block(&frame, &body.ops)?;
-        if self.control != before {
-            let control = self.control;
-            let mut returned = std::mem::take(&mut self.returned);
-            returned.iter_mut().for_each(|slot| slot.from = self.join(slot.from, control));
-            self.returned = returned;
-        }
-        self.control = before;
-        Ok(())
+        self.thread.frame = Some(frame);
     }
 
-    fn block(&mut self, frame: &Frame<'a>, ops: &'a [Op]) -> Result<Flow, InterpretError> {
-        for op in ops {
-            if let Some(recording) = &mut self.recording {
-                recording.ran[op.statement as usize] = true;
-            }
-            self.runs[op.statement as usize] += 1;
-            self.at = op.statement;
-            self.steps += 1;
-            if self.steps > MOST_STEPS {
-                return Err(InterpretError::Steps(MOST_STEPS));
-            }
-            match self.statement(frame, op)? {
-                Flow::Next => {}
-                flow => return Ok(flow),
-            }
-        }
-        Ok(Flow::Next)
-    }
-
-    fn statement(&mut self, frame: &Frame<'a>, op: &'a Op) -> Result<Flow, InterpretError> {
+    /// Runs a statement, or begins one that has others inside of it.
+    pub(super) fn statement(&mut self, frame: &Frame<'a>, op: &'a Op) -> Result<Flow, InterpretError> {
         match &op.what {
             What::Emit(expressions) => {
-                self.steps += expressions.len() as u64;
+                self.thread.steps += expressions.len() as u64;
                 for &expression in expressions {
                     self.evaluate(frame, expression)?;
                 }
             }
-            What::Block(ops) => return self.block(frame, ops),
-            What::If(branch) => return self.branch(frame, branch),
+            What::Block(ops) => self.thread.todo.push(Todo { ops, next: 0, after: After::Block }),
+            What::If(branch) => self.branch(frame, branch),
             What::Switch { site, selector, cases } => {
                 let value = self.get(frame, *selector, 0);
                 let is_case = |case: &(Option<u32>, Vec<Op>, bool)| case.0 == Some(value.bits);
                 let found = cases.iter().position(is_case);
                 let bits = u32::from(found.is_some());
                 let node = self.decide(*site, Slot { bits, wide: f64::from(bits), ..value });
-                self.control = node;
+                self.thread.control = node;
                 let first = found.or_else(|| cases.iter().position(|case| case.0.is_none())).unwrap_or(cases.len());
-                for (_, ops, falls_through) in cases.iter().skip(first) {
-                    match self.block(frame, ops)? {
-                        Flow::Break => break,
-                        Flow::Next if *falls_through => {}
-                        Flow::Next => break,
-                        flow => return Ok(flow),
-                    }
+                if let Some((_, ops, _)) = cases.get(first) {
+                    self.thread.todo.push(Todo { ops, next: 0, after: After::Case { cases, index: first } });
                 }
             }
             What::Loop { body, continuing, break_if } => {
-                return self.repeat(frame, op.statement, (body, continuing), *break_if);
+                let before = self.thread.control;
+                let looped =
+                    super::flow::Loop { statement: op.statement, body, continuing, break_if: *break_if, before };
+                self.turn(looped, 0)?;
             }
             What::Break => return Ok(Flow::Break),
             What::Continue => return Ok(Flow::Continue),
@@ -246,13 +224,17 @@ impl<'a> Machine<'a> {
             What::Store { pointer, value } => self.store(frame, *pointer, *value)?,
             What::ImageStore { image, texel, layer, value } => {
                 let component = self.image_store(frame, *image, *texel, *layer, *value)?;
-                self.stored[component] = op.statement;
+                if let Some(stored) = self.stored.get_mut(component) {
+                    *stored = op.statement;
+                }
             }
             What::Call { function, arguments, result } => self.invoke(frame, *function, arguments, *result)?,
+            What::Atomic { pointer, fun, value, result } => self.atomic(frame, *pointer, *fun, *value, *result)?,
+            What::Barrier(_) | What::UniformLoad { .. } => return Ok(Flow::Wait),
             What::Texel(result) => {
                 let place = frame.base + frame.body.cells[result.index()].place as usize;
                 for (i, bits) in self.element.texel.into_iter().enumerate() {
-                    self.stack[place + i] = Slot { bits, from: KNOWN, wide: 0.0 };
+                    self.thread.stack[place + i] = Slot { bits, from: KNOWN, wide: 0.0 };
                 }
             }
             What::Note(index, value) => {
@@ -261,7 +243,7 @@ impl<'a> Machine<'a> {
                     lane if lane < width => self.get(frame, *value, lane).bits,
                     _ => 0,
                 });
-                if let Some((last, count)) = self.noted.get_mut(*index) {
+                if let Some((last, count)) = self.thread.noted.get_mut(*index) {
                     (*last, *count) = (values, *count + 1);
                 }
             }
@@ -279,63 +261,6 @@ impl<'a> Machine<'a> {
         Ok(Flow::Next)
     }
 
-    fn branch(&mut self, frame: &Frame<'a>, branch: &'a If) -> Result<Flow, InterpretError> {
-        let condition = self.get(frame, branch.condition, 0);
-        let node = self.decide(branch.site, condition);
-        let before = std::mem::replace(&mut self.control, node);
-        let flow = self.block(frame, if condition.bits != 0 { &branch.accept } else { &branch.reject })?;
-        if !branch.has_jump {
-            self.control = before;
-        }
-        if self.recording.is_some() {
-            for &(place, width) in &branch.writes {
-                for at in frame.base + place as usize..frame.base + (place + width) as usize {
-                    self.stack[at].from = self.join(self.stack[at].from, node);
-                }
-            }
-        }
-        // In f64 the right side would decide, or would not: the whole may come out differently.
-        if let Some(result) = branch.result.filter(|_| (condition.wide != 0.0) != (condition.bits != 0)) {
-            let place = frame.base + frame.body.locals[result.index()].place as usize;
-            self.stack[place].wide = 1.0 - f64::from(self.stack[place].bits);
-        }
-        Ok(flow)
-    }
-
-    fn repeat(
-        &mut self,
-        frame: &Frame<'a>,
-        statement: u32,
-        (body, continuing): (&'a [Op], &'a [Op]),
-        break_if: Option<(Handle<Expression>, u32)>,
-    ) -> Result<Flow, InterpretError> {
-        let before = self.control;
-        let flow = loop {
-            self.turns += 1;
-            if self.turns > self.kernel.turns {
-                self.at = statement;
-                return Err(InterpretError::Turns(self.kernel.turns));
-            }
-            match self.block(frame, body)? {
-                Flow::Next | Flow::Continue => {}
-                Flow::Break => break Flow::Next,
-                Flow::Return => break Flow::Return,
-            }
-            self.block(frame, continuing)?;
-            if let Some((condition, site)) = break_if {
-                let condition = self.get(frame, condition, 0);
-                self.decide(site, condition);
-                if condition.bits != 0 {
-                    break Flow::Next;
-                }
-            }
-        };
-        if flow == Flow::Next {
-            self.control = before;
-        }
-        Ok(flow)
-    }
-
     fn invoke(
         &mut self,
         frame: &Frame<'a>,
@@ -347,22 +272,27 @@ impl<'a> Machine<'a> {
         let body = &kernel.code.bodies[function];
         let base = frame.base + frame.body.frame as usize;
         self.reserve(base + body.frame as usize);
-        for (&value, &(place, width)) in arguments.iter().zip(&body.arguments) {
-            for i in 0..width {
-                let slot = self.get(frame, value, i);
-                self.stack[base + place as usize + i as usize] = slot;
+        for (&value, argument) in arguments.iter().zip(&body.arguments) {
+            let place = base + argument.place as usize;
+            match argument.holds {
+                Holds::Value => {
+                    for i in 0..argument.width {
+                        let slot = self.get(frame, value, i);
+                        self.thread.stack[place + i as usize] = slot;
+                    }
+                }
+                Holds::Pointer => self.thread.stack[place] = self.pointer(frame, value)?,
+                Holds::Texture => {
+                    let bits = self.texture(frame, value).unwrap_or(NONE);
+                    self.thread.stack[place] = Slot { bits, ..Slot::default() };
+                }
             }
         }
         // What has failed leaves its calls there.
-        self.calls.push(self.at);
-        self.call(body, base)?;
-        self.calls.pop();
-        if let Some(result) = result {
-            let cell = frame.body.cells[result.index()];
-            let place = frame.base + cell.place as usize;
-            let count = (cell.width as usize).min(self.returned.len());
-            self.stack[place..place + count].copy_from_slice(&self.returned[..count]);
-        }
+        self.thread.calls.push(self.thread.at);
+        let after = After::Call { before: self.thread.control, caller: *frame, result };
+        self.call(body, base);
+        self.thread.todo.push(Todo { ops: &body.ops, next: 0, after });
         Ok(())
     }
 
@@ -374,14 +304,14 @@ impl<'a> Machine<'a> {
         self.outcomes.reached |= bit;
         self.outcomes.taken |= if holds { bit } else { 0 };
         self.outcomes.differs |= if differs { bit } else { 0 };
-        let control = self.control;
-        self.recording.as_mut().map_or(KNOWN, |recording| {
+        let control = self.thread.control;
+        self.thread.recording.as_mut().map_or(KNOWN, |recording| {
             let site = site as usize;
             recording.decide(Decision { site, is_taken: holds, differs, condition: condition.from, control })
         })
     }
 
     pub(super) fn join(&mut self, a: u32, b: u32) -> u32 {
-        self.recording.as_mut().map_or(KNOWN, |recording| recording.join(a, b))
+        self.thread.recording.as_mut().map_or(KNOWN, |recording| recording.join(a, b))
     }
 }

@@ -32,7 +32,7 @@ impl Machine<'_> {
         operands: &[(Handle<Expression>, Slot)],
         result: Slot,
     ) -> u32 {
-        let Some(recording) = self.recording.as_ref().filter(|recording| recording.takes_operations()) else {
+        let Some(recording) = self.thread.recording.as_ref().filter(|recording| recording.takes_operations()) else {
             return result.from;
         };
         let float = |slot: Slot| f32::from_bits(slot.bits);
@@ -48,7 +48,7 @@ impl Machine<'_> {
             operand,
             from: result.from,
         };
-        self.recording.as_mut().map_or(result.from, |recording| recording.compute(operation))
+        self.thread.recording.as_mut().map_or(result.from, |recording| recording.compute(operation))
     }
 
     /// The first component that was finite before, and is not now.

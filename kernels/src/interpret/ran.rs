@@ -8,7 +8,7 @@ impl Machine<'_> {
     /// The recording, with the decision that the new state is due to.
     pub(super) fn finish(mut self) -> Result<Recording, InterpretError> {
         let unrecorded = || InterpretError::Unsupported { what: "no recording".into(), line: 0 };
-        let mut recording = self.recording.take().ok_or_else(unrecorded)?;
+        let mut recording = self.thread.recording.take().ok_or_else(unrecorded)?;
         let kernel = self.kernel;
         let written = |&component: &usize| self.written[component];
         let nodes: Vec<u32> = (0..self.row.len()).filter(written).map(|component| self.row[component].from).collect();
@@ -18,7 +18,7 @@ impl Machine<'_> {
             let span = kernel.code.statements.get(statement as usize)?;
             Some(super::compile::line_of(&kernel.source, span.start))
         };
-        recording.noted.clone_from(&self.noted);
+        recording.noted.clone_from(&self.thread.noted);
         recording.stored = self.stored.iter().map(line).collect();
         recording.non_finite = self.non_finite(&recording, &self.before);
         Ok(recording)
@@ -26,7 +26,7 @@ impl Machine<'_> {
 
     /// The line of the statement that was run last, from 1.
     pub(super) fn line(&self) -> usize {
-        self.line_of(self.at)
+        self.line_of(self.thread.at)
     }
 
     fn line_of(&self, statement: u32) -> usize {
@@ -36,7 +36,7 @@ impl Machine<'_> {
 
     /// That line, and those of the calls that lead to it, the last one first.
     pub(super) fn lines(&self) -> Vec<usize> {
-        let calls = self.calls.iter().rev().map(|&statement| self.line_of(statement));
+        let calls = self.thread.calls.iter().rev().map(|&statement| self.line_of(statement));
         std::iter::once(self.line()).chain(calls).collect()
     }
 }

@@ -9,8 +9,9 @@ use super::kernel::KernelInfo;
 use super::{Course, Program, RayState};
 use crate::options::features::Features;
 use crate::scene_data::SceneData;
-use crate::tables::elements::Elements;
-use crate::tables::kernel::{Counts, Role, Transition};
+use crate::shared::launch::BLOCK;
+use crate::tables::elements::{Elements, Size};
+use crate::tables::kernel::{Counts, Launch, Role, Transition};
 use crate::tables::state::{StateCounts, States, Tag};
 use crate::tables::stream::Stream;
 
@@ -269,6 +270,30 @@ impl Kernel {
     #[must_use]
     pub const fn workgroup(self) -> u32 {
         self.info().workgroup
+    }
+
+    /// Workgroups along x and y of a launch over all elements of a set.
+    #[must_use]
+    pub(crate) fn groups(self, size: Size) -> [u32; 2] {
+        /// The minimum that WebGPU guarantees along an axis.
+        const MOST: u32 = 65_535;
+        let workgroup = self.workgroup();
+        match self.info().launch {
+            // As many workgroups as cover the elements; a few more if they do not fit in one row.
+            Launch::List { each, .. } => {
+                let blocks = match each {
+                    // Enough workgroups for either `element` or `element_of_rows`.
+                    1 if workgroup == BLOCK as u32 => {
+                        let in_rows = size.height.div_ceil(2) * (size.width / (workgroup / 2));
+                        size.count.div_ceil(workgroup).max(in_rows)
+                    }
+                    _ => size.count.div_ceil(workgroup * each),
+                };
+                let rows = blocks.div_ceil(MOST).max(1);
+                [blocks.div_ceil(rows), rows]
+            }
+            Launch::Whole | Launch::Bands => [size.width, size.height].map(|side| side.div_ceil(workgroup)),
+        }
     }
 
     /// Number of these elements it would work on.

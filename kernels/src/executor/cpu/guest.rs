@@ -4,26 +4,39 @@
 use std::borrow::Cow;
 
 use super::{from_stream_bits, to_stream_bits};
+use crate::interpret::pass::Pass;
 use crate::interpret::{Counter, Element, InterpretError, Interpreter};
 use crate::plan::Plan;
 use crate::program::kernel::{ElementTwin, Precision};
 use crate::program::{Kernel, Twin};
 use crate::scene_data::SceneData;
 use crate::shader::Variant;
+use crate::tables::elements::Count;
 use crate::tables::state::Tag;
 use crate::tables::stream::{STATE_TAG, Stream};
 use crate::tables::texels::{Layout, Texels};
 
 /// A user's WGSL failed on an element.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {why}, for the ray of pixel {},{}", pixel[0], pixel[1])]
+#[error("{place}: {why}, for {whose} {},{}", pixel[0], pixel[1])]
 pub struct Failed {
     /// File and line.
     pub place: String,
+    /// What is at the pixel.
+    pub whose: &'static str,
     /// Column and row of the element.
     pub pixel: [u32; 2],
     /// What happened.
     pub why: InterpretError,
+}
+
+/// What a user's WGSL is interpreted by.
+#[derive(Debug)]
+pub(super) enum By {
+    /// One element after the other.
+    Element(Interpreter),
+    /// A pass as a whole: its elements read each other.
+    Pass(Pass),
 }
 
 /// A user's kernel, by the interpreter.
@@ -32,25 +45,44 @@ pub(crate) struct Interpreted {
     /// The kernel, and what names lines of its source.
     variant: Variant,
     /// Or why it cannot be interpreted.
-    code: Result<Interpreter, InterpretError>,
+    pub(super) code: Result<By, InterpretError>,
 }
 
 impl Interpreted {
     /// Those of a plan.
     pub(crate) fn of(plan: &Plan) -> Vec<Self> {
         let replaced = plan.variants.iter().filter(|variant| variant.replaced.is_some());
-        let code = |variant: &Variant| Interpreter::new(variant).map(|code| code.limited(plan.turns));
-        replaced.map(|variant| Self { variant: variant.clone(), code: code(variant) }).collect()
+        replaced.map(|variant| Self::new(variant, plan.turns)).collect()
+    }
+
+    /// One, with a limit for the turns of all loops of a thread.
+    pub(super) fn new(variant: &Variant, turns: u32) -> Self {
+        let code = match variant.kernel.info().twin {
+            Twin::Element { .. } => Interpreter::new(variant).map(|code| By::Element(code.limited(turns))),
+            Twin::Pass(_) => Pass::new(variant).map(|code| By::Pass(code.limited(turns))),
+        };
+        Self { variant: variant.clone(), code }
     }
 
     /// The kernel's code, if it prints anything.
     pub(crate) fn printing(own: &[Self], kernel: Kernel) -> Option<&Interpreter> {
-        let own = own.iter().find(|own| own.variant.kernel == kernel)?;
-        own.code.as_ref().ok().filter(|code| !code.notes().is_empty())
+        match &Self::find(own, kernel)?.code {
+            Ok(By::Element(code)) if !code.notes().is_empty() => Some(code),
+            _ => None,
+        }
+    }
+
+    pub(super) fn find(own: &[Self], kernel: Kernel) -> Option<&Self> {
+        own.iter().find(|own| own.variant.kernel == kernel)
+    }
+
+    /// A line of the composed source as its author knows it.
+    pub(super) fn named_line(&self, line: usize) -> String {
+        self.variant.named_line(line)
     }
 
     /// `lines` are the one that failed and those that called it.
-    fn failed(&self, lines: &[usize], pixel: [u32; 2], why: InterpretError) -> Failed {
+    pub(super) fn failed(&self, lines: &[usize], pixel: [u32; 2], why: InterpretError) -> Failed {
         let (line, why) = match why {
             InterpretError::Unsupported { what, line } => (Some(line), InterpretError::Unsupported { what, line: 0 }),
             why => (None, why),
@@ -60,19 +92,22 @@ impl Interpreted {
             place.is_some_and(|place| place.line > 0)
         };
         let own = lines.iter().copied().find(is_own).or(lines.first().copied());
-        Failed { place: self.variant.named_line(line.or(own).unwrap_or(0)), pixel, why }
+        let kernel = self.variant.kernel;
+        let is_ray = kernel.program().rays.is_some() && kernel.instance().over.count == Count::Image;
+        let whose = if is_ray { "the ray of pixel" } else { "the element at" };
+        Failed { place: self.variant.named_line(line.or(own).unwrap_or(0)), whose, pixel, why }
     }
 }
 
 /// What computes an element.
-enum By<'a, R: Precision> {
+enum Computed<'a, R: Precision> {
     Twin(ElementTwin<R>),
     Wgsl(&'a Interpreted),
 }
 
 /// A kernel for elements whose texels are laid out in some way.
 pub(crate) struct OnElement<'a, R: Precision> {
-    by: By<'a, R>,
+    by: Computed<'a, R>,
     /// The layout by the streams that the twin names, or the program.
     layout: Cow<'a, Layout>,
     /// Where the tag is, and pairs of a tag in the program and the one that the twin means, if they differ.
@@ -82,12 +117,15 @@ pub(crate) struct OnElement<'a, R: Precision> {
 impl<'a, R: Precision> OnElement<'a, R> {
     /// For the layout of a set's streams in the kernel's program; `None` if the kernel's elements read each other.
     pub(crate) fn new(kernel: Kernel, interpreted: &'a [Interpreted], layout: &'a Layout) -> Option<Self> {
-        if let Some(own) = interpreted.iter().find(|own| own.variant.kernel == kernel) {
+        if let Some(own) = Interpreted::find(interpreted, kernel) {
+            if let Ok(By::Pass(_)) = &own.code {
+                return None;
+            }
             // Its WGSL has the program's tags and streams.
-            return Some(Self { by: By::Wgsl(own), layout: Cow::Borrowed(layout), renamed: None });
+            return Some(Self { by: Computed::Wgsl(own), layout: Cow::Borrowed(layout), renamed: None });
         }
         let Twin::Element { f32, f64 } = kernel.info().twin else { return None };
-        let by = By::Twin(R::twin(f32, f64));
+        let by = Computed::Twin(R::twin(f32, f64));
         let renamed = kernel.instance().renamed.and_then(|renamed| {
             let tag = layout.first[kernel.course()?.stream.index()]? + STATE_TAG;
             Some((tag, renamed.tags.iter().map(|&(own, here)| (here, own)).collect()))
@@ -105,13 +143,13 @@ impl<'a, R: Precision> OnElement<'a, R> {
 
     /// Whether it is a user's.
     pub(crate) fn is_interpreted(&self) -> bool {
-        matches!(self.by, By::Wgsl(_))
+        matches!(self.by, Computed::Wgsl(_))
     }
 
     /// Runs it on elements of a set with so many columns and rows, one after the other.
     pub(crate) fn runner<'b>(&'b self, scene: &'b SceneData, size: [u32; 2]) -> Runner<'a, 'b, R> {
         let counter = match &self.by {
-            By::Wgsl(Interpreted { code: Ok(code), .. }) => Some(code.counter(scene)),
+            Computed::Wgsl(Interpreted { code: Ok(By::Element(code)), .. }) => Some(code.counter(scene)),
             _ => None,
         };
         Runner { on: self, scene, size, counter, texels: Vec::new() }
@@ -135,8 +173,8 @@ impl<R: Precision> Runner<'_, '_, R> {
     pub(crate) fn run(&mut self, row: &mut [R::Bits], x: u32, y: u32) -> Result<(), Failed> {
         let OnElement { by, layout, renamed } = self.on;
         let twin = match by {
-            By::Twin(twin) => twin,
-            By::Wgsl(own) => return self.interpret(own, row, [x, y]),
+            Computed::Twin(twin) => twin,
+            Computed::Wgsl(own) => return self.interpret(own, row, [x, y]),
         };
         let Some((at, tags)) = renamed else {
             twin(&mut Texels::new(row, layout, x, y), self.scene);
@@ -160,8 +198,8 @@ impl<R: Precision> Runner<'_, '_, R> {
 
     fn interpret(&mut self, own: &Interpreted, row: &mut [R::Bits], texel: [u32; 2]) -> Result<(), Failed> {
         let (code, counter) = match (&own.code, &mut self.counter) {
-            (Ok(code), Some(counter)) => (code, counter),
-            (Ok(_), None) => return Ok(()),
+            (Ok(By::Element(code)), Some(counter)) => (code, counter),
+            (Ok(_), _) => return Ok(()),
             (Err(why), _) => return Err(own.failed(&[], texel, why.clone())),
         };
         let layout = &self.on.layout;

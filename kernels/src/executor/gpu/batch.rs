@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use super::books::{Place, Wrong, blocks_a_dispatch, counted_anew, counts_after, groups, read_sent, read_wrong};
+use super::books::{Place, Wrong, blocks_a_dispatch, counted_anew, counts_after, read_sent, read_wrong};
 use super::rounding::Runs;
 use super::timers::read_times;
 use super::uploaded::buffer;
@@ -275,7 +275,7 @@ impl GpuExecutor {
         place: &Place,
     ) -> Result<wgpu::CommandEncoder, GpuError> {
         let size = self.launched_over(kernel);
-        let [x, y] = groups(kernel, size);
+        let [x, y] = kernel.groups(size);
         let blocks = x * y;
         let a_dispatch = self.blocks_a_dispatch(kernel).unwrap_or(blocks);
         let pipeline = self.pipelines.get(kernel).ok_or(GpuError::Missing(kernel.name()))?;
@@ -380,7 +380,7 @@ impl GpuExecutor {
         match self.books.arguments(place) {
             Some((buffer, offset)) => pass.dispatch_workgroups_indirect(buffer, offset),
             None => {
-                let [x, y] = groups(kernel, self.launched_over(kernel));
+                let [x, y] = kernel.groups(self.launched_over(kernel));
                 pass.dispatch_workgroups(x, rows.unwrap_or(y), 1);
             }
         }

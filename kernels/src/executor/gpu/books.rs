@@ -8,7 +8,6 @@ use crate::program::{Kernel, Program};
 use crate::shader::{Binding, LAUNCH, MOST_ASSERTIONS, Resource};
 use crate::shared;
 use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
-use crate::shared::launch::BLOCK;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::kernel::Launch;
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS};
@@ -96,7 +95,7 @@ impl Place {
     pub(super) fn threads(&self, kernel: Kernel, before: &StateCounts, size: Size) -> u64 {
         match self.list {
             Some(_) => u64::from(rows_of(kernel.live(before))) * u64::from(RAYS_A_ROW),
-            None => groups(kernel, size).map(u64::from).iter().product::<u64>() * threads_of(kernel),
+            None => kernel.groups(size).map(u64::from).iter().product::<u64>() * threads_of(kernel),
         }
     }
 
@@ -310,29 +309,6 @@ pub(super) fn is_dynamic(binding: &Binding) -> bool {
         Resource::Launch => true,
         Resource::Live { .. } => binding.name != LIVE_RAYS,
         _ => false,
-    }
-}
-
-/// Workgroups along x and y for a kernel that is launched over all elements.
-pub(super) fn groups(kernel: Kernel, size: Size) -> [u32; 2] {
-    /// The minimum that WebGPU guarantees along an axis.
-    const MOST: u32 = 65_535;
-    let workgroup = kernel.workgroup();
-    match kernel.info().launch {
-        // As many workgroups as cover the elements; a few more if they do not fit in one row.
-        Launch::List { each, .. } => {
-            let blocks = match each {
-                // Enough workgroups for either `element` or `element_of_rows`.
-                1 if workgroup == BLOCK as u32 => {
-                    let in_rows = size.height.div_ceil(2) * (size.width / (workgroup / 2));
-                    size.count.div_ceil(workgroup).max(in_rows)
-                }
-                _ => size.count.div_ceil(workgroup * each),
-            };
-            let rows = blocks.div_ceil(MOST).max(1);
-            [blocks.div_ceil(rows), rows]
-        }
-        Launch::Whole | Launch::Bands => [size.width, size.height].map(|side| side.div_ceil(workgroup)),
     }
 }
 
