@@ -125,6 +125,10 @@ pub async fn check(
             Err(CpuError::Failed(why)) => return Ok(Outcome::Fails { pass: pass.index, message: why.to_string() }),
             Err(other) => return Err(other.into()),
         }
+        if let Some(found) = interpreted.race() {
+            let message = format!("{}: {}", found.place, found.race);
+            return Ok(Outcome::Fails { pass: pass.index, message });
+        }
         let written = plan.variant(kernel).into_iter().flat_map(|variant| variant.written_streams());
         for stream in written.collect::<Vec<_>>() {
             let (Some(ours), Some(theirs)) = (known(&renderer, stream).await?, interpreted.read(stream)) else {

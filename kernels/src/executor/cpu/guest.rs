@@ -59,7 +59,7 @@ impl Interpreted {
     pub(super) fn new(variant: &Variant, turns: u32) -> Self {
         let code = match variant.kernel.info().twin {
             Twin::Element { .. } => Interpreter::new(variant).map(|code| By::Element(code.limited(turns))),
-            Twin::Pass(_) => Pass::new(variant).map(|code| By::Pass(code.limited(turns))),
+            Twin::Pass(_) | Twin::Interpreted => Pass::new(variant).map(|code| By::Pass(code.limited(turns))),
         };
         Self { variant: variant.clone(), code }
     }
@@ -224,17 +224,5 @@ impl<R: Precision> Runner<'_, '_, R> {
             }
         }
         Ok(())
-    }
-}
-
-impl<R: Precision> super::CpuExecutor<R> {
-    /// XXX to be replaced by the pass interpreter.
-    pub(super) fn run_interpreted(
-        &mut self,
-        call: crate::program::schedule::Call,
-        _: &SceneData,
-    ) -> Result<u64, Failed> {
-        let why = InterpretError::NotAlone(call.kernel.name());
-        Err(Failed { place: String::new(), pixel: [0; 2], why })
     }
 }
