@@ -25,6 +25,7 @@ pub mod pass;
 mod ran;
 mod recording;
 mod streams;
+mod vectors;
 mod work;
 
 use std::fmt;

@@ -35,12 +35,12 @@ fn is_shown(theme: Theme, name: &str) {
     assert_eq!(stage.place(), 20);
     let ran = kernels(&stage);
     assert_eq!((ran[0], ran[1], ran[19]), ("seed", "generation", "generation"));
-    stage.perform(Command::Layout(Layout::Step));
+    stage.perform(Command::Arrange(Layout::Step));
     stage.snapshot(name);
     // Back and forth again, and to the end.
-    stage.perform(Command::Back);
+    stage.perform(Command::PreviousPass);
     assert_eq!(stage.place(), 19);
-    stage.perform(Command::Forward);
+    stage.perform(Command::NextPass);
     stage.perform(Command::End);
     assert_eq!(stage.place(), 201);
 }

@@ -24,6 +24,8 @@ use crate::tables::texels::{Layout, MOST_STREAMS};
 pub use guest::Failed;
 pub(crate) use guest::{Interpreted, OnElement};
 pub use interpreted::RaceFound;
+#[cfg(test)]
+pub(crate) use interpreted::tests::agree;
 pub use rows::OutOfMemory;
 use rows::{Rows, count_tags};
 pub(crate) use rows::{from_stream_bits, to_stream_bits};

@@ -80,6 +80,8 @@ pub(super) struct Cell {
     pub(super) kind: Kind,
     /// The site of a `select`.
     pub(super) site: u32,
+    /// Rows of a matrix; 0 for other types.
+    pub(super) rows: u8,
 }
 
 /// A global variable.

@@ -114,7 +114,8 @@ impl Compiler<'_> {
                 return Err(self.unsupported("a type", self.function.expressions.get_span(expression)));
             }
             let width = slots(&self.module.types, inner).unwrap_or(0);
-            let cell = Cell { place: NONE, width, kind: kind(inner), site: NONE };
+            let rows = if let TypeInner::Matrix { rows, .. } = *inner { rows as u8 } else { 0 };
+            let cell = Cell { place: NONE, width, kind: kind(inner), site: NONE, rows };
             let of = |handle: Handle<Expression>| cells.get(handle.index()).copied();
             let cell = match *what {
                 _ if width == 0 => cell,

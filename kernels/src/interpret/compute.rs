@@ -7,6 +7,7 @@ use super::code::{CONSTANT, Kind, Slot};
 use super::machine::{Frame, Machine};
 use super::operators::{binary, comparison, convert, math};
 use super::recording::{Comparison, KNOWN, Value};
+use super::vectors;
 
 impl<'a> Machine<'a> {
     pub(super) fn evaluate(&mut self, frame: &Frame<'a>, at: Handle<Expression>) -> Result<(), InterpretError> {
@@ -19,6 +20,24 @@ impl<'a> Machine<'a> {
             InterpretError::Unsupported { what: what.into(), line }
         };
         match frame.function.expressions[at] {
+            Expression::Binary { op: naga::BinaryOperator::Multiply, left, right }
+                if frame.body.cells[left.index()].rows.max(frame.body.cells[right.index()].rows) > 0
+                    && [left, right].iter().all(|side| frame.body.cells[side.index()].width > 1) =>
+            {
+                let sides = [left, right].map(|side| self.whole(frame, side));
+                let rows = [left, right].map(|side| usize::from(frame.body.cells[side.index()].rows));
+                let values = vectors::product([&sides[0], &sides[1]], rows).ok_or_else(|| unsupported("a product"))?;
+                self.put(to, values, &sides);
+            }
+            Expression::Math { fun, arg, arg1, arg2, .. } if vectors::is_of_whole(fun) => {
+                let kind = frame.body.cells[arg.index()].kind;
+                let given = [Some(arg), arg1, arg2].into_iter().flatten();
+                let arguments: Vec<Vec<Slot>> = given.map(|at| self.whole(frame, at)).collect();
+                let rows = usize::from(frame.body.cells[arg.index()].rows);
+                let values = vectors::of_whole(fun, kind, &arguments, rows);
+                let values = values.filter(|values| values.len() == cell.width as usize);
+                self.put(to, values.ok_or_else(|| unsupported("a function"))?, &arguments);
+            }
             Expression::Binary { op, left, right } => {
                 let kind = frame.body.cells[left.index()].kind;
                 for lane in lanes {
@@ -156,6 +175,19 @@ impl<'a> Machine<'a> {
             _ => return Err(unsupported("an expression")),
         }
         Ok(())
+    }
+
+    /// All components of a value.
+    fn whole(&self, frame: &Frame<'a>, at: Handle<Expression>) -> Vec<Slot> {
+        (0..frame.body.cells[at.index()].width).map(|lane| self.get(frame, at, lane)).collect()
+    }
+
+    /// Puts components that depend on all of their operands'.
+    fn put(&mut self, to: usize, values: Vec<Slot>, operands: &[Vec<Slot>]) {
+        let from = operands.iter().flatten().fold(KNOWN, |from, slot| self.join(from, slot.from));
+        for (at, value) in (to..).zip(values) {
+            self.thread.stack[at] = Slot { from, ..value };
+        }
     }
 
     /// An expression as a reader would name it: what it was bound to by `let`, or its source.

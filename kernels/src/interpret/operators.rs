@@ -3,6 +3,7 @@
 use naga::{BinaryOperator as Op, MathFunction as Fun};
 
 use super::code::{Kind, Slot};
+use super::vectors::in_f64;
 use crate::numbers::real::Real;
 
 fn float(value: f32, wide: f64) -> Slot {
@@ -98,8 +99,15 @@ pub(super) fn math(fun: Fun, kind: Kind, [a, b, c]: [Slot; 3]) -> Option<Slot> {
     match kind {
         Kind::F32 => {
             let [x, y, z] = [a, b, c].map(|slot| f32::from_bits(slot.bits));
-            let (value, wide) = (of_floats(fun, [x, y, z])?, of_floats(fun, [a.wide, b.wide, c.wide])?);
-            Some(float(value, wide))
+            if fun == Fun::Ldexp {
+                let power = 2f64.powi(b.bits.cast_signed().clamp(-400, 400));
+                return Some(float((f64::from(x) * power) as f32, a.wide * power));
+            }
+            let wide = [a.wide, b.wide, c.wide];
+            match of_floats(fun, [x, y, z]) {
+                Some(value) => Some(float(value, of_floats(fun, wide)?)),
+                None => Some(float(in_f64(fun, [x, y, z].map(f64::from))? as f32, in_f64(fun, wide)?)),
+            }
         }
         Kind::I32 => {
             let [x, y, z] = [a, b, c].map(|slot| slot.bits.cast_signed());
@@ -109,6 +117,15 @@ pub(super) fn math(fun: Fun, kind: Kind, [a, b, c]: [Slot; 3]) -> Option<Slot> {
                 Fun::Max => x.max(y),
                 Fun::Clamp => x.max(y).min(z),
                 Fun::Sign => x.signum(),
+                // The highest bit that is not the sign's; none of 0 and -1.
+                Fun::FirstLeadingBit => {
+                    let bits = if x < 0 { !a.bits } else { a.bits };
+                    return Some(int(bits.checked_ilog2().unwrap_or(u32::MAX)));
+                }
+                Fun::ExtractBits => match field(b.bits, c.bits) {
+                    (_, 0) => 0,
+                    (first, count) => (x << (32 - count - first)) >> (32 - count),
+                },
                 _ => return of_bits(fun, a.bits).map(int),
             };
             Some(int(value.cast_unsigned()))
@@ -119,10 +136,20 @@ pub(super) fn math(fun: Fun, kind: Kind, [a, b, c]: [Slot; 3]) -> Option<Slot> {
             Fun::Max => a.bits.max(b.bits),
             Fun::Clamp => a.bits.max(b.bits).min(c.bits),
             Fun::FirstLeadingBit => a.bits.checked_ilog2().unwrap_or(u32::MAX),
+            Fun::ExtractBits => match field(b.bits, c.bits) {
+                (_, 0) => 0,
+                (first, count) => (a.bits << (32 - count - first)) >> (32 - count),
+            },
             _ => return of_bits(fun, a.bits).map(int),
         })),
         Kind::Bool => None,
     }
+}
+
+/// The first of some bits, and their number, as far as there are any.
+fn field(first: u32, count: u32) -> (u32, u32) {
+    let first = first.min(32);
+    (first, count.min(32 - first))
 }
 
 fn of_floats<R: Real>(fun: Fun, [x, y, z]: [R; 3]) -> Option<R> {

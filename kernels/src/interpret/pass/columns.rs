@@ -110,11 +110,24 @@ pub(super) struct Conflict {
     pub(super) is_load: bool,
 }
 
+/// The thread that wrote a component first, and its value; the thread and the statement that wrote it last.
+#[derive(Clone, Copy)]
+struct Written {
+    first: u32,
+    value: u32,
+    last: u32,
+    statement: u32,
+}
+
+impl Written {
+    const NOT: Self = Self { first: NONE, value: 0, last: NONE, statement: NONE };
+}
+
 /// The streams after a pass.
 pub(super) struct After<'a> {
     columns: &'a Columns<'a>,
-    /// Those that the kernel writes, each with the thread and the statement that wrote a component last.
-    streams: Vec<Option<(StreamData, Vec<[u32; 2]>)>>,
+    /// Those that the kernel writes, each with who wrote its components.
+    streams: Vec<Option<(StreamData, Vec<Written>)>>,
     /// The first.
     conflict: Option<Conflict>,
 }
@@ -128,7 +141,7 @@ impl<'a> After<'a> {
             let mut bits = filled(0, data.bits.len())?;
             bits.copy_from_slice(&data.bits);
             let StreamData { stream, width, height, .. } = *data;
-            Ok(Some((StreamData { stream, width, height, bits }, filled([NONE; 2], data.bits.len())?)))
+            Ok(Some((StreamData { stream, width, height, bits }, filled(Written::NOT, data.bits.len())?)))
         };
         let streams = columns.streams.iter().map(copy).collect::<Result<_, InterpretError>>()?;
         Ok(Self { columns, streams, conflict: None })
@@ -141,13 +154,15 @@ impl<'a> After<'a> {
             let at = one.component - self.columns.first[place];
             let Some(Some((data, by))) = self.streams.get_mut(place) else { continue };
             let thread = first_thread + one.lane;
-            let [other, _] = by[at];
-            if other != NONE && other != thread && data.bits[at] != one.slot.bits {
-                let conflict = conflict(data, at, [other, thread], one.statement, false);
+            let (value, written) = (one.slot.bits, &mut by[at]);
+            if written.first == NONE || written.first == thread {
+                (written.first, written.value) = (thread, value);
+            } else if written.value != value {
+                let conflict = conflict(data, at, [written.first, thread], one.statement, false);
                 keep(&mut self.conflict, conflict);
             }
-            data.bits[at] = one.slot.bits;
-            by[at] = [thread, one.statement];
+            data.bits[at] = value;
+            (written.last, written.statement) = (thread, one.statement);
         }
     }
 
@@ -158,7 +173,7 @@ impl<'a> After<'a> {
             let before = &self.columns.streams[place].bits;
             for (at, readers) in self.columns.readers[place].iter().enumerate() {
                 let [first, last] = readers.each_ref().map(|thread| thread.load(Ordering::Relaxed));
-                let [writer, statement] = by[at];
+                let Written { last: writer, statement, .. } = by[at];
                 if first == NONE || writer == NONE || before[at] == data.bits[at] || [first, last] == [writer; 2] {
                     continue;
                 }

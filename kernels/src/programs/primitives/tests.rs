@@ -7,8 +7,9 @@ use super::add::add;
 use super::radix::digits_of;
 use super::scan::{SCAN_BLOCK, scan};
 use super::*;
+use crate::executor::cpu::agree;
 use crate::options::{Accelerator, Options, RaySource};
-use crate::plan::over::Over;
+use crate::plan::over::{Over, in_rows};
 use crate::plan::{Limits, Plan, PlanError};
 use crate::program::schedule::{Count as Counted, Schedule, Step};
 use crate::program::{Instance, Kernel, Program};
@@ -183,8 +184,8 @@ fn planned(
     let twice = values.iter().copied().chain(values.iter().map(|value| !value)).collect();
     let inputs = vec![given(KEY, keys.clone()), given(VALUE, twice), given(WANTED, wanted.clone())];
     let data = SceneData::from(Contents { inputs, ..Contents::default() });
-    let sets = [(&PAIRS, count as u64)];
-    let run = Over { program: &GUESTS, schedule: schedule(1), given: &sets, accelerator: Accelerator::None };
+    let sets = [in_rows(&PAIRS, count as u64, limits).expect("a size")];
+    let run = Over { program: &GUESTS, schedule: schedule(1), sizes: &sets, accelerator: Accelerator::None };
     let options = Options::new(RaySource::Given(Vec::new()));
     Ok((run.plan(&data, &options, limits)?, data))
 }
@@ -239,6 +240,17 @@ fn a_program_sorts_and_compacts_by_kernels_that_are_not_its_own() {
     }
 }
 
+#[test]
+fn primitives_are_interpreted_as_their_twins_compute() {
+    for count in [1, 700, 20_000] {
+        let inputs = inputs(count, Size::folded(count as u64, Limits::CPU.image_side).expect("a size"));
+        let planned = || planned(count, &Limits::CPU, &inputs).expect("a plan");
+        let (plan, data) = planned();
+        assert_eq!(agree::<f32>(plan, &data).len(), GUESTS.kernels.len());
+        agree::<f64>(planned().0, &data);
+    }
+}
+
 /// Each row's defect is one that the comparison with the host finds.
 #[cfg(feature = "gpu")]
 #[test]
@@ -263,9 +275,7 @@ fn a_broken_primitive_is_noticed() {
 #[test]
 fn a_set_that_two_levels_of_sums_do_not_span_is_refused() {
     let limits = Limits { image_side: 1 << 14, ..Limits::CPU };
-    let sets = [(&PAIRS, MOST_ELEMENTS + 1)];
-    let run = Over { program: &GUESTS, schedule: schedule(1), given: &sets, accelerator: Accelerator::None };
-    let refused = run.plan(&SceneData::default(), &Options::new(RaySource::Given(Vec::new())), &limits);
-    let said = refused.map(|_| ()).expect_err("too many").to_string();
+    let refused = in_rows(&PAIRS, MOST_ELEMENTS + 1, &limits);
+    let said = PlanError::from(refused.expect_err("too many")).to_string();
     assert_eq!(said, "67108865 pairs are too many: at most 67108864 fit here; use fewer cells");
 }
