@@ -7,8 +7,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, check_kernel, completions, dump, extension, info, inspect, merge, paper, plan, render, report,
-    run, scene, stability, sweep, trace,
+    bench, build, cast, check_kernel, completions, course, dump, extension, grade, info, inspect, merge, paper, plan,
+    render, report, run, scene, stability, sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
@@ -36,6 +36,7 @@ Examples:
   raystep run sort --elements 65536 --check
   raystep cast cornell-box --rays-file rays.npy -o hits.npy
   raystep check-kernel my.wgsl --for intersect cornell-box
+  raystep course my-course
   raystep report cornell-box -o report
   raystep stability -o stability
   raystep paper -o paper
@@ -61,6 +62,8 @@ pub(crate) enum Command {
     Run(run::RunProgramArgs),
     Cast(Box<cast::CastArgs>),
     CheckKernel(Box<check_kernel::CheckKernelArgs>),
+    Course(course::CourseArgs),
+    Grade(grade::GradeArgs),
     Merge(merge::MergeArgs),
     Report(Box<report::ReportArgs>),
     Stability(Box<stability::StabilityArgs>),
