@@ -21,6 +21,7 @@ mod non_finite;
 mod operators;
 mod ran;
 mod recording;
+mod vectors;
 mod work;
 
 use std::fmt;

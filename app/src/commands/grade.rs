@@ -27,8 +27,8 @@ use crate::terminal::{Progress, print};
 #[command(after_help = "\
 Examples:
   raystep course my-course
-  raystep grade my-course || true
-  raystep grade my-course --json --device cpu || true")]
+  raystep grade my-course
+  raystep grade my-course --json --device cpu")]
 pub(crate) struct GradeArgs {
     /// The folder that 'raystep course' has written, with what you have completed
     folder: PathBuf,

@@ -7,6 +7,7 @@ use super::code::{CONSTANT, Kind, Slot};
 use super::machine::{Frame, Machine};
 use super::operators::{binary, comparison, convert, math};
 use super::recording::{Comparison, KNOWN, Value};
+use super::vectors::{is_of_vectors, of_vectors};
 
 impl<'a> Machine<'a> {
     pub(super) fn evaluate(&mut self, frame: &Frame<'a>, at: Handle<Expression>) -> Result<(), InterpretError> {
@@ -42,13 +43,32 @@ impl<'a> Machine<'a> {
                     self.stack[to + lane as usize] = unary(op, kind, value);
                 }
             }
+            Expression::Math { fun, arg, arg1, .. } if is_of_vectors(fun) => {
+                let of = frame.body.cells[arg.index()];
+                let (kind, width) = (of.kind, of.width.min(4));
+                let mut from = KNOWN;
+                let sides = [Some(arg), arg1].map(|side| {
+                    let mut slots = [Slot::default(); 4];
+                    for (lane, slot) in (0..width).zip(&mut slots) {
+                        *slot = side.map_or(Slot::default(), |side| self.get(frame, side, lane));
+                        from = self.join(from, slot.from);
+                    }
+                    slots
+                });
+                let results = of_vectors(fun, kind, width as usize, sides).ok_or_else(|| unsupported("a function"))?;
+                for (lane, result) in lanes.zip(results) {
+                    self.stack[to + lane as usize] = Slot { from, ..result };
+                }
+            }
             Expression::Math { fun, arg, arg1, arg2, .. } => {
                 let kind = frame.body.cells[arg.index()].kind;
                 for lane in lanes {
                     let first = self.get(frame, arg, lane);
                     let mut values = [first; 3];
                     for (value, arg) in values[1..].iter_mut().zip([arg1, arg2]) {
-                        *value = arg.map_or(Slot::default(), |arg| self.get(frame, arg, lane));
+                        // The last argument of mix may be one number for all components.
+                        let of = |arg: Handle<Expression>| lane.min(frame.body.cells[arg.index()].width - 1);
+                        *value = arg.map_or(Slot::default(), |arg| self.get(frame, arg, of(arg)));
                     }
                     let mut value = math(fun, kind, values).ok_or_else(|| unsupported("a function"))?;
                     let from = self.join(values[0].from, values[1].from);

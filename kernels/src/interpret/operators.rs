@@ -133,6 +133,15 @@ fn of_floats<R: Real>(fun: Fun, [x, y, z]: [R; 3]) -> Option<R> {
         Fun::Clamp => x.max(y).min(z),
         Fun::Floor => x.floor(),
         Fun::Ceil => -((-x).floor()),
+        Fun::Round => rounded(x),
+        Fun::Trunc if x < R::zero() => -((-x).floor()),
+        Fun::Trunc => x.floor(),
+        Fun::Fract => x - x.floor(),
+        Fun::Saturate => x.max(R::zero()).min(R::one()),
+        Fun::Step if x <= y => R::one(),
+        Fun::Step => R::zero(),
+        Fun::Mix => x * (R::one() - z) + y * z,
+        Fun::InverseSqrt => R::one() / x.sqrt(),
         Fun::Sqrt => x.sqrt(),
         Fun::Fma => x.fused(y, z),
         Fun::Sign if x > R::zero() => R::one(),
@@ -140,6 +149,13 @@ fn of_floats<R: Real>(fun: Fun, [x, y, z]: [R; 3]) -> Option<R> {
         Fun::Sign => R::zero(),
         _ => return None,
     })
+}
+
+/// To the nearest integer, from halfway to the even one.
+fn rounded<R: Real>(x: R) -> R {
+    let (below, half) = (x.floor(), R::from_f32(0.5));
+    let is_even = (below * half).floor() == below * half;
+    if x - below < half || x - below == half && is_even { below } else { below + R::one() }
 }
 
 fn of_bits(fun: Fun, bits: u32) -> Option<u32> {
@@ -185,4 +201,22 @@ pub(super) fn convert(slot: Slot, from: Kind, to: Kind, is_of_value: bool) -> Sl
         (_, Kind::U32 | Kind::I32) => (slot.bits, 0.0),
     };
     Slot { bits, wide, ..slot }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floats_are_rounded_and_mixed_as_wgsl_says() {
+        let told = |fun, values| of_floats::<f32>(fun, values).expect("a function");
+        let rounded = [-1.5f32, -0.5, 0.4, 0.5, 1.5, 2.5, 2.6].map(|x| told(Fun::Round, [x, 0.0, 0.0]));
+        assert_eq!(rounded, [-2.0, 0.0, 0.0, 0.0, 2.0, 2.0, 3.0]);
+        assert_eq!([-1.7f32, 1.7].map(|x| told(Fun::Trunc, [x, 0.0, 0.0])), [-1.0, 1.0]);
+        assert_eq!(told(Fun::Fract, [-0.25, 0.0, 0.0]), 0.75);
+        assert_eq!([-1.0f32, 0.5, 2.0].map(|x| told(Fun::Saturate, [x, 0.0, 0.0])), [0.0, 0.5, 1.0]);
+        assert_eq!([told(Fun::Step, [1.0, 1.0, 0.0]), told(Fun::Step, [1.0, 0.9, 0.0])], [1.0, 0.0]);
+        assert_eq!(told(Fun::Mix, [2.0, 4.0, 0.25]), 2.5);
+        assert_eq!(told(Fun::InverseSqrt, [4.0, 0.0, 0.0]), 0.5);
+    }
 }

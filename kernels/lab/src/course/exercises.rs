@@ -26,8 +26,8 @@ impl View {
 /// As in the paper, from the open side of the box.
 const BOX: View = view(CORNELL_BOX, 16, "the camera is inside the grid and looks along -z");
 /// From its back.
-const BOX_FROM_BEHIND: View =
-    view(CORNELL_BOX, 16, "rays go towards larger x, y and z").from([-0.83, -0.71, -0.64], [0.9, 0.8, 2.6], 70.0);
+const BOX_FROM_BEHIND: View = view(CORNELL_BOX, 16, "rays go towards larger x, y and z, and triangles are behind them")
+    .from([-0.83, -0.71, -0.64], [0.9, 0.8, 2.6], 70.0);
 /// With an odd number of pixels, so that rays are parallel to planes.
 const BOX_STRAIGHT: View = view(
     CORNELL_BOX,
@@ -87,11 +87,8 @@ pub static EXERCISES: [Exercise; 8] = [
             views: &[
                 BOX,
                 view(SOUP, 20, "triangles from both sides, and some edge-on"),
-                view(BALL, 20, "triangles from behind, and some behind the ray's origin").from(
-                    [0.2, 0.1, 0.3],
-                    [1.0, 0.4, 0.0],
-                    80.0,
-                ),
+                BOX_FROM_BEHIND.grid("2"),
+                view(BALL, 20, "triangles from behind").from([0.2, 0.1, 0.3], [1.0, 0.4, 0.0], 80.0),
             ],
             may_round: true,
             is_watertight: false,
@@ -128,7 +125,7 @@ pub static EXERCISES: [Exercise; 8] = [
             options: &[],
             views: &[
                 BOX.grid("5"),
-                view(CORNELL_BOX, 16, "other numbers of cells along each axis").grid("7x4x11"),
+                view(CORNELL_BOX, 16, "other numbers of cells along each axis").grid("7,4,11"),
                 BOX_FROM_BEHIND,
                 BALL_OUTSIDE,
                 view(SOUP, 16, "rays that enter the grid through its upper faces").from(
@@ -157,6 +154,11 @@ pub static EXERCISES: [Exercise; 8] = [
                     [0.0; 3],
                     [0.0, 0.0, -1.0],
                     90.0,
+                ),
+                view(Source::File(CRACK), 24, "one edge of the wall, very much enlarged").from(
+                    [0.0; 3],
+                    [0.015625, 0.3, -1.0],
+                    0.002,
                 ),
                 view(BALL, 32, "a closed ball from inside").from([0.0; 3], [0.0, 0.0, -1.0], 90.0),
             ],

@@ -201,8 +201,17 @@ pub(super) const SHADOW: &[Hint] = &[
         "From the surface to the light, not the other way, and for each kind of light: one has a position, the other only a direction in which its light travels.",
     ),
     at("shadow_origin", "The ray begins at the surface, off it by the error of rounding: start and leaving have that."),
-    at("state.tag", "Is the ray cast where the light is on the side from which the surface is seen, and only there?"),
-    at("light", "Is the ray cast where the light is on the side from which the surface is seen, and only there?"),
-    at("color", "Is the ray cast where the light is on the side from which the surface is seen, and only there?"),
+    at(
+        "state.tag",
+        "Is the ray cast where the light is on the side from which the surface is seen, and only there? Where does its direction lead?",
+    ),
+    at(
+        "light",
+        "Is the ray cast where the light is on the side from which the surface is seen, and only there? Where does its direction lead?",
+    ),
+    at(
+        "color",
+        "Is the ray cast where the light is on the side from which the surface is seen, and only there? Where does its direction lead?",
+    ),
     at("", "Only shadow_ray is to be written: is the rest of the file as it was?"),
 ];
