@@ -106,7 +106,7 @@ pub static EXERCISES: [Exercise; 8] = [
             views: &[
                 BOX,
                 BOX_FROM_BEHIND.grid("5"),
-                view(SOUP, 20, "cells whose triangles reach far beyond them").grid("6"),
+                view(SOUP, 12, "cells whose triangles reach far beyond them").grid("6"),
                 BALL_OUTSIDE,
             ],
             may_round: false,
@@ -125,7 +125,7 @@ pub static EXERCISES: [Exercise; 8] = [
             options: &[],
             views: &[
                 BOX.grid("5"),
-                view(CORNELL_BOX, 16, "other numbers of cells along each axis").grid("7,4,11"),
+                view(CORNELL_BOX, 16, "other numbers of cells along each axis").grid("7,5,11"),
                 BOX_FROM_BEHIND,
                 BALL_OUTSIDE,
                 view(SOUP, 16, "rays that enter the grid through its upper faces").from(
@@ -134,7 +134,7 @@ pub static EXERCISES: [Exercise; 8] = [
                     30.0,
                 ),
             ],
-            may_round: true,
+            may_round: false,
             is_watertight: false,
             hints: hints::RESOLUTION,
         }),
@@ -160,7 +160,7 @@ pub static EXERCISES: [Exercise; 8] = [
                     [0.015625, 0.3, -1.0],
                     0.002,
                 ),
-                view(BALL, 32, "a closed ball from inside").from([0.0; 3], [0.0, 0.0, -1.0], 90.0),
+                view(BALL, 16, "a closed ball from inside").from([0.0; 3], [0.0, 0.0, -1.0], 90.0),
             ],
             may_round: true,
             is_watertight: true,
@@ -176,9 +176,9 @@ pub static EXERCISES: [Exercise; 8] = [
             hole: file!("8-shadow.wgsl").text,
             options: &[("integrator", "shadows")],
             views: &[
-                view(CORNELL_BOX, 24, "one light, inside the scene"),
-                view(SOUP, 20, "a light at a point, and one that is infinitely far away"),
-                view(BALL, 20, "two lights, on different sides"),
+                view(CORNELL_BOX, 20, "one light, inside the scene"),
+                view(SOUP, 14, "a light at a point, and one that is infinitely far away"),
+                view(BALL, 14, "two lights, on different sides"),
             ],
             may_round: false,
             is_watertight: false,
