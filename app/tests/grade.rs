@@ -64,8 +64,11 @@ fn a_wrong_answer_is_told_by_its_ray_and_a_mistake_by_its_line_and_neither_says_
     let place = Place::new();
     place.ok(&["course", "c"]);
     // Steps along x in place of z, which is stored by a module of ours.
-    fs::write(place.path("c/2-step.wgsl"), text("2-step.wgsl").replace("cell.z += forward.z", "cell.x += forward.x"))
-        .expect("a file");
+    let hole = text("2-step.wgsl");
+    let along_x = hole
+        .replace("cell.z += forward.z", "cell.x += forward.x")
+        .replace("tmax.z += t_delta.z", "tmax.x += t_delta.x");
+    fs::write(place.path("c/2-step.wgsl"), along_x).expect("a file");
     let hole = text("6-resolution.wgsl");
     let line = 1 + hole.lines().position(|line| line.contains("return 0u;")).expect("a line");
     fs::write(place.path("c/6-resolution.wgsl"), hole.replace("return 0u;", "return 0.5;")).expect("a file");

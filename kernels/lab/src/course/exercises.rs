@@ -178,7 +178,7 @@ pub static EXERCISES: [Exercise; 8] = [
             views: &[
                 view(CORNELL_BOX, 20, "one light, inside the scene"),
                 view(SOUP, 14, "a light at a point, and one that is infinitely far away"),
-                view(BALL, 14, "two lights, on different sides"),
+                view(BALL, 20, "two lights, on different sides"),
             ],
             may_round: false,
             is_watertight: false,
