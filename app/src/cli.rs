@@ -7,8 +7,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, check, check_kernel, completions, dump, extension, info, inspect, merge, new, paper, plan,
-    render, report, run, scene, stability, sweep, trace,
+    bench, build, cast, check, check_kernel, completions, course, dump, extension, grade, info, inspect, merge, new,
+    paper, plan, render, report, run, scene, stability, sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
@@ -39,6 +39,7 @@ Examples:
   raystep new my-program
   raystep run my-program -o result.png
   raystep check my-program
+  raystep course my-course
   raystep report cornell-box -o report
   raystep stability -o stability
   raystep paper -o paper
@@ -66,6 +67,8 @@ pub(crate) enum Command {
     CheckKernel(Box<check_kernel::CheckKernelArgs>),
     New(new::NewArgs),
     Check(check::CheckArgs),
+    Course(course::CourseArgs),
+    Grade(grade::GradeArgs),
     Merge(merge::MergeArgs),
     Report(Box<report::ReportArgs>),
     Stability(Box<stability::StabilityArgs>),

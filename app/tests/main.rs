@@ -15,6 +15,7 @@ mod escapes;
 mod far;
 mod files;
 mod formats;
+mod grade;
 mod history;
 mod inspect;
 mod left_out;

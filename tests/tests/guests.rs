@@ -192,9 +192,11 @@ fn guests_agree_with_their_references_after_every_pass() {
     for options in cases() {
         let (plan, data) = Plan::new(&scene, &options, &limits).expect("a plan");
         let plan = plan.hosted(&GUESTS, schedule_of(&options, &plan), &data, &limits).expect("a plan");
-        let found =
-            block_on(Some(&gpu), parity::compare_plan(&Device::Gpu(gpu.clone()), plan, data, &options, |_| false))
-                .expect("a comparison");
+        let found = block_on(
+            Some(&gpu),
+            parity::compare_plan(&Device::Gpu(gpu.clone()), plan, data, &options, true, |_| false),
+        )
+        .expect("a comparison");
         assert!(!found.is_broken(), "{}: {:?} {:?}", options.accelerator, found.breaches, found.miscounts);
         seen.extend(found.transitions.iter().map(|(_, kernel, _)| kernel.name()));
     }

@@ -9,6 +9,7 @@ mod cast;
 mod coarse_clock;
 mod compact;
 mod counting;
+mod course;
 mod degenerate;
 mod device;
 mod divergence;

@@ -392,3 +392,14 @@ fn first_with_items(scene: &Scene, device: &Device) -> u32 {
         }
     })
 }
+
+/// Our kernels go on with what a user's has stored, whatever that is.
+#[test]
+fn a_cell_that_there_is_not_has_no_triangles() {
+    let scene = generate::cornell_box();
+    let by = own("setup", "vec4u(cell_index(walk.cell))", "vec4u(99999u)");
+    let options = Options { replaced: vec![by], ..single_steps(&scene) };
+    let renderer = run(&scene, &options, &Device::Cpu(None)).expect("a run");
+    let hit = block_on(None, renderer.values(HIT)).expect("the hits");
+    assert!(hit.layer(2).iter().all(|&triangle| triangle == u32::MAX), "nothing is listed outside of the grid");
+}

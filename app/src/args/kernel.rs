@@ -52,13 +52,18 @@ impl KernelFile {
         Self { name, path }
     }
 
+    /// Its bytes: no more of them than show that it is too large.
+    pub(crate) fn bytes(&self) -> std::io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let most = Replacement::MOST_BYTES as u64 + 1;
+        std::fs::File::open(&self.path)?.take(most).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    }
+
     /// Reads the file.
     pub(crate) fn read(&self) -> Result<Arc<Replacement>, Error> {
         let at = |why: &dyn std::fmt::Display| Error::at(&self.path, why);
-        let file = std::fs::File::open(&self.path).map_err(|e| at(&crate::error::reason(&e)))?;
-        let mut bytes = Vec::new();
-        let most = Replacement::MOST_BYTES as u64 + 1;
-        file.take(most).read_to_end(&mut bytes).map_err(|e| at(&crate::error::reason(&e)))?;
+        let bytes = self.bytes().map_err(|e| at(&crate::error::reason(&e)))?;
         let path = self.path.to_string_lossy().into_owned();
         Replacement::new(self.name.clone(), path, bytes).map(Arc::new).map_err(|why| at(&why))
     }

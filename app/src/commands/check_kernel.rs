@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use raystep_kernels::{Device, Options, RaySource};
+use raystep_lab::Machine;
 use raystep_lab::check_kernel::{Decided, Difference, Line, Outcome, check_kernel, mistake};
 use serde::Serialize;
 
 use crate::args::kernel::{KernelArgs, KernelFile};
-use crate::args::{CameraArgs, DeviceKind, QuietArgs, RunArgs, SceneArgs, parse_size};
+use crate::args::{CameraArgs, DeviceArgs, DeviceKind, QuietArgs, RunArgs, SceneArgs, parse_size};
 use crate::device;
 use crate::error::Error;
 use crate::scene_file::{self, SceneFile};
@@ -86,20 +87,10 @@ pub(crate) fn run(args: CheckKernelArgs) -> Result<(), Error> {
     let rays = RaySource::Camera { camera, width: size.width, height: size.height };
     let options = Options { replaced: vec![by.clone()], ..Options::new(rays).chosen(&choices) };
 
-    // The interpreter alone sees every index that is out of range.
-    let mut machines = Vec::new();
-    if run.device.device != DeviceKind::Gpu && run.device.adapter.is_none() {
-        machines.push(None);
-    }
-    if run.device.device != DeviceKind::Cpu {
-        let machine = device::choose(&run.device())?;
-        if machine.gpu().is_some() {
-            machines.push(Some(machine));
-        }
-    }
+    let machines = machines(&run.device())?;
     let mut checked = Vec::new();
     for machine in &machines {
-        let name = machine.as_ref().map_or_else(|| INTERPRETED.to_owned(), raystep_lab::Machine::name);
+        let name = machine.as_ref().map_or_else(|| INTERPRETED.to_owned(), Machine::name);
         progress.stage(&format!("comparing {}, {}", by.kernel, ran(&name)));
         let device = machine.as_ref().map_or(Device::Cpu(None), |machine| machine.device.clone());
         let found = match machine {
@@ -143,11 +134,24 @@ pub(crate) fn run(args: CheckKernelArgs) -> Result<(), Error> {
     }
 }
 
+/// What a user's kernel runs on, for these options: the interpreter, which is none, and then a GPU. The interpreter alone sees
+/// every index that is out of range.
+pub(super) fn machines(args: &DeviceArgs) -> Result<Vec<Option<Machine>>, Error> {
+    let mut machines = Vec::new();
+    if args.device != DeviceKind::Gpu && args.adapter.is_none() {
+        machines.push(None);
+    }
+    if args.device != DeviceKind::Cpu {
+        machines.extend(Some(device::choose(args)?).filter(|machine| machine.gpu().is_some()).map(Some));
+    }
+    Ok(machines)
+}
+
 /// The name of what runs a kernel without a device.
-const INTERPRETED: &str = "interpreted";
+pub(super) const INTERPRETED: &str = "interpreted";
 
 /// Where it ran.
-fn ran(device: &str) -> String {
+pub(super) fn ran(device: &str) -> String {
     if device == INTERPRETED { device.to_owned() } else { format!("on {device}") }
 }
 
@@ -159,25 +163,27 @@ fn told(file: &str, kernel: &str, device: &str, outcome: &Outcome) -> String {
             format!("{file} does what {kernel} does, {ran}: {rays} rays in {passes} passes have the same values\n")
         }
         Outcome::Differs(difference) => differs(file, kernel, &ran, difference),
-        Outcome::Miscounts { pass, states } => {
-            let mut text = format!(
-                "{file} counts rays otherwise than {kernel}, {ran}, first in pass {pass}: every thread must call \
-                 send, with the tag that it stored\n"
-            );
-            for (name, counted, found) in states {
-                text += &format!("  {name}: {counted} counted, {found} found\n");
-            }
-            text
-        }
+        Outcome::Miscounts { pass, states } => miscounts(file, kernel, &ran, *pass, states),
         Outcome::Fails { message } => format!("{file} fails, {ran}: {message}\n"),
         Outcome::Idle => format!("{file} never ran, {ran}: no ray of this view waits for {kernel}\n"),
     }
 }
 
+pub(super) fn miscounts(file: &str, kernel: &str, ran: &str, pass: usize, states: &[(&str, u32, u32)]) -> String {
+    let mut text = format!(
+        "{file} counts rays otherwise than {kernel}, {ran}, first in pass {pass}: every thread must call send, with the tag \
+         that it stored\n"
+    );
+    for (name, counted, found) in states {
+        text += &format!("  {name}: {counted} counted, {found} found\n");
+    }
+    text
+}
+
 /// Most lines about the condition that decided.
 const MOST_TOLD: usize = 4;
 
-fn differs(file: &str, kernel: &str, ran: &str, difference: &Difference) -> String {
+pub(super) fn differs(file: &str, kernel: &str, ran: &str, difference: &Difference) -> String {
     let Difference { pass, pixel: [x, y], rays, stream, layer, value, expected, stored, decided, notes, fails } =
         difference;
     let others = match rays {
@@ -195,6 +201,7 @@ fn differs(file: &str, kernel: &str, ran: &str, difference: &Difference) -> Stri
         number => format!("{}:{number}", line.file),
     };
     match stored {
+        Some(line) if line.text.is_empty() => text += &format!("  stored by {}\n", place(line)),
         Some(line) => text += &format!("  stored by {}: {}\n", place(line), line.text),
         None => match fails {
             Some(why) => text += &format!("  interpreted, this ray fails: {why}; --device cpu says where\n"),

@@ -95,12 +95,22 @@ pub enum Outcome {
 /// # Errors
 /// If the scene cannot be planned, the WGSL is invalid, or the device fails.
 pub async fn check_kernel(scene: &Scene, options: &Options, device: &Device) -> Result<Outcome, ParityError> {
+    check(scene, options, device, device.is_gpu()).await
+}
+
+/// The same; `may_round` says whether a ray may go another way where f32 cannot tell which is right.
+pub(crate) async fn check(
+    scene: &Scene,
+    options: &Options,
+    device: &Device,
+    may_round: bool,
+) -> Result<Outcome, ParityError> {
     let (plan, data) = Plan::on(scene, options, device).await.map_err(of_plan)?;
     let Some(variant) = plan.variants.iter().find(|variant| variant.replaced.is_some()).cloned() else {
         return Ok(Outcome::Idle);
     };
     let (width, height) = (plan.width, plan.height);
-    let found = match compare_plan(device, plan, data.clone(), options, Parity::is_broken).await {
+    let found = match compare_plan(device, plan, data.clone(), options, may_round, Parity::is_broken).await {
         Ok(found) => found,
         Err(ParityError::Pass { error: error @ (RenderError::Failed(_) | RenderError::Gpu(_)), .. }) => {
             return Ok(Outcome::Fails { message: error.to_string() });

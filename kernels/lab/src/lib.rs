@@ -15,6 +15,7 @@
 //! | [`compared`], [`built`] | how much a comparison covered, by kernel; a grid that a device has built |
 //! | [`mod@check_kernel`], [`branch`] | a user's kernel beside the one that it replaces; how a condition came out, in words |
 //! | [`mod@check_program`] | a user's program on a device beside the interpreter |
+//! | [`course`] | exercises: kernels with a hole, and the check of what a student has written |
 //! | [`self_test`] | whether raystep works on a GPU: all of this in a minute |
 //! | [`strategies`] | one pixel's light by each strategy of a path tracer |
 //! | [`bounces`], [`non_finite`] | paths of light over the whole image, bounce by bounce; the first value that is not finite, and its cause |
@@ -39,6 +40,7 @@ pub mod check_program;
 pub mod compare;
 pub mod compared;
 pub mod configuration;
+pub mod course;
 pub mod divergence;
 mod error;
 pub mod flip;

@@ -131,11 +131,12 @@ pub async fn compare(
 ) -> Result<Parity, ParityError> {
     let (mut plan, data) = Plan::new(scene, options, limits)?;
     change(&mut plan);
-    compare_plan(&Device::Gpu(gpu.clone()), plan, data, options, is_enough).await
+    compare_plan(&Device::Gpu(gpu.clone()), plan, data, options, true, is_enough).await
 }
 
 /// As [`compare`], on any device, for a plan that is made already. Users' kernels are compared with those that they replace;
-/// the interpreter rounds as the CPU reference kernels do, so there nothing is put down to rounding but floats within its bound.
+/// the interpreter rounds as the CPU reference kernels do, so there a ray need not go another way by rounding alone, which
+/// `has_ties` allows; floats may be off by its bound.
 ///
 /// # Errors
 /// If the device fails, or there is not enough memory.
@@ -144,6 +145,7 @@ pub async fn compare_plan(
     plan: Plan,
     data: SceneData,
     options: &Options,
+    has_ties: bool,
     is_enough: impl Fn(&Parity) -> bool,
 ) -> Result<Parity, ParityError> {
     let mut renderer = Renderer::from_plan(plan, data, options, device).await?;
@@ -194,7 +196,7 @@ pub async fn compare_plan(
         }
         let (data, kernel) = (renderer.data(), pass.kernel);
         let rules = Rounding { plan: &own, data, kernel, before: &before };
-        record(&mut found, &pass, &rules, &after, device.is_gpu())?;
+        record(&mut found, &pass, &rules, &after, has_ties)?;
         if found.is_broken() && found.before.is_empty() {
             found.before = std::mem::take(&mut before);
         }

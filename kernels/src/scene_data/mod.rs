@@ -188,24 +188,22 @@ impl SceneData {
     }
 
     /// Start of the list of a cell or leaf, and its number of triangles; all triangles if there is neither grid nor
-    /// BVH.
+    /// BVH. One that there is not, as a user's kernel may name, has an empty list.
     #[must_use]
     pub fn list(&self, cell: u32) -> (u32, u32) {
-        match self.features.structure() {
-            StructureKind::None => (0, self.info.triangles),
+        let at = cell as usize;
+        let list = match self.features.structure() {
+            StructureKind::None => Some((0, self.info.triangles)),
             StructureKind::Grid => {
-                let first = self.grid_cells[cell as usize];
-                (first, self.grid_cells[cell as usize + 1] - first)
+                self.grid_cells.get(at).zip(self.grid_cells.get(at + 1)).map(|(first, end)| (*first, end - first))
             }
-            StructureKind::Irregular => match self.irregular_lengths[cell as usize] {
-                0 => (0, 0),
-                length => (self.irregular_cells[cell as usize].first, length),
+            StructureKind::Irregular => match self.irregular_lengths.get(at) {
+                None | Some(0) => None,
+                Some(length) => self.irregular_cells.get(at).map(|cell| (cell.first, *length)),
             },
-            StructureKind::Bvh => {
-                let node = &self.bvh_nodes[cell as usize];
-                (node.first, node.count())
-            }
-        }
+            StructureKind::Bvh => self.bvh_nodes.get(at).map(|node| (node.first, node.count())),
+        };
+        list.unwrap_or_default()
     }
 
     /// The triangle at an index in the lists.
@@ -243,7 +241,7 @@ impl SceneData {
         if !self.features.skip {
             return 0;
         }
-        (self.grid_distances[cell as usize / 4] >> (8 * (cell % 4)) & 0xff) as i32
+        self.grid_distances.get(cell as usize / 4).map_or(0, |four| (four >> (8 * (cell % 4)) & 0xff) as i32)
     }
 
     /// The data of a run whose structure and features are decided: the buffers in `wanted`, and the structure. Each

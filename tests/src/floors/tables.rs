@@ -57,7 +57,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
             &["html"],
             &["error", "reporter", "stability", "stiff"],
             &["bench", "check_kernel", "check_program", "intensity", "report", "self_test"],
-            &["paper"],
+            &["course", "paper"],
         ],
     ),
     (
