@@ -241,6 +241,6 @@ mod tests {
         ] {
             assert_eq!(found(body).as_deref(), Some("workgroupBarrier"), "{body}");
         }
-        assert_eq!(found("if (lane == 1u) { inner(); }").as_deref(), Some("inner"));
+        assert_eq!(found("if (lane == 1u) { inner(); }").as_deref(), Some("inner()"));
     }
 }
