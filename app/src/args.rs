@@ -141,12 +141,8 @@ impl RunArgs {
 
     /// Where passes run.
     pub(crate) fn device(&self) -> DeviceArgs {
-        let mut device = self.device.if_needed(self.tracing.values.needs_gpu());
-        // On the CPU, a user's kernel is interpreted.
-        if !self.kernels.kernels.is_empty() && device.device == DeviceKind::Auto {
-            device.device = DeviceKind::GpuFirst;
-        }
-        device
+        let device = self.device.if_needed(self.tracing.values.needs_gpu());
+        if self.kernels.kernels.is_empty() { device } else { device.for_users() }
     }
 }
 
@@ -165,6 +161,14 @@ pub(crate) struct DeviceArgs {
 }
 
 impl DeviceArgs {
+    /// Where users' kernels run: on the CPU they are interpreted, so a GPU in software is faster.
+    pub(crate) fn for_users(&self) -> Self {
+        match self.device {
+            DeviceKind::Auto => Self { device: DeviceKind::GpuFirst, ..self.clone() },
+            _ => self.clone(),
+        }
+    }
+
     /// Where passes run: some need a GPU, if only one in software.
     pub(crate) fn if_needed(&self, needs_gpu: bool) -> Self {
         let mut device = self.clone();

@@ -108,7 +108,8 @@ impl Session {
         }
         watch.lap("load");
         progress.stage("looking for a device");
-        let chosen = device::choose(&run.device())?;
+        let device = run.device();
+        let chosen = device::choose(&if folder.is_some() { device.for_users() } else { device })?;
         watch.lap("device");
         let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
         let choices = run.choices_on(view, &chosen);

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Error> {
     let folder = Arc::new(folder);
     let program = program_folder::program(&folder)?.program;
     let progress = Progress::new(args.quiet.quiet);
-    let chosen = device::choose(&args.device)?;
+    let chosen = device::choose(&args.device.for_users())?;
     let rays = RaySource::Camera { camera: Camera::framing(&Scene::default().bounds()), width: 1, height: 1 };
     let options = Options { folder: Some(folder), ..Options::new(rays) };
     let planned = chosen.wait(Plan::on(&Scene::default(), &options, &chosen.device))?;

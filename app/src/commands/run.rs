@@ -122,7 +122,8 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
     }
     let progress = Progress::new(args.quiet.quiet);
     let mut watch = Stopwatch::start();
-    let chosen = device::choose(&args.device)?;
+    let is_own = runs.options.folder.is_some();
+    let chosen = device::choose(&if is_own { args.device.for_users() } else { args.device.clone() })?;
     watch.lap("device");
     let scene = Scene { name: "none".into(), ..Scene::default() };
     let options = Options { timings: passes.is_some(), ..runs.options };
