@@ -18,21 +18,21 @@ macro_rules! examples {
     ($($name:literal: $($file:literal)*;)*) => {
         &[$(($name, &[
             ("program.toml", include_str!(concat!("../../programs/", $name, "/program.toml"))),
-            $((concat!($file, ".wgsl"), include_str!(concat!("../../programs/", $name, "/", $file, ".wgsl"))),)*
+            $(($file, include_str!(concat!("../../programs/", $name, "/", $file))),)*
         ])),*]
     };
 }
 
 /// The examples, from short to long.
 const EXAMPLES: &[(&str, Files)] = examples! {
-    "life": "seed" "generation";
-    "reaction-diffusion": "seed" "react";
-    "bitonic-sort": "shuffle" "exchange";
-    "prefix-sum": "fill" "scan" "add";
-    "binary-search": "fill" "ask" "halve";
-    "sphere-tracer": "shapes" "aim" "march" "paint";
-    "n-body": "place" "attract" "advance" "draw";
-    "fluid": "push" "carry" "diverge" "relax" "project";
+    "life": "seed.wgsl" "generation.wgsl";
+    "reaction-diffusion": "seed.wgsl" "react.wgsl";
+    "bitonic-sort": "shuffle.wgsl" "exchange.wgsl";
+    "prefix-sum": "fill.wgsl" "scan.wgsl" "add.wgsl";
+    "binary-search": "fill.wgsl" "ask.wgsl" "halve.wgsl";
+    "sphere-tracer": "shapes.wgsl" "aim.wgsl" "march.wgsl" "paint.wgsl";
+    "n-body": "place.wgsl" "attract.wgsl" "advance.wgsl" "draw.wgsl";
+    "fluid": "push.wgsl" "carry.wgsl" "diverge.wgsl" "relax.wgsl" "project.wgsl";
 };
 
 /// Make a folder with a stream program of your own
