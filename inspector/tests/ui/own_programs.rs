@@ -66,7 +66,7 @@ fn a_program_follows_its_files_and_stays_if_one_is_wrong() {
     save(&mut stage, "generation.wgsl", "let alive =", "let alive = oops +");
     assert_eq!((stage.harness.state().model().generation, stage.place()), (generation + 1, 20));
     let error = stage.harness.state().last_error().unwrap_or_default().to_owned();
-    assert!(error.starts_with("work/life/generation.wgsl:18:"), "{error}");
+    assert!(error.starts_with("work/life/generation.wgsl:17:"), "{error}");
     save(&mut stage, "program.toml", "repeat = 200", "repeat = \"many\"");
     let error = stage.harness.state().last_error().unwrap_or_default().to_owned();
     assert!(error.starts_with("work/life/program.toml:"), "{error}");
