@@ -24,8 +24,8 @@ fn paint(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_ind
         var light = mix(vec3f(0.6, 0.75, 0.9), vec3f(0.2, 0.4, 0.8), max(direction.y, 0.0));
         if (state == SURFACE) {
             let p = EYE + textureLoad(distance, id.xy, 0, 0).x * direction;
-            // The gradient of the distance is the normal.
-            let e = vec2f(0.001, 0.0);
+            // The gradient of the distance is the normal. Over a shorter way, rounding would show.
+            let e = vec2f(0.01, 0.0);
             let normal = normalize(vec3f(
                 distance_to(p + e.xyy) - distance_to(p - e.xyy),
                 distance_to(p + e.yxy) - distance_to(p - e.yxy),

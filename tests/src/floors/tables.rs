@@ -94,7 +94,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
 /// Circles that are still there, by the path of their folder: modules that use each other.
 pub const KNOWN_CIRCLES: &[(&str, &[&str])] = &[
     ("raystep_scenes::load", &["check", "json"]),
-    ("raystep_kernels::interpret", &["flow", "machine"]),
+    ("raystep_kernels::interpret", &["flow", "machine", "pass"]),
     ("raystep_kernels::interpret::pass", &["columns", "group"]),
     ("raystep_lab", &["error", "reporter", "stability", "stiff"]),
     ("raystep_lab::bench", &["runs", "summary"]),

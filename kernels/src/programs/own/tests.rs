@@ -148,7 +148,7 @@ fn a_mistake_is_told_with_its_place() {
         of(MANIFEST, &ADD.replacen(from, to, 1))
     };
     let cases = [
-        ("@workgroup_size(BLOCK)", "@workgroup_size(8, 8)", "6:4", "needs @workgroup_size(BLOCK)"),
+        ("@workgroup_size(BLOCK)", "@workgroup_size(8, 8)", "6:", "needs @workgroup_size(BLOCK)"),
         ("@compute", "", "1:1", "no @compute function"),
         ("var item:", "var thing:", "4:", "no stream is named thing; there are item"),
         ("r32uint", "r32float", "4:", "texture_storage_2d_array<r32uint, read_write>"),
