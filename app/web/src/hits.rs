@@ -53,7 +53,7 @@ async fn traced(link: &str, on_gpu: bool) -> Result<Vec<u32>, String> {
     let load = Rc::new(Files::default()).loader(&path, link.scene_index);
     let scene = load(Box::new(|_, _| true)).await?;
     let device = if on_gpu { Device::Gpu(gpu().await?) } else { Device::Cpu(None) };
-    hit_words(&link, &scene, &device).await.map_err(|e| e.to_string())
+    hit_words(&link, &scene.scene, &device).await.map_err(|e| e.to_string())
 }
 
 /// The names of the adapters that WebGPU lists.

@@ -1,7 +1,7 @@
 //! The header of an npy file (NEP 1, versions 1.0 to 3.0).
 //!
 //! The crates that read npy parse the header with a grammar of Python's literals, and take whatever length it claims.
-//! Three keys need little, and a header of a stranger's stream gets no more memory than [`LONGEST`].
+//! Three keys need little, and a header of a stranger's stream gets no more memory than `LONGEST`.
 
 use std::io::{self, Read};
 
