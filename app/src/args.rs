@@ -62,7 +62,7 @@ pub(crate) struct ViewArgs {
 }
 
 /// The camera.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Scene and view")]
 pub(crate) struct CameraArgs {
     /// Index of a camera of the scene, counted from 0 [default: 0, or a camera that frames the scene]
@@ -96,6 +96,19 @@ impl CameraArgs {
         ];
         all.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
     }
+}
+
+/// What a program of one's own sees of a scene.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Scene and view, of a program that reads a scene")]
+pub(crate) struct SightArgs {
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size, allow_hyphen_values = true)]
+    pub(crate) size: Size,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
 }
 
 /// Tracing options.

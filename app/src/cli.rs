@@ -7,8 +7,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, check, check_kernel, completions, course, dump, extension, grade, info, inspect, merge, new,
-    paper, plan, render, report, run, scene, stability, sweep, trace,
+    bench, build, cast, check, check_kernel, completions, course, dump, export_program, extension, grade, info,
+    inspect, merge, new, paper, plan, render, report, run, scene, stability, sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
@@ -39,6 +39,7 @@ Examples:
   raystep new my-program
   raystep run my-program -o result.png
   raystep check my-program
+  raystep export-program cornell-box --schedule second -o my-tracer
   raystep course my-course
   raystep report cornell-box -o report
   raystep stability -o stability
@@ -67,6 +68,7 @@ pub(crate) enum Command {
     CheckKernel(Box<check_kernel::CheckKernelArgs>),
     New(new::NewArgs),
     Check(check::CheckArgs),
+    ExportProgram(Box<export_program::ExportArgs>),
     Course(course::CourseArgs),
     Grade(grade::GradeArgs),
     Merge(merge::MergeArgs),

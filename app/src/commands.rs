@@ -8,6 +8,7 @@ pub(crate) mod check_kernel;
 pub(crate) mod completions;
 pub(crate) mod course;
 pub(crate) mod dump;
+pub(crate) mod export_program;
 pub(crate) mod grade;
 pub(crate) mod info;
 mod input;

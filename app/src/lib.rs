@@ -27,6 +27,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use clap::CommandFactory as _;
+use raystep_kernels::options::folder::Folder;
 use raystep_scenes::Scene;
 
 use cli::{Command, Request};
@@ -67,6 +68,17 @@ pub fn read_scene(path: &Path) -> Result<(Scene, Vec<PathBuf>), String> {
     scene_file::read_alone(path).map(|file| (file.scene, file.files)).map_err(|error| error.message)
 }
 
+/// Reads a program's folder or zip file, with the scene that it reads: another one than it names as in `my-program@teapot`.
+/// Returns also the files that it was read from.
+///
+/// # Errors
+/// In one line: what is wrong with it.
+pub fn read_program(path: &Path) -> Result<(Folder, Scene, Vec<PathBuf>), String> {
+    let read = scene_file::read_alone_any(path).map_err(|error| error.message)?;
+    let folder = read.folder.ok_or_else(|| format!("{}: not a program: it has no program.toml", path.display()))?;
+    Ok((Folder::clone(&folder), read.scene, read.files))
+}
+
 /// The command line's definition, from which the manual pages are made.
 #[doc(hidden)]
 pub fn definition() -> clap::Command {
@@ -98,6 +110,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::Run(args) => commands::run::run(&args),
             Command::Cast(args) => commands::cast::run(&args),
             Command::CheckKernel(args) => commands::check_kernel::run(*args),
+            Command::ExportProgram(args) => commands::export_program::run(&args),
             Command::New(args) => commands::new::run(&args),
             Command::Check(args) => commands::check::run(&args),
             Command::Course(args) => commands::course::run(&args),

@@ -8,6 +8,8 @@ use std::sync::Arc;
 use raystep_kernels::options::folder::Folder;
 use raystep_kernels::programs::own::{self, Own};
 use raystep_lab::text::visible;
+use raystep_lab::zipped;
+use raystep_scenes::ENDINGS;
 
 use crate::error::{Error, reason};
 use crate::scene_file::bytes_of;
@@ -15,8 +17,26 @@ use crate::scene_file::bytes_of;
 /// Most folders inside of each other that are looked through for WGSL files.
 const MOST_DEPTH: usize = 4;
 
-/// The folder that a path names, itself or by its `program.toml`.
-pub(crate) fn find(path: &Path) -> Option<PathBuf> {
+/// A program's folder, and the scene that it is to read.
+pub(crate) struct Found {
+    pub(crate) folder: PathBuf,
+    pub(crate) scene: Option<PathBuf>,
+}
+
+/// The program that a path names: a folder, its `program.toml`, or one of these with a scene as in `my-program@teapot`.
+pub(crate) fn find(path: &Path) -> Option<Found> {
+    if let Some(folder) = folder_of(path) {
+        return Some(Found { folder, scene: None });
+    }
+    let (folder, scene) = path.to_str()?.rsplit_once('@')?;
+    Some(Found { folder: folder_of(Path::new(folder))?, scene: Some(scene.into()) })
+}
+
+/// The folder that a path names, itself or by its `program.toml`; or a zip file of one.
+fn folder_of(path: &Path) -> Option<PathBuf> {
+    if is_zip(path) && path.is_file() {
+        return Some(path.to_owned());
+    }
     let is_manifest = path.file_name().is_some_and(|name| name == Folder::MANIFEST);
     let folder = match is_manifest {
         true => path.parent().map(|parent| if parent.as_os_str().is_empty() { Path::new(".") } else { parent })?,
@@ -25,10 +45,19 @@ pub(crate) fn find(path: &Path) -> Option<PathBuf> {
     folder.join(Folder::MANIFEST).is_file().then(|| folder.to_owned())
 }
 
+fn is_zip(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"))
+}
+
 /// Reads what a program consists of: `program.toml`, all WGSL files, and the files that `program.toml` names. Also returns
 /// their paths.
 pub(crate) fn read(folder: &Path) -> Result<(Folder, Vec<PathBuf>), Error> {
     let failed = |why: &dyn std::fmt::Display| Error::at(folder, why);
+    if is_zip(folder) {
+        let bytes = bytes_of(folder, Folder::MOST_BYTES)?;
+        let read = zipped::folder(&visible(&folder.to_string_lossy()), &bytes).map_err(|why| failed(&why))?;
+        return Ok((read, vec![folder.to_owned()]));
+    }
     let full = fs::canonicalize(folder).map_err(|e| failed(&reason(&e)))?;
     let mut paths = vec![Folder::MANIFEST.to_owned()];
     wgsl_files(folder, "", 0, &mut paths)?;
@@ -36,7 +65,12 @@ pub(crate) fn read(folder: &Path) -> Result<(Folder, Vec<PathBuf>), Error> {
     let text = String::from_utf8_lossy(&manifest);
     // Any string of it may be a file's name.
     for quoted in text.split(['"', '\'']) {
-        let is_new = Folder::is_inside(quoted) && !quoted.contains(['\n', '\r']) && !paths.iter().any(|p| p == quoted);
+        // A scene is read for its triangles, not as a part of the program.
+        let is_scene = ENDINGS.iter().any(|ending| quoted.ends_with(&format!(".{ending}")));
+        let is_new = Folder::is_inside(quoted)
+            && !is_scene
+            && !quoted.contains(['\n', '\r'])
+            && !paths.iter().any(|p| p == quoted);
         if is_new && folder.join(quoted).is_file() {
             paths.push(quoted.to_owned());
         }
@@ -84,6 +118,27 @@ fn wgsl_files(folder: &Path, inside: &str, depth: usize, paths: &mut Vec<String>
 /// The program of these files.
 pub(crate) fn program(folder: &Arc<Folder>) -> Result<Arc<Own>, Error> {
     own::read(folder).map_err(|mistake| Error::from(&*mistake))
+}
+
+/// The file of the scene that a program reads, if it reads one.
+pub(crate) fn scene_of(found: &Found, own: &Own) -> Result<Option<PathBuf>, Error> {
+    let place = found.folder.display();
+    match (&own.scene, &found.scene) {
+        (None, None) => Ok(None),
+        (None, Some(scene)) => Err(Error::usage(format!(
+            "{place} reads no scene, so {} is of no use: program.toml needs a table [scene]",
+            scene.display()
+        ))),
+        (Some(_), Some(scene)) => Ok(Some(scene.clone())),
+        (Some(of), None) => match &of.file {
+            Some(file) if Folder::is_inside(file) && found.folder.join(file).is_file() => {
+                Ok(Some(found.folder.join(file)))
+            }
+            Some(name) if !name.contains(['/', '\\']) => Ok(Some(name.into())),
+            Some(file) => Err(Error::failed(format!("{place}/program.toml: no file {file} is in the folder"))),
+            None => Err(Error::usage(format!("{place} reads a scene: name one, as in {place}@cornell-box"))),
+        },
+    }
 }
 
 /// The program in a folder.

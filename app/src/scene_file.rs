@@ -11,13 +11,14 @@ use std::sync::Arc;
 use beside::Beside;
 use glam::DVec3;
 pub(crate) use named::{file_of, is_known, names, set_folder};
+use raystep_kernels::RaySource;
 use raystep_kernels::options::folder::Folder;
 use raystep_kernels::plan::Bytes;
 use raystep_lab::Hash;
 use raystep_lab::text::visible;
 use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
 
-use crate::args::{CameraArgs, ReadArgs, SceneArgs, Vector, WRONG_FOV};
+use crate::args::{CameraArgs, ReadArgs, SceneArgs, SightArgs, Vector, WRONG_FOV};
 use crate::error::{Error, reason};
 use crate::program_folder;
 
@@ -52,10 +53,21 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
 /// Reads a scene, or a program's folder in its place.
 pub(crate) fn read_any(args: &SceneArgs) -> Result<SceneFile, Error> {
     let SceneArgs { scene, scene_index, read } = args;
-    if let Some(at) = program_folder::find(scene) {
-        let (folder, files) = program_folder::read(&at)?;
-        let scene = Scene { name: folder.name.clone(), ..Scene::default() };
-        return Ok(SceneFile { folder: Some(Arc::new(folder)), scene, inputs: canonical(&files), files });
+    if let Some(found) = program_folder::find(scene) {
+        let (folder, mut files) = program_folder::read(&found.folder)?;
+        let folder = Arc::new(folder);
+        let own = program_folder::program(&folder)?;
+        let mut inputs = canonical(&files);
+        let scene = match program_folder::scene_of(&found, &own)? {
+            None => Scene { name: folder.name.clone(), ..Scene::default() },
+            Some(path) => {
+                let of = self::read(&SceneArgs { scene: path, scene_index: *scene_index, read: *read })?;
+                inputs.extend(of.inputs);
+                files.extend(of.files);
+                of.scene
+            }
+        };
+        return Ok(SceneFile { folder: Some(folder), scene, inputs, files });
     }
     let path = &file_of(scene)?;
     let options = LoadOptions { scene: *scene_index, max_bytes: read.max_memory, ..LoadOptions::default() };
@@ -90,12 +102,24 @@ pub(crate) fn read_any(args: &SceneArgs) -> Result<SceneFile, Error> {
     Ok(SceneFile { folder: None, scene, inputs: canonical(&files), files })
 }
 
+/// Reads a program's folder, with the scene that it reads; also returns the rays of its view.
+pub(crate) fn read_program(path: &Path, sight: &SightArgs) -> Result<(SceneFile, RaySource), Error> {
+    let file = read_any(&SceneArgs { scene: path.to_owned(), scene_index: None, read: sight.read })?;
+    let (camera, _) = self::camera(&sight.camera, &file.scene)?;
+    Ok((file, RaySource::Camera { camera, width: sight.size.width, height: sight.size.height }))
+}
+
 /// The name of a scene's file without its folder; a built-in scene's is that of a GLB file.
 pub(crate) fn name_in_folder(path: &Path) -> String {
     match named::built_in_name(path) {
         Some(name) => format!("{name}.glb"),
         None => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
     }
+}
+
+/// Reads a scene or a program with the default limits.
+pub(crate) fn read_alone_any(path: &Path) -> Result<SceneFile, Error> {
+    read_any(&SceneArgs { scene: path.to_owned(), scene_index: None, read: ReadArgs::default() })
 }
 
 /// Reads a scene with the default limits.

@@ -27,9 +27,9 @@ fn the_exercises_are_written_once_and_are_untouched() {
     place.fails(1, "is not empty", &["course", "c"]);
 
     let outcome = place.run(&["grade", "c", "--device", "cpu", "--quiet"]);
-    assert_eq!((outcome.code, &*outcome.stderr), (Some(1), "error: 0 of 7 exercises passed\n"), "{outcome:?}");
+    assert_eq!((outcome.code, &*outcome.stderr), (Some(1), "error: 0 of 8 exercises passed\n"), "{outcome:?}");
     let lines: Vec<_> = outcome.stdout.lines().collect();
-    assert_eq!(lines.len(), 7, "{lines:?}");
+    assert_eq!(lines.len(), 8, "{lines:?}");
     assert!(lines[0].starts_with("1 tMax at the start") && lines[0].contains("untouched"), "{lines:?}");
     fs::remove_file(place.path("c/8-shadow.wgsl")).expect("a file");
     let outcome = place.run(&["grade", "c", "--device", "cpu", "--quiet"]);
@@ -40,17 +40,26 @@ fn the_exercises_are_written_once_and_are_untouched() {
 fn solutions_pass_with_exit_code_0() {
     let place = Place::new();
     fs::create_dir(place.path("c")).expect("a folder");
-    let names = ["1-tmax", "2-step", "3-triangle", "4-list-end", "6-resolution", "7-crack", "8-shadow"];
+    let names = [
+        "1-tmax.wgsl",
+        "2-step.wgsl",
+        "3-triangle.wgsl",
+        "4-list-end.wgsl",
+        "5-schedule.toml",
+        "6-resolution.wgsl",
+        "7-crack.wgsl",
+        "8-shadow.wgsl",
+    ];
     for name in names {
-        fs::write(place.path(format!("c/{name}.wgsl")), text(&format!("solutions/{name}.wgsl"))).expect("a file");
+        fs::write(place.path(format!("c/{name}")), text(&format!("solutions/{name}"))).expect("a file");
     }
     let outcome = place.ok(&["grade", "c", "--device", "cpu", "--json", "--quiet"]);
     let found: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
-    assert_eq!((&found["passed"], &found["of"], &found["folder"]), (&7.into(), &7.into(), &"c".into()));
+    assert_eq!((&found["passed"], &found["of"], &found["folder"]), (&8.into(), &8.into(), &"c".into()));
     let exercises = found["exercises"].as_array().expect("a list");
-    assert_eq!(exercises.len(), 7);
+    assert_eq!(exercises.len(), 8);
     for (one, name) in exercises.iter().zip(names) {
-        assert_eq!((&one["verdict"], one["file"].as_str()), (&"passed".into(), Some(&*format!("c/{name}.wgsl"))));
+        assert_eq!((&one["verdict"], one["file"].as_str()), (&"passed".into(), Some(&*format!("c/{name}"))));
         assert!(one["views"].as_u64() >= Some(3) && one["rays"].as_u64() > Some(500), "{one}");
         assert!(
             one["number"].as_u64() == name[..1].parse().ok() && one["kernel"].is_string() && one["title"].is_string()
@@ -92,7 +101,7 @@ fn a_wrong_answer_is_told_by_its_ray_and_a_mistake_by_its_line_and_neither_says_
     let outcome = place.run(&["grade", "c", "--device", "cpu", "--json", "--quiet"]);
     let found: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
     let exercises = &found["exercises"];
-    let [step, resolution, crack] = [1, 4, 5].map(|i| &exercises[i]);
+    let [step, resolution, crack] = [1, 5, 6].map(|i| &exercises[i]);
     assert_eq!(
         (&step["verdict"], &step["stream"], &step["layer"]),
         (&"differs".into(), &"state".into(), &"cell".into())

@@ -13,8 +13,10 @@ use raystep_kernels::export::plan::plan;
 use raystep_kernels::export::structure::Structure;
 use raystep_kernels::history::{Rays, trace};
 use raystep_kernels::plan::PlanText;
+use raystep_kernels::programs::own;
 use raystep_kernels::renderer::CounterSums;
 use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::tables::elements::Count;
 use raystep_kernels::tables::stream::Texel;
 use raystep_kernels::{self as kernels, Options, Plan, Stream};
 use raystep_lab::Machine;
@@ -33,6 +35,9 @@ type PassParts =
 
 /// Name, components, their meanings, whether texels are floats, unit.
 type StreamParts = (&'static str, Vec<&'static str>, Vec<String>, bool, &'static str);
+
+/// The bits of a stream, its columns and rows, and the number of its elements.
+type Values<'py> = (Bound<'py, PyArray1<u32>>, u32, u32, Option<u32>);
 
 /// A run between two passes.
 #[pyclass(frozen, module = "raystep._raystep")]
@@ -59,13 +64,14 @@ impl Renderer {
                 Failure::Usage(line) => OptionError::new_err(line),
                 Failure::Failed(line) => SceneError::new_err(line),
             })?;
+            let options = Options { folder: scene.folder.clone(), ..options };
             let machine = scene.machine.clone();
             let renderer = block_on(kernels::Renderer::new(&scene.scene, &options, &machine.device));
             let renderer = renderer.map_err(|error| of_request(&error))?;
-            if misses_all(&scene.scene, &options, renderer.plan()) {
+            if options.traces_rays() && misses_all(&scene.scene, &options, renderer.plan()) {
                 notes.push(MISSES_ALL.to_owned());
             }
-            notes.extend(drawn_as_diffuse(&scene.scene, &options));
+            notes.extend(drawn_as_diffuse(&scene.scene, &options).filter(|_| options.traces_rays()));
             notes.extend(machine.note_on_times().filter(|_| options.timings));
             let (plan, data) = (renderer.shared_plan(), renderer.shared_data());
             let run = Turns::new(Run::new(renderer));
@@ -134,15 +140,25 @@ impl Renderer {
         self.plan.streams.iter().map(|planned| parts(planned.what)).collect()
     }
 
-    /// A stream's values, layer by layer, as bits.
-    fn values<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<u32>>> {
+    /// A stream's values, layer by layer, as bits; its columns, rows, and the number of its elements if they are one after the
+    /// other, and not the pixels of an image.
+    fn values<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Values<'py>> {
         let stream = self.plan.streams.iter().map(|planned| planned.what).find(|stream| stream.name() == name);
         let stream = stream.ok_or_else(|| OptionError::new_err(format!("{name}: this run has no such stream")))?;
-        let bits = self.run.take(py, |run| {
-            let values = block_on(run.renderer.values(stream));
-            values.map(|values| values.bits).map_err(|error| of_request(&error))
+        let elements = stream.info().elements;
+        let (values, count) = self.run.take(py, |run| {
+            let count = run.renderer.size(elements).map(|size| size.count);
+            let values = block_on(run.renderer.values(stream)).map_err(|error| of_request(&error))?;
+            Ok((values, count))
         })?;
-        Ok(PyArray1::from_vec(py, bits))
+        let count = count.filter(|_| elements.count != Count::Image);
+        Ok((PyArray1::from_vec(py, values.bits), values.width, values.height, count))
+    }
+
+    /// The stream of a user's program that is its result, and the layer; `None` for a colour.
+    fn result(&self) -> Option<(&'static str, Option<usize>)> {
+        let own = own::read(self.options.folder.as_ref()?).ok()?;
+        own.result.map(|result| (result.stream.name(), result.layer))
     }
 
     /// The image so far: r, g, b, a per pixel.

@@ -1,5 +1,6 @@
 //! A scene on a device, and rays through it.
 
+use std::collections::BTreeMap;
 use std::ops::DerefMut as _;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,6 +9,8 @@ use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUn
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::prelude::*;
+use raystep_kernels::options::folder::Folder;
+use raystep_kernels::programs::own;
 use raystep_kernels::{CastHit, Caster, Options, Ray, RenderError};
 use raystep_lab::Machine;
 use raystep_scenes as scenes;
@@ -28,6 +31,8 @@ pub(crate) struct Scene {
     pub(crate) scene: Arc<scenes::Scene>,
     pub(crate) machine: Machine,
     files: Vec<PathBuf>,
+    /// A user's program, which reads the scene if it reads one.
+    pub(crate) folder: Option<Arc<Folder>>,
     /// For the closest hit, and for any.
     casters: [Mutex<Option<Caster>>; 2],
 }
@@ -58,6 +63,30 @@ impl Scene {
         let scene = scenes::Scene::from_triangles_f64(triangles)
             .ok_or_else(|| SceneError::new_err("triangles: a coordinate is not finite in 32 bits"))?;
         Self::new(py, scene, Vec::new(), device, adapter)
+    }
+
+    /// Reads a user's program, whose streams begin with these npy files, by their names.
+    #[staticmethod]
+    fn read_program(
+        py: Python<'_>,
+        path: PathBuf,
+        starts: BTreeMap<String, Vec<u8>>,
+        device: &str,
+        adapter: Option<&str>,
+    ) -> PyResult<Self> {
+        let (folder, scene, files) = detached(py, || {
+            let (folder, scene, files) = raystep_app::read_program(&path).map_err(SceneError::new_err)?;
+            let folder = Arc::new(folder.starting_with(starts));
+            own::read(&folder).map_err(|mistake| SceneError::new_err(mistake.to_string()))?;
+            Ok::<_, PyErr>((folder, scene, files))
+        })?;
+        // On the CPU, kernels are interpreted: a GPU in software is faster.
+        let of = match device {
+            "auto" => Self::new(py, scene.clone(), files.clone(), "gpu", adapter)
+                .or_else(|_| Self::new(py, scene, files, device, adapter)),
+            device => Self::new(py, scene, files, device, adapter),
+        };
+        Ok(Self { folder: Some(folder), ..of? })
     }
 
     /// Its name.
@@ -155,7 +184,7 @@ impl Scene {
         adapter: Option<&str>,
     ) -> PyResult<Self> {
         let machine = detached(py, || choose(device, adapter))?;
-        Ok(Self { scene: Arc::new(scene), machine, files, casters: Default::default() })
+        Ok(Self { scene: Arc::new(scene), machine, files, folder: None, casters: Default::default() })
     }
 
     /// Casts, one call after the other.

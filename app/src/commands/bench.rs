@@ -3,6 +3,7 @@
 mod against;
 mod output;
 mod process;
+mod programs;
 mod protocol;
 mod serve;
 
@@ -55,6 +56,9 @@ use crate::terminal::{Progress, print, say};
 /// differ, or a row is missing; 3: too noisy to tell. The verdict on times holds with 95% confidence for all rows
 /// together. DIR/gate.json and DIR/gate.md have the result.
 ///
+/// A folder with program.toml is a program of your own, which is measured as it is: DIR/kernels.csv has the times of its
+/// kernels. Programs and scenes are measured apart.
+///
 /// With --shard I/N, only some of the scenes are measured, for N machines or jobs, and 'raystep merge' combines their
 /// tables. What is compared within a scene is never divided.
 #[derive(Args, Debug)]
@@ -65,12 +69,13 @@ Examples:
   raystep bench teapot --size 512x512,1920x1080 --rays primary,bounce,shadow -o bench
   raystep bench cornell-box --integrators local,shadows -o bench
   raystep bench teapot terrain --shard 1/2 -o bench-1
+  raystep bench my-program my-program-before -o bench
   raystep bench teapot --repeats 50 -o before
   raystep bench teapot --repeats 50 --baseline before -o after
   raystep bench teapot --repeats 50 --baseline before --at-most 1.5 -o after
   raystep bench teapot --against old/raystep --at-most 1.05 -o gate")]
 pub(crate) struct BenchArgs {
-    /// The scenes: files that end in .gltf, .glb, .obj, .ply or .stl; or names, such as cornell-box
+    /// The scenes: files that end in .gltf, .glb, .obj, .ply or .stl; or names, such as cornell-box; or programs of your own
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Acceleration structures, see 'raystep render --help'
@@ -273,6 +278,16 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
             return Err(Error::usage(format!("--shard cannot be combined with {option}: compare the merged results")));
         }
         shard.range(distinct(&args.scenes).len(), "scenes")?;
+    }
+    if programs::are_programs(args)? {
+        let compared = [("--baseline", args.baseline.is_some()), ("--against", args.against.is_some())];
+        let with_shards = compared.into_iter().chain([("--shard", args.shard.shard.is_some())]);
+        if let Some((option, _)) = with_shards.into_iter().find(|(_, is_given)| *is_given) {
+            return Err(Error::usage(format!("{option} is for scenes: omit it to measure programs")));
+        }
+        let stale = programs::NAMES.map(str::to_owned);
+        let done = TargetFolder::new(output, args.force)?.fill(&stale, |folder| programs::fill(args, folder))?;
+        return if args.quiet.quiet { Ok(()) } else { print(&done.text) };
     }
     let stale = output::stale(args.at_most.is_some(), args.against.is_some(), args.shard.shard.is_some());
     let done = TargetFolder::new(output, args.force)?.fill(&stale, |folder| match (&args.against, args.at_most) {

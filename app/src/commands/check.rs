@@ -1,18 +1,17 @@
 //! `raystep check`: a user's program on a device beside the interpreter.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::Args;
+use raystep_kernels::Options;
 use raystep_kernels::plan::Plan;
-use raystep_kernels::{Options, RaySource};
 use raystep_lab::check_program::{CheckError, Difference, Outcome, PASSES, TOLERANCE, Wanted, check};
-use raystep_scenes::{Camera, Scene};
 
-use crate::args::{DeviceArgs, QuietArgs, whole};
+use crate::args::{DeviceArgs, QuietArgs, SightArgs, whole};
 use crate::device;
 use crate::error::Error;
 use crate::program_folder;
+use crate::scene_file::{self, SceneFile};
 use crate::terminal::{Progress, print};
 
 /// Check a program of your own: its files, and its values on the GPU beside those of the interpreter
@@ -27,7 +26,8 @@ Examples:
   raystep check my-program --passes 100
   raystep check my-program --device gpu --json")]
 pub(crate) struct CheckArgs {
-    /// The folder with program.toml
+    /// The folder with program.toml, or FOLDER@SCENE
+    #[arg(value_name = "FOLDER[@SCENE]")]
     folder: PathBuf,
     /// Compare the first N passes of each kernel
     #[arg(long, value_name = "N", default_value_t = PASSES, value_parser = whole::<usize>(1, u64::MAX))]
@@ -39,6 +39,8 @@ pub(crate) struct CheckArgs {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    sight: SightArgs,
+    #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
     device: DeviceArgs,
@@ -49,17 +51,16 @@ fn tolerance(text: &str) -> Result<f32, &'static str> {
 }
 
 pub(crate) fn run(args: &CheckArgs) -> Result<(), Error> {
-    let at = program_folder::find(&args.folder).ok_or_else(|| {
-        Error::usage(format!("{}: no folder with program.toml; 'raystep new NAME' makes one", args.folder.display()))
-    })?;
-    let (folder, _) = program_folder::read(&at)?;
-    let folder = Arc::new(folder);
-    let program = program_folder::program(&folder)?.program;
+    if program_folder::find(&args.folder).is_none() {
+        let message = format!("{}: no folder with program.toml; 'raystep new NAME' makes one", args.folder.display());
+        return Err(Error::usage(message));
+    }
+    let (SceneFile { folder, scene, .. }, rays) = scene_file::read_program(&args.folder, &args.sight)?;
     let progress = Progress::new(args.quiet.quiet);
     let chosen = device::choose(&args.device.for_users())?;
-    let rays = RaySource::Camera { camera: Camera::framing(&Scene::default().bounds()), width: 1, height: 1 };
-    let options = Options { folder: Some(folder), ..Options::new(rays) };
-    let planned = chosen.wait(Plan::on(&Scene::default(), &options, &chosen.device))?;
+    let options = Options { folder, ..Options::new(rays) };
+    let planned = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;
+    let program = planned.0.program;
     let wanted = Wanted { passes: args.passes, tolerance: args.tolerance };
     let told = |passes: usize| {
         progress.stage(&format!("comparing, pass {passes}"));

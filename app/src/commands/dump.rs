@@ -112,7 +112,7 @@ fn parse_stream(value: &str) -> Result<Wanted, Infallible> {
 fn named_streams(args: &DumpArgs) -> Result<Vec<Stream>, Error> {
     let Choices { program, .. } = args.program.values;
     let program = match program_folder::find(&args.scene.scene) {
-        Some(folder) => program_folder::own(&folder)?.program,
+        Some(found) => program_folder::own(&found.folder)?.program,
         None => programs::chosen(&Choices { program, ..args.run.tracing.values }).program(),
     };
     let mut named = Vec::new();
@@ -160,6 +160,9 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         if !args.run.tracing.has("steps-per-pass") {
             options.steps_per_pass = 1;
         }
+        if options.folder.is_some() {
+            return;
+        }
         // A program that is wrong is refused when the run is planned.
         let Ok(program) = programs::program_of(options) else { return };
         options.counters = args.counters || program.results.is_some_and(|results| named.contains(&results.counters));
@@ -179,6 +182,8 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         (session.plan, session.data) = Plan::new(&session.scene, &session.options, &session.chosen.limits())?;
     }
     folder.refuse_inputs(&session.inputs, is_ours)?;
+    // With a scene, a program of one's own may have more streams than before.
+    let named: Vec<Stream> = named.iter().filter_map(|stream| session.plan.program.stream(stream.name())).collect();
     let streams = streams(&named, &session.plan)?;
     buffers::chosen(&args.buffers, &session.plan)?;
     let left_out = LeftOut::of(&session.plan);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use clap::Args;
 use raystep_kernels::Device;
 use raystep_lab::course::exercises::EXERCISES;
-use raystep_lab::course::{Exercise, Found, Task, Verdict, View, check_view};
+use raystep_lab::course::{Exercise, Found, SCHEDULE, Task, Verdict, View, check_view};
 use raystep_lab::text::{aligned, counted};
 use raystep_lab::{Machine, block_on};
 use serde::Serialize;
@@ -89,9 +89,8 @@ pub(crate) fn run(args: &GradeArgs) -> Result<(), Error> {
     }
     let progress = Progress::new(args.quiet.quiet);
     let machines = machines(&args.device)?;
-    let tasks = EXERCISES.iter().filter_map(|exercise| Some((exercise, exercise.task.as_ref()?)));
-    let exercises =
-        tasks.map(|(exercise, task)| row(args, exercise, task, &machines, &progress)).collect::<Result<Vec<_>, _>>()?;
+    let rows = EXERCISES.iter().map(|exercise| row(args, exercise, &exercise.task, &machines, &progress));
+    let exercises = rows.collect::<Result<Vec<_>, _>>()?;
     progress.finish();
     let passed = exercises.iter().filter(|row| matches!(row.verdict, Verdict::Passed { .. })).count();
     let report = Report { folder: at.to_string(), passed, of: exercises.len(), exercises };
@@ -209,6 +208,9 @@ fn wrong(row: &Row) -> Option<String> {
                  {x},{y}\n"
             )
         }
+        Verdict::Slow { passes, enough } => {
+            format!("{file} is slow, {device}: it takes {passes} passes, and {enough} are enough\n")
+        }
         Verdict::Miscounts { pass, states } => miscounts(file, kernel, &device, *pass, states),
         Verdict::Fails { message } => format!("{file} fails, {device}: {message}\n"),
         Verdict::Mistake { message, line: 0, .. } => format!("{file}: {message}\n"),
@@ -222,6 +224,10 @@ fn wrong(row: &Row) -> Option<String> {
     }
     if let Some(Seen { arguments, why, .. }) = view.as_ref().filter(|_| !matches!(verdict, Verdict::Mistake { .. })) {
         text += &format!("  view: {why}\n");
+        if *kernel == SCHEDULE {
+            text += &format!("  the passes of the first schedule: raystep inspect {arguments} --schedule first\n");
+            return Some(text);
+        }
         text += &format!("  your picture: raystep render {arguments} --kernel {file} -o mine.png\n");
         if let Some([x, y]) = pixel_of {
             text += &format!("  the ray as it should be: raystep trace {arguments} --pixel {x},{y}\n");

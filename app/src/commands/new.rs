@@ -32,6 +32,7 @@ const EXAMPLES: &[(&str, Files)] = examples! {
     "binary-search": "fill.wgsl" "ask.wgsl" "halve.wgsl";
     "sphere-tracer": "shapes.wgsl" "aim.wgsl" "march.wgsl" "paint.wgsl";
     "n-body": "place.wgsl" "attract.wgsl" "advance.wgsl" "draw.wgsl";
+    "grid-walk": "voxels.wgsl" "aim.wgsl" "walk.wgsl" "paint.wgsl";
     "fluid": "push.wgsl" "carry.wgsl" "diverge.wgsl" "relax.wgsl" "project.wgsl";
 };
 

@@ -4,7 +4,6 @@ mod result;
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use clap::Args;
 use raystep_kernels::options::ProgramName;
@@ -15,11 +14,12 @@ use raystep_kernels::{Options, RaySource, Stream, StreamData};
 use raystep_scenes::{Camera, Scene};
 
 use crate::args::choices::{Amount, ChoiceArgs};
-use crate::args::{DeviceArgs, QuietArgs};
+use crate::args::{DeviceArgs, QuietArgs, SightArgs};
 use crate::device;
 use crate::error::Error;
 use crate::output::{Target, ending, write};
 use crate::program_folder;
+use crate::scene_file::{self, SceneFile};
 use crate::session::{Session, Stopwatch};
 use crate::terminal::{Progress, print};
 use crate::usage::did_you_mean;
@@ -35,11 +35,13 @@ use crate::usage::did_you_mean;
 Examples:
   raystep run my-program -o result.png
   raystep run my-program --passes-csv passes.csv --device gpu
+  raystep run my-tracer@teapot --size 640x480 -o teapot.png
   raystep run sort --elements 65536 --check
   raystep run sort --seed 7 -o keys.npy
   raystep inspect my-program")]
 pub(crate) struct RunProgramArgs {
-    /// The program: a folder with program.toml, or sort
+    /// The program: a folder with program.toml, FOLDER@SCENE for a program that reads a scene, or sort
+    #[arg(value_name = "FOLDER[@SCENE]|sort")]
     program: PathBuf,
     #[command(flatten)]
     size: ChoiceArgs<Amount>,
@@ -54,6 +56,8 @@ pub(crate) struct RunProgramArgs {
     #[arg(long, value_name = "F")]
     passes_csv: Option<PathBuf>,
     #[command(flatten)]
+    sight: SightArgs,
+    #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
     device: DeviceArgs,
@@ -61,6 +65,7 @@ pub(crate) struct RunProgramArgs {
 
 /// What runs.
 struct Runs {
+    scene: Scene,
     options: Options,
     /// The stream of the results, if it is known.
     results: Option<Stream>,
@@ -81,20 +86,27 @@ fn nothing() -> RaySource {
 }
 
 impl Runs {
-    fn of(program: &Path, size: &ChoiceArgs<Amount>) -> Result<Self, Error> {
-        if let Some(folder) = program_folder::find(program) {
-            let (folder, files) = program_folder::read(&folder)?;
-            let folder = Arc::new(folder);
-            let own = program_folder::program(&folder)?;
-            let options = Options { folder: Some(folder), ..size.options(nothing()) };
-            let results = own.result.map(|result| result.stream);
-            return Ok(Self { options, results, shown: own.result, are_right: None, files });
+    fn of(program: &Path, size: &ChoiceArgs<Amount>, sight: &SightArgs) -> Result<Self, Error> {
+        if program_folder::find(program).is_some() {
+            let (SceneFile { folder, scene, files, .. }, rays) = scene_file::read_program(program, sight)?;
+            let shown = folder.as_ref().map(program_folder::program).transpose()?.and_then(|own| own.result);
+            let options = Options { folder, ..size.options(rays) };
+            let results = shown.map(|result| result.stream);
+            return Ok(Self { scene, options, results, shown, are_right: None, files });
         }
+        let scene = Scene { name: "none".into(), ..Scene::default() };
         let name = program.to_string_lossy();
         if let Some((name, alone)) = alone().find(|(of, _)| of.name() == name) {
             let options = Options { program: name, ..size.options(nothing()) };
             let are_right = Some(alone.are_right);
-            return Ok(Self { options, results: Some(alone.results), shown: None, are_right, files: Vec::new() });
+            return Ok(Self {
+                scene,
+                options,
+                results: Some(alone.results),
+                shown: None,
+                are_right,
+                files: Vec::new(),
+            });
         }
         let names: Vec<&str> = alone().map(|(name, _)| name.name()).collect();
         let hint = did_you_mean(&name, &names);
@@ -110,7 +122,7 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
     }
     let output = args.output.as_deref().map(Target::new).transpose()?;
     let passes = args.passes_csv.as_deref().map(Target::new).transpose()?;
-    let runs = Runs::of(&args.program, &args.size)?;
+    let runs = Runs::of(&args.program, &args.size, &args.sight)?;
     crate::output::refuse_inputs(&[output.as_ref(), passes.as_ref()], &crate::scene_file::canonical(&runs.files))?;
     if args.check && runs.are_right.is_none() {
         return Err(Error::usage("--check: 'raystep check FOLDER' checks a program of your own"));
@@ -125,8 +137,8 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
     let is_own = runs.options.folder.is_some();
     let chosen = device::choose(&if is_own { args.device.for_users() } else { args.device.clone() })?;
     watch.lap("device");
-    let scene = Scene { name: "none".into(), ..Scene::default() };
     let options = Options { timings: passes.is_some(), ..runs.options };
+    let scene = runs.scene;
     let (plan, data) = chosen.wait(Plan::on(&scene, &options, &chosen.device))?;
     watch.lap("plan");
     let session = Session { scene_path: PathBuf::new(), scene, inputs: Vec::new(), options, chosen, plan, data, watch };
@@ -136,7 +148,10 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
         ControlFlow::Continue(())
     };
     running.chosen.wait(running.renderer.run(show))?;
-    let results = match runs.results {
+    // With a scene, the program may have more streams than before.
+    let here = |stream: Stream| running.renderer.plan().program.stream(stream.name());
+    let shown = runs.shown.and_then(|shown| Some(OwnResult { stream: here(shown.stream)?, ..shown }));
+    let results = match runs.results.and_then(here) {
         Some(stream) => Some(running.chosen.wait(running.renderer.values(stream))?),
         None => None,
     };
@@ -146,13 +161,8 @@ pub(crate) fn run(args: &RunProgramArgs) -> Result<(), Error> {
     }
     if let Some((target, results)) = output.zip(results.as_ref()) {
         let elements = running.renderer.size(results.stream.info().elements).map_or(0, |size| size.count);
-        let bytes = result::file(
-            target.path(),
-            results,
-            elements,
-            runs.shown.as_ref(),
-            running.renderer.plan().program.states,
-        )?;
+        let bytes =
+            result::file(target.path(), results, elements, shown.as_ref(), running.renderer.plan().program.states)?;
         files.push((target, bytes));
     }
     write(files)?;

@@ -1,5 +1,7 @@
 //! `raystep trace`
 
+mod element;
+
 use std::ops::ControlFlow;
 use std::str::FromStr;
 
@@ -16,6 +18,7 @@ use serde::Serialize;
 use crate::args::{QuietArgs, RunArgs, ViewArgs};
 use crate::error::Error;
 use crate::link::{LinkArgs, link_of};
+use crate::program_folder;
 use crate::session::Session;
 use crate::terminal::{Progress, print, say};
 
@@ -30,6 +33,9 @@ use crate::terminal::{Progress, print, say};
 /// If rays go on from hits to lights, the table and JSON end with the pixel's light tree: what every ray ended in, what
 /// light it brings or what occludes it, and what that adds to the pixel.
 ///
+/// For a folder with program.toml, --pixel names an element: for every pass, what it has changed, and the conditions that the
+/// kernel came to, with their lines.
+///
 /// Only this ray is traced, unless --all-rays is used. Without it, the total number of passes is not known, and the final
 /// shading pass is shown as 'last'.
 #[derive(Args, Debug)]
@@ -38,6 +44,7 @@ Examples:
   raystep trace cornell-box --pixel 256,256
   raystep trace cornell-box --pixel 256,256 --numerics paper --format csv > ray.csv
   raystep trace teapot --ray 0,0,5,0,0,-1
+  raystep trace my-program --pixel 12,40
   raystep trace teapot --ray 0,0,0x40a00000,0,0,0xbf800000 --format json
   raystep trace --link \"raystep:1?scene=teapot&accelerator=bvh&pixel=256,256\"")]
 pub(crate) struct TraceArgs {
@@ -114,6 +121,12 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
         (None, Some(ray)) => Some(LinkRay::Given(ray)),
         (None, None) => None,
     };
+    if let Some(path) = args.scene.scene.as_ref().filter(|path| program_folder::find(path).is_some()) {
+        let Some(pixel) = args.pixel else {
+            return Err(Error::usage("--pixel X,Y names the element of a program of one's own"));
+        };
+        return element::run(path, pixel, args.format, &args.view, &args.run, &args.scene.read, &args.quiet);
+    }
     let mut wanted = args.scene.wanted(args.view, args.run)?;
     let ray = match (asked, wanted.ray) {
         (Some(_), Some(_)) => {

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use futures_channel::mpsc::{UnboundedSender, unbounded};
 use futures_channel::oneshot;
@@ -10,6 +11,9 @@ use js_sys::Uint8Array;
 use raystep_inspector::session::request::{Loaded, Loader};
 use raystep_inspector::session_file::{EXTENSION, MOST_BYTES};
 use raystep_inspector::ui::host::HostEvent;
+use raystep_kernels::options::folder::Folder;
+use raystep_kernels::programs::own;
+use raystep_lab::zipped;
 use raystep_scenes::{ENDINGS, FileError, LoadOptions, Resolver, Scene, external_files, load};
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -20,6 +24,9 @@ use crate::{shell, tasks};
 /// Most bytes of a scene's files, and of everything decoded from them: a tab has 4 GiB in all.
 const MOST_FILE_BYTES: u64 = 1 << 30;
 const MOST_DECODED_BYTES: u64 = 2 << 30;
+
+/// The ending of a user's program.
+const ZIP: &str = "zip";
 
 /// The files that the user has given to the page, and what is to be told of them.
 #[derive(Default)]
@@ -43,8 +50,15 @@ enum Fetching {
     Done(Result<Fetched, String>),
 }
 
+/// What a path has led to.
+enum Fetched {
+    Scene(SceneFiles),
+    /// A user's program, and the scene that it reads, with its path.
+    Program(Folder, Option<(String, SceneFiles)>),
+}
+
 /// A scene's file, and those that it names.
-struct Fetched {
+struct SceneFiles {
     bytes: Vec<u8>,
     others: Others,
 }
@@ -71,7 +85,7 @@ pub(crate) fn file_name(path: &str) -> &str {
 
 /// The endings of scenes and of the files that they name, as the page's file chooser takes them.
 pub(crate) fn accepted() -> String {
-    let endings = ENDINGS.iter().chain(&["bin", "png", "jpg", "jpeg"]);
+    let endings = ENDINGS.iter().chain(&["bin", "png", "jpg", "jpeg", ZIP]);
     endings.map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(",")
 }
 
@@ -104,10 +118,11 @@ impl Files {
         let wish = self.wish.take();
         let is_opened =
             |path: &&String| has_ending(path, &ENDINGS) || wish.is_none() && has_ending(path, &[EXTENSION, "wgsl"]);
-        let Some(opened) = paths.iter().find(is_opened) else {
+        // The files of a program's folder belong to it.
+        let Some(opened) = paths.iter().find(|path| is_program(path)).or_else(|| paths.iter().find(is_opened)) else {
             let names = paths.first().map_or_else(String::new, |path| format!("{path}: "));
             self.tell(HostEvent::Failed(format!(
-                "{names}expected a scene ({}, with its files) or a session (.{EXTENSION})",
+                "{names}expected a scene ({}, with its files), a session (.{EXTENSION}) or a program (its folder, or a .{ZIP})",
                 ENDINGS.map(|ending| format!(".{ending}")).join(", ")
             )));
             *self.wish.borrow_mut() = wish;
@@ -207,6 +222,58 @@ impl Files {
             sender.unbounded_send(Fetching::Progress(done as u64, of as u64)).is_ok()
         });
         let progress = progress.as_ref().unchecked_ref();
+        let (program, scene) = path.rsplit_once('@').filter(|(program, _)| is_program(program)).unwrap_or((path, ""));
+        if !is_program(program) {
+            return self.scene_files(path, progress).await.map(Fetched::Scene);
+        }
+        let folder = self.folder(program, progress).await?;
+        let own = own::read(&Arc::new(folder.clone())).map_err(|mistake| mistake.to_string())?;
+        let Some(of) = &own.scene else { return Ok(Fetched::Program(folder, None)) };
+        let named = Some(scene).filter(|scene| !scene.is_empty()).or(of.file.as_deref());
+        let named = named.ok_or_else(|| format!("{program} reads a scene: name one, as in {program}@cornell-box"))?;
+        if let Some(bytes) = folder.file(named) {
+            let files = SceneFiles { bytes: bytes.to_vec(), others: Others::default() };
+            return Ok(Fetched::Program(folder, Some((named.to_owned(), files))));
+        }
+        // A name is that of a scene of ours.
+        let paths = match has_ending(named, &ENDINGS) {
+            true => vec![named.to_owned()],
+            false => vec![format!("{named}.gltf"), format!("{named}.glb")],
+        };
+        let mut failed = String::new();
+        for path in paths {
+            match self.bytes(&self.place(&path), MOST_FILE_BYTES, progress).await {
+                Ok(_) => {
+                    let files = self.scene_files(&path, progress).await?;
+                    return Ok(Fetched::Program(folder, Some((path, files))));
+                }
+                Err(why) => failed = format!("{path}: {why}"),
+            }
+        }
+        Err(failed)
+    }
+
+    /// A user's program: a zip file, or `program.toml` with the other files that were dropped with it.
+    async fn folder(&self, path: &str, progress: &js_sys::Function) -> Result<Folder, String> {
+        let failed = |why: &dyn std::fmt::Display| format!("{path}: {why}");
+        if has_ending(path, &[ZIP]) {
+            let (_, bytes) = self.scene_bytes(path, progress).await?;
+            return zipped::folder(file_name(path), &bytes).map_err(|why| failed(&why));
+        }
+        let top = plain(path).strip_suffix(Folder::MANIFEST).unwrap_or_default().to_owned();
+        let inside: Vec<String> = self.local.borrow().keys().filter(|file| file.starts_with(&top)).cloned().collect();
+        let (mut files, mut left) = (BTreeMap::new(), Folder::MOST_BYTES);
+        for file in inside.iter().take(Folder::MOST_FILES + 1) {
+            let bytes = self.bytes(&Place::Local(file.clone()), left, progress).await.map_err(|why| failed(&why))?;
+            left = left.saturating_sub(bytes.len() as u64);
+            files.insert(file[top.len()..].to_owned(), bytes);
+        }
+        let name = file_name(top.trim_end_matches('/'));
+        let name = if name.is_empty() { "program" } else { name };
+        Folder::new(name.to_owned(), name.to_owned(), files).map_err(|why| failed(&why))
+    }
+
+    async fn scene_files(&self, path: &str, progress: &js_sys::Function) -> Result<SceneFiles, String> {
         let (place, bytes) = self.scene_bytes(path, progress).await?;
         let names = external_files(&bytes, MOST_DECODED_BYTES).map_err(|e| format!("{path}: {e}"))?;
         let mut others = Others::default();
@@ -216,7 +283,7 @@ impl Files {
             left = left.saturating_sub(found.as_ref().map_or(0, |bytes| bytes.len() as u64));
             others.0.insert(name, found);
         }
-        Ok(Fetched { bytes, others })
+        Ok(SceneFiles { bytes, others })
     }
 
     /// A loader for the scene at a path, and which of its scenes.
@@ -234,7 +301,7 @@ impl Files {
                 loop {
                     match receive.recv().await {
                         Ok(Fetching::Progress(done, of)) if on_read(done, of) => {}
-                        Ok(Fetching::Done(fetched)) => return read(&path, scene, &fetched?).map(Loaded::from),
+                        Ok(Fetching::Done(fetched)) => return loaded(&path, scene, fetched?),
                         Ok(Fetching::Progress(..)) | Err(_) => return Err(format!("{path}: cancelled")),
                     }
                 }
@@ -258,7 +325,22 @@ impl Files {
     }
 }
 
-fn read(path: &str, scene: Option<usize>, fetched: &Fetched) -> Result<Scene, String> {
+/// Whether a path is that of a user's program.
+fn is_program(path: &str) -> bool {
+    has_ending(path, &[ZIP]) || file_name(path) == Folder::MANIFEST
+}
+
+fn loaded(path: &str, scene: Option<usize>, fetched: Fetched) -> Result<Loaded, String> {
+    match fetched {
+        Fetched::Scene(files) => read(path, scene, &files).map(Loaded::from),
+        Fetched::Program(folder, None) => Ok(Loaded::from(folder)),
+        Fetched::Program(folder, Some((path, files))) => {
+            Ok(Loaded { scene: Arc::new(read(&path, scene, &files)?), folder: Some(Arc::new(folder)) })
+        }
+    }
+}
+
+fn read(path: &str, scene: Option<usize>, fetched: &SceneFiles) -> Result<Scene, String> {
     let options = LoadOptions { scene, max_bytes: MOST_DECODED_BYTES, ..LoadOptions::default() };
     load(file_name(path), &fetched.bytes, &fetched.others, &options).map_err(|e| format!("{path}: {e}"))
 }

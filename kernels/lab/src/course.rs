@@ -1,9 +1,10 @@
-//! The course: exercises, each a kernel with a hole, and the check of what a student has written.
+//! The course: exercises, each a kernel with a hole, or a schedule to change, and the check of what a student has written.
 //!
 //! [`exercises::EXERCISES`] is the only place that knows which files there are, and what each is checked with. A student's
 //! kernel is compared with the one that it replaces; nothing that is told contains lines of that one.
 
 mod check;
+mod check_schedule;
 pub mod exercises;
 mod files;
 mod hints;
@@ -31,14 +32,17 @@ pub struct Exercise {
     pub name: &'static str,
     /// What it is about, in a few words.
     pub title: &'static str,
-    /// What the student completes; `None` if that is no kernel, and no check is there yet.
-    pub task: Option<Task>,
+    /// What the student completes.
+    pub task: Task,
 }
 
-/// A kernel to complete.
+/// What [`Task::kernel`] is for a schedule, which is no kernel.
+pub const SCHEDULE: &str = "schedule";
+
+/// A kernel to complete, or a schedule to change.
 #[derive(Debug)]
 pub struct Task {
-    /// The kernel that it replaces.
+    /// The kernel that it replaces, or [`SCHEDULE`].
     pub kernel: &'static str,
     /// It, with its hole.
     pub hole: &'static str,
@@ -121,6 +125,13 @@ pub enum Verdict {
         /// How many there are.
         rays: usize,
     },
+    /// The schedule has the right results, after too many passes.
+    Slow {
+        /// Its passes.
+        passes: usize,
+        /// As many are enough.
+        enough: usize,
+    },
     /// Rays are not counted in the states that were stored.
     Miscounts {
         /// The pass, from 0.
@@ -156,6 +167,7 @@ impl Verdict {
             Self::Passed { .. } => "passed",
             Self::Differs(_) => "differs",
             Self::Leaks { .. } => "leaks",
+            Self::Slow { .. } => "slow",
             Self::Miscounts { .. } => "miscounts",
             Self::Fails { .. } => "fails",
             Self::Mistake { .. } => "mistake",
@@ -166,14 +178,21 @@ impl Verdict {
 }
 
 impl Exercise {
-    /// Name of the file with the kernel.
+    /// Name of the file that the student completes.
     #[must_use]
     pub fn file(&self) -> String {
-        format!("{}.wgsl", self.name)
+        let ending = if self.task.is_schedule() { "toml" } else { "wgsl" };
+        format!("{}.{ending}", self.name)
     }
 }
 
 impl Task {
+    /// Whether it is a schedule.
+    #[must_use]
+    pub fn is_schedule(&self) -> bool {
+        self.kernel == SCHEDULE
+    }
+
     /// Reads a student's file: for this kernel, whatever its functions are called.
     ///
     /// # Errors
@@ -191,6 +210,8 @@ impl Task {
         let found = match verdict {
             Verdict::Differs(difference) => self.hints.iter().find(|hint| hint.fits(difference)),
             Verdict::Leaks { .. } => self.hints.iter().find(|hint| hint.at == hints::LEAK),
+            Verdict::Slow { .. } => self.hints.iter().find(|hint| hint.at == hints::SLOW),
+            Verdict::Fails { .. } => self.hints.iter().find(|hint| hint.at == hints::FAILS),
             _ => None,
         };
         found.map(|hint| hint.text)

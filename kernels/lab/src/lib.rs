@@ -15,6 +15,8 @@
 //! | [`compared`], [`built`] | how much a comparison covered, by kernel; a grid that a device has built |
 //! | [`mod@check_kernel`], [`branch`] | a user's kernel beside the one that it replaces; how a condition came out, in words |
 //! | [`mod@check_program`] | a user's program on a device beside the interpreter |
+//! | [`mod@element_history`] | what each pass of a user's program has done to one element, and why |
+//! | [`zipped`] | a user's program in a zip file |
 //! | [`course`] | exercises: kernels with a hole, and the check of what a student has written |
 //! | [`self_test`] | whether raystep works on a GPU: all of this in a minute |
 //! | [`strategies`] | one pixel's light by each strategy of a path tracer |
@@ -42,6 +44,7 @@ pub mod compared;
 pub mod configuration;
 pub mod course;
 pub mod divergence;
+pub mod element_history;
 mod error;
 pub mod flip;
 pub mod hash;
@@ -78,6 +81,7 @@ pub mod text;
 mod wait;
 pub mod watertight;
 pub mod work;
+pub mod zipped;
 
 pub use error::Error;
 pub use hash::Hash;

@@ -10,6 +10,7 @@
 //! | [`json`] | JSON | the run's summary |
 //! | [`light_tree`] | table, JSON | where a pixel's light comes from, ray by ray |
 //! | [`plan`] | JSON | what a run needs and what it leaves out |
+//! | [`program`] | TOML, WGSL | a run's program as a folder of one's own |
 //! | [`structure`] | text, JSON | the grid or BVH of a run |
 //! | [`trace`] | table, CSV, JSON | the history of one ray, pass by pass |
 //! | [`trace_events`] | JSON | a run as Chrome trace events, for Perfetto |
@@ -25,6 +26,7 @@ pub mod light_tree;
 pub mod npy;
 #[cfg(feature = "serde")]
 pub mod plan;
+pub mod program;
 #[cfg(feature = "serde")]
 mod recorded;
 pub mod trace;

@@ -27,6 +27,15 @@ macro_rules! features {
             pub fn list(&self) -> Vec<(&'static str, bool)> {
                 vec![$((stringify!($name), self.$name)),*]
             }
+
+            /// Sets a flag; false if there is none of this name.
+            pub fn set(&mut self, name: &str, is_on: bool) -> bool {
+                match name {
+                    $(stringify!($name) => self.$name = is_on,)*
+                    _ => return false,
+                }
+                true
+            }
         }
     };
 }

@@ -11,6 +11,8 @@ pub struct Folder {
     /// Where it is, for messages: what comes before a file's path.
     pub place: String,
     files: BTreeMap<String, Vec<u8>>,
+    /// npy files that streams begin with, in place of what `program.toml` says.
+    starts: BTreeMap<String, Vec<u8>>,
 }
 
 /// Why files are no program.
@@ -56,7 +58,7 @@ impl Folder {
         if !files.contains_key(Self::MANIFEST) {
             return Err(FolderError::NoManifest);
         }
-        Ok(Self { name, place, files })
+        Ok(Self { name, place, files, starts: BTreeMap::new() })
     }
 
     /// Whether a path is one of a file inside of the folder.
@@ -84,7 +86,19 @@ impl Folder {
     pub fn with(&self, path: &str, bytes: Vec<u8>) -> Result<Self, FolderError> {
         let mut files = self.files.clone();
         files.insert(path.to_owned(), bytes);
-        Self::new(self.name.clone(), self.place.clone(), files)
+        let with = Self::new(self.name.clone(), self.place.clone(), files)?;
+        Ok(Self { starts: self.starts.clone(), ..with })
+    }
+
+    /// The same with streams that begin with other values: npy files by the streams' names.
+    #[must_use]
+    pub fn starting_with(self, starts: BTreeMap<String, Vec<u8>>) -> Self {
+        Self { starts, ..self }
+    }
+
+    /// The npy files that streams begin with, in place of what `program.toml` says.
+    pub fn starts(&self) -> impl Iterator<Item = (&str, &[u8])> {
+        self.starts.iter().map(|(stream, bytes)| (stream.as_str(), bytes.as_slice()))
     }
 
     /// The path in the folder of a file that has this name in messages, if it is one of the program's.

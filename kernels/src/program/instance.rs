@@ -31,8 +31,8 @@ pub struct Instance {
     pub binds: &'static [(&'static str, &'static str)],
     /// The states of the kernel, if the program calls them otherwise.
     pub renamed: Option<&'static Renamed>,
-    /// Changes of the run's options for this instance alone.
-    pub changes: Option<fn(&mut Features)>,
+    /// Options of the WGSL that are others in this instance than in the run.
+    pub sets: &'static [(&'static str, bool)],
     /// Sets whose numbers of elements are read again before it runs. Their streams are unwritten then, unless the number
     /// is the same.
     pub renews: &'static [&'static Elements],
@@ -55,7 +55,7 @@ impl Instance {
             parameter: 0,
             binds: &[],
             renamed: None,
-            changes: None,
+            sets: &[],
             renews: &[],
             adopts: &[],
             copies: &[],
@@ -216,8 +216,8 @@ impl Kernel {
     #[must_use]
     pub fn features(self, of_run: &Features) -> Features {
         let mut features = *of_run;
-        if let Some(change) = self.instance().changes {
-            change(&mut features);
+        for &(name, is_on) in self.instance().sets {
+            features.set(name, is_on);
         }
         features
     }

@@ -143,7 +143,7 @@ impl Plan {
     pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
         check_choices(options, limits)?;
         let (plan, data) = match &options.folder {
-            Some(folder) => own::plan(folder, options, limits)?,
+            Some(folder) => own::plan(folder, scene, options, limits)?,
             None => (chosen(&options.choices()).plan)(scene, options, limits)?,
         };
         if let Some(by) = options.replaced.iter().find(|by| !plan.has_replaced(&by.kernel)) {

@@ -39,6 +39,20 @@ pub enum Role {
 }
 
 impl Role {
+    /// Every role, and its name in the files of users' programs.
+    pub const NAMES: [(&'static str, Self); 10] = [
+        ("source", Self::Source),
+        ("enter", Self::Enter),
+        ("step", Self::Step),
+        ("test", Self::Test),
+        ("walk", Self::Walk),
+        ("whole", Self::Whole),
+        ("finish", Self::Finish),
+        ("sample", Self::Sample),
+        ("count", Self::Count),
+        ("once", Self::Once),
+    ];
+
     /// Whether such a kernel runs repeatedly until no ray is walking.
     #[must_use]
     pub const fn is_walk(self) -> bool {

@@ -27,6 +27,7 @@ from ._commands import report, stability
 from ._compare import compare
 from ._display import Image, StreamArray
 from ._progress import Progress
+from ._program import Program
 from ._raystep import DeviceError, OptionError, SceneError, __version__
 from ._raystep import after_fork as _after_fork
 from ._raystep import end as _end
@@ -54,6 +55,7 @@ __all__ = [
     "OptionError",
     "Pass",
     "Plan",
+    "Program",
     "Progress",
     "Renderer",
     "Scene",

@@ -95,10 +95,13 @@ class Streams(Mapping[str, StreamArray]):
 
     def __getitem__(self, name: str) -> StreamArray:
         _, components, meanings, is_float, unit = self._rows[name]
-        width, height = self._renderer.size
-        bits = self._renderer.values(name).reshape(len(components), height, width)
-        # As the device has it, a layer a component; nothing is copied.
-        values = np.moveaxis(bits.view(np.float32) if is_float else bits, 0, 2).view(StreamArray)
+        bits, width, height, count = self._renderer.values(name)
+        # As the device has it, a layer a component; nothing is copied. Elements that are no image are a row.
+        shape = (len(components), height, width) if count is None else (len(components), height * width)
+        bits = bits.reshape(shape)
+        if count is not None:
+            bits = bits[:, :count]
+        values = np.moveaxis(bits.view(np.float32) if is_float else bits, 0, -1).view(StreamArray)
         values.stream, values.unit = name, unit
         values.components, values.meanings = tuple(components), tuple(meanings)
         return values

@@ -186,6 +186,12 @@ class Scene:
             corners = _numbers("triangles", triangles, "(N, 3, 3)", (3, 3))  # type: ignore[arg-type]
             self._scene = _raystep.Scene.of_triangles(np.require(corners, np.float64, ["C", "A"]), device, adapter)
 
+    @classmethod
+    def _of(cls, scene: _raystep.Scene) -> Scene:
+        of = cls.__new__(cls)
+        of._scene = scene
+        return of
+
     def __repr__(self) -> str:
         return f"<raystep.Scene {self.name!r}, {self.triangles} triangles, on {self.device}>"
 

@@ -2,7 +2,7 @@
 
 use super::files::{CRACK, file};
 use super::hints;
-use super::{Exercise, Source, Task, View};
+use super::{Exercise, SCHEDULE, Source, Task, View};
 use crate::subject::Size;
 
 const CORNELL_BOX: Source = Source::Generated("cornell-box");
@@ -43,7 +43,7 @@ pub static EXERCISES: [Exercise; 8] = [
         number: 1,
         name: "1-tmax",
         title: "tMax at the start",
-        task: Some(Task {
+        task: Task {
             kernel: "setup",
             hole: file!("1-tmax.wgsl").text,
             options: &[],
@@ -51,13 +51,13 @@ pub static EXERCISES: [Exercise; 8] = [
             may_round: false,
             is_watertight: false,
             hints: hints::TMAX,
-        }),
+        },
     },
     Exercise {
         number: 2,
         name: "2-step",
         title: "one step",
-        task: Some(Task {
+        task: Task {
             kernel: "traverse_grid",
             hole: file!("2-step.wgsl").text,
             options: &[("numerics", "paper")],
@@ -74,13 +74,13 @@ pub static EXERCISES: [Exercise; 8] = [
             may_round: false,
             is_watertight: false,
             hints: hints::STEP,
-        }),
+        },
     },
     Exercise {
         number: 3,
         name: "3-triangle",
         title: "the triangle test",
-        task: Some(Task {
+        task: Task {
             kernel: "intersect",
             hole: file!("3-triangle.wgsl").text,
             options: &[],
@@ -93,13 +93,13 @@ pub static EXERCISES: [Exercise; 8] = [
             may_round: true,
             is_watertight: false,
             hints: hints::TRIANGLE,
-        }),
+        },
     },
     Exercise {
         number: 4,
         name: "4-list-end",
         title: "the list's end",
-        task: Some(Task {
+        task: Task {
             kernel: "intersect",
             hole: file!("4-list-end.wgsl").text,
             options: &[],
@@ -112,14 +112,32 @@ pub static EXERCISES: [Exercise; 8] = [
             may_round: false,
             is_watertight: false,
             hints: hints::LIST_END,
-        }),
+        },
     },
-    Exercise { number: 5, name: "5-schedule", title: "the second schedule", task: None },
+    Exercise {
+        number: 5,
+        name: "5-schedule",
+        title: "the second schedule",
+        task: Task {
+            kernel: SCHEDULE,
+            hole: file!("5-schedule.toml").text,
+            options: &[],
+            views: &[
+                BOX,
+                BOX_FROM_BEHIND.grid("5"),
+                view(SOUP, 12, "cells with lists of many lengths").grid("6"),
+                BALL_OUTSIDE,
+            ],
+            may_round: false,
+            is_watertight: false,
+            hints: hints::SCHEDULE,
+        },
+    },
     Exercise {
         number: 6,
         name: "6-resolution",
         title: "a resolution",
-        task: Some(Task {
+        task: Task {
             kernel: "setup",
             hole: file!("6-resolution.wgsl").text,
             options: &[],
@@ -137,13 +155,13 @@ pub static EXERCISES: [Exercise; 8] = [
             may_round: false,
             is_watertight: false,
             hints: hints::RESOLUTION,
-        }),
+        },
     },
     Exercise {
         number: 7,
         name: "7-crack",
         title: "a crack and its repair",
-        task: Some(Task {
+        task: Task {
             kernel: "intersect",
             hole: file!("7-crack.wgsl").text,
             options: &[],
@@ -165,13 +183,13 @@ pub static EXERCISES: [Exercise; 8] = [
             may_round: true,
             is_watertight: true,
             hints: hints::CRACK,
-        }),
+        },
     },
     Exercise {
         number: 8,
         name: "8-shadow",
         title: "a shadow ray",
-        task: Some(Task {
+        task: Task {
             kernel: "illuminate",
             hole: file!("8-shadow.wgsl").text,
             options: &[("integrator", "shadows")],
@@ -183,6 +201,6 @@ pub static EXERCISES: [Exercise; 8] = [
             may_round: false,
             is_watertight: false,
             hints: hints::SHADOW,
-        }),
+        },
     },
 ];

@@ -33,6 +33,7 @@ const FILES: &[FileOfCourse] = &[
     file!("4-list-end.md"),
     file!("4-list-end.wgsl"),
     file!("5-schedule.md"),
+    file!("5-schedule.toml"),
     file!("6-resolution.md"),
     file!("6-resolution.wgsl"),
     file!("7-crack.md"),

@@ -3,6 +3,10 @@
 use super::Hint;
 use crate::check_kernel::Difference;
 
+/// Where a hint is that is about the number of passes.
+pub(super) const SLOW: &str = "slow";
+/// Where a hint is that is about rays that are not done.
+pub(super) const FAILS: &str = "fails";
 /// Where a hint is that is about rays between triangles.
 pub(super) const LEAK: &str = "leak";
 
@@ -214,4 +218,10 @@ pub(super) const SHADOW: &[Hint] = &[
         "Is the ray cast where the light is on the side from which the surface is seen, and only there? Where does its direction lead?",
     ),
     at("", "Only shadow_ray is to be written: is the rest of the file as it was?"),
+];
+
+/// Of exercise 5.
+pub(super) const SCHEDULE: &[Hint] = &[
+    at(SLOW, "rays wait for another one that tests a long list: who could go on meanwhile?"),
+    at(FAILS, "rays are left on their way: as long as there are any, which kernels do they wait for?"),
 ];

@@ -26,7 +26,7 @@ macro_rules! instances {
             parameter: 0 $(+ $parameter)?,
             binds: instances!(@list $($binds)?),
             renamed: None,
-            changes: None,
+            sets: &[],
             renews: instances!(@list $($renews)?),
             adopts: instances!(@list $($adopts)?),
             copies: &[],

@@ -1,7 +1,6 @@
 //! Its kernels: those of the walk for shadow rays, and the one that casts them.
 
 use super::{breaks, explain, rounding};
-use crate::options::features::Features;
 use crate::options::reasons::{Reason, Run};
 use crate::program::instance::twin;
 use crate::program::kernel::{Path, Proof};
@@ -141,18 +140,8 @@ pub(super) const OF_SCATTER: KernelInfo = KernelInfo {
 /// The instance of a kernel of the walk for shadow rays.
 pub(super) fn for_shadow_rays(of: Instance, (name, why_absent, colour): OfShadows) -> Option<Instance> {
     let renamed = Renamed::new(&of.kernel, ALL, &STATES)?.of_existing();
-    let changes: fn(&mut Features) = |features| {
-        (features.any_hit, features.leaves, features.intervals) = (true, true, false);
-        // A camera in the grid does not tell where its rays end.
-        features.clip = true;
-    };
+    // A camera in the grid does not tell where its rays end, so they are clipped.
+    let sets = &[("any_hit", true), ("leaves", true), ("intervals", false), ("clip", true)];
     let kernel = KernelInfo { why_absent, colour, ..of.kernel };
-    Some(Instance {
-        name,
-        kernel,
-        binds: BINDS,
-        renamed: Some(Box::leak(Box::new(renamed))),
-        changes: Some(changes),
-        ..of
-    })
+    Some(Instance { name, kernel, binds: BINDS, renamed: Some(Box::leak(Box::new(renamed))), sets, ..of })
 }

@@ -15,6 +15,7 @@ use crate::tables::stream::{Meaning, Texel};
 pub(super) struct Manifest {
     #[serde(default)]
     pub(super) summary: String,
+    pub(super) scene: Option<Spanned<OfScene>>,
     #[serde(default)]
     pub(super) constants: Named<toml::Value>,
     pub(super) elements: Named<Set>,
@@ -57,7 +58,18 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
     }
 }
 
-/// A set of elements: one of `image`, `count`, `per` and `found`.
+/// A scene that kernels read.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OfScene {
+    /// The scene if none is named: a name, or a file in the folder.
+    pub(super) file: Option<String>,
+    /// The options of the run that it is prepared for, by their names on the command line.
+    #[serde(default)]
+    pub(super) options: Named<toml::Value>,
+}
+
+/// A set of elements: one of `image`, `count`, `per`, `found` and `scene`.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Set {
@@ -71,6 +83,8 @@ pub(super) struct Set {
     pub(super) each: Option<u32>,
     /// `STREAM` or `STREAM.LAYER`, whose first texel has the number.
     pub(super) found: Option<String>,
+    /// The set of our program for the scene that has as many.
+    pub(super) scene: Option<String>,
 }
 
 /// A stream.
@@ -198,6 +212,35 @@ pub(super) struct Kernel {
     /// Streams of which it reads and writes other elements, in pairs that no two threads share.
     #[serde(default)]
     pub(super) in_place: Vec<String>,
+    /// Streams that it renames to others before it runs: the new name, and the old one.
+    #[serde(default)]
+    pub(super) adopts: Named<String>,
+    /// The program's states by names in the WGSL; an empty one for a state that never occurs.
+    #[serde(default)]
+    pub(super) states: Named<String>,
+    /// Options of `@if` that are others than in the run.
+    #[serde(default)]
+    pub(super) features: Named<bool>,
+    /// The list of elements that wait for it.
+    pub(super) list: Option<String>,
+    /// What it is in a run, if not `step`, or `once` for one that takes no states.
+    pub(super) role: Option<String>,
+    /// Elements per thread.
+    pub(super) each: Option<u32>,
+    /// How the states that it sends elements to are counted.
+    pub(super) counts: Option<Counted>,
+}
+
+/// How states are counted after a pass.
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Counted {
+    /// By the kernel.
+    Sent,
+    /// All elements have the same.
+    All,
+    /// By another kernel, of role `count`.
+    Anew,
 }
 
 /// A transition.

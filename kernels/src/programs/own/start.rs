@@ -128,7 +128,12 @@ fn npy(stream: Stream, size: Size, is_image: bool, bytes: &[u8]) -> Result<Vec<u
     let axes: Vec<u64> = if is_image { vec![size.height.into(), size.width.into()] } else { vec![size.count.into()] };
     let first: Vec<u64> = [layers].into_iter().chain(axes.iter().copied()).collect();
     let last: Vec<u64> = axes.iter().copied().chain([layers]).collect();
-    let is_by_layer = header.shape == first || layers == 1 && header.shape == axes;
+    // Rows and columns, as dumps have them.
+    let has_rows = !is_image
+        && header.shape.len() == 3
+        && header.shape[0] == layers
+        && header.shape[1].checked_mul(header.shape[2]) == Some(size.count.into());
+    let is_by_layer = header.shape == first || layers == 1 && header.shape == axes || has_rows;
     if !is_by_layer && header.shape != last {
         let shape = |axes: &[u64]| axes.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
         let plain = if layers == 1 { format!("({}) or ", shape(&axes)) } else { String::new() };

@@ -6,24 +6,20 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
+use super::kernel::Tables;
 use super::manifest::{self, Manifest, Named, Way};
 use super::steps::schedule;
 use super::{Own, OwnResult, start};
-use crate::compose::{Word, WordKind, words};
 use crate::options::features::Features;
 use crate::options::folder::Folder;
 use crate::options::reasons::{Because, Reason, Run};
 use crate::plan::variants;
-use crate::program::breaks::Break;
-use crate::program::kernel::{Path, Proof};
-use crate::program::rounding::Rounding;
 use crate::program::schedule::Schedule;
-use crate::program::{Course, Home, Instance, KernelInfo, Module, Program, Twin, UserFile};
-use crate::programs::{closest_hit, primitives};
+use crate::program::{Course, Module, Program, UserFile};
+use crate::programs::{self, primitives};
 use crate::shader::{Mistake, Place, ShaderError, name_of_copy, place_in};
 use crate::shared::launch::{BLOCK, MOST_ELEMENTS};
 use crate::tables::elements::{Count, Elements, Size};
-use crate::tables::kernel::{Counts, Launch, Role, Transition};
 use crate::tables::state::{StateInfo, StateRole, States, Tag};
 use crate::tables::stream::{Meaning, Stream, StreamInfo, Texel};
 
@@ -32,7 +28,7 @@ const MOST_SIDE: u32 = 1 << 14;
 /// Most layers of a stream: core WebGPU's textures have 256.
 const MOST_LAYERS: usize = 256;
 /// Most bytes of all streams together.
-const MOST_BYTES: u64 = 1 << 31;
+pub(super) const MOST_BYTES: u64 = 1 << 31;
 
 /// Colours of kernels and states, readable on light and dark backgrounds (Okabe and Ito 2008, and between them).
 const COLOURS: [[u8; 3]; 8] = [
@@ -46,30 +42,36 @@ const COLOURS: [[u8; 3]; 8] = [
     [140, 140, 60],
 ];
 
-fn colour(index: usize) -> [u8; 3] {
+pub(super) fn colour(index: usize) -> [u8; 3] {
     COLOURS[index % COLOURS.len()]
 }
 
-fn unused(_: &Run<'_>) -> Reason {
+pub(super) fn unused(_: &Run<'_>) -> Reason {
     (Because::Options, "no kernel of the schedule uses it")
 }
 
-fn leaked(text: &str) -> &'static str {
+pub(super) fn leaked(text: &str) -> &'static str {
     Box::leak(text.to_owned().into_boxed_str())
 }
 
-fn all_leaked(texts: &[String]) -> &'static [&'static str] {
+pub(super) fn all_leaked(texts: &[String]) -> &'static [&'static str] {
     Vec::leak(texts.iter().map(|text| leaked(text)).collect())
 }
 
-/// The modules that a user's kernels may import from, besides those of their own files.
+/// The modules that a user's kernels may import from, besides those of their own files: those of all our programs.
 fn modules(features: &Features) -> Vec<Module> {
-    let own = primitives::MODULES.iter().map(|&(name, source)| (name, Cow::Borrowed(source)));
-    (closest_hit::PROGRAM.modules)(features).into_iter().chain(own).collect()
+    let mut all: Vec<Module> =
+        primitives::MODULES.iter().map(|&(name, source)| (name, Cow::Borrowed(source))).collect();
+    for module in programs::all().flat_map(|program| (program.modules)(features)) {
+        if !all.iter().any(|(name, _)| *name == module.0) {
+            all.push(module);
+        }
+    }
+    all
 }
 
-/// Reads a program.
-pub(super) fn read(folder: &Arc<Folder>) -> Result<Own, Mistake> {
+/// Reads a program, whose kernels are compiled with these options if they are known.
+pub(super) fn read(folder: &Arc<Folder>, features: Option<Features>) -> Result<Own, Mistake> {
     let file = folder.named(Folder::MANIFEST);
     let everywhere = |message: String| Mistake {
         place: Place { file: file.clone(), line: 0, column: 0, text: String::new() },
@@ -84,13 +86,23 @@ pub(super) fn read(folder: &Arc<Folder>) -> Result<Own, Mistake> {
     })?;
     let of = Reader { folder, text, file: &file, manifest: &manifest };
     let files = of.files()?;
-    let sets = of.sets()?;
-    let (program, order) = of.program(&sets, files, &[])?;
-    // Which streams need a copy, the shaders tell; with the copies they are other shaders.
-    let copies = of.copies(program, &order)?;
-    let (program, order) = if copies.is_empty() { (program, order) } else { of.program(&sets, files, &copies)? };
-    let all = variants(program, &order, &Features::default(), &[]).map_err(|error| of.shader(error))?;
-    drop(all);
+    let scene = of.scene()?;
+    let base = scene.as_ref().map(|scene| scene.base().program());
+    let sets = of.sets(base)?;
+    let (program, order) = of.program(base, &sets, files, &[])?;
+    // With a scene, kernels are compiled for it: what follows from their shaders is found then.
+    let features = features.or(base.is_none().then_some(Features::default()));
+    let (program, order) = match features {
+        None => (program, order),
+        Some(features) => {
+            // Which streams need a copy, the shaders tell; with the copies they are other shaders.
+            let copies = of.copies(program, &order, &features)?;
+            let (program, order) =
+                if copies.is_empty() { (program, order) } else { of.program(base, &sets, files, &copies)? };
+            drop(variants(program, &order, &features, &[]).map_err(|error| of.shader(error))?);
+            (program, order)
+        }
+    };
     let bytes = program.streams().fold(0u64, |sum, stream| {
         let size = sets.iter().find(|(set, _)| set.name == stream.info().elements.name).and_then(|(_, size)| *size);
         sum.saturating_add(size.and_then(|size| stream.bytes(size.texels())).unwrap_or(0))
@@ -101,24 +113,25 @@ pub(super) fn read(folder: &Arc<Folder>) -> Result<Own, Mistake> {
     let sizes: Vec<_> = sets.iter().filter_map(|&(set, size)| Some((set, size?))).collect();
     let inputs = of.inputs(program, &sizes)?;
     let result = of.result(program)?;
-    Ok(Own { program, schedule: order, sizes, inputs, result })
+    let scene_sets = of.scene_sets(&sets);
+    Ok(Own { program, schedule: order, sizes, inputs, result, scene, scene_sets })
 }
 
 /// A set of elements, and its size if it is known.
-type SizedSet = (&'static Elements, Option<Size>);
+pub(super) type SizedSet = (&'static Elements, Option<Size>);
 
-struct Reader<'a> {
-    folder: &'a Arc<Folder>,
+pub(super) struct Reader<'a> {
+    pub(super) folder: &'a Arc<Folder>,
     text: &'a str,
     file: &'a str,
-    manifest: &'a Manifest,
+    pub(super) manifest: &'a Manifest,
 }
 
 /// The kernel at an index loads other elements of a stream with this name.
 type Copied = (usize, String);
 
 impl Reader<'_> {
-    fn at(&self, range: Range<usize>, message: impl Into<String>) -> Mistake {
+    pub(super) fn at(&self, range: Range<usize>, message: impl Into<String>) -> Mistake {
         Mistake { place: place_in(self.file, self.text, range.start), message: message.into() }
     }
 
@@ -130,20 +143,9 @@ impl Reader<'_> {
     }
 
     /// The names of a table: those of variables of WGSL.
-    fn names<T>(&self, table: &Named<T>, what: &str) -> Result<(), Mistake> {
+    pub(super) fn names<T>(&self, table: &Named<T>, what: &str) -> Result<(), Mistake> {
         for (name, entry) in &table.0 {
-            let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic())
-                && name.chars().all(|c| c == '_' || c.is_ascii_alphanumeric())
-                && name.len() <= 64
-                && !name.contains("__")
-                && !name.ends_with("_before");
-            if !is_name {
-                let message = format!(
-                    "{what} cannot be named {name}: names have letters, digits and single underscores, and do not end in \
-                     _before"
-                );
-                return Err(self.at(entry.span(), message));
-            }
+            name_of(name, what).map_err(|message| self.at(entry.span(), message))?;
         }
         Ok(())
     }
@@ -177,7 +179,7 @@ impl Reader<'_> {
         Ok(Vec::leak(files))
     }
 
-    fn sets(&self) -> Result<Vec<SizedSet>, Mistake> {
+    fn sets(&self, base: Option<&'static Program>) -> Result<Vec<SizedSet>, Mistake> {
         let table = &self.manifest.elements;
         self.names(table, "a set of elements")?;
         if table.0.is_empty() {
@@ -187,18 +189,33 @@ impl Reader<'_> {
         for (name, entry) in &table.0 {
             let wrong = |message: &str| self.at(entry.span(), format!("{name}: {message}"));
             let (count, size) = match *entry.get_ref() {
-                manifest::Set { image: Some([width, height]), count: None, per: None, found: None, .. } => {
+                manifest::Set {
+                    image: Some([width, height]),
+                    count: None,
+                    per: None,
+                    found: None,
+                    scene: None,
+                    ..
+                } => {
                     if !(1..=MOST_SIDE).contains(&width) || !(1..=MOST_SIDE).contains(&height) {
                         return Err(wrong(&format!("an image has 1 to {MOST_SIDE} columns and rows")));
                     }
                     (Count::Image, Some(Size { width, height, count: width * height }))
                 }
-                manifest::Set { image: None, count: Some(count), per: None, found: None, .. } => {
+                manifest::Set { image: None, count: Some(count), per: None, found: None, scene: None, .. } => {
                     let size = Size::folded(count.into(), MOST_SIDE).filter(|_| u64::from(count) <= MOST_ELEMENTS);
                     let message = || wrong(&format!("a set has at most {MOST_ELEMENTS} elements"));
                     (Count::Given, Some(size.ok_or_else(message)?))
                 }
-                manifest::Set { image: None, count: None, per: Some(ref of), found: None, block, each } => {
+                manifest::Set {
+                    image: None,
+                    count: None,
+                    per: Some(ref of),
+                    found: None,
+                    scene: None,
+                    block,
+                    each,
+                } => {
                     let (per, each) = (block.unwrap_or(BLOCK as u32), each.unwrap_or(1));
                     if per == 0 || each == 0 {
                         return Err(wrong("block and each are at least 1"));
@@ -208,7 +225,14 @@ impl Reader<'_> {
                     }
                     (Count::Per { of: leaked(of), per, each }, None)
                 }
-                manifest::Set { image: None, count: None, per: None, found: Some(ref found), .. } => {
+                manifest::Set { image: None, count: None, per: None, found: None, scene: Some(ref of), .. } => {
+                    let base = base.ok_or_else(|| wrong("a set of a scene's needs a table [scene]"))?;
+                    let set = base.elements(of).filter(|set| matches!(set.count, Count::Image | Count::Given));
+                    let sets = || base.elements.iter().filter(|set| matches!(set.count, Count::Image | Count::Given));
+                    let named = || sets().map(|set| set.name).collect::<Vec<_>>().join(", ");
+                    (set.ok_or_else(|| wrong(&format!("{} has {}, and no {of}", base.name, named())))?.count, None)
+                }
+                manifest::Set { image: None, count: None, per: None, found: Some(ref found), scene: None, .. } => {
                     let (stream, layer) = found.split_once('.').unwrap_or((found, ""));
                     let known = self.manifest.streams.0.iter().find(|(name, _)| name == stream);
                     let (_, column) = known.ok_or_else(|| wrong(&format!("no stream is named {stream}")))?;
@@ -220,16 +244,24 @@ impl Reader<'_> {
                     let layer = layer.ok_or_else(|| wrong(&format!("{stream} has no such layer")))?;
                     (Count::Found { in_stream: leaked(stream), layer }, None)
                 }
-                _ => return Err(wrong("a set has one of image = [columns, rows], count, per and found")),
+                _ => return Err(wrong("a set has one of image = [columns, rows], count, per, found and scene")),
             };
             let set: &'static Elements = Box::leak(Box::new(Elements { name: leaked(name), count }));
             sets.push((set, size));
         }
-        if let Some((set, None)) = sets.first() {
-            let message = format!("the first set, {}, is the main one: it needs image or count", set.name);
+        if let Some((set, None)) = sets.first()
+            && !matches!(set.count, Count::Image | Count::Given)
+        {
+            let message = format!("the first set, {}, is the main one: it needs image, count or scene", set.name);
             return Err(self.at(table.0[0].1.span(), message));
         }
         Ok(sets)
+    }
+
+    /// The sets that have as many elements as one of ours, and its name.
+    fn scene_sets(&self, sets: &[SizedSet]) -> Vec<(&'static Elements, &'static str)> {
+        let written = self.manifest.elements.0.iter().zip(sets);
+        written.filter_map(|((_, entry), (set, _))| Some((*set, leaked(entry.get_ref().scene.as_deref()?)))).collect()
     }
 
     fn states(&self) -> Result<&'static [StateInfo], Mistake> {
@@ -314,19 +346,21 @@ impl Reader<'_> {
     /// The program and its schedule.
     fn program(
         &self,
+        base: Option<&'static Program>,
         sets: &[SizedSet],
         files: &'static [UserFile],
         copies: &[Copied],
     ) -> Result<(&'static Program, Schedule), Mistake> {
         let states = self.states()?;
         let streams = self.streams(sets, states, copies)?;
+        let lists = self.lists()?;
+        let tables = Tables { sets, files, states, streams, lists, base };
         let mut kernels = Vec::new();
         self.names(&self.manifest.kernels, "a kernel")?;
         for (index, (name, entry)) in self.manifest.kernels.0.iter().enumerate() {
             let copied = copies.iter().filter(|(of, _)| *of == index).map(|(_, stream)| stream.as_str());
             let copied: Vec<&str> = copied.collect();
-            let instance =
-                self.kernel((index, name, entry), sets, files, [states, &[]].concat().leak(), streams, &copied)?;
+            let instance = self.kernel((index, name, entry), &tables, &copied)?;
             kernels.push(instance);
         }
         if kernels.is_empty() {
@@ -356,8 +390,8 @@ impl Reader<'_> {
             courses: Vec::leak(tagged.map(course).collect()),
             rays: None,
             results: None,
-            buffers: &[],
-            lists: &[],
+            buffers: base.map_or(&[], |base| base.buffers),
+            lists,
             kernels: Vec::leak(kernels),
             modules,
             files,
@@ -382,115 +416,9 @@ impl Reader<'_> {
         Ok((program, order))
     }
 
-    fn kernel(
-        &self,
-        (index, name, entry): (usize, &str, &Spanned<manifest::Kernel>),
-        sets: &[SizedSet],
-        files: &'static [UserFile],
-        states: &'static [StateInfo],
-        streams: &'static [StreamInfo],
-        copied: &[&str],
-    ) -> Result<Instance, Mistake> {
-        let wrong = |message: String| self.at(entry.span(), format!("{name}: {message}"));
-        let written = entry.get_ref();
-        let path = written.file.clone().unwrap_or_else(|| format!("{name}.wgsl"));
-        let named = self.folder.named(&path);
-        let file = files.iter().find(|file| file.file == named && file.module != "program");
-        let file = file.ok_or_else(|| wrong(format!("its file {path} is not in the folder")))?;
-        let point = EntryPoint::of(file.source, name).ok_or_else(|| Mistake {
-            place: place_in(file.file, file.source, 0),
-            message: format!("it has no @compute function, which kernel {name} needs"),
-        })?;
-        let over = match &written.over {
-            None => sets[0].0,
-            Some(over) => {
-                let found = sets.iter().find(|(set, _)| set.name == over);
-                found.ok_or_else(|| wrong(format!("no set of elements is named {over}")))?.0
-            }
-        };
-        let is_image = over.count == Count::Image;
-        let launch = if is_image { Launch::Whole } else { Launch::List { each: 1, weight: 1 } };
-        let workgroup = match (is_image, point.workgroup) {
-            (true, Some([x, y])) if x == y && (1..=16).contains(&x) => x,
-            (false, None) => BLOCK as u32,
-            (false, Some([x, 1])) if x == BLOCK as u32 => x,
-            _ => {
-                let right = if is_image { "@workgroup_size(8, 8)" } else { "@workgroup_size(BLOCK)" };
-                let what = if is_image { "the pixels of an image" } else { "elements one after the other" };
-                let message = format!("kernel {name} works on {}, which are {what}: it needs {right}", over.name);
-                return Err(Mistake { place: place_in(file.file, file.source, point.at), message });
-            }
-        };
-        let tag = |state: &String| {
-            let found = states.iter().find(|info| info.name == state).map(|info| info.tag);
-            found.ok_or_else(|| wrong(format!("no state is named {state}")))
-        };
-        let takes = written.takes.iter().map(tag).collect::<Result<Vec<Tag>, _>>()?;
-        let send = |sent: &manifest::Sent| {
-            Ok(Transition { from: tag(&sent.from)?, when: leaked(&sent.when), to: tag(&sent.to)? })
-        };
-        let sends = written.sends.iter().map(send).collect::<Result<Vec<Transition>, Mistake>>()?;
-        let has_states = streams.iter().any(|s| s.elements.name == over.name && s.meaning[0] == Meaning::Tag);
-        if !(has_states || takes.is_empty() && sends.is_empty()) {
-            return Err(wrong(format!("{} have no states: a stream of them has meaning = \"state\"", over.name)));
-        }
-        let stream_named = |stream: &str| streams.iter().find(|info| info.name == stream).map(Stream::of);
-        let mut binds: Vec<(&'static str, &'static str)> = Vec::new();
-        for (own, bound) in &written.binds.0 {
-            if stream_named(bound.get_ref()).is_none() {
-                return Err(self.at(bound.span(), format!("no stream is named {}", bound.get_ref())));
-            }
-            binds.push((leaked(own), leaked(bound.get_ref())));
-        }
-        let mut copies = Vec::new();
-        for stream in copied {
-            let copy = name_of_copy(stream);
-            let pair = stream_named(&copy).zip(stream_named(stream));
-            copies.push(pair.ok_or_else(|| wrong(format!("no stream is named {copy}")))?);
-            if let Some(&(own, _)) = binds.iter().find(|(_, bound)| bound == stream) {
-                binds.push((leaked(&name_of_copy(own)), leaked(&copy)));
-            }
-        }
-        let mut renews = Vec::new();
-        for set in &written.renews {
-            let found = sets.iter().find(|(other, _)| other.name == set);
-            renews.push(found.ok_or_else(|| wrong(format!("no set of elements is named {set}")))?.0);
-        }
-        let info = KernelInfo {
-            name: leaked(&point.name),
-            wgsl: file.source,
-            twin: Twin::Interpreted,
-            home: Box::leak(Box::new(Home { streams, states: States(states) })),
-            counts: if takes.is_empty() && sends.is_empty() { Counts::None } else { Counts::Sent },
-            role: if takes.is_empty() { Role::Once } else { Role::Step },
-            takes: Vec::leak(takes),
-            sends: Vec::leak(sends),
-            workgroup,
-            launch,
-            resumes: |_| false,
-            list: None,
-            proof: Proof::NONE,
-            colour: colour(index),
-            why_absent: unused,
-            summary: leaked(&written.summary),
-            explain: |_, _, _| (None, String::new()),
-            path: Path::Stays,
-            rounding: Rounding::NONE,
-            breaks: NO_BREAKS,
-        };
-        Ok(Instance {
-            name: leaked(name),
-            parameter: written.parameter,
-            binds: Vec::leak(binds),
-            renews: Vec::leak(renews),
-            copies: Vec::leak(copies),
-            ..Instance::of(info, over)
-        })
-    }
-
     /// Which kernels load other elements of a stream than they store.
-    fn copies(&self, program: &'static Program, order: &Schedule) -> Result<Vec<Copied>, Mistake> {
-        let all = variants(program, order, &Features::default(), &[]).map_err(|error| self.shader(error))?;
+    fn copies(&self, program: &'static Program, order: &Schedule, features: &Features) -> Result<Vec<Copied>, Mistake> {
+        let all = variants(program, order, features, &[]).map_err(|error| self.shader(error))?;
         let mut copies = Vec::new();
         for variant in all {
             let index = variant.kernel.index();
@@ -510,14 +438,23 @@ impl Reader<'_> {
         sizes: &[(&'static Elements, Size)],
     ) -> Result<Vec<crate::tables::stream::StreamData>, Mistake> {
         let mut inputs = Vec::new();
+        if let Some((other, _)) = self.folder.starts().find(|(name, _)| program.stream(name).is_none()) {
+            return Err(self.at(0..0, format!("no stream is named {other}, so it cannot begin with an array")));
+        }
         for (name, entry) in &self.manifest.streams.0 {
-            let Some((kind, path)) = start::file(entry.get_ref().start.as_ref()) else { continue };
+            let given = self.folder.starts().find(|(stream, _)| stream == name).map(|(_, bytes)| bytes);
+            let (kind, path) = match (given, start::file(entry.get_ref().start.as_ref())) {
+                (Some(_), _) => (start::Kind::Npy, "the array"),
+                (None, Some(file)) => file,
+                (None, None) => continue,
+            };
             let wrong = |message: String| self.at(entry.span(), format!("{name}: {message}"));
             let stream = program.stream(name).ok_or_else(|| wrong("it is missing".into()))?;
             let size = sizes.iter().find(|(set, _)| set.name == stream.info().elements.name);
             let size = size
                 .ok_or_else(|| wrong("its elements are counted in the run, so it cannot start from a file".into()))?;
-            let bytes = self.folder.file(path).ok_or_else(|| wrong(format!("{path} is not in the folder")))?;
+            let bytes = given.or_else(|| self.folder.file(path));
+            let bytes = bytes.ok_or_else(|| wrong(format!("{path} is not in the folder")))?;
             let read = start::read(stream, size.1, kind, bytes);
             inputs.push(read.map_err(|message| wrong(format!("{path}: {message}")))?);
         }
@@ -554,56 +491,21 @@ impl Reader<'_> {
     }
 }
 
-/// No kernel of a user's is broken on purpose.
-const NO_BREAKS: &[Break] = &[];
+/// Whether a name can be that of a variable of WGSL.
+pub(super) fn name_of(name: &str, what: &str) -> Result<(), String> {
+    let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c == '_' || c.is_ascii_alphanumeric())
+        && name.len() <= 64
+        && !name.contains("__")
+        && !name.ends_with("_before");
+    if is_name {
+        return Ok(());
+    }
+    Err(format!(
+        "{what} cannot be named {name}: names have letters, digits and single underscores, and do not end in _before"
+    ))
+}
 
 fn layers(column: &manifest::Column) -> Vec<String> {
     column.layers.clone().unwrap_or_else(|| vec!["value".into()])
-}
-
-/// A `@compute` function, as far as words tell.
-struct EntryPoint {
-    name: String,
-    /// The first two numbers of `@workgroup_size`; `None` for `BLOCK`.
-    workgroup: Option<[u32; 2]>,
-    /// Where it begins.
-    at: usize,
-}
-
-impl EntryPoint {
-    /// The one with this name, or the first.
-    fn of(source: &str, wanted: &str) -> Option<Self> {
-        let all = words(source);
-        let code: Vec<&Word<'_>> = all.iter().filter(|word| word.kind != WordKind::Comment).collect();
-        let mut first = None;
-        for (at, word) in code.iter().enumerate().filter(|(_, word)| word.text == "fn") {
-            let Some(name) = code.get(at + 1).map(|name| name.text) else { continue };
-            // Its attributes follow what ends the declaration before it.
-            let begin = code[..at].iter().rposition(|word| matches!(word.text, ";" | "}")).map_or(0, |end| end + 1);
-            let attributes = &code[begin..at];
-            if !attributes.iter().any(|word| word.text == "@compute") {
-                continue;
-            }
-            let size = attributes.iter().position(|word| word.text == "@workgroup_size");
-            let sides: Vec<&str> = attributes[size.map_or(attributes.len(), |size| size + 1)..]
-                .iter()
-                .take_while(|word| word.text != ")")
-                .map(|word| word.text)
-                .filter(|text| !matches!(*text, "(" | ","))
-                .collect();
-            let number = |text: &str| text.trim_end_matches(['u', 'i']).parse::<u32>().unwrap_or(0);
-            let workgroup = match sides.as_slice() {
-                ["BLOCK"] => None,
-                [x] => Some([number(x), 1]),
-                [x, y, ..] => Some([number(x), number(y)]),
-                [] => Some([0, 0]),
-            };
-            let point = Self { name: name.to_owned(), workgroup, at: word.start };
-            if name == wanted {
-                return Some(point);
-            }
-            first = first.or(Some(point));
-        }
-        first
-    }
 }
