@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::common::{Outcome, Place};
+use crate::common::{Outcome, Place, scene};
 
 fn new(place: &Place, name: &str, like: &str) {
     let made = place.run(&["new", name, "--like", like]);
@@ -107,4 +107,90 @@ fn a_program_that_does_not_end_is_ended() {
     change(&place, "mine/program.toml", "repeat = 400000", "repeat = 4");
     let ran = place.run(&["run", "mine", "--device", "cpu", "--quiet"]);
     assert_eq!(ran.code, Some(0), "{ran:?}");
+}
+
+#[test]
+fn a_program_reads_a_scene_that_is_named_beside_it() {
+    let place = Place::new();
+    new(&place, "mine", "grid-walk");
+    let picture = |program: &str, output: &str| {
+        let ran = place.run(&["run", program, "--size", "24x16", "-o", output, "--quiet"]);
+        assert!(ran.code == Some(0) && ran.stdout.contains("rays      384\n"), "{ran:?}");
+        place.read(output)
+    };
+    let room = picture("mine", "a.png");
+    let other = picture(&format!("mine@{}", scene("lights.gltf").display()), "b.png");
+    assert!(room.starts_with(b"\x89PNG") && room != other);
+    let checked = place.run(&["check", "mine", "--size", "24x16", "--quiet"]);
+    assert_eq!(checked.code, Some(0), "{checked:?}");
+    fails(&place.run(&["run", "mine@nothing"]), 1, "nothing");
+    change(&place, "mine/program.toml", "file = \"cornell-box\"", "");
+    fails(&place.run(&["run", "mine"]), 2, "mine reads a scene: name one, as in mine@cornell-box");
+    new(&place, "alone", "life");
+    fails(&place.run(&["run", "alone@cornell-box"]), 2, "alone reads no scene");
+    // A scene elsewhere is not the folder's to name.
+    change(&place, "mine/program.toml", "[scene]\n", "[scene]\nfile = \"../a.png\"\n");
+    fails(&place.run(&["run", "mine"]), 1, "no file ../a.png is in the folder");
+}
+
+#[test]
+fn our_tracer_gives_the_same_picture_from_its_folder() {
+    let place = Place::new();
+    let view = ["--size", "24x18", "--quiet"];
+    for (options, name) in
+        [(&["--schedule", "second"][..], "a"), (&["--integrator", "shadows", "--schedule", "second"], "b")]
+    {
+        let written = place.run(&[&["export-program", "cornell-box", "-o", name], options, &view].concat());
+        assert_eq!(written.code, Some(0), "{written:?}");
+        let image = format!("{name}.png");
+        let drawn = place.run(&[&["render", "cornell-box", "-o", &*image], options, &view].concat());
+        assert_eq!(drawn.code, Some(0), "{drawn:?}");
+        let from_folder = format!("{name}-own.png");
+        let ran = place.run(&[&["run", name, "-o", &*from_folder], &view[..]].concat());
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        let [ours, theirs] =
+            [image, from_folder].map(|path| image::open(place.path(path)).expect("a picture").into_rgb8());
+        assert!(ours == theirs, "{name}");
+    }
+    fails(&place.run(&["export-program", "cornell-box", "-o", "a"]), 1, "a is not empty");
+}
+
+#[test]
+fn programs_are_timed_and_their_elements_followed() {
+    let place = Place::new();
+    new(&place, "mine", "life");
+    change(&place, "mine/program.toml", "[256, 256]", "[16, 8]");
+    change(&place, "mine/program.toml", "repeat = 200", "repeat = 3");
+    let timed = place.run(&["bench", "mine", "--repeats", "3", "--warmups", "0", "-o", "b", "--quiet"]);
+    assert_eq!(timed.code, Some(0), "{timed:?}");
+    let lines = |name: &str| fs::read_to_string(place.path(name)).expect("a table").lines().count();
+    assert_eq!([lines("b/summary.csv"), lines("b/runs.csv"), lines("b/kernels.csv")], [2, 4, 3]);
+    fails(&place.run(&["bench", "mine", "cornell-box", "-o", "c"]), 2, "measured apart");
+    let told = place.run(&["trace", "mine", "--pixel", "3,4", "--quiet"]);
+    assert!(told.code == Some(0) && told.stdout.contains("generation"), "{told:?}");
+    assert!(told.stdout.contains("mine/generation.wgsl:"), "{told:?}");
+    let found = place.run(&["trace", "mine", "--pixel", "3,4", "--format", "json", "--quiet"]);
+    let found: Value = serde_json::from_str(&found.stdout).expect("JSON");
+    assert_eq!(found.as_array().map(Vec::len), Some(4), "{found}");
+    fails(&place.run(&["trace", "mine", "--pixel", "30,4"]), 1, "no element 30,4");
+    fails(&place.run(&["trace", "mine"]), 2, "--pixel");
+}
+
+#[test]
+fn a_zip_file_is_a_program() {
+    let place = Place::new();
+    new(&place, "mine", "prefix-sum");
+    let mut zip = zip::ZipWriter::new(fs::File::create(place.path("mine.zip")).expect("a file"));
+    for name in ["program.toml", "fill.wgsl", "scan.wgsl", "add.wgsl"] {
+        zip.start_file(format!("mine/{name}"), zip::write::SimpleFileOptions::default()).expect("a file");
+        std::io::Write::write_all(&mut zip, &place.read(&format!("mine/{name}"))).expect("written");
+    }
+    zip.finish().expect("written");
+    for (program, output) in [("mine", "a.csv"), ("mine.zip", "b.csv")] {
+        let ran = place.run(&["run", program, "-o", output, "--quiet"]);
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+    }
+    assert_eq!(place.read("a.csv"), place.read("b.csv"));
+    fs::write(place.path("mine.zip"), b"PK\x03\x04").expect("written");
+    fails(&place.run(&["run", "mine.zip"]), 1, "mine.zip: ");
 }

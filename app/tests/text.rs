@@ -21,6 +21,7 @@ fn help_has_examples_everywhere_and_no_argument_is_help() {
         "build",
         "cast",
         "check-kernel",
+        "export-program",
         "course",
         "grade",
         "merge",
@@ -195,13 +196,14 @@ pub(crate) fn small(example: &str) -> String {
         Some((_, rest)) => Some((format!(" {option} {}", rest.split(' ').next().unwrap_or_default()), option, value)),
         None => is_wanted.then(|| (String::new(), option, value)),
     };
-    let is_view = matches!(command, "render" | "trace" | "dump" | "plan" | "inspect" | "check-kernel")
-        && !has("--link")
-        && !has("--lesson");
+    let is_view =
+        matches!(command, "render" | "trace" | "dump" | "plan" | "inspect" | "check-kernel" | "export-program")
+            && !has("--link")
+            && !has("--lesson");
     // A session has its own size.
     let is_view = is_view && !example.contains(".raystep-session");
     let changes = [
-        with("--size", "16x16", is_view || matches!(command, "report" | "bench")),
+        with("--size", "16x16", is_view || matches!(command, "report" | "bench") || has("my-tracer")),
         with("--pixel", "9,9", false),
         with("--repeats", "1", matches!(command, "bench" | "paper")),
         with("--warmups", "0", command == "bench"),
@@ -237,7 +239,7 @@ fn help_examples_run() {
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    let commands = "inspect render trace dump bench cast check-kernel course grade merge report stability sweep plan paper info scene completions";
+    let commands = "inspect render trace dump bench cast check-kernel export-program course grade merge report stability sweep plan paper info scene completions";
     let mut helps: Vec<Vec<&str>> = commands.split(' ').map(|name| vec![name]).collect();
     helps.extend([vec![], vec!["scene", "convert"], vec!["scene", "soup"]]);
     // On two threads: most of the time, an example keeps one core busy.
@@ -293,6 +295,12 @@ fn run_examples(help: &[&str]) -> usize {
     }
     std::fs::create_dir(place.path("old")).expect("a folder");
     std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_raystep"), place.path("old/raystep")).expect("a link");
+    // Programs of one's own, for the examples of commands that do not make them.
+    if matches!(help, ["bench" | "trace"]) {
+        for name in ["my-program", "my-program-before"] {
+            place.ok(&["new", name, "--like", "life"]);
+        }
+    }
     let text = place.ok(&[help, &["--help"]].concat()).stdout;
     let (_, examples) = text.split_once("Examples:\n").expect("examples");
     let (mut of_help, mut folder) = (0, None);

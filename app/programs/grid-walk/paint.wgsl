@@ -19,7 +19,7 @@ fn paint(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_ind
     var tag = NOBODY;
     if (state == HIT || state == MISS) {
         let visited = f32(textureLoad(ray, id.xy, 1).x);
-        let heat = 1.0 - exp(-visited / 24.0);
+        let heat = 1.0 - exp(-visited / 8.0);
         var light = 0.15 * vec3f(heat, 0.3 * heat, 1.0 - heat);
         if (state == HIT) {
             let triangle = textureLoad(nearest, id.xy, 1, 0).x;

@@ -57,6 +57,31 @@ class Run(unittest.TestCase):
         for name in a:
             self.assertTrue(np.array_equal(a[name], b[name]), name)
 
+    def test_a_program_of_ones_own_is_stepped_from_an_array(self) -> None:
+        with tempfile.TemporaryDirectory() as place:
+            folder = pathlib.Path(place) / "mine"
+            command("new", str(folder), "--like", "life")
+            text = (folder / "program.toml").read_text().replace("[256, 256]", "[6, 5]")
+            (folder / "program.toml").write_text(text.replace('{ run = "seed" },', ""))
+            start = np.zeros((5, 6), np.uint32)
+            start[2, 1:4] = 1
+            run = raystep.Program(folder, starts={"cell": start})
+            self.assertTrue(np.array_equal(run.result, start))
+            run.step()
+            turned = np.zeros((5, 6), np.uint32)
+            turned[1:4, 2] = 1
+            self.assertTrue(np.array_equal(run.result, turned))
+            self.assertEqual(run.streams["cell"].shape, (5, 6, 1))
+            run.back()
+            self.assertTrue(np.array_equal(run.result, start))
+            for starts, message in [({"cells": start}, "no stream is named cells"), ({"cell": start[1:]}, "shape")]:
+                with self.assertRaisesRegex(SceneError, message):
+                    raystep.Program(folder, starts=starts)
+            command("new", str(folder / "walk"), "--like", "grid-walk")
+            rays = raystep.Program(folder / "walk", "teapot", size=(20, 10)).run()
+            self.assertEqual(rays.result.shape, (10, 20, 3))
+            self.assertGreater(float(rays.result.max()), 0.3)
+
     def test_scenes_that_come_along_open_by_name(self) -> None:
         for name in raystep.scene_names():
             self.assertGreater(Scene(name, device="cpu").triangles, 0, name)

@@ -51,7 +51,8 @@ pub fn program(
     if matches!(options.rays, RaySource::Given(_)) {
         return Err(ExportError::Unsupported("a run of rays that a file has"));
     }
-    let has_scene = chosen(&options.choices()).alone.is_none();
+    let alone = chosen(&options.choices()).alone.as_ref();
+    let has_scene = alone.is_none();
     let written = Written::of(plan, data);
     let mut files = BTreeMap::new();
     let mut text = format!("summary = {}\n", quoted(plan.program.summary));
@@ -77,9 +78,9 @@ pub fn program(
         files.insert(format!("{}.wgsl", info.name), info.wgsl.as_bytes().to_vec());
     }
     _ = write!(text, "\n[schedule]\nsteps = [\n{}]\n", steps(&plan.schedule.steps, 1));
-    if let Some(results) = plan.program.results.filter(|results| plan.has_stream(results.color)) {
-        let mean = Some(results.mean).filter(|&mean| plan.has_stream(mean));
-        let shown = if mean.is_some() { results.mean } else { results.color };
+    let traced = plan.program.results.map(|results| [results.mean, results.color]);
+    let results = traced.into_iter().flatten().chain(alone.map(|alone| alone.results));
+    if let Some(shown) = results.into_iter().find(|&stream| plan.has_stream(stream)) {
         _ = write!(text, "\n[result]\nstream = {}\n", quoted(shown.name()));
     }
     files.insert(crate::options::folder::Folder::MANIFEST.to_owned(), text.into_bytes());

@@ -33,7 +33,7 @@ class Program(Renderer):
     >>> _ = subprocess.run(command, check=True, capture_output=True)
     >>> run = Program(folder)
     >>> run.step().kernel
-    'scan'
+    'fill'
     """
 
     def __init__(
@@ -80,6 +80,13 @@ class Program(Renderer):
         """What `program.toml` names as the result, as it is now: the component that is shown, or the colour.
 
         Raises `OptionError` if it names none.
+
+        >>> import pathlib, subprocess, sys, tempfile
+        >>> folder = pathlib.Path(tempfile.mkdtemp()) / "cells"
+        >>> command = [sys.executable, "-m", "raystep", "new", str(folder)]
+        >>> _ = subprocess.run(command, check=True, capture_output=True)
+        >>> Program(folder).step_to(2).result.shape
+        (256, 256)
         """
         result = self._renderer.result()
         if result is None:

@@ -112,7 +112,7 @@ fn a_mistake_is_told_with_its_place() {
         ("count = 5", "count = 5000000000", "6:", "u32"),
         ("count = 5", "count = 70000000", "6:", "at most 67108864"),
         ("count = 5", "image = [0, 3]", "6:", "1 to 16384"),
-        ("count = 5", "", "6:", "image = [columns, rows], count, per and found"),
+        ("count = 5", "", "6:", "image = [columns, rows], count, per, found and scene"),
         ("count = 5", "count = 5, image = [2, 2]", "6:", "one of"),
         ("count = 5", "found = \"item\"", "6:", "main one"),
         ("type = \"u32\"", "type = \"f64\"", "9:", "f64"),
@@ -171,4 +171,168 @@ fn a_mistake_in_an_imported_file_is_told_there() {
         [("program.toml", MANIFEST.as_bytes()), ("add.wgsl", wgsl.as_bytes()), ("lib/tools.wgsl", tools.as_bytes())];
     let mistake = read(&folder(&files)).err().expect("a mistake").to_string();
     assert!(mistake.starts_with("some/mine/lib/tools.wgsl:2:"), "{mistake}");
+}
+
+const SCENE: &str = r#"
+[scene]
+file = "cornell-box"
+
+[scene.options]
+accelerator = "grid"
+
+[elements]
+rays = { scene = "rays" }
+triangles = { count = 12 }
+
+[streams.depth]
+type = "f32"
+start = -1.0
+
+[kernels]
+look = { }
+
+[schedule]
+steps = [{ run = "look" }]
+"#;
+
+const LOOK: &str = r"
+import package::camera::{eye_ray};
+import package::corners::{vertex};
+import package::grid::{grid};
+@group(0) @binding(0) var depth: texture_storage_2d_array<r32float, write>;
+@compute @workgroup_size(8, 8)
+fn look(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= textureDimensions(depth))) {
+        return;
+    }
+    let ray = eye_ray(id.xy);
+    textureStore(depth, id.xy, 0, vec4f(ray.direction.x + vertex(3u, 1u).y + f32(grid.cells.z)));
+}
+";
+
+fn seeing(manifest: &str, wgsl: &str) -> Result<(Plan, crate::scene_data::SceneData, Options), crate::plan::PlanError> {
+    let scene = raystep_scenes::generate::cornell_box();
+    let rays = RaySource::Camera { camera: scene.cameras[0].clone(), width: 7, height: 5 };
+    let folder = folder(&[("program.toml", manifest.as_bytes()), ("look.wgsl", wgsl.as_bytes())]);
+    let options = Options { folder: Some(folder), ..Options::new(rays) };
+    let (plan, data) = Plan::new(&scene, &options, &Limits::CPU)?;
+    Ok((plan, data, options))
+}
+
+#[test]
+fn a_program_reads_the_scene_that_it_is_run_with() {
+    let (plan, data, options) = seeing(SCENE, LOOK).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((plan.width, plan.height, plan.triangles), (7, 5, 30.min(plan.triangles)));
+    let [camera, cells, corner] = [data.camera.right[0], data.grid.cells[2] as f32, data.corners::<f32>(3)[1].y];
+    let stream = plan.program.stream("depth").expect("a stream");
+    let depth = pollster::block_on(async {
+        let mut renderer = Renderer::from_plan(plan, data, &options, &Device::Cpu(None)).await.expect("a run");
+        renderer.run(|_| std::ops::ControlFlow::Continue(())).await.expect("no failure");
+        renderer.values(stream).await.expect("values")
+    });
+    // From the left to the right edge, in seven pixels.
+    let [left, right] = [0, 6].map(|at| depth.get_f32(0, at) - cells - corner);
+    assert!((right - left - camera * 12.0 / 7.0).abs() < 1e-4, "{left} {right} {camera}");
+
+    let told = |from: &str, to: &str| {
+        let manifest = SCENE.replacen(from, to, 1);
+        let wgsl = LOOK.replacen(from, to, 1);
+        seeing(&manifest, &wgsl).err().unwrap_or_else(|| panic!("{to}: nothing is wrong")).to_string()
+    };
+    for (from, to, message) in [
+        ("accelerator = \"grid\"", "accelerator = \"tree\"", "program.toml:6:15: accelerator: "),
+        ("accelerator = \"grid\"", "speed = 3", "program.toml:6:9: no option of a run is named speed"),
+        ("accelerator = \"grid\"", "mapping = \"fragment\"", "compute shaders"),
+        ("scene = \"rays\"", "scene = \"photons\"", "closest_hit has rays, and no photons"),
+        ("[scene]\nfile = \"cornell-box\"\n\n[scene.options]\naccelerator = \"grid\"", "", "needs a table [scene]"),
+        ("accelerator = \"grid\"", "accelerator = \"bvh\"", "this run has no grid: needed only with"),
+        (
+            "@compute",
+            "@group(1) @binding(9) var<storage, read> normals: array<f32>;\nfn n() -> f32 { return normals[0]; }\n@compute",
+            "nothing",
+        ),
+    ] {
+        if message == "nothing" {
+            continue;
+        }
+        let error = told(from, to);
+        assert!(error.contains(message), "{to}: {error}");
+    }
+    let normals = LOOK
+        .replace("f32(grid.cells.z)", "normals[0]")
+        .replace("@compute", "@group(1) @binding(9) var<storage, read> normals: array<f32>;\n@compute");
+    let normals = normals.replace("import package::grid::{grid};\n", "");
+    let error = seeing(SCENE, &normals).err().expect("a flat scene").to_string();
+    assert!(error.contains("this run has no normals: no vertex normals"), "{error}");
+}
+
+/// Words and lines of manifests and kernels in other places, and numbers that are too large: each is a program or a mistake.
+/// `RAYSTEP_FUZZ` is how many; a program is never freed, so a process can have some 100,000.
+#[test]
+fn damaged_programs_are_mistakes() {
+    let count = std::env::var("RAYSTEP_FUZZ").ok().and_then(|count| count.parse().ok()).unwrap_or(1500u64);
+    let seed = std::env::var("RAYSTEP_FUZZ_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(1);
+    let mut random = fastrand::Rng::with_seed(seed);
+    let examples = [("life", "generation"), ("sphere-tracer", "march"), ("grid-walk", "walk"), ("fluid", "relax")];
+    let read_file = |name: &str| {
+        let path = format!("{}/../app/programs/{name}", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(path).unwrap_or_default()
+    };
+    let mut manifests = vec![MANIFEST.to_owned(), SCENE.to_owned()];
+    manifests.extend(examples.iter().map(|(name, _)| read_file(&format!("{name}/program.toml"))));
+    let mut kernels = vec![ADD.to_owned(), LOOK.to_owned()];
+    kernels.extend(examples.iter().map(|(name, file)| read_file(&format!("{name}/{file}.wgsl"))));
+    let words = |texts: &[String]| -> Vec<String> {
+        let is_end = |c: char| !(c.is_alphanumeric() || c == '_' || c == '.');
+        texts.iter().flat_map(|text| text.split_inclusive(is_end)).map(str::to_owned).collect()
+    };
+    const NUMBERS: [&str; 9] = ["0", "1", "-1", "4294967295", "4294967296", "1e39", "nan", "\"\"", "[[]]"];
+    let damaged = |random: &mut fastrand::Rng, texts: &[String], which: usize, all: &[String]| {
+        let mut words = words(&texts[which..=which]);
+        for _ in 0..random.usize(0..4) {
+            let (at, other) = (random.usize(..words.len()), random.usize(..words.len()));
+            match random.u8(..7) {
+                0 => words.swap(at, other),
+                1 => drop(words.remove(at)),
+                2 => words.insert(at, all[random.usize(..all.len())].clone()),
+                3 => words[at] = all[random.usize(..all.len())].clone(),
+                4 => words[at] = NUMBERS[random.usize(..NUMBERS.len())].to_owned() + " ",
+                5 => words.truncate(at.max(1)),
+                _ => words[at] = String::from_utf8_lossy(&[random.u8(..), random.u8(..)]).into_owned(),
+            }
+        }
+        words.concat()
+    };
+    let (of_manifests, of_kernels) = (words(&manifests), words(&kernels));
+    let scene = raystep_scenes::generate::cornell_box();
+    let rays = RaySource::Camera { camera: scene.cameras[0].clone(), width: 5, height: 4 };
+    let (mut right, mut ran) = (0u64, 0u64);
+    for _ in 0..count {
+        let which = random.usize(..manifests.len());
+        let manifest = damaged(&mut random, &manifests, which, &of_manifests);
+        let names = ["add", "look", "generation", "march", "walk", "relax"];
+        let files: Vec<(String, String)> = names
+            .iter()
+            .enumerate()
+            .map(|(index, name)| (format!("{name}.wgsl"), damaged(&mut random, &kernels, index, &of_kernels)))
+            .collect();
+        let mut all: Vec<(&str, &[u8])> = vec![("program.toml", manifest.as_bytes())];
+        all.extend(files.iter().map(|(name, text)| (name.as_str(), text.as_bytes())));
+        let options = Options { folder: Some(folder(&all)), ..Options::new(rays.clone()) };
+        let Ok((plan, data)) = Plan::new(&scene, &options, &Limits::CPU) else { continue };
+        right += 1;
+        if plan.bytes() > 1 << 16 {
+            continue;
+        }
+        ran += 1;
+        let _ = pollster::block_on(async {
+            let mut renderer = Renderer::from_plan(plan, data, &options, &Device::Cpu(None)).await?;
+            for _ in 0..4 {
+                renderer.step().await?;
+            }
+            Ok::<_, crate::RenderError>(())
+        });
+    }
+    println!("{right} of {count} are programs, and {ran} of them small");
+    assert!(right > count / 100 && ran > count / 200, "{right} programs, {ran} of them small");
 }
