@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::manifest::{self, Counted};
-use super::tables::{Reader, SizedSet, all_leaked, colour, leaked, name_of, unused};
+use super::reader::{Reader, SizedSet, all_leaked, colour, leaked, name_of, unused};
 use crate::compose::{Word, WordKind, words};
 use crate::options::features::Features;
 use crate::program::breaks::Break;

@@ -3,6 +3,7 @@
 mod kernel;
 mod manifest;
 mod plan;
+mod reader;
 mod scene;
 mod start;
 mod steps;

@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-use super::tables::Reader;
+use super::reader::Reader;
 use crate::options::rows::ROWS;
 use crate::options::{Choices, Options, ProgramName, ScheduleKind};
 use crate::programs::{Registered, chosen};

@@ -7,17 +7,17 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::kernel::Tables;
-use super::manifest::{self, Manifest, Named, Way};
+use super::manifest::{self, Manifest, Way};
+use super::reader::{Reader, SizedSet, all_leaked, colour, leaked, unused};
 use super::steps::schedule;
 use super::{Own, OwnResult, start};
 use crate::options::features::Features;
 use crate::options::folder::Folder;
-use crate::options::reasons::{Because, Reason, Run};
 use crate::plan::variants;
 use crate::program::schedule::Schedule;
 use crate::program::{Course, Module, Program, UserFile};
 use crate::programs::{self, primitives};
-use crate::shader::{Mistake, Place, ShaderError, name_of_copy, place_in};
+use crate::shader::{Mistake, Place, name_of_copy, place_in};
 use crate::shared::launch::{BLOCK, MOST_ELEMENTS};
 use crate::tables::elements::{Count, Elements, Size};
 use crate::tables::state::{StateInfo, StateRole, States, Tag};
@@ -29,34 +29,6 @@ const MOST_SIDE: u32 = 1 << 14;
 const MOST_LAYERS: usize = 256;
 /// Most bytes of all streams together.
 pub(super) const MOST_BYTES: u64 = 1 << 31;
-
-/// Colours of kernels and states, readable on light and dark backgrounds (Okabe and Ito 2008, and between them).
-const COLOURS: [[u8; 3]; 8] = [
-    [0, 114, 178],
-    [213, 94, 0],
-    [0, 158, 115],
-    [204, 121, 167],
-    [86, 140, 200],
-    [200, 140, 0],
-    [120, 94, 180],
-    [140, 140, 60],
-];
-
-pub(super) fn colour(index: usize) -> [u8; 3] {
-    COLOURS[index % COLOURS.len()]
-}
-
-pub(super) fn unused(_: &Run<'_>) -> Reason {
-    (Because::Options, "no kernel of the schedule uses it")
-}
-
-pub(super) fn leaked(text: &str) -> &'static str {
-    Box::leak(text.to_owned().into_boxed_str())
-}
-
-pub(super) fn all_leaked(texts: &[String]) -> &'static [&'static str] {
-    Vec::leak(texts.iter().map(|text| leaked(text)).collect())
-}
 
 /// The modules that a user's kernels may import from, besides those of their own files: those of all our programs.
 fn modules(features: &Features) -> Vec<Module> {
@@ -117,39 +89,10 @@ pub(super) fn read(folder: &Arc<Folder>, features: Option<Features>) -> Result<O
     Ok(Own { program, schedule: order, sizes, inputs, result, scene, scene_sets })
 }
 
-/// A set of elements, and its size if it is known.
-pub(super) type SizedSet = (&'static Elements, Option<Size>);
-
-pub(super) struct Reader<'a> {
-    pub(super) folder: &'a Arc<Folder>,
-    text: &'a str,
-    file: &'a str,
-    pub(super) manifest: &'a Manifest,
-}
-
 /// The kernel at an index loads other elements of a stream with this name.
 type Copied = (usize, String);
 
 impl Reader<'_> {
-    pub(super) fn at(&self, range: Range<usize>, message: impl Into<String>) -> Mistake {
-        Mistake { place: place_in(self.file, self.text, range.start), message: message.into() }
-    }
-
-    fn shader(&self, error: ShaderError) -> Mistake {
-        match error {
-            ShaderError::Mistake(mistake) => *mistake,
-            other => self.at(0..0, other.to_string()),
-        }
-    }
-
-    /// The names of a table: those of variables of WGSL.
-    pub(super) fn names<T>(&self, table: &Named<T>, what: &str) -> Result<(), Mistake> {
-        for (name, entry) in &table.0 {
-            name_of(name, what).map_err(|message| self.at(entry.span(), message))?;
-        }
-        Ok(())
-    }
-
     /// All WGSL files of the folder, and the constants of the manifest as a module.
     fn files(&self) -> Result<&'static [UserFile], Mistake> {
         let mut files: Vec<UserFile> = Vec::new();
@@ -489,21 +432,6 @@ impl Reader<'_> {
         }
         Ok(Some(OwnResult { stream, layer, way, range: shown.range, colours: shown.colours }))
     }
-}
-
-/// Whether a name can be that of a variable of WGSL.
-pub(super) fn name_of(name: &str, what: &str) -> Result<(), String> {
-    let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic())
-        && name.chars().all(|c| c == '_' || c.is_ascii_alphanumeric())
-        && name.len() <= 64
-        && !name.contains("__")
-        && !name.ends_with("_before");
-    if is_name {
-        return Ok(());
-    }
-    Err(format!(
-        "{what} cannot be named {name}: names have letters, digits and single underscores, and do not end in _before"
-    ))
 }
 
 fn layers(column: &manifest::Column) -> Vec<String> {

@@ -262,7 +262,7 @@ fn a_program_reads_the_scene_that_it_is_run_with() {
         .replace("f32(grid.cells.z)", "normals[0]")
         .replace("@compute", "@group(1) @binding(9) var<storage, read> normals: array<f32>;\n@compute");
     let normals = normals.replace("import package::grid::{grid};\n", "");
-    let error = seeing(SCENE, &normals).err().expect("a flat scene").to_string();
+    let error = seeing(SCENE, &normals).map(|_| ()).expect_err("a flat scene").to_string();
     assert!(error.contains("this run has no normals: no vertex normals"), "{error}");
 }
 
