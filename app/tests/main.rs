@@ -40,6 +40,7 @@ mod shard;
 #[cfg(unix)]
 mod signals;
 mod stability;
+mod stop;
 mod sweep;
 mod text;
 mod traversal;

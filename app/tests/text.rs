@@ -21,6 +21,8 @@ fn help_has_examples_everywhere_and_no_argument_is_help() {
         "build",
         "cast",
         "check-kernel",
+        "stop",
+        "cost",
         "course",
         "grade",
         "merge",
