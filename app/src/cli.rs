@@ -7,8 +7,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, check, check_kernel, completions, cost, course, dump, export_program, extension, grade, info,
-    inspect, merge, new, paper, plan, render, report, run, scene, stability, stop, sweep, trace,
+    bench, build, cast, check, check_kernel, completions, cost, course, debug_adapter, dump, export_program, extension,
+    grade, info, inspect, merge, new, paper, plan, render, report, run, scene, stability, stop, sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
@@ -73,6 +73,7 @@ pub(crate) enum Command {
     ExportProgram(Box<export_program::ExportArgs>),
     Stop(Box<stop::StopArgs>),
     Cost(Box<cost::CostArgs>),
+    DebugAdapter(debug_adapter::DebugAdapterArgs),
     Course(course::CourseArgs),
     Grade(grade::GradeArgs),
     Merge(merge::MergeArgs),

@@ -8,6 +8,7 @@ pub(crate) mod check_kernel;
 pub(crate) mod completions;
 pub(crate) mod cost;
 pub(crate) mod course;
+pub(crate) mod debug_adapter;
 pub(crate) mod dump;
 pub(crate) mod export_program;
 pub(crate) mod grade;

@@ -5,6 +5,7 @@ pub mod api;
 mod args;
 mod cli;
 mod commands;
+mod debug_adapter;
 mod device;
 mod drawing;
 mod error;
@@ -115,6 +116,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::Check(args) => commands::check::run(&args),
             Command::Stop(args) => commands::stop::run(&args),
             Command::Cost(args) => commands::cost::run(&args),
+            Command::DebugAdapter(args) => commands::debug_adapter::run(&args),
             Command::Course(args) => commands::course::run(&args),
             Command::Grade(args) => commands::grade::run(&args),
             Command::Merge(args) => commands::merge::run(&args),

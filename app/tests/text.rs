@@ -23,6 +23,7 @@ fn help_has_examples_everywhere_and_no_argument_is_help() {
         "check-kernel",
         "stop",
         "cost",
+        "debug-adapter",
         "course",
         "grade",
         "merge",

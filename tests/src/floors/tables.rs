@@ -119,6 +119,7 @@ pub const KNOWN_CIRCLES: &[(&str, &[&str])] = &[
 const COMMAND_LINE: &[&str] = &[
     "cli",
     "commands",
+    "debug_adapter",
     "drawing",
     "device",
     "output",
