@@ -65,7 +65,7 @@ pub(crate) enum Command {
     Dump(Box<dump::DumpArgs>),
     Bench(Box<bench::BenchArgs>),
     Build(Box<build::BuildArgs>),
-    Run(run::RunProgramArgs),
+    Run(Box<run::RunProgramArgs>),
     Cast(Box<cast::CastArgs>),
     CheckKernel(Box<check_kernel::CheckKernelArgs>),
     New(new::NewArgs),

@@ -2,7 +2,7 @@
 
 use std::io::Write as _;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Options, Renderer};
@@ -158,7 +158,7 @@ pub(super) fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<Done, Erro
 }
 
 /// A program that is ready to run, and its files.
-fn prepared(args: &BenchArgs, path: &PathBuf, meter: &Meter) -> Result<(Running, Vec<PathBuf>), Error> {
+fn prepared(args: &BenchArgs, path: &Path, meter: &Meter) -> Result<(Running, Vec<PathBuf>), Error> {
     let size = *args.sizes.first().ok_or_else(|| Error::usage("--size: no size"))?;
     let camera = args.camera.clone();
     let (SceneFile { folder, scene, inputs, .. }, rays) =
@@ -169,7 +169,7 @@ fn prepared(args: &BenchArgs, path: &PathBuf, meter: &Meter) -> Result<(Running,
     let renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device))?;
     let running = Running {
         run_id: run_id(),
-        scene_path: path.clone(),
+        scene_path: path.to_owned(),
         scene,
         options,
         chosen: machine.clone(),

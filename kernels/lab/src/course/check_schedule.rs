@@ -38,7 +38,7 @@ pub(super) async fn check_schedule(
     let second = Options { schedule: ScheduleKind::Second, ..Options::new(rays.clone()).chosen(&choices) };
     let ours = ran(&scene, &second, device).await?;
 
-    let (plan, data) = Plan::on(&scene, &second, device).await.map_err(RenderError::from)?;
+    let (plan, data) = Plan::on(&scene, &second, device).await?;
     let mut files = program(&plan, &data, &second, None)?;
     let manifest = files.get(Folder::MANIFEST).map(|text| String::from_utf8_lossy(text).into_owned());
     let manifest = manifest.unwrap_or_default();
