@@ -1,11 +1,12 @@
 #!/bin/sh
 # Compiles the kernels' variants with Dawn, Chromium's WebGPU; builds the page, and tries it in Chromium on a virtual
 # display: with WebGPU in software, with WebGL 2, and with neither; hits by WebGPU and by WebGL 2 against the CPU
-# reference kernels. Installs what that takes, except Rust and Node.js. Screenshots are left in target/web/screenshots.
+# reference kernels; the debug adapter. Installs what that takes, except Rust and Node.js. Screenshots are left in target/web/screenshots.
 set -eu
 cd "$(dirname "$0")/.."
 PLAYWRIGHT=1.65.1
 DAWN=0.6.2
+TESTSUPPORT=1.68.0
 
 step() { printf '\n== %s\n' "$1"; }
 
@@ -31,7 +32,8 @@ quick=--quick
 [ -z "${RAYSTEP_THOROUGH:-}" ] || quick=""
 sh app/web/build.sh "$target/served" $quick
 
-npm install --silent --no-fund --no-audit --prefix "$target/npm" "playwright-core@$PLAYWRIGHT" "webgpu@$DAWN"
+npm install --silent --no-fund --no-audit --prefix "$target/npm" "playwright-core@$PLAYWRIGHT" "webgpu@$DAWN" \
+    "@vscode/debugadapter-testsupport@$TESTSUPPORT"
 modules=$(cd "$target/npm/node_modules" && pwd)
 export NODE_PATH="$modules"
 
@@ -50,6 +52,9 @@ RAYSTEP_SHADERS="$shaders" VK_DRIVER_FILES="$(dirname "$(readlink -f /usr/lib/ch
 
 programs=$(cd "${CARGO_TARGET_DIR:-target}/debug" && pwd)
 export RAYSTEP="$programs/raystep" RAYSTEP_HITS="$programs/examples/hits"
+
+step "the debug adapter, by the client of its protocol's authors"
+node --test --test-reporter=spec tests/web/debug_adapter.test.mjs
 
 step "the page in Chromium"
 mkdir -p "$target/screenshots"

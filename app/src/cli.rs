@@ -7,8 +7,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use raystep_scenes::ENDINGS;
 
 use crate::commands::{
-    bench, build, cast, check, check_kernel, completions, course, dump, export_program, extension, grade, info,
-    inspect, merge, new, paper, plan, render, report, run, scene, stability, sweep, trace,
+    bench, build, cast, check, check_kernel, completions, cost, course, debug_adapter, dump, export_program, extension,
+    grade, info, inspect, merge, new, paper, plan, render, report, run, scene, stability, stop, sweep, trace,
 };
 use crate::error::Error;
 use crate::scene_file::is_known;
@@ -40,6 +40,8 @@ Examples:
   raystep run my-program -o result.png
   raystep check my-program
   raystep export-program cornell-box --schedule second -o my-tracer
+  raystep stop my-program --at generation.wgsl:20 --when 'neighbours > 5u'
+  raystep cost my-program --for generation --pass 1
   raystep course my-course
   raystep report cornell-box -o report
   raystep stability -o stability
@@ -69,6 +71,9 @@ pub(crate) enum Command {
     New(new::NewArgs),
     Check(Box<check::CheckArgs>),
     ExportProgram(Box<export_program::ExportArgs>),
+    Stop(Box<stop::StopArgs>),
+    Cost(Box<cost::CostArgs>),
+    DebugAdapter(debug_adapter::DebugAdapterArgs),
     Course(course::CourseArgs),
     Grade(grade::GradeArgs),
     Merge(merge::MergeArgs),

@@ -5,6 +5,7 @@ pub mod api;
 mod args;
 mod cli;
 mod commands;
+mod debug_adapter;
 mod device;
 mod drawing;
 mod error;
@@ -113,6 +114,9 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Error> {
             Command::ExportProgram(args) => commands::export_program::run(&args),
             Command::New(args) => commands::new::run(&args),
             Command::Check(args) => commands::check::run(&args),
+            Command::Stop(args) => commands::stop::run(&args),
+            Command::Cost(args) => commands::cost::run(&args),
+            Command::DebugAdapter(args) => commands::debug_adapter::run(&args),
             Command::Course(args) => commands::course::run(&args),
             Command::Grade(args) => commands::grade::run(&args),
             Command::Merge(args) => commands::merge::run(&args),

@@ -9,6 +9,7 @@ mod cast_formats;
 mod check_kernel;
 mod common;
 mod confined;
+mod debug_adapter;
 mod defaults;
 mod dump;
 mod escapes;
@@ -40,6 +41,7 @@ mod shard;
 #[cfg(unix)]
 mod signals;
 mod stability;
+mod stop;
 mod sweep;
 mod text;
 mod traversal;

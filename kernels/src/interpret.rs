@@ -16,6 +16,7 @@ mod compute;
 mod deciding;
 mod flow;
 mod invocation;
+mod lines;
 mod machine;
 mod many;
 mod memory;
@@ -24,13 +25,18 @@ mod operators;
 pub mod pass;
 mod ran;
 mod recording;
+mod steps;
+mod stopped;
+mod stops;
 mod streams;
+mod trace;
 mod vectors;
+mod view;
 mod work;
 
 use std::fmt;
 
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
 
 use crate::program::{Kernel, Twin};
@@ -39,10 +45,15 @@ use crate::shader::{Noted, Notes, Printed, Variant};
 use crate::tables::stream::{STATE_TAG, Stream};
 use crate::tables::texels::Layout;
 use code::Code;
-pub use code::{Kind, Site, SiteKind};
+pub use code::{Kind, Site, SiteKind, Watched};
+pub use lines::LineWork;
 use machine::Machine;
-pub use many::Many;
+pub use many::{FailedAt, Many};
 pub use recording::{Comparison, Decision, NonFinite, Operation, Recording, Value};
+pub use steps::Followed;
+pub use stopped::Stopped;
+pub use trace::Step;
+pub use view::{FrameView, Shown, StreamView, Variable, View};
 pub use work::Work;
 
 /// Why a kernel, or one ray's pass through it, cannot be interpreted.
@@ -163,6 +174,9 @@ pub struct Interpreter {
     kernel: Kernel,
     source: String,
     module: Module,
+    info: ModuleInfo,
+    /// The index of its entry point.
+    entry: usize,
     code: Code,
     streams: Vec<Stream>,
     layout: Layout,
@@ -222,7 +236,22 @@ impl Interpreter {
         let notes = variant.replaced.as_ref().map(|replaced| replaced.notes.clone()).unwrap_or_default();
         let workgroup = module.entry_points.get(entry).map_or([1; 3], |point| point.workgroup_size);
         let turns = u32::MAX;
-        Ok(Self { kernel, source, module, code, streams, layout, kept, written, is_whole, workgroup, turns, notes })
+        Ok(Self {
+            kernel,
+            source,
+            module,
+            info,
+            entry,
+            code,
+            streams,
+            layout,
+            kept,
+            written,
+            is_whole,
+            workgroup,
+            turns,
+            notes,
+        })
     }
 
     /// The same, with a limit for the turns of all loops of an element.
@@ -337,6 +366,18 @@ impl Counter<'_> {
     /// What all elements so far took together.
     #[must_use]
     pub fn work(&self) -> Work {
-        Work::of(&self.machine.kernel.code.costs, &self.machine.runs)
+        self.machine.kernel.code.work(&self.machine.runs)
+    }
+
+    /// How often all elements so far ran each statement, in the order of [`Interpreter::statements`].
+    #[must_use]
+    pub fn runs(&self) -> &[u64] {
+        &self.machine.runs
+    }
+
+    /// What the last element did at the kernel's stops; fewer if it came to none of the last.
+    #[must_use]
+    pub fn stopped(&self) -> &[Stopped] {
+        &self.machine.thread.stopped
     }
 }

@@ -14,6 +14,9 @@ mod parsed;
 mod replaced;
 mod selects;
 mod sharing;
+mod sourced;
+mod statements;
+mod stops;
 mod uniform;
 
 use std::borrow::Cow;
@@ -40,6 +43,10 @@ pub use notes::{MOST_ASSERTIONS, MOST_NOTE_WORDS, Noted, Notes, Printed};
 pub use replaced::Replaced;
 pub(crate) use selects::by_component;
 pub use sharing::{Group, first_layer};
+pub use sourced::{FileLine, SourceFile, Sourced};
+pub(crate) use statements::{By, Declared, Statements};
+pub(crate) use stops::{Call, call_of, watched_by};
+pub use stops::{MOST_WATCHED, Stop, StopError, Stopping};
 
 /// What a global is bound to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

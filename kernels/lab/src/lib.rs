@@ -17,6 +17,7 @@
 //! | [`mod@check_program`] | a user's program on a device beside the interpreter |
 //! | [`mod@element_history`] | what each pass of a user's program has done to one element, and why |
 //! | [`zipped`] | a user's program in a zip file |
+//! | [`passed`], [`stops`], [`line_cost`] | a pass in the interpreter; which elements come to a line; what each line takes |
 //! | [`course`] | exercises: kernels with a hole, and the check of what a student has written |
 //! | [`self_test`] | whether raystep works on a GPU: all of this in a minute |
 //! | [`strategies`] | one pixel's light by each strategy of a path tracer |
@@ -53,6 +54,7 @@ pub mod human;
 pub mod intensity;
 pub mod judge;
 pub mod layer_stats;
+pub mod line_cost;
 pub mod lockstep;
 pub mod machine;
 pub mod meter;
@@ -60,6 +62,7 @@ pub mod non_finite;
 pub mod outside;
 pub mod paper;
 pub mod parity;
+pub mod passed;
 pub mod plots;
 pub mod png;
 mod portions;
@@ -73,6 +76,7 @@ pub mod self_test;
 pub mod stability;
 pub mod statistics;
 pub mod stiff;
+pub mod stops;
 pub mod strategies;
 pub mod structure_stats;
 mod structures;

@@ -24,6 +24,17 @@ impl Kind {
     pub(super) fn is_float(self) -> bool {
         self == Self::F32
     }
+
+    /// A scalar in words.
+    #[must_use]
+    pub fn told(self, bits: u32) -> String {
+        match self {
+            Self::F32 => format!("{:?}", f32::from_bits(bits)),
+            Self::U32 => bits.to_string(),
+            Self::I32 => bits.cast_signed().to_string(),
+            Self::Bool => (bits != 0).to_string(),
+        }
+    }
 }
 
 /// A scalar at run time.
@@ -199,9 +210,44 @@ pub(super) enum What {
     Note(usize, Handle<Expression>),
     /// Asserts a condition.
     Assertion(usize, Handle<Expression>),
+    /// Keeps whether a condition holds.
+    Stop(Box<StopOp>),
+    /// The beginning of a statement of the source.
+    At(u32),
+    /// Whether what follows concerns the thread now.
+    Now(Handle<Expression>),
     /// Of no concern for one element.
     Nothing,
     Unsupported(&'static str),
+}
+
+/// A variable of a condition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Watched {
+    /// Its index among the condition's variables.
+    pub index: usize,
+    /// Its type: that of a vector's components.
+    pub kind: Kind,
+    /// Number of components.
+    pub words: u32,
+}
+
+impl Watched {
+    /// Its value in words.
+    #[must_use]
+    pub fn told(&self, values: &[u32]) -> String {
+        let told: Vec<String> = values.iter().map(|&bits| self.kind.told(bits)).collect();
+        told.join(" ")
+    }
+}
+
+/// A stop.
+#[derive(Debug)]
+pub(super) struct StopOp {
+    pub(super) index: usize,
+    pub(super) condition: Handle<Expression>,
+    /// The variables, and where their values are.
+    pub(super) watched: Vec<(Watched, Handle<Expression>)>,
 }
 
 /// A value, its statements, and whether those of the next case follow.
@@ -239,8 +285,24 @@ pub(super) struct Code {
     pub(super) sites: Vec<Site>,
     /// Spans of statements.
     pub(super) statements: Vec<Range<usize>>,
-    /// What each of them takes, without those inside of it.
+    /// What each of them takes, without those inside of it and without its expressions.
     pub(super) costs: Vec<Work>,
+    /// What their expressions take: the statement, the expression's first byte, and its work.
+    pub(super) parts: Vec<(u32, usize, Work)>,
+    /// The variables of each stop.
+    pub(super) stops: Vec<Vec<Watched>>,
+}
+
+impl Code {
+    /// What statements took that ran so often.
+    pub(super) fn work(&self, runs: &[u64]) -> Work {
+        let mut sum = Work::default();
+        self.costs.iter().zip(runs).for_each(|(cost, &times)| sum.add(cost, times));
+        for (statement, _, cost) in &self.parts {
+            sum.add(cost, runs.get(*statement as usize).copied().unwrap_or_default());
+        }
+        sum
+    }
 }
 
 /// Most slots of a variable, a frame or a kind of memory: beyond, it is refused. WGSL has 8 KiB in functions and private memory,

@@ -3,6 +3,7 @@
 mod cost;
 mod flow;
 mod globals;
+mod marked;
 mod parts;
 mod text;
 
@@ -15,7 +16,7 @@ use super::InterpretError;
 use super::code::{
     Argument, Body, CONSTANT, Cell, Code, Holds, If, Local, MOST_SLOTS, NONE, Op, Site, SiteKind, What, kind, slots,
 };
-use crate::shader::{Variant, statement_of};
+use crate::shader::{Variant, call_of, statement_of};
 use flow::{called, has_jump, skipped};
 use globals::globals;
 use parts::{evaluated, holds, inner, is_known};
@@ -242,6 +243,7 @@ impl Compiler<'_> {
             Statement::Call { function, ref arguments, result } => {
                 let name = self.module.functions[function].name.as_deref().unwrap_or_default();
                 let what = match result {
+                    _ if let Some(call) = call_of(name) => self.marked(frame, call, arguments, result),
                     None if let Some((is_assertion, index)) = statement_of(name)
                         && let &[value] = arguments.as_slice() =>
                     {
@@ -272,10 +274,10 @@ impl Compiler<'_> {
             Statement::Atomic { .. } => (What::Unsupported("an atomic operation"), whole),
             _ => (What::Unsupported("a statement"), whole),
         };
-        let cost = self.cost(frame, &what);
         self.code.statements.push(span);
-        self.code.costs.push(cost);
-        Ok(Op { statement: self.code.statements.len() as u32 - 1, what })
+        let statement = self.code.statements.len() as u32 - 1;
+        self.cost(frame, &what, statement);
+        Ok(Op { statement, what })
     }
 
     fn branch(

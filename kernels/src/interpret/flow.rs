@@ -15,6 +15,8 @@ pub(super) enum Flow {
     Return,
     /// The statement is not done: it waits for other threads.
     Wait,
+    /// The thread is where it was to be run to.
+    Pause,
 }
 
 /// Whether a thread has come to its end.
@@ -23,6 +25,8 @@ pub(super) enum Stop {
     Ended,
     /// It is at a barrier.
     Waits,
+    /// It is where it was to be run to.
+    Paused,
 }
 
 /// A block that has begun.
@@ -90,6 +94,7 @@ impl<'a> Machine<'a> {
             match self.statement(&frame, op)? {
                 Flow::Next => {}
                 Flow::Wait => return Ok(Stop::Waits),
+                Flow::Pause => return Ok(Stop::Paused),
                 flow => self.leave(flow)?,
             }
         }

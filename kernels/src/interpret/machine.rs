@@ -7,6 +7,8 @@ use super::flow::{After, Flow, Todo};
 use super::invocation::{Invocation, enter};
 use super::pass::Group;
 use super::recording::{Decision, KNOWN, OUTSIDE, Recording};
+use super::stopped::Stopped;
+use super::trace::Trace;
 use super::{Element, InterpretError, Interpreter, MOST_SITES, Outcomes};
 use crate::scene_data::SceneData;
 use crate::shader::Printed;
@@ -38,6 +40,10 @@ pub(super) struct Thread<'a> {
     pub(super) calls: Vec<u32>,
     /// What the element has printed: of each note the last value, and how often.
     pub(super) noted: Vec<Printed>,
+    /// What it did at the kernel's stops.
+    pub(super) stopped: Vec<Stopped>,
+    /// Its steps, if they are followed.
+    pub(super) trace: Option<Box<Trace>>,
     /// The node of the decision that the current statement was reached by.
     pub(super) control: u32,
     pub(super) recording: Option<Recording>,
@@ -133,6 +139,7 @@ impl<'a> Machine<'a> {
         thread.calls.clear();
         thread.todo.clear();
         thread.noted.clear();
+        thread.stopped.clear();
         thread.noted.resize(kernel.notes.noted.len(), ([0; 4], 0));
         thread.private.clone_from(&kernel.code.private);
         let entry = &kernel.code.bodies[kernel.code.entry];
@@ -251,6 +258,26 @@ impl<'a> Machine<'a> {
                 if self.get(frame, *condition, 0).bits == 0 {
                     let label = self.kernel.notes.asserted.get(*index).cloned().unwrap_or_default();
                     return Err(InterpretError::Assertion(label));
+                }
+            }
+            What::Stop(stop) => {
+                self.stop(frame, stop);
+                if let Some(trace) = &mut self.thread.trace {
+                    trace.stop(stop.index, self.thread.stopped.get(stop.index).map_or(0, |stopped| stopped.held));
+                }
+            }
+            What::Now(result) => {
+                let is_now = self.thread.trace.as_ref().is_some_and(|trace| trace.is_next());
+                let bits = u32::from(is_now);
+                let place = frame.base + frame.body.cells[result.index()].place as usize;
+                self.thread.stack[place] = Slot { bits, from: KNOWN, wide: f64::from(bits) };
+            }
+            What::At(statement) => {
+                let depth = self.thread.calls.len() as u32;
+                if let Some(trace) = &mut self.thread.trace
+                    && trace.step(*statement, depth)
+                {
+                    return Ok(Flow::Pause);
                 }
             }
             What::Nothing => {}

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Counter, Element, InterpretError, Interpreter, Outcomes, Work};
+use super::{Counter, Element, InterpretError, Interpreter, Outcomes, Stopped, Work};
 use crate::numbers::parallel::map_ranges;
 use crate::scene_data::SceneData;
 use crate::shader::Printed;
@@ -20,6 +20,19 @@ pub struct Many<'a> {
     pub streams: &'a [StreamData],
 }
 
+/// An element could not be run.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{why}")]
+pub struct FailedAt {
+    /// Why.
+    pub why: InterpretError,
+    /// Which element of its set.
+    pub element: usize,
+    /// The lines of the composed source, from 1, that it ran last: in the function that ran, in the one that called it, and
+    /// so on.
+    pub lines: Vec<usize>,
+}
+
 /// Rays per task.
 const CHUNK: usize = 256;
 
@@ -35,11 +48,25 @@ impl Many<'_> {
     /// # Errors
     /// As [`Interpreter::record`], for the first such ray.
     pub fn outcomes(&self, rays: Range<usize>) -> Result<Vec<Option<Outcomes>>, InterpretError> {
+        self.outcomes_and_runs(rays).map(|(outcomes, _)| outcomes)
+    }
+
+    /// The same, and how often the rays ran each statement together, in the order of [`Interpreter::statements`].
+    ///
+    /// # Errors
+    /// As [`Interpreter::record`], for the first such ray.
+    pub fn outcomes_and_runs(&self, rays: Range<usize>) -> Result<(Vec<Option<Outcomes>>, Vec<u64>), InterpretError> {
         let chunks = self.in_chunks(rays, |rays, counter| {
             let mut texels = vec![0; self.kernel.components()];
-            rays.map(|ray| self.one(ray, counter, &mut texels)).collect::<Result<Vec<_>, _>>()
+            let outcomes = rays.map(|ray| self.one(ray, counter, &mut texels)).collect::<Result<Vec<_>, _>>()?;
+            Ok((outcomes, counter.runs().to_vec()))
         })?;
-        Ok(chunks.concat())
+        let (mut outcomes, mut sum) = (Vec::new(), vec![0; self.kernel.statements().len()]);
+        for (of_chunk, runs) in chunks {
+            outcomes.extend(of_chunk);
+            sum.iter_mut().zip(runs).for_each(|(sum, runs)| *sum += runs);
+        }
+        Ok((outcomes, sum))
     }
 
     /// What consecutive rays print, on all cores, in the order of [`Interpreter::notes`]: the last value of each note, and how
@@ -76,6 +103,43 @@ impl Many<'_> {
             sum.add(work, 1);
             (rays + count, sum)
         }))
+    }
+
+    /// How often consecutive rays ran each statement, in the order of [`Interpreter::statements`], and the number of rays that
+    /// the kernel works on, on all cores.
+    ///
+    /// # Errors
+    /// As [`Interpreter::record`], for the first such ray.
+    pub fn runs(&self, rays: Range<usize>) -> Result<(u64, Vec<u64>), InterpretError> {
+        let (outcomes, runs) = self.outcomes_and_runs(rays)?;
+        Ok((outcomes.iter().flatten().count() as u64, runs))
+    }
+
+    /// What consecutive rays did at the kernel's stops, on all cores: of those that came to one.
+    ///
+    /// # Errors
+    /// As [`Interpreter::record`], for the first such ray: with its index, and the lines that it ran last, see
+    /// [`Counter::lines`].
+    pub fn stopped(&self, rays: Range<usize>) -> Result<Vec<(usize, Vec<Stopped>)>, FailedAt> {
+        let chunks = self.in_chunks(rays, |rays, counter| {
+            let mut texels = vec![0; self.kernel.components()];
+            let mut all = Vec::new();
+            for ray in rays {
+                match self.one(ray, counter, &mut texels) {
+                    Ok(None) => {}
+                    Ok(Some(_)) if counter.stopped().is_empty() => {}
+                    Ok(Some(_)) => all.push((ray, counter.stopped().to_vec())),
+                    Err(why) => return Ok(Err(FailedAt { why, element: ray, lines: counter.lines() })),
+                }
+            }
+            Ok(Ok(all))
+        });
+        let chunks = chunks.map_err(|why| FailedAt { why, element: 0, lines: Vec::new() })?;
+        let mut all = Vec::new();
+        for chunk in chunks {
+            all.extend(chunk?);
+        }
+        Ok(all)
     }
 
     /// Hands chunks of rays to `each`, on all cores, each with a counter of its own.

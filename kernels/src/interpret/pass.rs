@@ -9,13 +9,14 @@
 //! workgroup between two barriers, one of them by a store that is no atomic operation.
 
 mod columns;
+mod followed;
 mod group;
 mod launched;
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::work::Work;
-use super::{InterpretError, Interpreter, Recording, Site};
+use super::{InterpretError, Interpreter, Recording, Site, Stopped};
 use crate::numbers::parallel::map_ranges;
 use crate::program::Kernel;
 use crate::scene_data::SceneData;
@@ -55,6 +56,10 @@ pub struct Passed {
     /// What each element of the set has printed, in the order of [`Pass::notes`], one element after the other; empty if the
     /// kernel prints nothing.
     pub noted: Vec<Printed>,
+    /// How often all threads ran each statement, in the order of [`Interpreter::statements`].
+    pub runs: Vec<u64>,
+    /// What elements did at the kernel's stops, of those that came to one, by their place in the set.
+    pub stopped: Vec<(usize, Vec<Stopped>)>,
 }
 
 /// Two threads whose order decides what a pass does.
@@ -193,7 +198,8 @@ impl Pass {
         let columns = Columns::new(&self.0, given.streams, !is_seen).map_err(PassError::before)?;
         let launched = Launched::new(&self.0, given, &columns).map_err(PassError::before)?;
         let mut after = After::new(&columns, &self.0.written).map_err(PassError::before)?;
-        let (mut work, mut race) = (Work::default(), None);
+        let (mut race, mut stopped) = (None, Vec::new());
+        let mut runs = columns::filled(0, self.0.statements().len()).map_err(PassError::before)?;
         let notes = self.notes().len();
         let mut noted =
             columns::filled(([0; 4], 0), given.size.texels() as usize * notes).map_err(PassError::before)?;
@@ -220,7 +226,8 @@ impl Pass {
                     after.apply(launched.first_thread(group), &stored);
                 }
                 race = race.or(done.race);
-                work.add(&done.work, 1);
+                runs.iter_mut().zip(&done.runs).for_each(|(sum, runs)| *sum += runs);
+                stopped.extend(done.stopped);
                 for (element, printed) in done.noted {
                     if let Some(of_element) = noted.get_mut(element * notes..(element + 1) * notes) {
                         of_element.copy_from_slice(&printed);
@@ -235,7 +242,9 @@ impl Pass {
             [a.min(b), a.max(b)]
         };
         let race = [race, conflict].into_iter().flatten().min_by_key(order);
-        Ok(Passed { streams, race, work, noted })
+        stopped.sort_by_key(|(element, _)| *element);
+        let work = self.0.code.work(&runs);
+        Ok(Passed { streams, race, work, noted, runs, stopped })
     }
 
     /// Interprets the workgroup of an element, and records the element's thread. Components of the recording are those of the

@@ -51,11 +51,4 @@ impl Work {
         self.buffer_bytes_read += times * other.buffer_bytes_read;
         self.uniform_bytes_read += times * other.uniform_bytes_read;
     }
-
-    /// Of statements that ran so often.
-    pub(super) fn of(costs: &[Self], runs: &[u64]) -> Self {
-        let mut sum = Self::default();
-        costs.iter().zip(runs).for_each(|(cost, &times)| sum.add(cost, times));
-        sum
-    }
 }

@@ -13,6 +13,7 @@ pub mod drawn;
 pub(crate) mod limits;
 mod omitted;
 pub(crate) mod over;
+mod sourced;
 pub mod structure;
 
 use std::collections::BTreeSet;

@@ -26,7 +26,9 @@ use fits::{distinct, fits};
 pub struct Replaced {
     /// The user's file.
     pub by: Arc<Replacement>,
-    composed: Composed,
+    pub(super) composed: Composed,
+    /// The module that it is.
+    pub(super) root: &'static str,
     /// The files of the program, if it is a user's.
     files: &'static [UserFile],
     /// What it prints and asserts.
@@ -108,7 +110,8 @@ impl Variant {
     ) -> Result<Self, ShaderError> {
         let features = &kernel.features(features);
         let root = kernel.info().name;
-        Self::of_user(kernel, features, lists, by, root).map_err(|mistake| ShaderError::Mistake(Box::new(mistake)))
+        Self::of_user(kernel, features, lists, by, root, false)
+            .map_err(|mistake| ShaderError::Mistake(Box::new(mistake)))
     }
 
     /// A kernel of a user's program.
@@ -121,16 +124,18 @@ impl Variant {
         let (module, file) = file.map_or((kernel.info().name, kernel.name()), |file| (file.module, file.file));
         let by = Replacement { kernel: kernel.name().to_owned(), file: file.to_owned(), source: source.to_owned() };
         let features = &kernel.features(features);
-        let variant = Self::of_user(kernel, features, lists, &Arc::new(by), module);
+        let variant = Self::of_user(kernel, features, lists, &Arc::new(by), module, false);
         variant.map_err(|mistake| ShaderError::Mistake(Box::new(mistake)))
     }
 
-    fn of_user(
+    /// `is_in_place`: whether all modules are composed in place, not only the user's.
+    pub(super) fn of_user(
         kernel: Kernel,
         features: &Features,
         lists: &[LiveList],
         by: &Arc<Replacement>,
         root: &'static str,
+        is_in_place: bool,
     ) -> Result<Self, Mistake> {
         let name = kernel.info().name;
         let files = kernel.program().files;
@@ -148,11 +153,12 @@ impl Variant {
             "live_lists" => Some(!lists.is_empty()),
             _ => options.iter().find(|(option, _)| *option == name).map(|&(_, is_on)| is_on),
         };
-        let in_place: Vec<&'static str> = files.iter().map(|file| file.module).chain([root]).collect();
+        let all = modules.iter().map(|(module, _)| *module).filter(|_| is_in_place);
+        let in_place: Vec<&'static str> = files.iter().map(|file| file.module).chain([root]).chain(all).collect();
         let composed = compose_in_place(root, name, &in_place, &source, &option);
         let mut composed = composed.map_err(|error| not_composed(by, files, [root, name], &error))?;
         let notes = marked.declare(by, &mut composed.text)?;
-        let replaced = Replaced { by: by.clone(), composed, files, notes };
+        let replaced = Replaced { by: by.clone(), composed, root, files, notes };
         let text = &replaced.composed.text;
 
         let module = naga::front::wgsl::parse_str(text).map_err(|error| {

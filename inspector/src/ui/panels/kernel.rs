@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::Trace;
-use raystep_kernels::interpret::MOST_SITES;
+use raystep_kernels::interpret::{LineWork, MOST_SITES};
 use serde::{Deserialize, Serialize};
 use smart_default::SmartDefault;
 
@@ -211,25 +211,31 @@ impl KernelView {
         });
         let notes: Vec<Vec<&Branch>> = notes.collect();
         let marked = shown.code.as_ref().and_then(|name| source::function(&lines, name));
-        self.listing.warm(self.heat(shown, model, lines.len(), there));
+        let (heat, work) = self.heat(shown, model, lines.len(), there);
+        self.listing.warm(heat);
+        self.listing.charge(work);
         self.listing.set(lines, &notes);
         self.scroll();
         self.listing.mark(marked);
     }
 
-    /// How the conditions of each line came out for all rays of the pass, once that is known; `there` is the line of the
-    /// composed source that a line is.
+    /// How the conditions of each line came out for all rays of the pass, and what the line took, once that is known; `there`
+    /// is the line of the composed source that a line is.
     fn heat(
         &self,
         shown: &Shown,
         model: &Model,
         lines: usize,
         there: impl Fn(usize) -> Option<usize>,
-    ) -> HashMap<usize, Heat> {
+    ) -> (HashMap<usize, Heat>, HashMap<usize, LineWork>) {
         let pass = shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)?.pass);
         let key = pass.map(|pass| PassKey { generation: model.generation, edition: model.edition, pass });
-        let Some(all) = self.runs.all.as_ref().filter(|all| Some(all.key) == key) else { return HashMap::new() };
-        (0..lines).filter_map(|at| Some((at, *all.heat.get(&there(at)?)?))).collect()
+        let Some(all) = self.runs.all.as_ref().filter(|all| Some(all.key) == key) else {
+            return Default::default();
+        };
+        let heat = (0..lines).filter_map(|at| Some((at, *all.heat.get(&there(at)?)?)));
+        let work = (0..lines).filter_map(|at| Some((at, *all.work.get(&there(at)?)?)));
+        (heat.collect(), work.collect())
     }
 
     fn branch(&self) -> Option<&Branch> {

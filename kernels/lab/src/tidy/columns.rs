@@ -358,7 +358,7 @@ mod tests {
     use super::*;
     use crate::bench::{RunRow, SummaryRow};
     use crate::report::SECTIONS;
-    use crate::{intensity, paper};
+    use crate::{intensity, line_cost, paper};
 
     #[test]
     fn names_are_unique_and_fields_have_types() {
@@ -381,7 +381,7 @@ mod tests {
         assert_eq!(column("p05_device_ns"), None);
         let of_paper = paper::FILES.iter().flat_map(|file| file.columns).copied();
         let of_passes = csv::COLUMNS.iter().map(String::as_str);
-        let of_bench = [SummaryRow::COLUMNS, RunRow::COLUMNS, intensity::COLUMNS].concat();
+        let of_bench = [SummaryRow::COLUMNS, RunRow::COLUMNS, intensity::COLUMNS, line_cost::COLUMNS].concat();
         let unknown: Vec<_> =
             of_bench.into_iter().chain(of_paper).chain(of_passes).filter(|name| column(name).is_none()).collect();
         assert!(unknown.is_empty(), "{unknown:?}");

@@ -10,14 +10,23 @@ use crate::interpret::code::{Kind, What};
 const WORD: u64 = 4;
 
 impl Compiler<'_> {
-    pub(super) fn cost(&self, frame: &Frame, what: &What) -> Work {
-        let mut sum = Work::default();
+    /// Notes what a statement takes, and its expressions.
+    pub(super) fn cost(&mut self, frame: &Frame, what: &What, statement: u32) {
+        let mut own = Work::default();
         match what {
-            What::Emit(expressions) => expressions.iter().for_each(|&at| sum.add(&self.cost_of(frame, at), 1)),
-            What::ImageStore { .. } => sum.stream_bytes_written = WORD,
+            What::Emit(expressions) => {
+                for &at in expressions {
+                    let cost = self.cost_of(frame, at);
+                    if cost != Work::default() {
+                        let first = self.span(at).start;
+                        self.code.parts.push((statement, first, cost));
+                    }
+                }
+            }
+            What::ImageStore { .. } => own.stream_bytes_written = WORD,
             _ => {}
         }
-        sum
+        self.code.costs.push(own);
     }
 
     fn cost_of(&self, frame: &Frame, at: Handle<Expression>) -> Work {

@@ -101,6 +101,11 @@ impl<'a> Group<'a> {
         }
     }
 
+    /// The workgroup's memory.
+    pub(in crate::interpret) fn memory(&self) -> &[Slot] {
+        &self.memory
+    }
+
     /// Columns and rows of a stream.
     pub(in crate::interpret) fn size(&self, stream: Stream) -> [u32; 2] {
         self.columns.size(stream)

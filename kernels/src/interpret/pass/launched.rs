@@ -8,7 +8,8 @@ use crate::interpret::flow::Stop;
 use crate::interpret::invocation::Invocation;
 use crate::interpret::machine::{Machine, Thread};
 use crate::interpret::recording::Recording;
-use crate::interpret::work::Work;
+use crate::interpret::stopped::Stopped;
+use crate::interpret::trace::Trace;
 use crate::interpret::{Absentee, InterpretError, Interpreter};
 use crate::shader::Printed;
 use crate::shared;
@@ -63,7 +64,7 @@ impl<'a> Launched<'a> {
         group * self.threads
     }
 
-    fn invocation(&self, group: u32, lane: u32) -> Invocation {
+    pub(super) fn invocation(&self, group: u32, lane: u32) -> Invocation {
         let [across, down] = self.groups;
         let own = [group % across.max(1), group / across.max(1), 0];
         let [x, y, _] = self.sides;
@@ -85,7 +86,9 @@ impl<'a> Launched<'a> {
     /// The place of an element among those of its set; `None` if it has none.
     fn element(&self, [x, y]: [u32; 2]) -> Option<usize> {
         let size = self.given.size;
-        (x < size.width && y < size.height).then(|| y as usize * size.width as usize + x as usize)
+        let is_there = x < size.width && y < size.height;
+        let at = y as usize * size.width as usize + x as usize;
+        (is_there && at < size.count as usize).then_some(at)
     }
 
     /// The workgroup and the thread in it that has an element.
@@ -122,9 +125,12 @@ pub(super) struct Done {
     pub(super) groups: Vec<(u32, Vec<Stored>)>,
     /// The first race in the memory of one.
     pub(super) race: Option<Race>,
-    pub(super) work: Work,
+    /// How often each statement ran.
+    pub(super) runs: Vec<u64>,
     /// What elements have printed.
     pub(super) noted: Vec<(usize, Vec<Printed>)>,
+    /// What they did at the kernel's stops.
+    pub(super) stopped: Vec<(usize, Vec<Stopped>)>,
 }
 
 /// How a thread goes on.
@@ -140,10 +146,12 @@ enum Next {
 /// Runs workgroups, one after the other.
 pub(super) struct Runner<'a> {
     of: &'a Launched<'a>,
-    machine: Machine<'a>,
+    pub(super) machine: Machine<'a>,
     /// The threads of a workgroup that wait; one for all if none ever waits.
     threads: Vec<Thread<'a>>,
     done: Done,
+    /// The thread whose steps are followed, before it begins.
+    pub(super) follows: Option<(u32, Box<Trace>)>,
 }
 
 impl<'a> Runner<'a> {
@@ -158,16 +166,17 @@ impl<'a> Runner<'a> {
         }
         let waiting = if code.barriers.is_empty() { 0 } else { of.threads };
         let threads = (0..waiting).map(|_| Thread::default()).collect();
-        let done = Done { groups: Vec::new(), race: None, work: Work::default(), noted: Vec::new() };
-        Self { of, machine, threads, done }
+        let done = Done { groups: Vec::new(), race: None, runs: Vec::new(), noted: Vec::new(), stopped: Vec::new() };
+        Self { of, machine, threads, done, follows: None }
     }
 
     pub(super) fn done(mut self) -> Done {
-        self.done.work = Work::of(&self.of.kernel.code.costs, &self.machine.runs);
+        self.done.runs = self.machine.runs;
         self.done
     }
 
-    /// Runs a workgroup, and records one of its threads.
+    /// Runs a workgroup, and records one of its threads. Ends early, with the thread in the machine, if one that is
+    /// followed has ended, or is where it was to be run to.
     pub(super) fn run(&mut self, group: u32, recorded: Option<u32>) -> Result<(), PassError> {
         let of = self.of;
         if let Some(shared) = &mut self.machine.group {
@@ -191,7 +200,12 @@ impl<'a> Runner<'a> {
                     texel: of.texel(group, lane),
                     lines: self.machine.lines(),
                 })?;
+                // A thread that is followed stays where it has ended.
+                if stop == Stop::Ended && self.machine.thread.trace.is_some() {
+                    return Ok(());
+                }
                 match (stop, waits) {
+                    (Stop::Paused, _) => return Ok(()),
                     (Stop::Ended, _) => {
                         ended = ended.or(Some(lane));
                         self.end(group, lane);
@@ -246,6 +260,7 @@ impl<'a> Runner<'a> {
             Next::Begin => {
                 machine.begin(&self.of.invocation(group, lane));
                 let is_recorded = recorded == Some(lane);
+                machine.thread.trace = self.follows.take_if(|(of, _)| *of == lane).map(|(_, trace)| trace);
                 machine.thread.recording = is_recorded.then(|| Recording::new(&self.of.kernel.code));
             }
             Next::Load => {
@@ -261,6 +276,12 @@ impl<'a> Runner<'a> {
 
     /// A thread has come to its end.
     fn end(&mut self, group: u32, lane: u32) {
+        let stopped = &mut self.machine.thread.stopped;
+        if !stopped.is_empty()
+            && let Some(element) = self.of.element(self.of.texel(group, lane))
+        {
+            self.done.stopped.push((element, std::mem::take(stopped)));
+        }
         let noted = &self.machine.thread.noted;
         if noted.iter().any(|(_, times)| *times > 0)
             && let Some(element) = self.of.element(self.of.texel(group, lane))

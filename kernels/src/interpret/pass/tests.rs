@@ -1,5 +1,7 @@
 //! Barriers, atomics, races and errors of small kernels of our own.
 
+mod followed;
+
 use std::borrow::Cow;
 
 use super::*;

@@ -5,6 +5,8 @@ use std::ops::Range;
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, TextStyle, vec2};
+use raystep_kernels::interpret::LineWork;
+use raystep_lab::text::counted;
 
 use super::run::Heat;
 use crate::branches::Branch;
@@ -55,6 +57,8 @@ pub(super) struct Listing {
     marked: Option<Range<usize>>,
     /// How the conditions of lines came out for all rays, by the lines' indices.
     heat: HashMap<usize, Heat>,
+    /// What lines took for all rays, by the lines' indices.
+    work: HashMap<usize, LineWork>,
 }
 
 impl Listing {
@@ -97,6 +101,11 @@ impl Listing {
     /// Shows how conditions came out for all rays of the pass.
     pub(super) fn warm(&mut self, heat: HashMap<usize, Heat>) {
         self.heat = heat;
+    }
+
+    /// Shows what lines took for all rays of the pass.
+    pub(super) fn charge(&mut self, work: HashMap<usize, LineWork>) {
+        self.work = work;
     }
 
     /// Marks lines, and scrolls to them.
@@ -179,8 +188,10 @@ impl Listing {
                             paint_gutter(ui, gutter, at + 1, line.mark, &font);
                             let job = job(line, &font, ui.visuals(), is_marked);
                             let response = ui.add(egui::Label::new(job).selectable(true).extend());
-                            if let Some(text) = meaning(line.mark) {
-                                response.on_hover_text(text);
+                            let cost = self.work.get(at).map(told);
+                            let about: Vec<String> = meaning(line.mark).map(str::to_owned).into_iter().chain(cost).collect();
+                            if !about.is_empty() {
+                                response.on_hover_text(about.join("\n"));
                             }
                             if let Some(heat) = heat {
                                 ui.add_space(character);
@@ -241,6 +252,18 @@ fn note_color(visuals: &egui::Visuals, is_taken: bool, differs: bool) -> Color32
         (_, false, _) => return visuals.weak_text_color(),
     };
     Color32::from_rgb(r, g, b)
+}
+
+/// What a line took, in words.
+fn told(line: &LineWork) -> String {
+    let (operations, bytes) = (line.work.operations(), line.work.bytes());
+    let ratio = if bytes > 0 { format!(", {:.2} a byte", operations as f64 / bytes as f64) } else { String::new() };
+    let runs = counted(line.runs, "time");
+    format!(
+        "all rays of this pass: ran {runs}, {}{ratio}, {} of streams and scene data",
+        counted(operations, "operation"),
+        counted(bytes, "byte"),
+    )
 }
 
 /// Describes a mark.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use raystep_kernels::export::trace::Trace;
-use raystep_kernels::interpret::{Element, InterpretError, Interpreter, MOST_SITES, Many, Outcomes};
+use raystep_kernels::interpret::{Element, InterpretError, Interpreter, LineWork, MOST_SITES, Many, Outcomes};
 use raystep_kernels::program::schedule::Call;
 use raystep_kernels::{Kernel, Pass, StreamData};
 use raystep_lab::divergence::{Fate, fates};
@@ -38,6 +38,8 @@ pub(super) struct AllRays {
     pub(super) fates: Option<Vec<Fate>>,
     /// The lines with conditions, of the composed source.
     pub(super) heat: BTreeMap<usize, Heat>,
+    /// What the lines of the composed source took.
+    pub(super) work: BTreeMap<usize, LineWork>,
 }
 
 /// How the conditions of a line came out for all rays of a pass.
@@ -198,12 +200,15 @@ fn all_rays(interpreter: Arc<Interpreter>, key: PassKey, call: Call) -> Job {
         let many = Many { kernel: &interpreter, data: &data, streams: &streams };
         let size = many.size();
         let rays = size[0] as usize * size[1] as usize;
-        let mut outcomes = Vec::with_capacity(rays);
+        let (mut outcomes, mut runs) = (Vec::with_capacity(rays), vec![0; interpreter.statements().len()]);
         for first in (0..rays).step_by(RAYS_A_REPORT) {
             if !progress(first as u64, rays as u64) {
                 return Err("cancelled".into());
             }
-            outcomes.extend(many.outcomes(first..first + RAYS_A_REPORT).map_err(|e| e.to_string())?);
+            let part = many.outcomes_and_runs(first..first + RAYS_A_REPORT);
+            let (of_part, ran) = part.map_err(|e| e.to_string())?;
+            outcomes.extend(of_part);
+            runs.iter_mut().zip(ran).for_each(|(sum, ran)| *sum += ran);
             pause().await;
         }
         let heat = heat(interpreter.sites().iter().map(|site| site.line), &outcomes);
@@ -211,7 +216,8 @@ fn all_rays(interpreter: Arc<Interpreter>, key: PassKey, call: Call) -> Job {
             true => fates(&session.renderer().shared_plan(), &data, call, &streams).map_err(|e| e.to_string())?,
             false => None,
         };
-        answered(AllRays { key, size, outcomes, fates, heat })
+        let work = interpreter.by_line(&runs);
+        answered(AllRays { key, size, outcomes, fates, heat, work })
     })
 }
 
