@@ -54,7 +54,7 @@ fn a_stop_is_on_the_line_that_it_is_for_and_keeps_the_variables_of_its_condition
     let of = sourced(kernels::INTERSECT);
     let stop =
         at(&of, "if (candidate.is_hit && accepted)", "candidate.t /* , */ < 0.5 && any(ray.origin != vec3f(0.0)) // x");
-    let stopping = of.stopping(&[stop.clone()], false).expect("a condition");
+    let stopping = of.stopping(std::slice::from_ref(&stop), false).expect("a condition");
     assert_eq!(stopping.watched, [["candidate.t", "ray.origin"]]);
     let count = |text: &str| text.lines().count();
     assert_eq!(count(&stopping.variant.source), count(&of.variant.source) + 1);
