@@ -67,6 +67,7 @@ const MAY_NAME_OPTIONS: &[(&str, &[&str])] = &[
     ("whether an option was given", &["app/src/commands/dump.rs", "app/src/commands/inspect.rs"]),
     ("what a command cannot do with a value", &["app/python/src/renderer.rs", "app/src/commands/trace.rs"]),
     ("options of their own with such names", &["app/src/commands/bench/against.rs", "app/src/commands/report.rs"]),
+    ("a member of editors' requests", &["app/src/debug_adapter/target.rs"]),
     ("the samples of a part of a picture", &["app/src/commands/render/part.rs"]),
     (
         "options of the other run, and of a part of a link",

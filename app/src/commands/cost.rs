@@ -58,9 +58,7 @@ pub(crate) fn run(args: &CostArgs) -> Result<(), Error> {
     let session = Session::of_any(&args.scene, &args.view, &args.run, &progress, |_, options| {
         let Choices { program, elements, .. } = args.program.values;
         (options.program, options.elements) = (program, elements);
-        if !args.run.tracing.has("steps-per-pass") {
-            options.steps_per_pass = 1;
-        }
+        args.run.tracing.single_steps(options);
     })?;
     refuse_inputs(&[target.as_ref()], &session.inputs)?;
     let kernel = kernel_of(&session.plan, &args.kernel)?;

@@ -74,9 +74,7 @@ pub(crate) fn run(args: &StopArgs) -> Result<(), Error> {
     let session = Session::of_any(&args.scene, &args.view, &args.run, &progress, |_, options| {
         let Choices { program, elements, .. } = args.program.values;
         (options.program, options.elements) = (program, elements);
-        if !args.run.tracing.has("steps-per-pass") {
-            options.steps_per_pass = 1;
-        }
+        args.run.tracing.single_steps(options);
     })?;
     refuse_inputs(&[target.as_ref()], &session.inputs)?;
     let (of, at, statement) = args.at.find(&session.plan, args.kernel.as_deref())?;

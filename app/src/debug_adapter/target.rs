@@ -70,9 +70,7 @@ impl Target {
         let session = Session::of_any(scene, view, run, &progress, |_, options| {
             let Choices { program, elements, .. } = program.values;
             (options.program, options.elements) = (program, elements);
-            if !run.tracing.has("steps-per-pass") {
-                options.steps_per_pass = 1;
-            }
+            run.tracing.single_steps(options);
         })?;
         let wanted = text(arguments, "kernel").map(|name| kernel_of(&session.plan, name)).transpose()?;
         let mut running = session.start(&progress)?;
