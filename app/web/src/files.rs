@@ -269,7 +269,7 @@ impl Files {
             files.insert(file[top.len()..].to_owned(), bytes);
         }
         let name = file_name(top.trim_end_matches('/'));
-        let name = if name.is_empty() { "program" } else { name };
+        let name = if name.is_empty() { "my-program" } else { name };
         Folder::new(name.to_owned(), name.to_owned(), files).map_err(|why| failed(&why))
     }
 

@@ -8,9 +8,11 @@ mod check_schedule;
 pub mod exercises;
 mod files;
 mod hints;
+mod judge;
 
-pub use check::{Found, check_view};
+pub use check::{CheckError, Found};
 pub use files::{FileOfCourse, files};
+pub use judge::check_view;
 
 use std::fmt;
 

@@ -9,7 +9,7 @@ use std::io;
 
 use super::npy;
 use crate::options::rows::{ROWS, Value};
-use crate::options::{Choices, Options, RaySource};
+use crate::options::{Choices, Options, ProgramName, RaySource};
 use crate::plan::Plan;
 use crate::program::schedule::{Count as Counted, Step};
 use crate::program::{Kernel, Program};
@@ -44,6 +44,10 @@ pub fn program(
 ) -> Result<BTreeMap<String, Vec<u8>>, ExportError> {
     if options.folder.is_some() || !plan.replaced().is_empty() {
         return Err(ExportError::Unsupported("a program of one's own"));
+    }
+    if options.program == ProgramName::GridBuild {
+        // Its scan has a barrier behind a condition that is the same for all threads, which is not found of a user's.
+        return Err(ExportError::Unsupported("the build of a grid"));
     }
     if plan.drawn.is_some() {
         return Err(ExportError::Unsupported("a run of fragment programs"));
@@ -270,15 +274,30 @@ impl<'a> Written<'a> {
             line("role", quoted(named.map_or("", |(name, _)| name)));
         }
         let state = |tag: u32| quoted(self.program.states.name(tag));
-        if !kernel.takes().is_empty() {
-            line("takes", list(kernel.takes(), |&tag| state(tag)));
+        // Where elements go that no kernel of the run takes, they never go in the run; nor do they come from where none sends them.
+        let goes_on = |tag: u32| {
+            let is_taken = self.kernels.iter().any(|kernel| kernel.takes().contains(&tag));
+            is_taken || self.program.states.role(tag) == Some(StateRole::Finished)
+        };
+        let comes = |tag: u32| {
+            let begins = |course: &crate::program::Course| [course.unborn, course.born].contains(&tag);
+            self.program.courses.iter().any(begins)
+                || self
+                    .kernels
+                    .iter()
+                    .any(|kernel| kernel.sends().iter().any(|sent| sent.to == tag && sent.from != tag))
+        };
+        let takes: Vec<u32> = kernel.takes().iter().copied().filter(|&tag| comes(tag)).collect();
+        if !takes.is_empty() {
+            line("takes", list(&takes, |&tag| state(tag)));
         }
         if !kernel.sends().is_empty() {
             let sent = |sent: &crate::tables::kernel::Transition| {
                 "\n    ".to_owned()
                     + &table([("from", state(sent.from)), ("when", quoted(sent.when)), ("to", state(sent.to))])
             };
-            let all: Vec<String> = kernel.sends().iter().map(sent).collect();
+            let all: Vec<String> =
+                kernel.sends().iter().filter(|sent| goes_on(sent.to) && comes(sent.from)).map(sent).collect();
             line("sends", format!("[{},\n]", all.join(",")));
         }
         match kernel.counts() {

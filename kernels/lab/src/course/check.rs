@@ -10,7 +10,6 @@ use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Device, Options, RaySource, RenderError, Renderer};
 use raystep_scenes::Scene;
 
-use super::check_schedule::check_schedule;
 use super::{Task, Verdict, View, ViewError};
 use crate::check_kernel::{Outcome, check, mistake};
 use crate::parity::ParityError;
@@ -44,14 +43,16 @@ pub enum CheckError {
     Folder(#[from] FolderError),
 }
 
-/// Compares a student's kernel with the one that it replaces, or the results of a schedule with ours, in a view: in the interpreter, or on a GPU.
+/// Compares a student's kernel with the one that it replaces, in a view: in the interpreter, or on a GPU.
 ///
 /// # Errors
 /// If the view cannot be made, or the device fails.
-pub async fn check_view(task: &Task, view: &View, by: &Arc<Replacement>, device: &Device) -> Result<Found, CheckError> {
-    if task.is_schedule() {
-        return check_schedule(task, view, by, device).await;
-    }
+pub(super) async fn check_kernel(
+    task: &Task,
+    view: &View,
+    by: &Arc<Replacement>,
+    device: &Device,
+) -> Result<Found, CheckError> {
     let scene = view.scene()?;
     let rays = RaySource::Camera { camera: view.camera(&scene)?, width: view.size.width, height: view.size.height };
     let own = Options::new(rays).chosen(&task.choices(view)?);

@@ -44,6 +44,12 @@ fn passes(plan: Plan, data: SceneData, options: &Options, most: usize) -> Vec<(S
     ran.expect("a run")
 }
 
+/// The elements of a stream, if they are known before the run.
+fn size_of(sets: &[crate::plan::PlannedSet], stream: Stream) -> usize {
+    let set = sets.iter().find(|set| set.what.name == stream.info().elements.name);
+    set.and_then(|set| set.size).map_or(usize::MAX, |size| size.count as usize)
+}
+
 /// The same passes of both, with the same bits in every stream after each of them.
 fn is_the_same(scene: &Scene, options: &Options, most: usize) {
     let (plan, data, folder) = folder_of(scene, options);
@@ -60,13 +66,21 @@ fn is_the_same(scene: &Scene, options: &Options, most: usize) {
     };
     assert_eq!(allocated(&plan), allocated(&own_plan), "{text}");
     let name = format!("{} {:?}", plan.program.name, options.choices());
+    let plan_sets = plan.sets.clone();
     let (ours, theirs) = (passes(plan, data, options, most), passes(own_plan, own_data, &own, most));
     for (index, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
         assert_eq!((&ours.0, ours.1), (&theirs.0, theirs.1), "pass {index} of {name}");
         for stream in &ours.2 {
             let other = theirs.2.iter().find(|other| other.stream.name() == stream.stream.name());
             let other = other.unwrap_or_else(|| panic!("pass {index} of {name} has no {}", stream.stream.name()));
-            assert!(stream.bits == other.bits, "{} after pass {index} ({}) of {name}", stream.stream.name(), ours.0);
+            // Texels behind the last element have no value.
+            let count = size_of(&plan_sets, stream.stream);
+            let of = |data: &StreamData| -> Vec<u32> {
+                (0..data.stream.layers())
+                    .flat_map(|layer| data.layer(layer)[..count.min(data.layer(layer).len())].to_vec())
+                    .collect()
+            };
+            assert!(of(stream) == of(other), "{} after pass {index} ({}) of {name}", stream.stream.name(), ours.0);
         }
     }
     assert_eq!(ours.len(), theirs.len(), "{name}");
@@ -102,14 +116,10 @@ fn tracers_are_the_same_from_their_folder() {
 }
 
 #[test]
-fn a_sort_and_a_build_are_the_same_from_their_folder() {
+fn a_sort_is_the_same_from_its_folder() {
     let scene = room();
     let sort = Options { program: ProgramName::Sort, elements: 300, ..options(&scene, 4, 4) };
     is_the_same(&scene, &sort, 1000);
-    for accelerator in [Accelerator::Grid, Accelerator::Irregular] {
-        let build = Options { program: ProgramName::GridBuild, accelerator, ..options(&scene, 4, 4) };
-        is_the_same(&scene, &build, 1000);
-    }
 }
 
 #[test]
@@ -119,4 +129,7 @@ fn what_a_folder_cannot_say_is_refused() {
     let (plan, data) = Plan::new(&scene, &options(&scene, 4, 4), &Limits::CPU).expect("a plan");
     let error = program(&plan, &data, &given, None).expect_err("refused");
     assert_eq!(error.to_string(), "a run of rays that a file has cannot be a folder");
+    let build = Options { program: ProgramName::GridBuild, ..options(&scene, 4, 4) };
+    let error = program(&plan, &data, &build, None).expect_err("refused");
+    assert_eq!(error.to_string(), "the build of a grid cannot be a folder");
 }

@@ -21,7 +21,7 @@ fn a_thread_is_followed_to_any_of_its_steps_and_stops_count_elements() {
     let line = |text: &str| of.files[0].text.lines().position(|line| line.contains(text)).expect(text) + 1;
     let at = |text: &str| of.statement(FileLine { file: 0, line: line(text) }).expect(text);
     let stop = Stop { statement: at("sum += next"), when: Some("turn == 1u && next > 100u".into()) };
-    let stopping = of.stopping(&[stop], true).expect("a condition");
+    let stopping = of.stopping(std::slice::from_ref(&stop), false).expect("a condition");
     let pass = Pass::new(&stopping.variant).expect("valid");
     let size = Size::folded(300, 1 << 12).expect("a size");
     let (data, streams) = (SceneData::default(), streams(&pass, size));
@@ -37,12 +37,18 @@ fn a_thread_is_followed_to_any_of_its_steps_and_stops_count_elements() {
         assert_eq!(stopped[0].values, values, "{element}");
     }
 
+    // With the steps of one thread, stops are that thread's.
+    let stepping = of.stopping(&[stop], true).expect("a condition");
+    let pass = Pass::new(&stepping.variant).expect("valid");
     let followed = pass.follow(&given, [9, 0]).expect("a thread");
     assert!(followed.failed.is_none() && followed.held.is_empty() && !followed.is_cut);
     let adding: Vec<usize> = (0..followed.steps.len())
         .filter(|&step| followed.steps[step].statement as usize == at("sum += next"))
         .collect();
     assert_eq!(adding.len(), 3);
+    // A stop's condition has names of its own, in place of those of what it reads.
+    let plain = of.stopping(&[], true).expect("valid");
+    let pass = Pass::new(&plain.variant).expect("valid");
     let value = |step: usize, name: &str| {
         let view = pass.view(&given, [9, 0], step).expect("a view");
         let found = view.frames[0].variables.iter().find(|variable| variable.name == name).expect(name).clone();
