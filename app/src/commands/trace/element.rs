@@ -57,7 +57,7 @@ fn table(history: &[ElementPass]) -> String {
             rows.push([of(pass.pass.to_string()), of(pass.kernel.to_owned()), change, why]);
         }
     }
-    aligned(&rows, 2).iter().map(|line| format!("{}\n", line.trim_end())).collect()
+    aligned(&rows, 4).iter().map(|line| format!("{}\n", line.trim_end())).collect()
 }
 
 fn changes(pass: &ElementPass) -> Vec<String> {
