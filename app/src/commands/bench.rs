@@ -69,7 +69,7 @@ Examples:
   raystep bench teapot --size 512x512,1920x1080 --rays primary,bounce,shadow -o bench
   raystep bench cornell-box --integrators local,shadows -o bench
   raystep bench teapot terrain --shard 1/2 -o bench-1
-  raystep bench my-program my-program-before -o bench
+  raystep bench my-program my-program-before -o programs
   raystep bench teapot --repeats 50 -o before
   raystep bench teapot --repeats 50 --baseline before -o after
   raystep bench teapot --repeats 50 --baseline before --at-most 1.5 -o after
