@@ -131,7 +131,7 @@ impl Sourced {
         Ok(Stopping { variant: Variant { source, ..self.variant.clone() }, watched })
     }
 
-    /// The kernel, traced as above, that computes an expression before a statement: [`watched_by`] names it.
+    /// The kernel, traced as above, that computes an expression before a statement, under a name that views know.
     ///
     /// # Errors
     /// If it is no expression there.
