@@ -66,7 +66,7 @@ pub fn set_scenes(folder: &Path) {
 /// # Errors
 /// In one line: what is wrong with the file, or with its name.
 pub fn read_scene(path: &Path) -> Result<(Scene, Vec<PathBuf>), String> {
-    scene_file::read_alone(path).map(|file| (file.scene, file.files)).map_err(|error| error.message)
+    scene_file::read(&scene_file::alone(path)).map(|file| (file.scene, file.files)).map_err(|error| error.message)
 }
 
 /// Reads a program's folder or zip file, with the scene that it reads: another one than it names as in `my-program@teapot`.
@@ -75,7 +75,7 @@ pub fn read_scene(path: &Path) -> Result<(Scene, Vec<PathBuf>), String> {
 /// # Errors
 /// In one line: what is wrong with it.
 pub fn read_program(path: &Path) -> Result<(Folder, Scene, Vec<PathBuf>), String> {
-    let read = scene_file::read_alone_any(path).map_err(|error| error.message)?;
+    let read = scene_file::read_any(&scene_file::alone(path)).map_err(|error| error.message)?;
     let folder = read.folder.ok_or_else(|| format!("{}: not a program: it has no program.toml", path.display()))?;
     Ok((Folder::clone(&folder), read.scene, read.files))
 }

@@ -104,7 +104,7 @@ pub(crate) fn read_any(args: &SceneArgs) -> Result<SceneFile, Error> {
 
 /// Reads a program's folder, with the scene that it reads; also returns the rays of its view.
 pub(crate) fn read_program(path: &Path, sight: &SightArgs) -> Result<(SceneFile, RaySource), Error> {
-    let file = read_any(&SceneArgs { scene: path.to_owned(), scene_index: None, read: sight.read })?;
+    let file = read_any(&SceneArgs { read: sight.read, ..alone(path) })?;
     let (camera, _) = self::camera(&sight.camera, &file.scene)?;
     Ok((file, RaySource::Camera { camera, width: sight.size.width, height: sight.size.height }))
 }
@@ -117,14 +117,9 @@ pub(crate) fn name_in_folder(path: &Path) -> String {
     }
 }
 
-/// Reads a scene or a program with the default limits.
-pub(crate) fn read_alone_any(path: &Path) -> Result<SceneFile, Error> {
-    read_any(&SceneArgs { scene: path.to_owned(), scene_index: None, read: ReadArgs::default() })
-}
-
-/// Reads a scene with the default limits.
-pub(crate) fn read_alone(path: &Path) -> Result<SceneFile, Error> {
-    read(&SceneArgs { scene: path.to_owned(), scene_index: None, read: ReadArgs::default() })
+/// A scene's file, or a program, with the default limits.
+pub(crate) fn alone(path: &Path) -> SceneArgs {
+    SceneArgs { scene: path.to_owned(), scene_index: None, read: ReadArgs::default() }
 }
 
 /// The path of a file that another one names, as scenes name their textures: in its folder or below, unless others are

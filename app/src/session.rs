@@ -16,6 +16,7 @@ use raystep_lab::outside::{MISSES_ALL, misses_all};
 use raystep_lab::rough::drawn_as_diffuse;
 use raystep_scenes::Scene;
 
+use crate::args::choices::{ChoiceArgs, What};
 use crate::args::{RunArgs, SceneArgs, ViewArgs};
 use crate::device;
 use crate::error::Error;
@@ -83,6 +84,23 @@ impl Session {
         adjust: impl FnOnce(&Scene, &mut Options),
     ) -> Result<Self, Error> {
         Self::of(scene, scene_file::read_any, view, run, progress, adjust)
+    }
+
+    /// The same with a choice of the program, to be stepped pass by pass.
+    pub(crate) fn stepped(
+        scene: &SceneArgs,
+        program: &ChoiceArgs<What>,
+        view: &ViewArgs,
+        run: &RunArgs,
+        progress: &Progress,
+    ) -> Result<Self, Error> {
+        Self::of_any(scene, view, run, progress, |_, options| {
+            let Choices { program, elements, .. } = program.values;
+            (options.program, options.elements) = (program, elements);
+            if !run.tracing.has("steps-per-pass") {
+                options.steps_per_pass = 1;
+            }
+        })
     }
 
     fn of(

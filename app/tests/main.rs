@@ -13,6 +13,7 @@ mod debug_adapter;
 mod defaults;
 mod dump;
 mod escapes;
+mod examples;
 mod far;
 mod files;
 mod formats;

@@ -123,7 +123,7 @@ fn the_command_lines_of_the_page_run() {
         // The scenes' files: how names are found is tested elsewhere.
         let line =
             line.replace(" cornell-box ", " scenes/cornell-box.gltf ").replace(" teapot ", " scenes/teapot.glb ");
-        let line = crate::text::small(&line);
+        let line = crate::examples::small(&line);
         // Each stands for itself: another may have written the same folder.
         let output = line.split_once(" -o ").map(|(_, rest)| place.path(rest.split(' ').next().unwrap_or(rest)));
         if let Some(folder) = output.filter(|path| path.is_dir()) {

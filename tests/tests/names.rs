@@ -64,10 +64,7 @@ const MAY_NAME_OPTIONS: &[(&str, &[&str])] = &[
             "app/src/commands/run.rs",
         ],
     ),
-    (
-        "whether an option was given",
-        &["app/src/commands/dump.rs", "app/src/commands/export_program.rs", "app/src/commands/inspect.rs"],
-    ),
+    ("whether an option was given", &["app/src/commands/dump.rs", "app/src/commands/inspect.rs", "app/src/session.rs"]),
     ("what a command cannot do with a value", &["app/python/src/renderer.rs", "app/src/commands/trace.rs"]),
     ("options of their own with such names", &["app/src/commands/bench/against.rs", "app/src/commands/report.rs"]),
     ("a member of editors' requests", &["app/src/debug_adapter/target.rs"]),

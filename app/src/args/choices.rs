@@ -90,13 +90,6 @@ impl<S: Group> ChoiceArgs<S> {
         }
     }
 
-    /// The same in a run's options.
-    pub(crate) fn single_steps(&self, options: &mut Options) {
-        if !self.has("steps-per-pass") {
-            options.steps_per_pass = 1;
-        }
-    }
-
     /// With a kernel of the user's, single steps through the grid are the default: those have all kernels of the paper.
     pub(crate) fn through_the_grid(&self) -> Choices {
         let mut values = self.values;

@@ -4,8 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use raystep_kernels::Choices;
-use raystep_kernels::interpret::{LineWork, Work};
+use raystep_kernels::interpret::LineWork;
 use raystep_kernels::shader::Sourced;
 use raystep_lab::line_cost::{LineCosts, line_costs, per_byte};
 use raystep_lab::text::{aligned, counted};
@@ -55,11 +54,7 @@ pub(crate) struct CostArgs {
 pub(crate) fn run(args: &CostArgs) -> Result<(), Error> {
     let target = args.csv.as_deref().map(Target::new).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
-    let session = Session::of_any(&args.scene, &args.view, &args.run, &progress, |_, options| {
-        let Choices { program, elements, .. } = args.program.values;
-        (options.program, options.elements) = (program, elements);
-        args.run.tracing.single_steps(options);
-    })?;
+    let session = Session::stepped(&args.scene, &args.program, &args.view, &args.run, &progress)?;
     refuse_inputs(&[target.as_ref()], &session.inputs)?;
     let kernel = kernel_of(&session.plan, &args.kernel)?;
     let of = sourced(&session.plan, kernel)?;
@@ -94,29 +89,9 @@ fn words(of: &Sourced, costs: &LineCosts, pass: Option<usize>) -> String {
     };
     let mut text = format!("{} in {passes}: {}\n", of.variant.kernel.name(), counted(*elements, "element"));
     let row = |name: String, line: &LineWork| {
-        let Work {
-            float_operations,
-            integer_operations,
-            comparisons,
-            stream_bytes_read,
-            stream_bytes_written,
-            buffer_bytes_read,
-            uniform_bytes_read,
-        } = line.work;
         let number = |n: u64| if n == 0 { "-".to_owned() } else { n.to_string() };
         let mut row = vec![name, line.runs.to_string()];
-        row.extend(
-            [
-                float_operations,
-                integer_operations,
-                comparisons,
-                stream_bytes_read,
-                stream_bytes_written,
-                buffer_bytes_read,
-                uniform_bytes_read,
-            ]
-            .map(number),
-        );
+        row.extend(line.work.each().map(number));
         row.push(per_byte(&line.work).map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}")));
         row
     };

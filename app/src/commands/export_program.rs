@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use raystep_kernels::Choices;
 use raystep_kernels::export::program::program;
 use raystep_lab::text::counted;
 
@@ -48,13 +47,7 @@ pub(crate) struct ExportArgs {
 pub(crate) fn run(args: &ExportArgs) -> Result<(), Error> {
     let progress = Progress::new(args.quiet.quiet);
     let folder = TargetFolder::new(&args.output, args.force)?;
-    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| {
-        let Choices { program, elements, .. } = args.program.values;
-        (options.program, options.elements) = (program, elements);
-        if !args.run.tracing.has("steps-per-pass") {
-            options.steps_per_pass = 1;
-        }
-    })?;
+    let session = Session::stepped(&args.scene, &args.program, &args.view, &args.run, &progress)?;
     // A scene with a name is found from anywhere.
     let named = Some(&args.scene.scene).filter(|path| scene_file::is_known(path) && path.extension().is_none());
     let named = named.and_then(|path| path.to_str());

@@ -5,7 +5,6 @@ mod result;
 use std::path::PathBuf;
 
 use clap::Args;
-use raystep_kernels::Choices;
 use raystep_kernels::shader::{Sourced, Stop};
 use raystep_lab::stops::{Outcome, PASSES, find};
 use raystep_lab::text::counted;
@@ -71,11 +70,7 @@ pub(crate) fn run(args: &StopArgs) -> Result<(), Error> {
     }
     let target = args.output.as_deref().map(Target::new).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
-    let session = Session::of_any(&args.scene, &args.view, &args.run, &progress, |_, options| {
-        let Choices { program, elements, .. } = args.program.values;
-        (options.program, options.elements) = (program, elements);
-        args.run.tracing.single_steps(options);
-    })?;
+    let session = Session::stepped(&args.scene, &args.program, &args.view, &args.run, &progress)?;
     refuse_inputs(&[target.as_ref()], &session.inputs)?;
     let (of, at, statement) = args.at.find(&session.plan, args.kernel.as_deref())?;
     let stops = [Stop { statement, when: args.when.clone() }];

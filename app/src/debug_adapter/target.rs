@@ -4,9 +4,9 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+use raystep_kernels::Kernel;
 use raystep_kernels::interpret::{Followed, View};
 use raystep_kernels::shader::{Sourced, Stop, StopError};
-use raystep_kernels::{Choices, Kernel};
 use raystep_lab::passed::{Begun, Code, Failure, step};
 use raystep_lab::stops::begun;
 use serde_json::Value;
@@ -67,11 +67,7 @@ impl Target {
             Words::try_parse_from(&words).map_err(|error| Error::usage(crate::usage::message(&error, &words)))?;
         let Words { scene, program, view, run } = &parsed;
         let progress = Progress::new(true);
-        let session = Session::of_any(scene, view, run, &progress, |_, options| {
-            let Choices { program, elements, .. } = program.values;
-            (options.program, options.elements) = (program, elements);
-            run.tracing.single_steps(options);
-        })?;
+        let session = Session::stepped(scene, program, view, run, &progress)?;
         let wanted = text(arguments, "kernel").map(|name| kernel_of(&session.plan, name)).transpose()?;
         let mut running = session.start(&progress)?;
         let pass = whole(arguments, "pass");

@@ -242,9 +242,10 @@ impl Files {
         };
         let mut failed = String::new();
         for path in paths {
-            match self.bytes(&self.place(&path), MOST_FILE_BYTES, progress).await {
-                Ok(_) => {
-                    let files = self.scene_files(&path, progress).await?;
+            let place = self.place(&path);
+            match self.bytes(&place, MOST_FILE_BYTES, progress).await {
+                Ok(bytes) => {
+                    let files = self.with_others(&path, &place, bytes, progress).await?;
                     return Ok(Fetched::Program(folder, Some((path, files))));
                 }
                 Err(why) => failed = format!("{path}: {why}"),
@@ -275,11 +276,22 @@ impl Files {
 
     async fn scene_files(&self, path: &str, progress: &js_sys::Function) -> Result<SceneFiles, String> {
         let (place, bytes) = self.scene_bytes(path, progress).await?;
+        self.with_others(path, &place, bytes, progress).await
+    }
+
+    /// A scene's file with those that it names.
+    async fn with_others(
+        &self,
+        path: &str,
+        place: &Place,
+        bytes: Vec<u8>,
+        progress: &js_sys::Function,
+    ) -> Result<SceneFiles, String> {
         let names = external_files(&bytes, MOST_DECODED_BYTES).map_err(|e| format!("{path}: {e}"))?;
         let mut others = Others::default();
         let mut left = MOST_FILE_BYTES.saturating_sub(bytes.len() as u64);
         for name in names {
-            let found = self.bytes(&self.beside(&place, &name), left, progress).await;
+            let found = self.bytes(&self.beside(place, &name), left, progress).await;
             left = left.saturating_sub(found.as_ref().map_or(0, |bytes| bytes.len() as u64));
             others.0.insert(name, found);
         }

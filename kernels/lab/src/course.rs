@@ -18,7 +18,7 @@ use std::fmt;
 
 use raystep_kernels::options::replacement::{Replacement, ReplacementError};
 use raystep_kernels::options::rows::ROWS;
-use raystep_kernels::{Accelerator, Choices, ScheduleKind};
+use raystep_kernels::{Accelerator, Choices, Options, RaySource, ScheduleKind};
 use raystep_scenes::{Camera, LoadError, LoadOptions, NoFiles, Projection, Scene, generate, load};
 use serde::Serialize;
 
@@ -217,6 +217,15 @@ impl Task {
             _ => None,
         };
         found.map(|hint| hint.text)
+    }
+
+    /// The scene of a view, and the options of a run of ours.
+    fn run(&self, view: &View) -> Result<(Scene, Options), ViewError> {
+        let scene = view.scene()?;
+        let Size { width, height } = view.size;
+        let rays = RaySource::Camera { camera: view.camera(&scene)?, width, height };
+        let options = Options::new(rays).chosen(&self.choices(view)?);
+        Ok((scene, options))
     }
 
     /// The choices of a run.

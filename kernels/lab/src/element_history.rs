@@ -1,16 +1,17 @@
 //! What each pass of a user's program has done to one element, and why: values before and after it, and the conditions that
 //! its thread came to in the interpreter.
 
-use raystep_kernels::interpret::pass::{Given, Pass};
-use raystep_kernels::interpret::{InterpretError, Recording, SiteKind};
+use raystep_kernels::interpret::{InterpretError, Interpreter, Recording};
 use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shader::Variant;
 use raystep_kernels::tables::elements::Count;
 use raystep_kernels::tables::state::States;
-use raystep_kernels::tables::stream::{Meaning, STATE_TAG};
-use raystep_kernels::{Device, Kernel, Options, Plan, RenderError, Renderer, Stream, StreamData};
+use raystep_kernels::tables::stream::Meaning;
+use raystep_kernels::{Device, Options, Plan, RenderError, Renderer, Stream, StreamData};
 use serde::Serialize;
 
-use crate::branch::branch;
+use crate::branch::{Branch, branch};
+use crate::passed::{Begun, Code, step};
 
 /// A component that a pass has changed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -83,7 +84,6 @@ pub async fn element_history(
     (plan, data): (Plan, SceneData),
     options: &Options,
     texel: [u32; 2],
-    most: usize,
     mut progress: impl FnMut(usize) -> bool,
 ) -> Result<Vec<ElementPass>, HistoryError> {
     let mut renderer = Renderer::from_plan(plan, data, options, device).await?;
@@ -94,91 +94,71 @@ pub async fn element_history(
     if x >= size.width || y >= size.height || set.count != Count::Image && y * size.width + x >= size.count {
         return Err(HistoryError::NoElement { x, y, of: set.name, columns: size.width, rows: size.height });
     }
-    let own: Vec<Stream> = plan
-        .streams
-        .iter()
-        .map(|planned| planned.what)
-        .filter(|stream| stream.info().elements.name == set.name)
-        .collect();
-    let mut passes: Vec<Option<Pass>> = plan.program.kernels.iter().map(|_| None).collect();
+    let mut codes: Vec<Option<Code>> = plan.program.kernels.iter().map(|_| None).collect();
     let mut history = Vec::new();
     while let Some(kernel) = renderer.next_kernel() {
         if !progress(renderer.pass_count()) {
             return Err(RenderError::Cancelled { passes: renderer.pass_count() }.into());
         }
-        if renderer.pass_count() >= most {
-            break;
-        }
-        let before = values(&renderer, &own, texel).await?;
-        if kernel.instance().over.name != set.name || !is_taken(kernel, &own, &before) {
+        let variant = plan.variant(kernel).filter(|_| kernel.instance().over.name == set.name);
+        let Some(variant) = variant else {
             renderer.step().await?;
             continue;
-        }
-        let place = |line: Option<usize>| match (plan.variant(kernel), line) {
-            (Some(variant), Some(line)) => variant.named_line(line),
-            _ => kernel.name().to_owned(),
         };
-        let code = &mut passes[kernel.index()];
-        let interpreted = match code {
+        let failed = |line: Option<&usize>, why| {
+            let place = line.map_or_else(|| kernel.name().to_owned(), |&line| variant.named_line(line));
+            HistoryError::Interpret { place, why }
+        };
+        let code = match &mut codes[kernel.index()] {
             Some(code) => &*code,
-            None => {
-                let Some(variant) = plan.variant(kernel) else { break };
-                let compiled = Pass::new(variant).map_err(|why| HistoryError::Interpret { place: place(None), why })?;
-                &*code.insert(compiled)
-            }
+            none => &*none.insert(Code::new(variant, plan.turns).map_err(|why| failed(None, why))?),
         };
-        // A device copies some streams before the pass.
-        let copies = kernel.instance().copies;
-        let mut streams = Vec::new();
-        for &stream in interpreted.streams() {
-            let from = copies.iter().find(|(to, _)| *to == stream).map_or(stream, |&(_, from)| from);
-            let values = renderer.values(from).await?;
-            streams.push(StreamData { stream, ..values });
+        let Some(begun) = step(&mut renderer, code.streams()).await? else { break };
+        if !code.works_on(&begun, texel) {
+            continue;
         }
-        let Some(pass) = renderer.step().await? else { break };
-        let (index, parameter) = (pass.index, pass.parameter);
-        let given = Given { data: renderer.data(), size, parameter, streams: &streams };
-        let recording = interpreted
-            .record(&given, texel)
-            .map_err(|error| HistoryError::Interpret { place: place(error.lines.first().copied()), why: error.why })?;
-        let after = values(&renderer, &own, texel).await?;
-        let notes = interpreted.notes().iter().zip(&recording.noted);
+        let recording = code.record(&begun, renderer.data(), texel);
+        let recording = recording.map_err(|failure| failed(failure.lines.first(), failure.why))?;
+        let code = code.interpreter();
+        let notes = code.notes().iter().zip(&recording.noted);
         history.push(ElementPass {
-            pass: index,
+            pass: begun.pass.index,
             kernel: kernel.name(),
-            changes: changes(plan.program.states, &own, &before, &after),
-            why: why(interpreted, &recording, &|line| place(Some(line))),
+            changes: changes(&renderer, &begun, variant, texel).await?,
+            why: why(code, &recording, variant),
             noted: notes.filter_map(|(note, &noted)| note.told(noted)).collect(),
         });
     }
     Ok(history)
 }
 
-/// The element's components, stream by stream.
-async fn values(renderer: &Renderer, streams: &[Stream], [x, y]: [u32; 2]) -> Result<Vec<Vec<u32>>, RenderError> {
-    renderer.texels(streams, x, y).await
-}
-
-/// Whether a kernel works on the element in its state.
-fn is_taken(kernel: Kernel, streams: &[Stream], before: &[Vec<u32>]) -> bool {
-    if kernel.takes().is_empty() {
-        return true;
-    }
-    let of_state = kernel.course().and_then(|course| streams.iter().position(|stream| *stream == course.stream));
-    let tag = of_state.and_then(|at| before.get(at)?.get(STATE_TAG));
-    tag.is_none_or(|tag| kernel.takes().contains(tag))
-}
-
-fn changes(states: States, streams: &[Stream], before: &[Vec<u32>], after: &[Vec<u32>]) -> Vec<Change> {
+/// What a pass has changed of the element.
+async fn changes(
+    renderer: &Renderer,
+    begun: &Begun,
+    variant: &Variant,
+    [x, y]: [u32; 2],
+) -> Result<Vec<Change>, RenderError> {
+    let states = renderer.plan().program.states;
+    let is_written = |before: &&StreamData| {
+        let is_own = before.stream.info().elements.name == variant.kernel.instance().over.name;
+        is_own && variant.written_streams().any(|stream| stream == before.stream)
+    };
+    let written: Vec<&StreamData> = begun.streams.iter().filter(is_written).collect();
+    let streams: Vec<Stream> = written.iter().map(|before| before.stream).collect();
+    let after = renderer.texels(&streams, x, y).await?;
     let mut all = Vec::new();
-    for (stream, (before, after)) in streams.iter().zip(before.iter().zip(after)) {
-        for (layer, (&before, &after)) in before.iter().zip(after).enumerate().filter(|(_, (a, b))| a != b) {
-            let text = |bits| text(states, *stream, layer, bits);
-            let [before, after] = [before, after].map(text);
-            all.push(Change { stream: stream.name(), layer: stream.info().layers[layer], before, after });
+    for (before, after) in written.into_iter().zip(after) {
+        let at = y as usize * before.width as usize + x as usize;
+        for (layer, after) in after.into_iter().enumerate() {
+            let (stream, before) = (before.stream, before.get(layer, at));
+            if before != after {
+                let [before, after] = [before, after].map(|bits| text(states, stream, layer, bits));
+                all.push(Change { stream: stream.name(), layer: stream.info().layers[layer], before, after });
+            }
         }
     }
-    all
+    Ok(all)
 }
 
 /// A component as a reader knows it.
@@ -191,18 +171,14 @@ fn text(states: States, stream: Stream, layer: usize, bits: u32) -> String {
 }
 
 /// The conditions that the thread came to, with their places.
-fn why(pass: &Pass, recording: &Recording, place: &dyn Fn(usize) -> String) -> Vec<String> {
-    let code = pass.code();
-    let mut reached: Vec<_> = (0..pass.sites().len())
-        .filter(|&site| pass.sites()[site].kind != SiteKind::ShortCircuit)
-        .filter_map(|site| branch(code, recording, site))
-        .collect();
+fn why(code: &Interpreter, recording: &Recording, variant: &Variant) -> Vec<String> {
+    let mut reached: Vec<Branch> = (0..code.sites().len()).filter_map(|site| branch(code, recording, site)).collect();
     reached.sort_by_key(|branch| branch.line);
-    let told = |branch: &crate::branch::Branch| {
+    let told = |branch: &Branch| {
         let note = branch.notes.first().map_or("", |note| note.text.as_str());
-        format!("{}: {} {note}", place(branch.line + 1), branch.condition)
+        format!("{}: {} {note}", variant.named_line(branch.line + 1), branch.condition)
     };
     // What is in our modules is not what the author asks about.
-    let told: Vec<String> = reached.iter().map(told).filter(|text| !text.starts_with("package::")).collect();
-    told.into_iter().take(MOST_TOLD).collect()
+    let told = reached.iter().map(told).filter(|text| !text.starts_with("package::"));
+    told.take(MOST_TOLD).collect()
 }

@@ -1,7 +1,9 @@
 //! A pass of a kernel in the interpreter: its code, and what the pass begins with.
 
 use raystep_kernels::interpret::pass::{Given, PassError};
-use raystep_kernels::interpret::{Element, FailedAt, Followed, InterpretError, Interpreter, Many, Stopped, View, pass};
+use raystep_kernels::interpret::{
+    Element, FailedAt, Followed, InterpretError, Interpreter, Many, Recording, Stopped, View, pass,
+};
 use raystep_kernels::program::Twin;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shader::Variant;
@@ -131,6 +133,21 @@ impl Code {
                 view.map_err(|why| Failure { why, texel, lines: Vec::new() })
             }
             Self::Whole(code) => Ok(code.view(&begun.given(data), texel, step)?),
+        }
+    }
+
+    /// What happened to an element.
+    ///
+    /// # Errors
+    /// If it cannot be interpreted, or the pass has no such element.
+    pub fn record(&self, begun: &Begun, data: &SceneData, texel: [u32; 2]) -> Result<Recording, Failure> {
+        let data = &*self.kernel().reads(data);
+        match self {
+            Self::Element(code) => {
+                let recording = code.record(data, begun.element(texel), &mut begun.texels(texel));
+                recording.map_err(|why| Failure { why, texel, lines: Vec::new() })
+            }
+            Self::Whole(code) => Ok(code.record(&begun.given(data), texel)?),
         }
     }
 

@@ -3,23 +3,27 @@
 //!
 //! Written is what the run has: its kernels, and the streams, sets and states that they name, with the schedule of its options.
 
+mod toml;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io;
 
+use self::toml::{list, number, quoted, steps, table};
 use super::npy;
+use crate::options::folder::Folder;
 use crate::options::rows::{ROWS, Value};
-use crate::options::{Choices, Options, ProgramName, RaySource};
+use crate::options::{Choices, Options, RaySource};
 use crate::plan::Plan;
-use crate::program::schedule::{Count as Counted, Step};
-use crate::program::{Kernel, Program};
+use crate::program::schedule::Step;
+use crate::program::{Course, Kernel, Program};
 use crate::programs::chosen;
 use crate::scene_data::SceneData;
 use crate::shader::Variant;
 use crate::tables::elements::{Count, Elements};
-use crate::tables::kernel::{Counts, Launch, Role};
+use crate::tables::kernel::{Counts, Launch, Role, Transition};
 use crate::tables::state::StateRole;
-use crate::tables::stream::{Meaning, Stream, Texel};
+use crate::tables::stream::{Meaning, Stream, StreamData, Texel};
 
 /// Why a run cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -45,10 +49,6 @@ pub fn program(
     if options.folder.is_some() || !plan.replaced().is_empty() {
         return Err(ExportError::Unsupported("a program of one's own"));
     }
-    if options.program == ProgramName::GridBuild {
-        // Its scan has a barrier behind a condition that is the same for all threads, which is not found of a user's.
-        return Err(ExportError::Unsupported("the build of a grid"));
-    }
     if plan.drawn.is_some() {
         return Err(ExportError::Unsupported("a run of fragment programs"));
     }
@@ -65,13 +65,10 @@ pub fn program(
     }
     text += &written.elements(has_scene);
     for input in &data.inputs {
+        let (stream, count) = (input.stream, count_of(plan, input.stream.info().elements));
+        let (is_float, shape) = (stream.info().texel == Texel::F32, [stream.layers() as u32, 1, count]);
         let mut bytes = Vec::new();
-        npy::write_bits(
-            &mut bytes,
-            input.stream.info().texel == Texel::F32,
-            [input.stream.layers() as u32, 1, count_of(plan, input.stream.info().elements)],
-            &trimmed(input, count_of(plan, input.stream.info().elements)),
-        )?;
+        npy::write_bits(&mut bytes, is_float, shape, &trimmed(input, count))?;
         files.insert(format!("{}.npy", input.stream.name()), bytes);
     }
     text += &written.streams();
@@ -87,7 +84,7 @@ pub fn program(
     if let Some(shown) = results.into_iter().find(|&stream| plan.has_stream(stream)) {
         _ = write!(text, "\n[result]\nstream = {}\n", quoted(shown.name()));
     }
-    files.insert(crate::options::folder::Folder::MANIFEST.to_owned(), text.into_bytes());
+    files.insert(Folder::MANIFEST.to_owned(), text.into_bytes());
     Ok(files)
 }
 
@@ -98,30 +95,8 @@ fn count_of(plan: &Plan, set: &Elements) -> u32 {
 }
 
 /// The values of a stream's elements, without the texels behind the last.
-fn trimmed(data: &crate::tables::stream::StreamData, count: u32) -> Vec<u32> {
+fn trimmed(data: &StreamData, count: u32) -> Vec<u32> {
     (0..data.stream.layers()).flat_map(|layer| data.layer(layer).iter().take(count as usize).copied()).collect()
-}
-
-/// A text of TOML.
-fn quoted(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            c if c.is_control() => _ = write!(quoted, "\\u{:04X}", c as u32),
-            c => quoted.push(c),
-        }
-    }
-    quoted + "\""
-}
-
-fn list<T>(all: impl IntoIterator<Item = T>, text: impl Fn(T) -> String) -> String {
-    format!("[{}]", all.into_iter().map(text).collect::<Vec<_>>().join(", "))
-}
-
-fn table<'a>(all: impl IntoIterator<Item = (&'a str, String)>) -> String {
-    let entries: Vec<String> = all.into_iter().map(|(name, value)| format!("{name} = {value}")).collect();
-    format!("{{ {} }}", entries.join(", "))
 }
 
 /// The table of the scene, with the options that are not the defaults, and the schedule.
@@ -280,7 +255,7 @@ impl<'a> Written<'a> {
             is_taken || self.program.states.role(tag) == Some(StateRole::Finished)
         };
         let comes = |tag: u32| {
-            let begins = |course: &crate::program::Course| [course.unborn, course.born].contains(&tag);
+            let begins = |course: &Course| [course.unborn, course.born].contains(&tag);
             self.program.courses.iter().any(begins)
                 || self
                     .kernels
@@ -292,7 +267,7 @@ impl<'a> Written<'a> {
             line("takes", list(&takes, |&tag| state(tag)));
         }
         if !kernel.sends().is_empty() {
-            let sent = |sent: &crate::tables::kernel::Transition| {
+            let sent = |sent: &Transition| {
                 "\n    ".to_owned()
                     + &table([("from", state(sent.from)), ("when", quoted(sent.when)), ("to", state(sent.to))])
             };
@@ -371,48 +346,6 @@ fn meaning_name(meaning: Meaning) -> &'static str {
         Meaning::Id => "id",
         Meaning::Tag => "state",
     }
-}
-
-/// A number of TOML that has these bits in a stream.
-fn number(bits: u32, is_float: bool) -> String {
-    if !is_float {
-        return bits.to_string();
-    }
-    let value = f32::from_bits(bits);
-    match value.is_finite() {
-        true => format!("{value:?}"),
-        false => format!("{value:?}").to_lowercase(),
-    }
-}
-
-fn counted(count: Counted) -> String {
-    match count.by {
-        [] => count.first.to_string(),
-        by => table([("first", count.first.to_string()), ("by", list(by, |by| by.to_string()))]),
-    }
-}
-
-/// Steps, a line for each, so deep inside of others.
-fn steps(all: &[Step], depth: usize) -> String {
-    let indent = "    ".repeat(depth);
-    let mut text = String::new();
-    for step in all {
-        let body = |body: &[Step]| format!("steps = [\n{}{indent}]", steps(body, depth + 1));
-        let inside = match step {
-            Step::Run(kernel) => format!("run = {}", quoted(kernel.name())),
-            Step::RunBy(kernel, count) => format!("run = {}, parameter = {}", quoted(kernel.name()), counted(*count)),
-            Step::RunUntilIdle(kernel) => format!("until_idle = {}", quoted(kernel.name())),
-            Step::LoopWhileActive(kernels, inner) => {
-                format!("while_any = {}, {}", list(kernels, |kernel| quoted(kernel.name())), body(inner))
-            }
-            Step::RepeatWhileAny(set, inner) => format!("while_any = {}, {}", quoted(set.name), body(inner)),
-            Step::Repeat(name, count, inner) => {
-                format!("repeat = {}, name = {}, {}", counted(*count), quoted(name), body(inner))
-            }
-        };
-        _ = writeln!(text, "{indent}{{ {inside} }},");
-    }
-    text
 }
 
 #[cfg(test)]

@@ -41,6 +41,20 @@ impl Work {
         self.stream_bytes_read + self.stream_bytes_written + self.buffer_bytes_read
     }
 
+    /// Each number, in the order of the fields.
+    #[must_use]
+    pub fn each(&self) -> [u64; 7] {
+        [
+            self.float_operations,
+            self.integer_operations,
+            self.comparisons,
+            self.stream_bytes_read,
+            self.stream_bytes_written,
+            self.buffer_bytes_read,
+            self.uniform_bytes_read,
+        ]
+    }
+
     /// Adds work that was done a number of times.
     pub fn add(&mut self, other: &Self, times: u64) {
         self.float_operations += times * other.float_operations;

@@ -7,31 +7,33 @@ use naga::{
 
 /// A barrier that some threads of a workgroup may not reach: in a branch or loop whose condition may differ between threads,
 /// or after a `return` of one. As in WGSL, a value is known to be the same for all threads if it is made of constants, uniforms
-/// and the workgroup's own index; of a function's arguments nothing is known.
+/// and the workgroup's own index, or returned by a function that makes it of such arguments. Of a function's arguments nothing
+/// is known where it has a barrier itself.
 pub(super) fn astray(module: &Module, entry: &Function) -> Option<Span> {
     // A function comes before those that call it.
-    let mut barriers = Vec::new();
+    let (mut barriers, mut returns) = (Vec::new(), Vec::new());
     for (_, function) in module.functions.iter() {
         barriers.push(are_in(&barriers, &function.body));
+        let mut threads = Threads::new(module, function, Arguments::Same, (&barriers, &returns));
+        threads.settle();
+        returns.push(threads.returns);
     }
-    let functions = module.functions.iter().map(|(_, function)| (function, false));
-    std::iter::once((entry, true)).chain(functions).find_map(|(function, is_entry)| {
-        let mut threads = Threads {
-            module,
-            function,
-            is_entry,
-            barriers: &barriers,
-            same: vec![true; function.local_variables.len()],
-            changed: true,
-            has_left: false,
-        };
-        while std::mem::take(&mut threads.changed) {
-            threads.has_left = false;
-            threads.walk(&function.body, false, &mut false);
-        }
-        threads.has_left = false;
+    let functions = module.functions.iter().map(|(_, function)| (function, Arguments::Unknown));
+    std::iter::once((entry, Arguments::BuiltIn)).chain(functions).find_map(|(function, arguments)| {
+        let mut threads = Threads::new(module, function, arguments, (&barriers, &returns));
+        threads.settle();
         threads.walk(&function.body, false, &mut false)
     })
+}
+
+/// What is known of a function's arguments.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Arguments {
+    /// They are an entry point's.
+    BuiltIn,
+    /// Those that are values are taken to be the same in all threads.
+    Same,
+    Unknown,
 }
 
 /// Whether a statement is a barrier; `barriers` says it of functions.
@@ -57,17 +59,45 @@ fn are_in(barriers: &[bool], block: &Block) -> bool {
 struct Threads<'a> {
     module: &'a Module,
     function: &'a Function,
-    is_entry: bool,
+    arguments: Arguments,
     barriers: &'a [bool],
+    /// Of each function before this one, whether it returns the same value in all threads for the same arguments.
+    of_functions: &'a [bool],
     /// Of each local variable, whether it has the same value in all threads, as far as is known yet.
     same: Vec<bool>,
+    /// The same of each expression that is the result of a call.
+    results: Vec<bool>,
+    /// The same of what this function returns.
+    returns: bool,
     /// Whether one was found to differ.
     changed: bool,
     /// Whether some threads may have returned.
     has_left: bool,
 }
 
-impl Threads<'_> {
+impl<'a> Threads<'a> {
+    fn new(
+        module: &'a Module,
+        function: &'a Function,
+        arguments: Arguments,
+        (barriers, of_functions): (&'a [bool], &'a [bool]),
+    ) -> Self {
+        let same = vec![true; function.local_variables.len()];
+        let results = vec![true; function.expressions.len()];
+        let (changed, has_left, returns) = (true, false, true);
+        Self { module, function, arguments, barriers, of_functions, same, results, returns, changed, has_left }
+    }
+
+    /// Finds what differs.
+    fn settle(&mut self) {
+        let function = self.function;
+        while std::mem::take(&mut self.changed) {
+            self.has_left = false;
+            self.walk(&function.body, false, &mut false);
+        }
+        self.has_left = false;
+    }
+
     /// The first barrier of a block that threads reach apart. `apart`: only some of them may run the block. `leaves` becomes
     /// true if some may leave the loop around it, or go on to its next turn, before others.
     fn walk(&mut self, block: &Block, apart: bool, leaves: &mut bool) -> Option<Span> {
@@ -100,8 +130,9 @@ impl Threads<'_> {
                     *leaves |= now;
                     None
                 }
-                Statement::Return { .. } => {
+                Statement::Return { value } => {
                     self.has_left |= now;
+                    self.returns &= !now && value.is_none_or(|value| self.is_same(value));
                     None
                 }
                 Statement::Store { pointer, value } => {
@@ -110,7 +141,12 @@ impl Threads<'_> {
                     }
                     None
                 }
-                Statement::Call { arguments, .. } => {
+                Statement::Call { function, arguments, result } => {
+                    let is_same = self.of_functions.get(function.index()).copied().unwrap_or_default();
+                    let is_same = is_same && arguments.iter().all(|&argument| self.is_same(argument));
+                    if let Some(result) = result.filter(|_| !is_same) {
+                        self.changed |= std::mem::take(&mut self.results[result.index()]);
+                    }
                     // A function may store what is pointed to.
                     arguments.iter().for_each(|&argument| self.differs(argument));
                     None
@@ -153,8 +189,20 @@ impl Threads<'_> {
                 let argument = self.function.arguments.get(*index as usize);
                 let binding = argument.and_then(|argument| argument.binding.as_ref());
                 let of_group = [BuiltIn::WorkGroupId, BuiltIn::NumWorkGroups].map(Binding::BuiltIn);
-                self.is_entry && binding.is_some_and(|binding| of_group.contains(binding))
+                match self.arguments {
+                    Arguments::BuiltIn => binding.is_some_and(|binding| of_group.contains(binding)),
+                    // What a pointer leads to, and what a texture has, is not known.
+                    Arguments::Same => argument.is_some_and(|argument| {
+                        let inner = &self.module.types[argument.ty].inner;
+                        !matches!(
+                            inner,
+                            TypeInner::Pointer { .. } | TypeInner::ValuePointer { .. } | TypeInner::Image { .. }
+                        )
+                    }),
+                    Arguments::Unknown => false,
+                }
             }
+            Expression::CallResult(_) => self.results[at.index()],
             Expression::GlobalVariable(global) => {
                 let global = &self.module.global_variables[*global];
                 match global.space {
@@ -203,6 +251,10 @@ mod tests {
         let source = format!(
             "@group(0) @binding(0) var<uniform> size: vec4u;\nvar<workgroup> row: array<u32, 64>;\n\
              fn inner() {{ workgroupBarrier(); }}\n\
+             fn at(block: u32) -> u32 {{ var sum = size.z; for (var i = 0u; i < block; i++) {{ sum += 2u; }} return sum; }}\n\
+             fn of_row(block: u32) -> u32 {{ return row[block]; }}\n\
+             fn early(block: u32) -> u32 {{ if (row[block] == 1u) {{ return 1u; }} return 2u; }}\n\
+             fn through(n: ptr<function, u32>) -> u32 {{ return *n; }}\n\
              @compute @workgroup_size(64) fn main(@builtin(local_invocation_index) lane: u32, \
              @builtin(workgroup_id) group: vec3u) {{\n{body}\n}}"
         );
@@ -221,6 +273,7 @@ mod tests {
             "if (lane < size.x) { row[lane] = 1u; } workgroupBarrier();",
             "var now = 0u; for (var i = 0u; i < 6u; i++) { workgroupBarrier(); now = 1u - now; } if (now == 1u) { inner(); }",
             "switch group.x { case 0u: { workgroupBarrier(); } default: {} }",
+            "let block = at(group.x); if (block > size.y) { return; } workgroupBarrier();",
         ] {
             assert_eq!(found(body), None, "{body}");
         }
@@ -237,6 +290,10 @@ mod tests {
             "var n = 1u; if (lane == 0u) { n = 2u; } for (var i = 0u; i < n; i++) { workgroupBarrier(); }",
             "var n = size.x; for (var i = 0u; i < 2u; i++) { if (n == 7u) { workgroupBarrier(); } n = lane; }",
             "if (row[0] == 1u) { workgroupBarrier(); }",
+            "if (at(lane) > size.y) { return; } workgroupBarrier();",
+            "if (of_row(group.x) > size.y) { return; } workgroupBarrier();",
+            "if (early(group.x) > size.y) { return; } workgroupBarrier();",
+            "var n = group.x; if (through(&n) > size.y) { return; } workgroupBarrier();",
             "for (var i = 0u; i < 9u; i++) { if (i == lane) { return; } } workgroupBarrier();",
         ] {
             assert_eq!(found(body).as_deref(), Some("workgroupBarrier"), "{body}");

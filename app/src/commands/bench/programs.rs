@@ -10,7 +10,6 @@ use raystep_lab::human::time;
 use raystep_lab::meter::{Meter, Times, Turns, Valid, in_turn};
 use raystep_lab::text::aligned;
 use raystep_lab::tidy::SCHEMA_VERSION;
-use raystep_scenes::Scene;
 use serde::Serialize;
 
 use super::output::{RUNS, SUMMARY};
@@ -185,9 +184,8 @@ type KernelTime = (&'static str, usize, Option<u64>);
 /// The times of kernels in one more run, in which every pass is timed.
 fn of_kernels(running: &Running) -> Result<Vec<KernelTime>, Error> {
     let options = Options { timings: true, ..running.options.clone() };
-    let (scene, machine): (&Scene, _) = (&running.scene, &running.chosen);
-    let (plan, data) = machine.wait(Plan::on(scene, &options, &machine.device))?;
-    let mut renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device))?;
+    let machine = &running.chosen;
+    let mut renderer = machine.wait(running.renderer.another(&options, &machine.device))?;
     machine.wait(renderer.run(|_| ControlFlow::Continue(())))?;
     let mut all: Vec<KernelTime> = Vec::new();
     for pass in renderer.passes() {

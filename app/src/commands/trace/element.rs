@@ -34,7 +34,7 @@ pub(super) fn run(
         progress.stage(&format!("following the element, pass {passes}"));
         true
     };
-    let history = element_history(&chosen.device, planned, &options, [pixel.x, pixel.y], usize::MAX, told);
+    let history = element_history(&chosen.device, planned, &options, [pixel.x, pixel.y], told);
     let history = chosen.wait(history).map_err(Error::failed)?;
     progress.finish();
     print(&match format {

@@ -7,7 +7,7 @@ use raystep_kernels::export::program::ExportError;
 use raystep_kernels::options::folder::FolderError;
 use raystep_kernels::options::replacement::Replacement;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::{Device, Options, RaySource, RenderError, Renderer};
+use raystep_kernels::{Device, Options, RenderError, Renderer};
 use raystep_scenes::Scene;
 
 use super::{Task, Verdict, View, ViewError};
@@ -53,9 +53,7 @@ pub(super) async fn check_kernel(
     by: &Arc<Replacement>,
     device: &Device,
 ) -> Result<Found, CheckError> {
-    let scene = view.scene()?;
-    let rays = RaySource::Camera { camera: view.camera(&scene)?, width: view.size.width, height: view.size.height };
-    let own = Options::new(rays).chosen(&task.choices(view)?);
+    let (scene, own) = task.run(view)?;
     let options = Options { replaced: vec![by.clone()], ..own.clone() };
     let outcome = match check(&scene, &options, device, task.may_round || device.is_gpu()).await {
         Ok(outcome) => outcome,

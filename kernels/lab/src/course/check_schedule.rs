@@ -8,7 +8,7 @@ use raystep_kernels::options::folder::Folder;
 use raystep_kernels::options::replacement::Replacement;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::programs::own;
-use raystep_kernels::{Device, Options, RaySource, RenderError, Renderer, ScheduleKind};
+use raystep_kernels::{Device, Options, RenderError, Renderer, ScheduleKind};
 use raystep_scenes::Scene;
 
 use super::check::{CheckError, Found};
@@ -32,10 +32,8 @@ pub(super) async fn check_schedule(
     by: &Arc<Replacement>,
     device: &Device,
 ) -> Result<Found, CheckError> {
-    let scene = view.scene()?;
-    let rays = RaySource::Camera { camera: view.camera(&scene)?, width: view.size.width, height: view.size.height };
-    let choices = task.choices(view)?;
-    let second = Options { schedule: ScheduleKind::Second, ..Options::new(rays.clone()).chosen(&choices) };
+    let (scene, second) = task.run(view)?;
+    let second = Options { schedule: ScheduleKind::Second, ..second };
     let ours = ran(&scene, &second, device).await?;
 
     let (plan, data) = Plan::on(&scene, &second, device).await?;
@@ -51,7 +49,7 @@ pub(super) async fn check_schedule(
     if let Err(mistake) = own::read(&folder) {
         return told(mistake.message.clone(), mistake.place.line, mistake.place.column);
     }
-    let options = Options { folder: Some(folder), ..Options::new(rays) };
+    let options = Options { folder: Some(folder), ..Options::new(second.rays) };
     let theirs = match ran(&scene, &options, device).await {
         Ok(theirs) => theirs,
         Err(error @ (RenderError::Plan(_) | RenderError::Endless { .. })) => return told(error.to_string(), 0, 0),

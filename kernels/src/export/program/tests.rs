@@ -116,10 +116,14 @@ fn tracers_are_the_same_from_their_folder() {
 }
 
 #[test]
-fn a_sort_is_the_same_from_its_folder() {
+fn a_sort_and_a_build_are_the_same_from_their_folder() {
     let scene = room();
     let sort = Options { program: ProgramName::Sort, elements: 300, ..options(&scene, 4, 4) };
     is_the_same(&scene, &sort, 1000);
+    for accelerator in [Accelerator::Grid, Accelerator::Irregular] {
+        let build = Options { program: ProgramName::GridBuild, accelerator, ..options(&scene, 4, 4) };
+        is_the_same(&scene, &build, 1000);
+    }
 }
 
 #[test]
@@ -129,7 +133,4 @@ fn what_a_folder_cannot_say_is_refused() {
     let (plan, data) = Plan::new(&scene, &options(&scene, 4, 4), &Limits::CPU).expect("a plan");
     let error = program(&plan, &data, &given, None).expect_err("refused");
     assert_eq!(error.to_string(), "a run of rays that a file has cannot be a folder");
-    let build = Options { program: ProgramName::GridBuild, ..options(&scene, 4, 4) };
-    let error = program(&plan, &data, &build, None).expect_err("refused");
-    assert_eq!(error.to_string(), "the build of a grid cannot be a folder");
 }

@@ -7,6 +7,7 @@ mod reader;
 mod scene;
 mod start;
 mod steps;
+mod streams;
 mod tables;
 
 use std::sync::{Arc, Mutex, PoisonError};
