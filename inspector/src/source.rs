@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use raystep_kernels::Kernel;
 use raystep_kernels::options::features::Features;
-use raystep_kernels::shader::{Variant, own_source};
+use raystep_kernels::shader::{FileLine, Sourced, Variant, own_source};
 
 pub use words::Class;
 
@@ -72,6 +72,17 @@ pub fn in_composed(variant: &Variant, features: &Features) -> Vec<Option<usize>>
     let text = file(variant.kernel, Some(variant), features);
     let marks = marks::marks(variant.kernel.info().name, &text, Some(&variant.source), features);
     functions::in_composed(&text, &marks, &variant.source)
+}
+
+/// The line of a kernel's files that a line of its composed source is, from 0; `None` if it is in none of their functions.
+#[must_use]
+pub fn in_files(of: &Sourced, variant: &Variant, features: &Features, line: usize) -> Option<FileLine> {
+    of.files.iter().enumerate().find_map(|(file, source)| {
+        let marks = marks::marks(&source.module, &source.text, Some(&variant.source), features);
+        let placed = functions::in_composed(&source.text, &marks, &variant.source);
+        let at = placed.iter().position(|placed| *placed == Some(line))?;
+        Some(FileLine { file, line: at + 1 })
+    })
 }
 
 /// The lines of a function, from its head to its closing brace.

@@ -6,7 +6,7 @@ use raystep_kernels::Kernel;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::shader::{FileLine, Sourced};
 use raystep_lab::passed::{Code, Failure};
-use raystep_lab::stops::{Outcome, StopsError};
+use raystep_lab::stops::{Outcome, StopsError, statement};
 
 use crate::error::Error;
 use crate::usage::{did_you_mean, or};
@@ -100,7 +100,7 @@ impl SourceLine {
             }
             [_] => {
                 let (of, at, _) = found.remove(0);
-                let statement = of.statement(at).ok_or_else(|| nothing(&of, at))?;
+                let statement = statement(&of, at).map_err(|error| Error::usage(format!("--at {error}")))?;
                 Ok((of, at, statement))
             }
             several => {
@@ -113,14 +113,6 @@ impl SourceLine {
             }
         }
     }
-}
-
-fn nothing(of: &Sourced, at: FileLine) -> Error {
-    let lines = of.statement_lines(at.file);
-    let near = lines.iter().find(|&&line| line > at.line).or(lines.last());
-    let near = near.map_or_else(String::new, |line| format!("; the next is in line {line}"));
-    let (file, kernel) = (&of.files[at.file].name, of.variant.kernel.name());
-    Error::usage(format!("--at {file}:{}: no statement of {kernel} begins in this line{near}", at.line))
 }
 
 /// What is wrong with an element, with its place.

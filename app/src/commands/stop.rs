@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use raystep_kernels::shader::{Sourced, Stop};
-use raystep_lab::stops::{Outcome, PASSES, find};
+use raystep_lab::stops::{Outcome, PASSES, Told, find};
 use raystep_lab::text::counted;
 
 use super::source_line::{SourceLine, code, no_pass, of_stops};
@@ -16,7 +16,6 @@ use crate::error::Error;
 use crate::output::{Target, ending, refuse_inputs, write};
 use crate::session::Session;
 use crate::terminal::{Progress, print};
-use result::Shown;
 
 /// Find the elements that come to a line of a kernel, or for which a condition holds there
 ///
@@ -97,13 +96,13 @@ pub(crate) fn run(args: &StopArgs) -> Result<(), Error> {
         other => return Err(no_pass(&of, args.pass, &other)),
     };
     let names = stopping.watched.first().map_or(&[][..], Vec::as_slice);
-    let shown =
-        Shown { found: &found, of: &of, at, when: args.when.as_deref(), names, watched: code.interpreter().watched(0) };
+    let told =
+        Told { found: &found, of: &of, at, when: args.when.as_deref(), names, watched: code.interpreter().watched(0) };
     if let Some(target) = target {
-        let bytes = shown.file(target.path())?;
+        let bytes = result::file(&told, target.path())?;
         write(vec![(target, bytes)])?;
     }
-    print(&shown.words())?;
+    print(&result::words(&told))?;
     match found.held().next() {
         Some(_) => Ok(()),
         None => Err(Error::failed(format!("no element stops in pass {}", found.pass))),

@@ -1,13 +1,16 @@
 //! The streams before a pass: one ray's at once from the CPU reference kernels where they tell the run's own, else from
-//! the session, which goes there and comes back.
+//! the session, which goes there and comes back; and passes in which an element stops.
 
 use std::pin::Pin;
 use std::task::{Context, Poll};
 
 use raystep_kernels::export::trace::RunSoFar;
-use raystep_kernels::{Region, RenderError, Stream, StreamData};
+use raystep_kernels::{RenderError, Stream};
+use raystep_lab::passed::{Before, Begun, Code};
+use raystep_lab::stops::{self, StopsError};
 
-use super::{HistorySource, Model, Session, Target, go_on};
+use super::travel::Guide;
+use super::{HistorySource, Model, OnProgress, Session, Target, go_on};
 use crate::settings::DeviceKind;
 
 impl Model {
@@ -29,32 +32,52 @@ impl Model {
 }
 
 impl Session {
-    /// Reads streams, or one pixel of them, before a pass, and returns to the current place.
+    /// What a pass began with in these streams, read on the way; the session returns to the current place. `None` if the run
+    /// has no such pass.
     ///
     /// # Errors
-    /// If the plan left a stream out, there is no such pixel, or the device fails.
-    pub async fn streams_before(
-        &mut self,
-        pass: usize,
-        streams: &[Stream],
-        pixel: Option<[u32; 2]>,
-    ) -> Result<Vec<StreamData>, RenderError> {
+    /// If the plan left a stream out, or the device fails.
+    pub async fn begun(&mut self, pass: usize, streams: &[Stream]) -> Result<Option<Begun>, RenderError> {
         let here = self.place();
         self.step(Target::Pass(pass), &mut go_on).await?;
-        let read = self.read(streams, pixel).await;
+        let before = Before::read(&self.renderer, streams).await?;
+        self.step(Target::Pass(pass + 1), &mut go_on).await?;
+        let begun = before.and_then(|before| before.begun(&self.renderer)).filter(|begun| begun.pass.index == pass);
         self.step(Target::Pass(here), &mut go_on).await?;
-        read
+        Ok(begun)
     }
 
-    async fn read(&self, streams: &[Stream], pixel: Option<[u32; 2]>) -> Result<Vec<StreamData>, RenderError> {
-        let mut all = Vec::with_capacity(streams.len());
-        for &stream in streams {
-            all.push(match pixel {
-                Some([x, y]) => self.region(stream, Region { x, y, width: 1, height: 1 }).await?,
-                None => self.stream(stream).await?,
-            });
+    /// Runs to the next pass in which an element stops, after which the session then is; if there is none, it returns.
+    ///
+    /// # Errors
+    /// If the device fails, an element cannot be interpreted, or `progress` stops it: with the place reached.
+    pub async fn run_to_stop(
+        &mut self,
+        code: &Code,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<stops::Outcome, StopsError> {
+        let mut guide = Guide::new(progress);
+        let here = self.place();
+        let (mut passes, mut reached) = (0, 0);
+        while let Some(kernel) = self.renderer.next_kernel() {
+            guide.check(self.place())?;
+            let before = match kernel == code.kernel() {
+                true => Before::read(&self.renderer, code.streams()).await?,
+                false => None,
+            };
+            self.go(self.place() + 1, &mut guide).await?;
+            let Some(begun) = before.and_then(|before| before.begun(&self.renderer)) else { continue };
+            let found = stops::of_pass(code, &begun, self.renderer.data())?;
+            if found.held().next().is_some() {
+                return Ok(stops::Outcome::Stopped(found));
+            }
+            passes += 1;
+            reached += found.elements.len() as u64;
+            pause().await;
         }
-        Ok(all)
+        let of = self.place();
+        self.go(here, &mut guide).await?;
+        Ok(stops::Outcome::Never { passes, of, reached, is_cut: false })
     }
 }
 

@@ -1,10 +1,11 @@
-//! Which rays of a pass took a branch: a mask over the image.
+//! Which rays of a pass took a branch, or stop at a line: a mask over the image.
 
 use egui::Color32;
 use raystep_kernels::interpret::Outcomes;
 use raystep_kernels::named;
 use raystep_lab::divergence::Fate;
 use raystep_lab::human::grouped;
+use raystep_lab::stops::StoppedPass;
 use raystep_lab::text::counted;
 
 /// How a condition came out for a ray.
@@ -43,6 +44,15 @@ impl Outcome {
             (_, true, _) => Self::Differs,
             (.., true) => Self::Taken,
             (.., false) => Self::NotTaken,
+        }
+    }
+
+    /// What it is called where elements stop at a line, and what it means there.
+    fn of_stop(self) -> [&'static str; 2] {
+        match self {
+            Self::Taken => ["stops", "the condition held for these elements, at least once"],
+            Self::NotTaken => ["comes to the line", "these elements come to the line, but the condition never held"],
+            _ => ["not reached", "these elements do not come to the line"],
         }
     }
 
@@ -88,7 +98,7 @@ impl Outcome {
     }
 }
 
-/// A condition in a pass, for all rays.
+/// A condition in a pass, or a stop at a line, for all rays.
 #[derive(Clone, Debug)]
 pub struct Mask {
     /// The generation of its run.
@@ -110,6 +120,8 @@ pub struct Mask {
     /// Of the rays that f64 decides otherwise: how many take another path after the pass in f64, with the same hit, and
     /// how many have another hit; if that is known.
     pub in_f64: Option<[u64; 2]>,
+    /// Whether it is about a stop.
+    pub is_stop: bool,
 }
 
 impl Mask {
@@ -130,9 +142,25 @@ impl Mask {
         let taken = outcomes.iter().flatten().filter(is_taken).count() as u64;
         let count = |outcome: Outcome| rays.iter().filter(|ray| **ray == outcome).count() as u64;
         let counts = Outcome::DRAWN.map(count);
-        Self { generation, place, what, size, processed, taken, counts, rays, in_f64: None }
+        Self { generation, place, what, size, processed, taken, counts, rays, in_f64: None, is_stop: false }
+    }
+
+    /// The mask of the elements that stop at a line.
+    #[must_use]
+    pub fn of_stop((generation, place): (u64, usize), what: String, found: &StoppedPass) -> Self {
+        let mut rays = vec![Outcome::Waiting; found.size.texels() as usize];
+        for (element, stopped) in &found.elements {
+            if let Some(ray) = rays.get_mut(*element) {
+                *ray = if stopped.held > 0 { Outcome::Taken } else { Outcome::NotTaken };
+            }
+        }
+        let size = [found.size.width, found.size.height];
+        let (processed, taken) = (found.elements.len() as u64, found.held().count() as u64);
+        let counts = [taken, processed - taken, 0, 0];
+        Self { generation, what, place, size, rays, processed, taken, counts, in_f64: None, is_stop: true }
     }
 }
+
 
 impl Mask {
     /// With how each ray fares in f64 in this pass.
@@ -145,9 +173,23 @@ impl Mask {
         Self { in_f64, ..self }
     }
 
+    /// What an outcome is called, and what it means.
+    #[must_use]
+    pub fn words(&self, outcome: Outcome) -> [&'static str; 2] {
+        if self.is_stop { outcome.of_stop() } else { [outcome.name(), outcome.meaning()] }
+    }
+
     /// How many rays took the branch, whether f64 would, and whether that changes a hit.
     #[must_use]
     pub fn sentence(&self) -> String {
+        if self.is_stop {
+            let stop = counted(self.taken, "element");
+            let verb = if self.taken == 1 { "stops" } else { "stop" };
+            return match self.processed - self.taken {
+                0 => format!("{stop} {verb} at this line."),
+                _ => format!("{stop} {verb} at this line, of {} that came to it.", grouped(self.processed)),
+            };
+        }
         let [.., differing, _] = self.counts;
         let taken = format!("{} of {} took this branch", grouped(self.taken), counted(self.processed, "ray"));
         if differing == 0 {

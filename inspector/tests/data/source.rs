@@ -1,6 +1,6 @@
 //! A kernel's source, line by line.
 
-use raystep_inspector::source::{Class, Mark, composed, in_composed, kernel_files, lines};
+use raystep_inspector::source::{Class, Mark, composed, in_composed, in_files, kernel_files, lines};
 use raystep_kernels::programs::closest_hit::PROGRAM;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Accelerator, Device, Kernel, Limits, Plan, Renderer, ScheduleKind};
@@ -26,6 +26,27 @@ fn lines_are_the_text_and_spans_are_the_whole_line() {
     let classes: Vec<_> = spans.iter().map(|(_, class)| *class).collect();
     use Class::{Comment, Keyword, Number, Plain};
     assert_eq!(classes, [Comment, Plain, Keyword, Plain, Number, Plain]);
+}
+
+#[test]
+fn a_line_of_the_composed_source_is_one_of_the_kernels_files() {
+    let scene = generate::cornell_box();
+    let options = options(&scene, Accelerator::Grid, ScheduleKind::Second, [3, 2]);
+    let (plan, _) = Plan::new(&scene, &options, &Limits::CPU).expect("a plan");
+    let (mut found, mut of_others) = (0, 0);
+    for variant in &plan.variants {
+        let of = plan.sourced(variant.kernel).expect("valid").expect("a part of the plan");
+        for (line, text) in variant.source.lines().enumerate() {
+            let Some(at) = in_files(&of, variant, &plan.features, line) else {
+                let is_statement = text.starts_with("    ") && text.trim_end().ends_with(';');
+                assert!(!is_statement, "{}:{}: {text}", variant.kernel.name(), line + 1);
+                continue;
+            };
+            assert!(of.text_of(at).trim().ends_with(text.trim()), "{}: {text}", of.text_of(at));
+            (found, of_others) = (found + 1, of_others + usize::from(at.file > 0));
+        }
+    }
+    assert!(found > 200 && of_others > 100, "{found} {of_others}");
 }
 
 #[test]

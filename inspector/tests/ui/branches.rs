@@ -187,3 +187,60 @@ fn a_program_without_rays_says_that_it_cannot_be_interpreted() {
     assert_eq!(stage.harness.state().layout(), "Step");
     assert!(stage.reads("its elements read each other"), "{}", stage.read_out());
 }
+
+#[test]
+fn elements_that_stop_at_a_line_are_counted_and_the_run_goes_to_the_next_pass_with_one() {
+    let mut stage = stage(Settings { device: DeviceKind::Cpu, ..Settings::default() });
+    let pass = stage.place() - 1;
+    let line = kernels::INTERSECT.info().wgsl.lines().position(|line| line.contains("if (candidate.is_hit && accepted)"));
+    let line = line.expect("the line") + 1;
+    stage.fill("Stop at", &format!("intersect.wgsl:{line}"));
+    stage.fill("when", "candidate.is_hit && accepted");
+    stage.click(Role::Button, "this pass");
+    stage.settle();
+    let told = |stage: &Stage| {
+        let text = |node: &egui_kittest::Node<'_>| node.accesskit_node().label().or(node.accesskit_node().value());
+        let found = stage.nodes().iter().filter_map(text).find(|text| text.contains(" come here, "));
+        found.unwrap_or_else(|| panic!("nothing is told:\n{}", stage.read_out()))
+    };
+    let first = told(&stage);
+    let begin = format!("pass {pass}, intersect, intersect.wgsl:{line}: ");
+    assert!(first.starts_with(&begin) && first.contains("candidate.is_hit && accepted holds for "), "{first}");
+    // As many as the branch has, of which the mask is shown.
+    go_to(&mut stage, "candidate.is_hit && accepted");
+    let branch = masked(&mut stage);
+    let count = |text: &str| text.rsplit(' ').next().and_then(|word| word.replace(',', "").parse::<u64>().ok());
+    let held = count(&first).expect("a number");
+    assert!(branch.starts_with(&format!("{} of ", grouped(held))), "{branch} {first}");
+    assert!(held > 0 && stage.find(Role::Button, |name| name.contains(',')).is_some(), "{}", stage.read_out());
+
+    stage.click(Role::Button, "next pass");
+    stage.settle();
+    let model = stage.harness.state().model();
+    assert_eq!(model.last_pass().map(|pass| pass.kernel), Some(kernels::INTERSECT));
+    assert!(stage.place() > pass + 1);
+    let next = told(&stage);
+    assert!(next.starts_with(&format!("pass {}, ", stage.place() - 1)) && count(&next) > Some(0), "{next}");
+    assert!(stage.reads(" at this line"), "{}", stage.read_out());
+    stage.click(Role::Button, "Remove mask");
+
+    for (field, text, wrong) in [
+        ("when", "candidate.is_hot", "condition, column 11: "),
+        ("Stop at", "intersect.wgsl:1", "intersect.wgsl:1: no statement of intersect begins in this line; the next is in line "),
+        ("Stop at", "other.wgsl:7", "other.wgsl: intersect has no such file; its files are intersect.wgsl, "),
+        ("Stop at", "here", "here: expected a line, such as intersect.wgsl:20"),
+    ] {
+        stage.fill(field, text);
+        stage.click(Role::Button, "this pass");
+        stage.settle();
+        assert!(stage.reads(wrong), "{wrong}:\n{}", stage.read_out());
+    }
+    // None stops: the run stays where it is.
+    let place = stage.place();
+    stage.fill("Stop at", &line.to_string());
+    stage.fill("when", "candidate.t < -1.0");
+    stage.click(Role::Button, "next pass");
+    stage.settle();
+    assert!(stage.reads("No element stops from here on, of "), "{}", stage.read_out());
+    assert_eq!(stage.place(), place);
+}

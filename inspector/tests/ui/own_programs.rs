@@ -1,6 +1,6 @@
 //! A program of the user's: it is opened as scenes are, stepped, shown, and run again when one of its files is saved.
 
-use egui::Theme;
+use egui::{Role, Theme};
 use raystep_inspector::command::{Command, Layout, PaneKind};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::Arrival;
@@ -53,6 +53,29 @@ fn every_pass_of_a_program_is_shown_on_dark() {
 #[test]
 fn every_pass_of_a_program_is_shown_on_light() {
     is_shown(Theme::Light, "own-program-light");
+}
+
+#[test]
+fn the_kernel_shows_what_the_selected_element_did_and_which_elements_stop() {
+    let mut stage = Stage::new(Plan { size: [1180.0, 760.0], ..Plan::default() });
+    let arrival = Arrival { pixel: Some([3, 5]), place: Some(20), ..Arrival::default() };
+    stage.open(PROGRAM, Settings::default(), arrival);
+    stage.perform(Command::Arrange(Layout::Step));
+    stage.perform(Command::Show(PaneKind::Kernel));
+    assert!(stage.find(Role::Button, |name| name == "replace…").is_none(), "{}", stage.read_out());
+    // Its elements read each other: all threads are interpreted.
+    assert!(stage.reads("Branch 1 of ") && stage.reads("any(id.xy >= size)"), "{}", stage.read_out());
+    stage.fill("Stop at", "generation.wgsl:21");
+    stage.fill("when", "lives");
+    stage.click(Role::Button, "this pass");
+    stage.settle();
+    let alive = {
+        let model = stage.harness.state().model();
+        let opened = model.opened.as_ref().expect("a run");
+        format!("of {} ", opened.plan.width * opened.plan.height)
+    };
+    assert!(stage.reads("pass 19, generation, ") && stage.reads(&alive), "{}", stage.read_out());
+    assert!(stage.reads("lives holds for "), "{}", stage.read_out());
 }
 
 #[test]

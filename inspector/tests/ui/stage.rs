@@ -205,6 +205,15 @@ impl Stage {
         self.event(Event::Text(text.into()));
     }
 
+    /// Writes into the field with this name.
+    pub(crate) fn fill(&mut self, name: &str, text: &str) {
+        self.get(Role::TextInput, name).focus();
+        self.frame();
+        self.key(Modifiers::COMMAND, Key::A);
+        self.text(text);
+        self.frame();
+    }
+
     /// Types into the open dialog and confirms it.
     pub(crate) fn answer(&mut self, text: &str) {
         self.frame();

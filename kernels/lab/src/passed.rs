@@ -179,12 +179,15 @@ impl Code {
 }
 
 impl Begun {
-    fn element(&self, texel: [u32; 2]) -> Element {
+    /// An element, for the interpreter.
+    #[must_use]
+    pub fn element(&self, texel: [u32; 2]) -> Element {
         Element { texel, size: [self.size.width, self.size.height] }
     }
 
     /// An element's components; 0 where a stream has none.
-    fn texels(&self, [x, y]: [u32; 2]) -> Vec<u32> {
+    #[must_use]
+    pub fn texels(&self, [x, y]: [u32; 2]) -> Vec<u32> {
         let own = self.streams.iter().flat_map(|data| (0..data.stream.layers()).map(move |layer| (data, layer)));
         let at = |data: &StreamData| y as usize * data.width as usize + x as usize;
         own.map(|(data, layer)| data.layer(layer).get(at(data)).copied().unwrap_or_default()).collect()
@@ -197,31 +200,52 @@ impl Begun {
     }
 }
 
+/// Streams as the next pass of a run will find them.
+#[derive(Clone, Debug)]
+pub struct Before(Vec<(Stream, Option<StreamData>)>);
+
+impl Before {
+    /// Reads them; `None` at the end of the run.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn read(renderer: &Renderer, streams: &[Stream]) -> Result<Option<Self>, RenderError> {
+        let Some(kernel) = renderer.next_kernel() else { return Ok(None) };
+        let instance = kernel.instance();
+        let mut before = Vec::new();
+        for &stream in streams {
+            let pairs = instance.copies.iter().chain(instance.adopts);
+            let from = pairs.clone().find(|(to, _)| *to == stream).map_or(stream, |(_, from)| *from);
+            let is_new = instance.renews.iter().any(|set| set.name == stream.info().elements.name);
+            let is_known = renderer.size(from.info().elements).is_some() && !(is_new && from == stream);
+            let values = if is_known { Some(renderer.values(from).await?) } else { None };
+            before.push((stream, values.map(|values| StreamData { stream, ..values })));
+        }
+        Ok(Some(Self(before)))
+    }
+
+    /// What the pass began with, once it has run.
+    #[must_use]
+    pub fn begun(self, renderer: &Renderer) -> Option<Begun> {
+        let pass = renderer.last_pass()?;
+        let size = renderer.size(pass.kernel.instance().over)?;
+        let data = self.0.into_iter().map(|(stream, before)| {
+            let size = renderer.size(stream.info().elements);
+            let is_as_large =
+                |data: &StreamData| size.is_none_or(|size| [data.width, data.height] == [size.width, size.height]);
+            before.filter(is_as_large).unwrap_or_else(|| unwritten(stream, size))
+        });
+        Some(Begun { size, streams: data.collect(), pass })
+    }
+}
+
 /// Runs the next pass of a run, and returns what it began with; `None` at the end.
 ///
 /// # Errors
 /// If the device fails.
 pub async fn step(renderer: &mut Renderer, streams: &[Stream]) -> Result<Option<Begun>, RenderError> {
-    let Some(kernel) = renderer.next_kernel() else { return Ok(None) };
-    let instance = kernel.instance();
-    let mut before = Vec::new();
-    for &stream in streams {
-        let pairs = instance.copies.iter().chain(instance.adopts);
-        let from = pairs.clone().find(|(to, _)| *to == stream).map_or(stream, |(_, from)| *from);
-        let is_new = instance.renews.iter().any(|set| set.name == stream.info().elements.name);
-        let is_known = renderer.size(from.info().elements).is_some() && !(is_new && from == stream);
-        let values = if is_known { Some(renderer.values(from).await?) } else { None };
-        before.push(values.map(|values| StreamData { stream, ..values }));
-    }
-    let Some(pass) = renderer.step().await? else { return Ok(None) };
-    let Some(size) = renderer.size(instance.over) else { return Ok(None) };
-    let data = streams.iter().zip(before).map(|(&stream, before)| {
-        let size = renderer.size(stream.info().elements);
-        let is_as_large =
-            |data: &StreamData| size.is_none_or(|size| [data.width, data.height] == [size.width, size.height]);
-        before.filter(is_as_large).unwrap_or_else(|| unwritten(stream, size))
-    });
-    Ok(Some(Begun { pass, size, streams: data.collect() }))
+    let Some(before) = Before::read(renderer, streams).await? else { return Ok(None) };
+    Ok(renderer.step().await?.and_then(|_| before.begun(renderer)))
 }
 
 /// A stream whose elements the pass has counted.

@@ -2,13 +2,18 @@
 //!
 //! The interpreter runs all elements of the pass, from the streams before it.
 
+mod told;
+
 use std::ops::ControlFlow;
 
 use raystep_kernels::interpret::Stopped;
+use raystep_kernels::shader::{FileLine, Sourced};
+use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::elements::Size;
 use raystep_kernels::{RenderError, Renderer};
 
 use crate::passed::{Begun, Code, Failure, step};
+pub use told::Told;
 
 /// Passes of the kernel that are interpreted at most.
 pub const PASSES: usize = 4096;
@@ -69,6 +74,33 @@ impl StoppedPass {
     }
 }
 
+/// No statement begins in a line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}:{line}: no statement of {kernel} begins in this line{}", next.map_or_else(String::new, |next| format!("; the next is in line {next}")))]
+pub struct NoStatement {
+    /// The file.
+    pub file: String,
+    /// The line, from 1.
+    pub line: usize,
+    /// The kernel.
+    pub kernel: &'static str,
+    /// The nearest line after it in which one begins, or the last of the file.
+    pub next: Option<usize>,
+}
+
+/// The statement that begins in a line.
+///
+/// # Errors
+/// If none does.
+pub fn statement(of: &Sourced, at: FileLine) -> Result<usize, NoStatement> {
+    of.statement(at).ok_or_else(|| {
+        let lines = of.statement_lines(at.file);
+        let next = lines.iter().find(|&&line| line > at.line).or(lines.last()).copied();
+        let file = of.files.get(at.file).map_or_else(String::new, |file| file.name.clone());
+        NoStatement { file, line: at.line, kernel: of.variant.kernel.name(), next }
+    })
+}
+
 /// Runs to a pass, and returns what it began with; or why there is none.
 ///
 /// # Errors
@@ -104,7 +136,7 @@ pub async fn find(
             Ok(begun) => begun,
             Err(outcome) => return Ok(outcome),
         };
-        return Ok(Outcome::Stopped(stopped(renderer, code, &begun)?));
+        return Ok(Outcome::Stopped(of_pass(code, &begun, renderer.data())?));
     }
     let (mut passes, mut reached) = (0, 0);
     while let Some(kernel) = renderer.next_kernel() {
@@ -120,7 +152,7 @@ pub async fn find(
         }
         let Some(begun) = step(renderer, code.streams()).await? else { break };
         passes += 1;
-        let found = stopped(renderer, code, &begun)?;
+        let found = of_pass(code, &begun, renderer.data())?;
         if found.held().next().is_some() {
             return Ok(Outcome::Stopped(found));
         }
@@ -129,9 +161,13 @@ pub async fn find(
     Ok(Outcome::Never { passes, of: renderer.pass_count(), reached, is_cut: false })
 }
 
-fn stopped(renderer: &Renderer, code: &Code, begun: &Begun) -> Result<StoppedPass, StopsError> {
+/// What elements do at the stop of a kernel in a pass.
+///
+/// # Errors
+/// If an element cannot be interpreted.
+pub fn of_pass(code: &Code, begun: &Begun, data: &SceneData) -> Result<StoppedPass, StopsError> {
     let pass = begun.pass.index;
-    let found = code.stopped(begun, renderer.data()).map_err(|failure| StopsError::Failed { pass, failure })?;
+    let found = code.stopped(begun, data).map_err(|failure| StopsError::Failed { pass, failure })?;
     let first = |(element, stopped): (usize, Vec<Stopped>)| {
         stopped.into_iter().next().filter(|stopped| stopped.reached > 0).map(|stopped| (element, stopped))
     };

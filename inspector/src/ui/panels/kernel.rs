@@ -1,10 +1,11 @@
-//! The kernel's WGSL: what ran for the selected ray in the current pass, the branch that decided, and which rays of the
-//! pass took it.
+//! The kernel's WGSL: what ran for the selected ray or element in the current pass, the branch that decided, which rays of the
+//! pass took it, and which elements stop at a line.
 //!
-//! Touches: display, asks.
+//! Touches: selection, display, asks.
 
 mod listing;
 mod run;
+mod stop;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -26,8 +27,9 @@ use crate::ui::pane::{Context, Panel, saves};
 use crate::ui::panels::walked::command_button;
 use crate::ui::style::strong;
 use crate::walk::row_after_passes;
-use listing::Listing;
-use run::{Heat, OneRay, PassKey, Runs};
+use listing::{Clicked, Listing};
+use run::{Heat, Looked, OneRay, PassKey, Runs};
+use stop::StopAt;
 
 /// What of the view is saved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, SmartDefault)]
@@ -46,9 +48,21 @@ struct Shown {
     kernel: Kernel,
     /// The ray's history, and the current row.
     row: Option<(Arc<Trace>, usize)>,
+    /// The selected element and the last pass, in a program whose elements have no history.
+    element: Option<([u32; 2], usize)>,
     composed: bool,
     /// The function to mark.
     code: Option<String>,
+}
+
+impl Shown {
+    /// The pass that is looked at.
+    fn pass(&self) -> Option<usize> {
+        match &self.row {
+            Some((history, row)) => history.rows.get(*row)?.pass,
+            None => self.element.map(|(_, pass)| pass),
+        }
+    }
 }
 
 impl PartialEq for Shown {
@@ -57,7 +71,7 @@ impl PartialEq for Shown {
             (Some((a, i)), Some((b, j))) => Arc::ptr_eq(a, b) && i == j,
             (a, b) => a.is_none() && b.is_none(),
         };
-        let key = |shown: &Self| (shown.generation, shown.edition, shown.kernel, shown.composed);
+        let key = |shown: &Self| (shown.generation, shown.edition, shown.kernel, shown.element, shown.composed);
         same_row && key(self) == key(other) && self.code == other.code
     }
 }
@@ -87,6 +101,9 @@ pub(in crate::ui) struct KernelView {
     selected: Option<usize>,
     /// Whether the branch's mask is shown once all rays are known.
     is_mask_wanted: bool,
+    /// Of each line of the listing, the line of the composed source that it is; `None` if they are the same.
+    placed: Option<Vec<Option<usize>>>,
+    stop: StopAt,
 }
 
 impl Panel for KernelView {
@@ -102,10 +119,18 @@ impl Panel for KernelView {
         self.head(ui, &shown, cx);
         ui.separator();
         let selected = self.branch().map(|branch| branch.site);
-        if let Some(site) = self.listing.show(ui, selected) {
-            let Known::Ray(OneRay { branches, .. }) = &self.known else { return };
-            self.selected = branches.reached.iter().position(|branch| branch.site == site);
-            self.show_mask(cx, false);
+        match self.listing.show(ui, selected) {
+            Some(Clicked::Site(site)) => {
+                let Known::Ray(OneRay { branches, .. }) = &self.known else { return };
+                self.selected = branches.reached.iter().position(|branch| branch.site == site);
+                self.show_mask(cx, false);
+            }
+            Some(Clicked::Line(line)) => {
+                if let Some(line) = self.composed_line(line) {
+                    self.stop.choose(cx.model, shown.kernel, line);
+                }
+            }
+            None => {}
         }
     }
 
@@ -127,7 +152,8 @@ impl Panel for KernelView {
 impl KernelView {
     /// Brings the lines up to date.
     fn update(&mut self, cx: &mut Context<'_>) -> Option<Shown> {
-        let shown = Shown { code: cx.display.code.clone(), ..self.what(cx.model)? };
+        let shown = Shown { code: cx.display.code.clone(), ..self.what(cx)? };
+        self.stop.listen(cx);
         let has_news = self.runs.listen(cx.model);
         if self.shown.as_ref() != Some(&shown) || has_news || matches!(self.known, Known::Waiting) {
             let is_same_pass =
@@ -151,7 +177,8 @@ impl KernelView {
     }
 
     /// The ray's last pass; without a ray the last pass of all, and before the first pass the next one.
-    fn what(&self, model: &Model) -> Option<Shown> {
+    fn what(&self, cx: &Context<'_>) -> Option<Shown> {
+        let model = &*cx.model;
         let row =
             model.history.as_ref().and_then(|history| Some((history.clone(), row_after_passes(history, model.place)?)));
         let of_row = row
@@ -160,21 +187,31 @@ impl KernelView {
         let kernel = of_row.or(model.last_pass().map(|pass| pass.kernel)).or(model.next)?;
         let row = row.filter(|_| of_row.is_some());
         let (generation, edition) = (model.generation, model.edition);
-        Some(Shown { generation, edition, kernel, row, composed: self.look.composed, code: None })
+        let element = cx.selection.pixel.filter(|_| !cx.has_rays()).zip(model.place.checked_sub(1));
+        Some(Shown { generation, edition, kernel, row, element, composed: self.look.composed, code: None })
     }
 
     fn know(&mut self, model: &mut Model, shown: &Shown) -> Known {
-        let Some((history, row)) = &shown.row else {
+        let of_row = |(history, row): &(Arc<Trace>, usize)| Some((history.pixel, history.rows.get(*row)?.pass));
+        let of_element = shown.element.map(|(texel, pass)| (texel, Some(pass)));
+        let Some((texel, pass)) = shown.row.as_ref().and_then(of_row).or(of_element) else {
             let opened = model.opened.clone();
-            let made = opened.map(|opened| self.runs.interpreter(model.generation, &opened, shown.kernel));
+            let made = opened.map(|opened| self.runs.code(model.generation, &opened, shown.kernel));
             // Without a ray, only what can never be interpreted is worth a word.
             return made.and_then(Result::err).map_or(Known::Nothing, |error| Known::Failed(error.to_string()));
         };
-        match self.runs.branches(model, history, *row) {
+        let Some(pass) = pass else { return Known::Failed("the index of this pass is not known yet".into()) };
+        let state = shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)).map(|row| &*row.after.state);
+        match self.runs.branches(model, &Looked { kernel: shown.kernel, pass, texel, state }) {
             None => Known::Waiting,
             Some(Err(error)) => Known::Failed(format!("not interpreted: {error}")),
             Some(Ok(ray)) => Known::Ray(ray),
         }
+    }
+
+    /// The line of the composed source that a line of the listing is.
+    fn composed_line(&self, line: usize) -> Option<usize> {
+        self.placed.as_ref().map_or(Some(line), |placed| placed.get(line).copied().flatten())
     }
 
     /// Fills the listing, and scrolls to the branch in view.
@@ -194,11 +231,8 @@ impl KernelView {
             }
             None => (source::kernel_files(shown.kernel, None, features), Some(Vec::new())),
         };
-        // The line of the composed source that a line is.
-        let there = |line: usize| match &placed {
-            None => Some(line),
-            Some(placed) => placed.get(line).copied().flatten(),
-        };
+        self.placed = placed;
+        let there = |line: usize| self.composed_line(line);
         if let Some(branches) = branches {
             for (at, line) in lines.iter_mut().enumerate().filter(|(_, line)| line.mark == Mark::Plain) {
                 line.mark = there(at).and_then(|at| branches.marks.get(at)).copied().unwrap_or_default();
@@ -228,8 +262,7 @@ impl KernelView {
         lines: usize,
         there: impl Fn(usize) -> Option<usize>,
     ) -> (HashMap<usize, Heat>, HashMap<usize, LineWork>) {
-        let pass = shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)?.pass);
-        let key = pass.map(|pass| PassKey { generation: model.generation, edition: model.edition, pass });
+        let key = shown.pass().map(|pass| PassKey { generation: model.generation, edition: model.edition, pass });
         let Some(all) = self.runs.all.as_ref().filter(|all| Some(all.key) == key) else {
             return Default::default();
         };
@@ -270,24 +303,26 @@ impl KernelView {
 
     /// Shows the branch's mask if all rays are known; otherwise asks for them if that is `wanted`.
     fn show_mask(&mut self, cx: &mut Context<'_>, wanted: bool) {
-        let Known::Ray(OneRay { interpreter, .. }) = &self.known else { return };
+        let Known::Ray(OneRay { code, .. }) = &self.known else { return };
         let (Some(branch), Some(key)) = (self.branch(), self.key(cx.model)) else { return };
         if let Some(all) = self.runs.all.as_ref().filter(|all| all.key == key) {
-            let kernel = interpreter.kernel().name();
+            if all.outcomes.is_empty() {
+                return;
+            }
+            let kernel = code.kernel().name();
             let what = format!("pass {}, {kernel}, line {}: {}", key.pass, branch.line + 1, branch.condition);
             let of = (key.generation, cx.model.place);
             let mask = Mask::new(of, what, all.size, &all.outcomes, branch.site).with_fates(all.fates.as_deref());
             cx.display.mask = Some(Arc::new(mask));
         } else if wanted && branch.site < MOST_SITES {
-            let interpreter = interpreter.clone();
-            self.runs.ask_for_all(cx.model, &interpreter, key);
+            let code = code.clone();
+            self.runs.ask_for_all(cx.model, &code, key);
             self.is_mask_wanted = true;
         }
     }
 
     fn key(&self, model: &Model) -> Option<PassKey> {
-        let (history, row) = self.shown.as_ref()?.row.as_ref()?;
-        let pass = history.rows.get(*row)?.pass?;
+        let pass = self.shown.as_ref()?.pass()?;
         Some(PassKey { generation: model.generation, edition: model.edition, pass })
     }
 
@@ -320,6 +355,7 @@ impl KernelView {
             None => drop(ui.weak(shown.kernel.info().summary)),
         }
         self.tell(ui, cx);
+        self.stop.show(ui, cx, shown.kernel, shown.pass().or(cx.model.place.checked_sub(1)));
     }
 
     /// Whether the kernel is a user's, and buttons to change that.
@@ -329,7 +365,10 @@ impl KernelView {
         if let Some(replaced) = &replaced {
             strong(ui, format!("from {}", replaced.by.short_name())).on_hover_text(&replaced.by.file);
         }
-        if replaced.is_some() || cx.display.kernel_error.is_some() {
+        let is_of_program = cx.model.opened.as_ref().is_some_and(|opened| opened.settings.folder.is_some());
+        if is_of_program {
+            // Its files are replaced by saving them.
+        } else if replaced.is_some() || cx.display.kernel_error.is_some() {
             command_button(ui, cx.asks, Command::BuiltInKernels, "built-in");
         } else {
             command_button(ui, cx.asks, Command::ReplaceKernel, "replace…");

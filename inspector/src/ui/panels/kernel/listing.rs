@@ -41,6 +41,14 @@ struct Note {
     differs: bool,
 }
 
+/// What was clicked.
+pub(super) enum Clicked {
+    /// The condition of a branch.
+    Site(usize),
+    /// The number of a line, by its index.
+    Line(usize),
+}
+
 /// Lines of a source.
 #[derive(Default)]
 pub(super) struct Listing {
@@ -143,8 +151,8 @@ impl Listing {
         self.lines.iter().flat_map(|line| [line.text.as_str(), "\n"]).collect()
     }
 
-    /// Shows it; returns the branch that was clicked.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui, selected: Option<usize>) -> Option<usize> {
+    /// Shows it; returns what was clicked.
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, selected: Option<usize>) -> Option<Clicked> {
         let font = TextStyle::Monospace.resolve(ui.style());
         let height = ui.text_style_height(&TextStyle::Monospace) + 2.0;
         let character = ui.fonts_mut(|fonts| fonts.glyph_width(&font, '0'));
@@ -173,7 +181,7 @@ impl Listing {
                 ui.horizontal(|ui| {
                     ui.set_height(height);
                     ui.spacing_mut().item_spacing.x = 0.0;
-                    let (gutter, _) = ui.allocate_exact_size(vec2(margin, height), Sense::hover());
+                    let (gutter, number) = ui.allocate_exact_size(vec2(margin, height), Sense::click());
                     match row {
                         Row::Line(at) => {
                             let Some(line) = self.lines.get(*at) else { return };
@@ -186,6 +194,9 @@ impl Listing {
                                 paint_heat(ui, gutter, heat);
                             }
                             paint_gutter(ui, gutter, at + 1, line.mark, &font);
+                            if number.on_hover_text("click to look for elements that stop in this line").clicked() {
+                                clicked = Some(Clicked::Line(*at));
+                            }
                             let job = job(line, &font, ui.visuals(), is_marked);
                             let response = ui.add(egui::Label::new(job).selectable(true).extend());
                             let cost = self.work.get(at).map(told);
@@ -210,7 +221,7 @@ impl Listing {
                             }
                             let label = egui::Label::new(text).sense(Sense::click()).selectable(false).extend();
                             if ui.add(label).on_hover_text("click to look at this branch").clicked() {
-                                clicked = Some(*site);
+                                clicked = Some(Clicked::Site(*site));
                             }
                         }
                     }

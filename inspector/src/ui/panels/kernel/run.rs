@@ -1,13 +1,17 @@
-//! The selected ray in the current row's pass, interpreted; and all rays of the pass.
+//! The selected ray or element in a pass, interpreted; and all of them.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use raystep_kernels::export::trace::Trace;
-use raystep_kernels::interpret::{Element, InterpretError, Interpreter, LineWork, MOST_SITES, Many, Outcomes};
+use raystep_kernels::interpret::{
+    Element, InterpretError, Interpreter, LineWork, MOST_SITES, Many, Outcomes, Recording,
+};
 use raystep_kernels::program::schedule::Call;
-use raystep_kernels::{Kernel, Pass, StreamData};
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::tables::elements::Size;
+use raystep_kernels::{Kernel, Pass};
 use raystep_lab::divergence::{Fate, fates};
+use raystep_lab::passed::Code;
 
 use crate::branches::Branches;
 use crate::session::Model;
@@ -69,13 +73,24 @@ fn heat(lines: impl Iterator<Item = usize>, outcomes: &[Option<Outcomes>]) -> BT
     masks.into_iter().map(|(line, mask)| (line, of_mask(mask))).collect()
 }
 
-type Texels = (PassKey, [u32; 2], Vec<u32>);
-type Prepared = (Kernel, Result<Arc<Interpreter>, InterpretError>);
+/// What happened to an element, and the state in which it ended.
+type Recorded = (Recording, Option<u32>);
+type Given = (PassKey, [u32; 2], Result<Recorded, String>);
+type Prepared = (Kernel, Result<Arc<Code>, InterpretError>);
+
+/// An element in a pass.
+pub(super) struct Looked<'a> {
+    pub(super) kernel: Kernel,
+    pub(super) pass: usize,
+    pub(super) texel: [u32; 2],
+    /// The state in which its history says that it ended.
+    pub(super) state: Option<&'a str>,
+}
 
 /// One ray in a pass.
 pub(super) struct OneRay {
     pub(super) branches: Branches,
-    pub(super) interpreter: Arc<Interpreter>,
+    pub(super) code: Arc<Code>,
     /// What is to be said about it.
     pub(super) note: Option<&'static str>,
 }
@@ -85,8 +100,8 @@ pub(super) struct OneRay {
 pub(super) struct Runs {
     /// Kernels of the run with this generation.
     kernels: (u64, Vec<Prepared>),
-    /// A ray's texels from the session.
-    given: Option<Texels>,
+    /// What the session's streams tell of an element.
+    given: Option<Given>,
     asked: Option<(PassKey, [u32; 2])>,
     pub(super) all: Option<AllRays>,
 }
@@ -95,7 +110,7 @@ impl Runs {
     /// Takes the answers of jobs. Returns whether there was one.
     pub(super) fn listen(&mut self, model: &mut Model) -> bool {
         let mut is_new = false;
-        while let Some(answer) = model.take_answer::<Texels>(READING) {
+        while let Some(answer) = model.take_answer::<Given>(READING) {
             (self.given, is_new) = (Some(*answer), true);
         }
         while let Some(answer) = model.take_answer::<AllRays>(INTERPRETING) {
@@ -105,12 +120,12 @@ impl Runs {
     }
 
     /// A kernel of the run, prepared once.
-    pub(super) fn interpreter(
+    pub(super) fn code(
         &mut self,
         generation: u64,
         opened: &Opened,
         kernel: Kernel,
-    ) -> Result<Arc<Interpreter>, InterpretError> {
+    ) -> Result<Arc<Code>, InterpretError> {
         if self.kernels.0 != generation {
             (self.kernels, self.all, self.given, self.asked) = ((generation, Vec::new()), None, None, None);
         }
@@ -118,105 +133,125 @@ impl Runs {
             return known.clone();
         }
         let no_variant = || InterpretError::NotAlone(kernel.name());
-        let made = opened.plan.variant(kernel).ok_or_else(no_variant).and_then(Interpreter::new).map(Arc::new);
+        let variant = opened.plan.variant(kernel).ok_or_else(no_variant);
+        let made = variant.and_then(|variant| Code::new(variant, opened.plan.turns)).map(Arc::new);
         self.kernels.1.push((kernel, made.clone()));
         made
     }
 
-    /// What the ray did in a row of its history. `None` while its streams are read; the error is one line.
-    pub(super) fn branches(
-        &mut self,
-        model: &mut Model,
-        history: &Trace,
-        row: usize,
-    ) -> Option<Result<OneRay, String>> {
+    /// What an element did in a pass. `None` while streams are read; the error is one line.
+    pub(super) fn branches(&mut self, model: &mut Model, looked: &Looked<'_>) -> Option<Result<OneRay, String>> {
         let opened = model.opened.clone()?;
-        let row = history.rows.get(row)?;
-        let kernel = opened.plan.program.kernel(row.kernel)?;
-        let Some(pass) = row.pass else { return Some(Err("the index of this pass is not known yet".into())) };
-        let interpreter = match self.interpreter(model.generation, &opened, kernel) {
-            Ok(interpreter) => interpreter,
+        let code = match self.code(model.generation, &opened, looked.kernel) {
+            Ok(code) => code,
             Err(error) => return Some(Err(error.to_string())),
         };
-        let key = PassKey { generation: model.generation, edition: model.edition, pass };
-        let mut texels = self.texels(model, &interpreter, key, history.pixel)?;
-        let size = [opened.plan.width, opened.plan.height];
-        let element = Element { texel: history.pixel, size };
-        let recording = match interpreter.record(&opened.data, element, &mut texels) {
-            Ok(recording) => recording,
-            Err(error) => return Some(Err(error.to_string())),
+        let key = PassKey { generation: model.generation, edition: model.edition, pass: looked.pass };
+        let (recording, tag) = match self.recorded(model, &opened, &code, key, looked.texel)? {
+            Ok(recorded) => recorded,
+            Err(error) => return Some(Err(error)),
         };
-        let tag = interpreter.tag().and_then(|tag| texels.get(tag).copied());
-        let is_as_told = tag.is_none_or(|tag| opened.plan.program.states.name(tag) == row.after.state);
-        let note = (!is_as_told).then_some(
+        let ended = tag.zip(looked.state).map(|(tag, state)| opened.plan.program.states.name(tag) == state);
+        let note = (ended == Some(false)).then_some(
             "the device ended in another state: it rounds differently, or a texel was edited after the pass",
         );
-        Some(Ok(OneRay { branches: Branches::new(&interpreter, &recording), interpreter, note }))
+        Some(Ok(OneRay { branches: Branches::new(code.interpreter(), &recording), code, note }))
     }
 
-    fn texels(
+    /// At once if the CPU reference kernels know the element's streams; otherwise from the session's.
+    fn recorded(
         &mut self,
         model: &mut Model,
-        interpreter: &Arc<Interpreter>,
+        opened: &Opened,
+        code: &Arc<Code>,
         key: PassKey,
-        pixel: [u32; 2],
-    ) -> Option<Vec<u32>> {
-        if let Some(texels) = model.texels_before(pixel, key.pass, interpreter.streams()) {
-            return Some(texels);
+        texel: [u32; 2],
+    ) -> Option<Result<Recorded, String>> {
+        if let Code::Element(interpreter) = &**code
+            && let Some(texels) = model.texels_before(texel, key.pass, interpreter.streams())
+        {
+            let element = Element { texel, size: [opened.plan.width, opened.plan.height] };
+            return Some(record(interpreter, &opened.data, element, texels));
         }
-        if let Some((_, _, texels)) = self.given.as_ref().filter(|(of, ray, _)| (*of, *ray) == (key, pixel)) {
-            return Some(texels.clone());
+        if let Some((_, _, given)) = self.given.as_ref().filter(|(of, at, _)| (*of, *at) == (key, texel)) {
+            return Some(given.clone());
         }
-        if self.asked != Some((key, pixel)) && !model.is_busy() {
-            self.asked = Some((key, pixel));
-            model.ask(Request::Job(READING, one_ray(interpreter.clone(), key, pixel)));
+        if self.asked != Some((key, texel)) && !model.is_busy() {
+            self.asked = Some((key, texel));
+            model.ask(Request::Job(READING, one(code.clone(), key, texel)));
         }
         None
     }
 
     /// Interprets all rays of a pass, unless they are known.
-    pub(super) fn ask_for_all(&mut self, model: &mut Model, interpreter: &Arc<Interpreter>, key: PassKey) {
+    pub(super) fn ask_for_all(&mut self, model: &mut Model, code: &Arc<Code>, key: PassKey) {
         if self.all.as_ref().is_none_or(|all| all.key != key) && !model.is_busy() {
             let Some(call) = model.passes.get(key.pass).map(Pass::call) else { return };
-            model.ask(Request::Job(INTERPRETING, all_rays(interpreter.clone(), key, call)));
+            model.ask(Request::Job(INTERPRETING, all(code.clone(), key, call)));
         }
     }
 }
 
-fn one_ray(interpreter: Arc<Interpreter>, key: PassKey, pixel: [u32; 2]) -> Job {
-    job!(context, {
-        let read = context.session.streams_before(key.pass, interpreter.streams(), Some(pixel)).await;
-        let texels = read.map_err(|e| e.to_string())?.into_iter().flat_map(|data| data.bits).collect::<Vec<u32>>();
-        answered((key, pixel, texels))
+fn record(code: &Interpreter, data: &SceneData, element: Element, mut texels: Vec<u32>) -> Result<Recorded, String> {
+    let recording = code.record(&code.kernel().reads(data), element, &mut texels).map_err(|error| error.to_string())?;
+    Ok((recording, code.tag().and_then(|tag| texels.get(tag).copied())))
+}
+
+fn one(code: Arc<Code>, key: PassKey, texel: [u32; 2]) -> Job {
+    job!(JobContext { session, .. }, {
+        let begun = session.begun(key.pass, code.streams()).await.map_err(|e| e.to_string())?;
+        let begun = begun.ok_or("the run has no such pass")?;
+        let data = session.renderer().shared_data();
+        let [x, y] = texel;
+        let recorded = if x >= begun.size.width || y >= begun.size.height {
+            let Size { width, height, .. } = begun.size;
+            Err(format!("this pass has {width} columns and {height} rows, and no element at {x},{y}"))
+        } else if !code.works_on(&begun, texel) {
+            Err(format!("the pass did not work on the element at {x},{y}"))
+        } else {
+            match &*code {
+                Code::Element(alone) => record(alone, &data, begun.element(texel), begun.texels(texel)),
+                Code::Whole(_) => {
+                    let recorded = code.record(&begun, &data, texel);
+                    recorded.map(|recording| (recording, None)).map_err(|failure| failure.to_string())
+                }
+            }
+        };
+        answered::<Given>((key, texel, recorded))
     })
 }
 
-fn all_rays(interpreter: Arc<Interpreter>, key: PassKey, call: Call) -> Job {
-    job!(context, {
-        let JobContext { session, progress, .. } = context;
-        let read = session.streams_before(key.pass, interpreter.streams(), None).await;
-        let streams: Vec<StreamData> = read.map_err(|e| e.to_string())?;
+fn all(code: Arc<Code>, key: PassKey, call: Call) -> Job {
+    job!(JobContext { session, progress, .. }, {
+        let begun = session.begun(key.pass, code.streams()).await.map_err(|e| e.to_string())?;
+        let begun = begun.ok_or("the run has no such pass")?;
         let data = session.renderer().shared_data();
-        let many = Many { kernel: &interpreter, data: &data, streams: &streams };
-        let size = many.size();
-        let rays = size[0] as usize * size[1] as usize;
-        let (mut outcomes, mut runs) = (Vec::with_capacity(rays), vec![0; interpreter.statements().len()]);
-        for first in (0..rays).step_by(RAYS_A_REPORT) {
-            if !progress(first as u64, rays as u64) {
-                return Err("cancelled".into());
+        let size = [begun.size.width, begun.size.height];
+        let (mut outcomes, mut runs) = (Vec::new(), vec![0; code.interpreter().statements().len()]);
+        match &*code {
+            Code::Element(kernel) => {
+                let read = kernel.kernel().reads(&data);
+                let many = Many { kernel, data: &read, streams: &begun.streams };
+                let rays = size[0] as usize * size[1] as usize;
+                for first in (0..rays).step_by(RAYS_A_REPORT) {
+                    if !progress(first as u64, rays as u64) {
+                        return Err("cancelled".into());
+                    }
+                    let part = many.outcomes_and_runs(first..first + RAYS_A_REPORT);
+                    let (of_part, ran) = part.map_err(|e| e.to_string())?;
+                    outcomes.extend(of_part);
+                    runs.iter_mut().zip(ran).for_each(|(sum, ran)| *sum += ran);
+                    pause().await;
+                }
             }
-            let part = many.outcomes_and_runs(first..first + RAYS_A_REPORT);
-            let (of_part, ran) = part.map_err(|e| e.to_string())?;
-            outcomes.extend(of_part);
-            runs.iter_mut().zip(ran).for_each(|(sum, ran)| *sum += ran);
-            pause().await;
+            Code::Whole(_) => (_, runs) = code.runs(&begun, &data).map_err(|failure| failure.to_string())?,
         }
-        let heat = heat(interpreter.sites().iter().map(|site| site.line), &outcomes);
+        let heat = heat(code.interpreter().sites().iter().map(|site| site.line), &outcomes);
         let fates = match outcomes.iter().flatten().any(|ray| ray.differs != 0) {
-            true => fates(&session.renderer().shared_plan(), &data, call, &streams).map_err(|e| e.to_string())?,
+            true => fates(&session.renderer().shared_plan(), &data, call, &begun.streams).map_err(|e| e.to_string())?,
             false => None,
         };
-        let work = interpreter.by_line(&runs);
+        let work = code.interpreter().by_line(&runs);
         answered(AllRays { key, size, outcomes, fates, heat, work })
     })
 }

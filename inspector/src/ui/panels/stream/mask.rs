@@ -31,7 +31,8 @@ pub(super) fn legend(ui: &mut egui::Ui, cx: &mut Context<'_>) {
         ui.small(&mask.what);
         let drawn = Outcome::DRAWN.into_iter().zip(mask.counts).filter(|(_, count)| *count > 0);
         let entries = drawn.map(|(outcome, count)| {
-            Entry::new(outcome.color(), format!("{} {count}", outcome.name()), outcome.meaning())
+            let [name, meaning] = mask.words(outcome);
+            Entry::new(outcome.color(), format!("{name} {count}"), meaning)
         });
         line(ui, &entries.collect::<Vec<_>>());
         if ui.small_button("Remove mask").clicked() {
