@@ -10,6 +10,7 @@
 //! What concerns other rays is left out: a kernel's texel is given instead of being found in a list, and the rays sent
 //! to each state are not counted.
 
+mod booked;
 mod code;
 mod compile;
 mod compute;
@@ -104,6 +105,30 @@ pub enum InterpretError {
     /// What a user's kernel asserts does not hold.
     #[error("the assertion {0:?} does not hold")]
     Assertion(String),
+    /// A thread of a user's kernel tells another state than it leaves its element in.
+    #[error(
+        "it tells the state {told}, but leaves the element in {state}: the tag of send or book is the one that was stored"
+    )]
+    Booked {
+        /// The state that it tells.
+        told: String,
+        /// The element's.
+        state: String,
+    },
+    /// It tells a state, but the pass does not work on its element, or it has none.
+    #[error("it tells the state {0}, but the pass does not work on this element: send or book must be given NOBODY")]
+    BookedNobody(String),
+    /// It does not tell the state.
+    #[error("it ends without send or book, and leaves the element in {0}")]
+    NotBooked(String),
+    /// A kernel of a user's program does what its row does not say.
+    #[error("it sends the element from {from} to {to}, which the kernel's 'sends' does not list")]
+    NotSent {
+        /// The state before.
+        from: String,
+        /// The state after.
+        to: String,
+    },
     /// A loop of a user's kernel did not end.
     #[error("a loop has not ended after {0} turns")]
     Turns(u32),
@@ -191,6 +216,8 @@ pub struct Interpreter {
     turns: u32,
     /// What it prints and asserts.
     notes: Notes,
+    /// Whether its WGSL is a user's.
+    is_users: bool,
 }
 
 impl Interpreter {
@@ -251,6 +278,7 @@ impl Interpreter {
             workgroup,
             turns,
             notes,
+            is_users: variant.replaced.is_some(),
         })
     }
 

@@ -161,7 +161,6 @@ impl Mask {
     }
 }
 
-
 impl Mask {
     /// With how each ray fares in f64 in this pass.
     #[must_use]

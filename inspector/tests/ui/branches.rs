@@ -192,7 +192,8 @@ fn a_program_without_rays_says_that_it_cannot_be_interpreted() {
 fn elements_that_stop_at_a_line_are_counted_and_the_run_goes_to_the_next_pass_with_one() {
     let mut stage = stage(Settings { device: DeviceKind::Cpu, ..Settings::default() });
     let pass = stage.place() - 1;
-    let line = kernels::INTERSECT.info().wgsl.lines().position(|line| line.contains("if (candidate.is_hit && accepted)"));
+    let line =
+        kernels::INTERSECT.info().wgsl.lines().position(|line| line.contains("if (candidate.is_hit && accepted)"));
     let line = line.expect("the line") + 1;
     stage.fill("Stop at", &format!("intersect.wgsl:{line}"));
     stage.fill("when", "candidate.is_hit && accepted");
@@ -226,7 +227,11 @@ fn elements_that_stop_at_a_line_are_counted_and_the_run_goes_to_the_next_pass_wi
 
     for (field, text, wrong) in [
         ("when", "candidate.is_hot", "condition, column 11: "),
-        ("Stop at", "intersect.wgsl:1", "intersect.wgsl:1: no statement of intersect begins in this line; the next is in line "),
+        (
+            "Stop at",
+            "intersect.wgsl:1",
+            "intersect.wgsl:1: no statement of intersect begins in this line; the next is in line ",
+        ),
         ("Stop at", "other.wgsl:7", "other.wgsl: intersect has no such file; its files are intersect.wgsl, "),
         ("Stop at", "here", "here: expected a line, such as intersect.wgsl:20"),
     ] {

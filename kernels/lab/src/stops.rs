@@ -7,8 +7,8 @@ mod told;
 use std::ops::ControlFlow;
 
 use raystep_kernels::interpret::Stopped;
-use raystep_kernels::shader::{FileLine, Sourced};
 use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shader::{FileLine, Sourced};
 use raystep_kernels::tables::elements::Size;
 use raystep_kernels::{RenderError, Renderer};
 

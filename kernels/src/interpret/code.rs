@@ -217,6 +217,8 @@ pub(super) enum What {
     /// Whether what follows concerns the thread now.
     Now(Handle<Expression>),
     /// Of no concern for one element.
+    /// Tells the host and other passes to which state the element goes.
+    Book(Handle<Expression>),
     Nothing,
     Unsupported(&'static str),
 }

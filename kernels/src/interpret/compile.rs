@@ -254,7 +254,10 @@ impl Compiler<'_> {
                         }
                     }
                     Some(result) if (self.is_skipped)(function) => What::Texel(result),
-                    None if (self.is_skipped)(function) => What::Nothing,
+                    // The last argument is the state's tag.
+                    None if (self.is_skipped)(function) => {
+                        arguments.last().map_or(What::Nothing, |&tag| What::Book(tag))
+                    }
                     _ => What::Call { function: function.index(), arguments: arguments.clone(), result },
                 };
                 (what, whole)

@@ -40,6 +40,8 @@ pub(super) struct Thread<'a> {
     pub(super) calls: Vec<u32>,
     /// What the element has printed: of each note the last value, and how often.
     pub(super) noted: Vec<Printed>,
+    /// The state that it has told for its element.
+    pub(super) booked: Option<u32>,
     /// What it did at the kernel's stops.
     pub(super) stopped: Vec<Stopped>,
     /// Its steps, if they are followed.
@@ -125,6 +127,13 @@ impl<'a> Machine<'a> {
         let [x, y] = element.texel;
         self.begin(&Invocation { global: [x, y, 0], ..Invocation::default() });
         self.go_on()?;
+        if self.kernel.is_to_book()
+            && let Some(tag) = self.kernel.tag()
+        {
+            let after = self.row.get(tag).map(|slot| slot.bits);
+            let states = self.before.get(tag).copied().zip(after).map(|(before, after)| [before, after]);
+            self.kernel.check_booked(states, self.thread.booked)?;
+        }
         for (texel, slot) in texels.iter_mut().zip(&self.row) {
             *texel = slot.bits;
         }
@@ -135,7 +144,7 @@ impl<'a> Machine<'a> {
     pub(super) fn begin(&mut self, of: &Invocation) {
         let kernel = self.kernel;
         let thread = &mut self.thread;
-        (thread.steps, thread.turns, thread.control) = (0, 0, KNOWN);
+        (thread.steps, thread.turns, thread.control, thread.booked) = (0, 0, KNOWN, None);
         thread.calls.clear();
         thread.todo.clear();
         thread.noted.clear();
@@ -280,6 +289,7 @@ impl<'a> Machine<'a> {
                     return Ok(Flow::Pause);
                 }
             }
+            What::Book(tag) => self.thread.booked = Some(self.get(frame, *tag, 0).bits),
             What::Nothing => {}
             What::Unsupported(what) => {
                 return Err(InterpretError::Unsupported { what: (*what).into(), line: self.line() });

@@ -7,7 +7,7 @@ use super::check::PlanError;
 use super::{Limits, Plan, PlannedSet, bound_by, variants};
 use crate::options::{Accelerator, Options};
 use crate::program::Program;
-use crate::program::schedule::{MOST_PASSES, Schedule};
+use crate::program::schedule::{MOST_OPEN_PASSES, MOST_PASSES, Schedule};
 use crate::program::sizes::{TooMany, derive};
 use crate::scene_data::SceneData;
 use crate::shared::launch::MOST_ELEMENTS;
@@ -61,7 +61,11 @@ impl Over<'_> {
             accelerator,
             is_gpu: limits.is_gpu,
             features: data.features,
-            pass_bound: if program.files.is_empty() { schedule.steps.len() as u64 } else { MOST_PASSES },
+            pass_bound: match (program.files.is_empty(), schedule.is_open()) {
+                (true, _) => schedule.steps.len() as u64,
+                (false, true) => MOST_OPEN_PASSES,
+                (false, false) => MOST_PASSES,
+            },
             schedule,
             variants,
             sharing,

@@ -10,6 +10,8 @@ pub use cursor::Cursor;
 
 /// Most passes of a run of a user's program.
 pub const MOST_PASSES: u64 = 1_000_000;
+/// The same if its length depends on its elements: a loop that never ends is found within a minute on most devices.
+pub const MOST_OPEN_PASSES: u64 = 200_000;
 
 /// A step of a schedule.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -87,6 +89,19 @@ pub struct Schedule {
 }
 
 impl Schedule {
+    /// Whether the number of its passes depends on the elements.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        fn is_open(steps: &[Step]) -> bool {
+            steps.iter().any(|step| match step {
+                Step::Run(_) | Step::RunBy(..) => false,
+                Step::RunUntilIdle(_) | Step::LoopWhileActive(..) | Step::RepeatWhileAny(..) => true,
+                Step::Repeat(_, _, steps) => is_open(steps),
+            })
+        }
+        is_open(&self.steps)
+    }
+
     /// Every kernel that the schedule can run, in order of first use.
     #[must_use]
     pub fn kernels(&self) -> Vec<Kernel> {

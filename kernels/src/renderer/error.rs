@@ -33,10 +33,12 @@ pub enum RenderError {
         passes: usize,
     },
     /// A user's program does not end.
-    #[error("the program has not ended after {passes} passes: check the conditions of its schedule's loops")]
+    #[error("the program has not ended after {passes} passes, {waiting}: check the conditions of its schedule's loops")]
     Endless {
         /// Number of passes.
         passes: u64,
+        /// How many elements are in which states.
+        waiting: String,
     },
     /// The stream is not part of the plan.
     #[error("stream {0:?} is omitted from this run's plan")]

@@ -133,7 +133,8 @@ impl Renderer {
         }
         let is_own = !self.plan.program.files.is_empty();
         if is_own && self.pass_count() as u64 >= self.pass_bound && self.next_kernel().is_some() {
-            return Err(RenderError::Endless { passes: self.pass_bound });
+            let waiting = self.population.told(self.plan.program.states);
+            return Err(RenderError::Endless { passes: self.pass_bound, waiting });
         }
         let foreseen = self.foreseen.get(self.pass_count()..).filter(|left| !left.is_empty());
         let mut guess = match foreseen {

@@ -4,7 +4,7 @@
 //! has a copy from before the pass, and loads are from the copy. A kernel that loads and stores a texel of its own alone
 //! needs none.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use naga::valid::{Capabilities, FunctionInfo, GlobalUse, ModuleInfo, ValidationFlags, Validator};
 use naga::{
@@ -48,8 +48,9 @@ pub(super) fn from_copies(source: &str, streams: &[(String, Texel)]) -> Result<S
     let code: Vec<&Word<'_>> = all.iter().filter(|word| word.kind != WordKind::Comment).collect();
     // Bytes to remove and the text in their place, in order.
     let mut edits: Vec<(usize, usize, String)> = Vec::new();
+    let shadowed = shadowed(&code);
     for (at, word) in code.iter().enumerate() {
-        if !streams.iter().any(|(name, _)| name == word.text) {
+        if !streams.iter().any(|(name, _)| name == word.text) || shadowed.get(at) == Some(&true) {
             continue;
         }
         let before = |back: usize| at.checked_sub(back).map_or("", |at| code[at].text);
@@ -78,6 +79,35 @@ pub(super) fn from_copies(source: &str, streams: &[(String, Texel)]) -> Result<S
         text += &format!("@group(0) @binding({index}) var {copy}: texture_2d_array<{kind}>;\n");
     }
     Ok(text)
+}
+
+/// Of each word, whether it is a name that the function around it declares itself, as a parameter or a variable.
+fn shadowed(code: &[&Word<'_>]) -> Vec<bool> {
+    let mut all = vec![false; code.len()];
+    let mut first = None;
+    let mut depth = 0usize;
+    for (at, word) in code.iter().enumerate() {
+        match word.text {
+            "fn" => (first, depth) = (Some(at), 0),
+            "{" => depth += 1,
+            "}" => {
+                depth = depth.saturating_sub(1);
+                let Some(begin) = first.filter(|_| depth == 0) else { continue };
+                let own: HashSet<&str> =
+                    (begin + 2..at).filter(|&i| is_declared(code, i)).map(|i| code[i].text).collect();
+                (begin..at).filter(|&i| own.contains(code[i].text)).for_each(|i| all[i] = true);
+                first = None;
+            }
+            _ => {}
+        }
+    }
+    all
+}
+
+/// Whether a word of a function is declared there: it is behind `let` or `var`, or a parameter.
+fn is_declared(code: &[&Word<'_>], at: usize) -> bool {
+    let around = (code[at - 1].text, code.get(at + 1).map(|word| word.text));
+    matches!(around, ("let" | "var" | "const", _) | ("(" | ",", Some(":")))
 }
 
 /// The first binding of a copy: above all that a user's file may have.

@@ -18,6 +18,7 @@ use crate::options::features::Features;
 use crate::options::replacement::Replacement;
 use crate::program::live::LiveList;
 use crate::program::{Kernel, UserFile};
+use crate::tables::kernel::Counts;
 use crate::tables::stream::Stream;
 use fits::{distinct, fits};
 
@@ -34,6 +35,9 @@ pub struct Replaced {
     /// What it prints and asserts.
     pub notes: Notes,
 }
+
+const NOT_BOOKED: &str = "it does not tell where its elements go: the last call of every thread must be \
+                          send(lane, texel, tag) or book(lane, tag), from package::live, with the tag that it stored or NOBODY";
 
 /// A mistake that has no place.
 fn everywhere(by: &Replacement, message: String) -> Mistake {
@@ -193,6 +197,15 @@ impl Variant {
         };
         let bound = reflected(kernel, &module, info.get_entry_point(entry)).map_err(|name| unknown(&name))?;
         if !files.is_empty() {
+            let books =
+                bound.0.iter().any(|binding| binding.writes && matches!(binding.resource, Resource::Live { .. }));
+            if !bound.0.iter().any(|binding| binding.writes && !matches!(binding.resource, Resource::Live { .. })) {
+                let message = "it writes no stream, so it has no effect".to_owned();
+                return Err(Mistake { place: declared(by, name), message });
+            }
+            if kernel.counts() == Counts::Sent && !books {
+                return Err(Mistake { place: declared(by, name), message: NOT_BOOKED.to_owned() });
+            }
             let Some((source, module, info)) = loading_copies(&replaced, kernel)? else {
                 return Ok(with(replaced.composed.text.clone(), bound));
             };
@@ -207,10 +220,7 @@ impl Variant {
                 && !bound.0.iter().any(|other| other.name == binding.name && other.writes)
         };
         if own.bindings.iter().any(|binding| is_missing(&binding)) {
-            let message = "it does not say where its rays go: the last call of every thread must be send(lane, texel, \
-                           tag), from package::live, with the tag that it stored or NOBODY"
-                .to_owned();
-            return Err(Mistake { place: declared(by, name), message });
+            return Err(Mistake { place: declared(by, name), message: NOT_BOOKED.to_owned() });
         }
         Ok(with(replaced.composed.text.clone(), bound))
     }

@@ -82,7 +82,8 @@ impl Sourced {
         let users = kernel.program().files;
         let mut files = Vec::new();
         let mut lines = Vec::new();
-        for &first in &line_starts(&variant.source) {
+        // What loads from copies has the same lines, in other places, and more behind them.
+        for &first in &line_starts(&composed.text) {
             let Some((module, Some(byte))) = composed.origin(first) else {
                 lines.push(None);
                 continue;
@@ -106,6 +107,7 @@ impl Sourced {
             let line = text.as_bytes().iter().take(byte).filter(|&&b| b == b'\n').count() + 1;
             lines.push(Some(FileLine { file: at, line }));
         }
+        lines.resize(line_starts(&variant.source).len(), None);
         let statements = Arc::new(Statements::of(&variant.source));
         let mut sourced = Self { variant, files, lines, statements };
         sourced.put_first(root);

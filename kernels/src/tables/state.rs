@@ -95,6 +95,19 @@ impl Population {
         let of = self.sets.iter().zip(&self.in_set).find(|(set, _)| set.name == elements.name);
         of.map_or(0, |(_, &count)| count)
     }
+
+    /// How many elements are in which states, or in which sets if none has states.
+    #[must_use]
+    pub fn told(&self, states: States) -> String {
+        let in_states = (0..).zip(&self.in_state.0).map(|(tag, &count)| (states.name(tag), count));
+        let in_sets = self.sets.iter().map(|set| set.name).zip(self.in_set.iter().copied());
+        let told = |all: Vec<(&str, u32)>| {
+            let some = all.into_iter().filter(|(_, count)| *count > 0);
+            some.map(|(name, count)| format!("{count} in {name}")).collect::<Vec<_>>().join(", ")
+        };
+        let text = told(in_states.collect());
+        format!("with {}", if text.is_empty() { told(in_sets.collect()) } else { text })
+    }
 }
 
 impl From<StateCounts> for Population {

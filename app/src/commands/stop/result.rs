@@ -40,9 +40,7 @@ pub(super) fn file(told: &Told<'_>, path: &Path) -> Result<Vec<u8>, Error> {
 
 fn mask(told: &Told<'_>) -> Result<Vec<u8>, Error> {
     if !told.is_image() {
-        return Err(Error::usage(
-            "-o: the elements of the kernel are not the pixels of an image: choose .csv or .npy",
-        ));
+        return Err(Error::usage("-o: the elements of the kernel are not the pixels of an image: choose .csv or .npy"));
     }
     let size = told.found.size;
     let mut rgb = vec![0; 3 * size.texels() as usize];

@@ -201,7 +201,7 @@ impl KernelView {
             return made.and_then(Result::err).map_or(Known::Nothing, |error| Known::Failed(error.to_string()));
         };
         let Some(pass) = pass else { return Known::Failed("the index of this pass is not known yet".into()) };
-        let state = shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)).map(|row| &*row.after.state);
+        let state = shown.row.as_ref().and_then(|(history, row)| history.rows.get(*row)).map(|row| row.after.state);
         match self.runs.branches(model, &Looked { kernel: shown.kernel, pass, texel, state }) {
             None => Known::Waiting,
             Some(Err(error)) => Known::Failed(format!("not interpreted: {error}")),

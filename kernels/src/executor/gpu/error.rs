@@ -26,7 +26,10 @@ pub enum GpuError {
     #[error("the GPU device refused a call: {0}")]
     Refused(String),
     /// A loop of a user's kernel did not end.
-    #[error("{place}: a loop has not ended after {turns} turns of a thread")]
+    #[error(
+        "{place}: a loop has not ended after {turns} turns of a thread, the most that a pass may have on this device; \
+         --device cpu has more"
+    )]
     Endless {
         /// Its place.
         place: String,

@@ -146,6 +146,12 @@ impl<'a> Group<'a> {
         }
     }
 
+    /// What a thread has stored to a component last.
+    pub(super) fn stored_by(&self, lane: u32, component: usize) -> Option<u32> {
+        let of_thread = self.stored.iter().rev().filter(|stored| stored.lane == lane);
+        of_thread.into_iter().find(|stored| stored.component == component).map(|stored| stored.slot.bits)
+    }
+
     /// Notes an access without atomics.
     fn touch(&mut self, word: usize, is_store: bool, statement: u32) {
         let lane = self.lane;

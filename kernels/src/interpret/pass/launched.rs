@@ -14,6 +14,7 @@ use crate::interpret::{Absentee, InterpretError, Interpreter};
 use crate::shader::Printed;
 use crate::shared;
 use crate::tables::kernel::Launch;
+use crate::tables::stream::STATE_TAG;
 
 /// Most threads of a workgroup that devices have.
 const MOST_THREADS: u32 = 1024;
@@ -208,6 +209,11 @@ impl<'a> Runner<'a> {
                     (Stop::Paused, _) => return Ok(()),
                     (Stop::Ended, _) => {
                         ended = ended.or(Some(lane));
+                        self.check_booked(group, lane).map_err(|why| PassError {
+                            why,
+                            texel: of.texel(group, lane),
+                            lines: self.machine.lines(),
+                        })?;
                         self.end(group, lane);
                     }
                     (Stop::Waits, None) => {
@@ -272,6 +278,20 @@ impl<'a> Runner<'a> {
             Next::GoOn => {}
         }
         machine.go_on()
+    }
+
+    /// Whether a thread that has ended told the state in which it leaves its element.
+    fn check_booked(&self, group: u32, lane: u32) -> Result<(), InterpretError> {
+        let kernel = self.of.kernel;
+        let Some(course) = kernel.kernel().course().filter(|_| kernel.is_to_book()) else { return Ok(()) };
+        let texel = self.of.texel(group, lane);
+        let states = self.of.element(texel).map(|_| {
+            let component = self.of.columns.component(course.stream, STATE_TAG as u32, texel);
+            let before = self.of.columns.load(component, course.stream, false).bits;
+            let stored = self.machine.group.iter().find_map(|shared| shared.stored_by(lane, component));
+            [before, stored.unwrap_or(before)]
+        });
+        kernel.check_booked(states, self.machine.thread.booked)
     }
 
     /// A thread has come to its end.

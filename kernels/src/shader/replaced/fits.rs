@@ -3,7 +3,7 @@
 use naga::valid::{FunctionInfo, GlobalUse, ModuleInfo};
 use naga::{
     AddressSpace, Block, Function, GlobalVariable, Handle, ImageClass, Module, ScalarKind, Statement, StorageAccess,
-    TypeInner,
+    Type, TypeInner,
 };
 
 use super::super::{LAUNCH, LIVE, Resource, resource_of};
@@ -63,6 +63,7 @@ pub(super) fn fits(
     }
     let usage = info.get_entry_point(entry);
     workgroup_fits(replaced, module, usage)?;
+    own_fits(replaced, module, usage)?;
     for (handle, global) in module.global_variables.iter() {
         let (Some(at), Some(name)) = (&global.binding, &global.name) else { continue };
         if usage[handle].is_empty() {
@@ -136,6 +137,34 @@ fn workgroup_fits(replaced: &Replaced, module: &Module, usage: &FunctionInfo) ->
     Err(replaced.mistake(used.iter().map(|(handle, _)| module.global_variables.get_span(*handle)), message))
 }
 
+/// Whether the variables of a thread are as small as WGSL demands: a driver would compile larger ones for hours.
+fn own_fits(replaced: &Replaced, module: &Module, usage: &FunctionInfo) -> Result<(), Mistake> {
+    let size = |ty: Handle<Type>| u64::from(module.types[ty].inner.size(module.to_ctx()));
+    let is_used = |handle: &Handle<GlobalVariable>| !usage[*handle].is_empty();
+    let globals = module.global_variables.iter();
+    let private = globals.filter(|(handle, global)| global.space == AddressSpace::Private && is_used(handle));
+    let private: Vec<_> =
+        private.map(|(handle, global)| (size(global.ty), module.global_variables.get_span(handle))).collect();
+    let functions = module.functions.iter().map(|(_, function)| function);
+    let functions = functions.chain(module.entry_points.iter().map(|point| &point.function));
+    let locals = functions.map(|function| {
+        let locals = function.local_variables.iter();
+        locals.map(|(handle, local)| (size(local.ty), function.local_variables.get_span(handle))).collect::<Vec<_>>()
+    });
+    for (mut all, whose) in std::iter::once((private, "var<private>")).chain(locals.map(|all| (all, "a function"))) {
+        let bytes = all.iter().fold(0u64, |sum, (bytes, _)| sum.saturating_add(*bytes));
+        if bytes > MOST_OWN_BYTES {
+            all.sort_by_key(|(bytes, _)| std::cmp::Reverse(*bytes));
+            let message = format!("the variables of {whose} take {bytes} bytes; WGSL allows {MOST_OWN_BYTES}");
+            return Err(replaced.mistake(all.into_iter().map(|(_, span)| span), message));
+        }
+    }
+    Ok(())
+}
+
+/// WGSL's limit for the variables of a function, and for those that are private.
+const MOST_OWN_BYTES: u64 = 8192;
+
 /// Core WebGPU's `maxComputeWorkgroupStorageSize`.
 const MOST_WORKGROUP_BYTES: u64 = 16_384;
 
@@ -189,6 +218,9 @@ fn mismatch(kernel: Kernel, module: &Module, global: &GlobalVariable, name: &str
     } else {
         ("buffer", program.buffers.iter().map(|buffer| buffer.name).collect())
     };
+    if names.is_empty() && !is_texture {
+        return format!("no buffer is named {name}: a program without a scene has none; use a stream");
+    }
     names.sort_unstable();
     format!("no {kind} is named {name}; there are {}", names.join(", "))
 }

@@ -152,7 +152,7 @@ const MISTAKES: &[Case] = &[
     (
         "intersect",
         &[("send(lane, texel, step_item(texel))", "_ = step_item(texel)"), ("fn intersect(", "fn ‸intersect(")],
-        "it does not say where its rays go: the last call of every thread must be send(lane, texel, tag)",
+        "it does not tell where its elements go: the last call of every thread must be send(lane, texel, tag)",
     ),
     (
         "intersect",

@@ -74,7 +74,7 @@ fn heat(lines: impl Iterator<Item = usize>, outcomes: &[Option<Outcomes>]) -> BT
 }
 
 /// What happened to an element, and the state in which it ended.
-type Recorded = (Recording, Option<u32>);
+type Recorded = (Arc<Recording>, Option<u32>);
 type Given = (PassKey, [u32; 2], Result<Recorded, String>);
 type Prepared = (Kernel, Result<Arc<Code>, InterpretError>);
 
@@ -194,7 +194,7 @@ impl Runs {
 
 fn record(code: &Interpreter, data: &SceneData, element: Element, mut texels: Vec<u32>) -> Result<Recorded, String> {
     let recording = code.record(&code.kernel().reads(data), element, &mut texels).map_err(|error| error.to_string())?;
-    Ok((recording, code.tag().and_then(|tag| texels.get(tag).copied())))
+    Ok((Arc::new(recording), code.tag().and_then(|tag| texels.get(tag).copied())))
 }
 
 fn one(code: Arc<Code>, key: PassKey, texel: [u32; 2]) -> Job {
@@ -213,11 +213,12 @@ fn one(code: Arc<Code>, key: PassKey, texel: [u32; 2]) -> Job {
                 Code::Element(alone) => record(alone, &data, begun.element(texel), begun.texels(texel)),
                 Code::Whole(_) => {
                     let recorded = code.record(&begun, &data, texel);
-                    recorded.map(|recording| (recording, None)).map_err(|failure| failure.to_string())
+                    recorded.map(|recording| (Arc::new(recording), None)).map_err(|failure| failure.to_string())
                 }
             }
         };
-        answered::<Given>((key, texel, recorded))
+        let given: Given = (key, texel, recorded);
+        answered(given)
     })
 }
 

@@ -136,7 +136,10 @@ impl StopAt {
         let of = of.ok_or_else(|| format!("{} is not part of the run", kernel.name()))?;
         let text = self.line.trim();
         let (file, line) = text.rsplit_once(':').map_or((None, text), |(file, line)| (Some(file), line));
-        let line: usize = line.trim().parse().map_err(|_| format!("{text}: expected a line, such as {}:20", short(&of.files[0].name)))?;
+        let line: usize = line
+            .trim()
+            .parse()
+            .map_err(|_| format!("{text}: expected a line, such as {}:20", short(&of.files[0].name)))?;
         let file = match file {
             None => 0,
             Some(name) => of.files.iter().position(|file| file.is_called(name)).ok_or_else(|| {

@@ -27,7 +27,7 @@ var<workgroup> waiting: array<u32, WAITING>;
 var<workgroup> next_waiting: atomic<u32>;
 var<workgroup> waiting_count: u32;
 
-fn note(k: u32, halves_found: u32) {
+fn add_halves(k: u32, halves_found: u32) {
     var mask = halves_found;
     // At most 8 turns.
     while (mask != 0u) {
@@ -68,7 +68,7 @@ fn halve(
                 if (mask == NOT_CERTAIN) {
                     waiting[atomicAdd(&next_waiting, 1u)] = k;
                 } else {
-                    note(k, mask);
+                    add_halves(k, mask);
                 }
             }
         }
@@ -86,7 +86,7 @@ fn halve(
             let reference = place_in(owner, begin + waiter);
             let leaf = place_in(list, load_at(owner, reference, 0u));
             let level = level_of(load_at(division, leaf, 1u));
-            note(waiter, halves_of_row(load_at(item, reference, 0u), cell_of_leaf(leaf, level), level + 1u, w % 4u));
+            add_halves(waiter, halves_of_row(load_at(item, reference, 0u), cell_of_leaf(leaf, level), level + 1u, w % 4u));
         }
         workgroupBarrier();
         if (lane == 0u) {
