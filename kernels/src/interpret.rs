@@ -218,6 +218,8 @@ pub struct Interpreter {
     notes: Notes,
     /// Whether its WGSL is a user's.
     is_users: bool,
+    /// Whether a function of ours says which element a thread has.
+    is_tiled: bool,
 }
 
 impl Interpreter {
@@ -263,6 +265,7 @@ impl Interpreter {
         let notes = variant.replaced.as_ref().map(|replaced| replaced.notes.clone()).unwrap_or_default();
         let workgroup = module.entry_points.get(entry).map_or([1; 3], |point| point.workgroup_size);
         let turns = u32::MAX;
+        let is_tiled = compile::finds_elements(&module);
         Ok(Self {
             kernel,
             source,
@@ -279,6 +282,7 @@ impl Interpreter {
             turns,
             notes,
             is_users: variant.replaced.is_some(),
+            is_tiled,
         })
     }
 

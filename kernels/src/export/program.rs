@@ -13,7 +13,7 @@ use self::toml::{list, number, quoted, steps, table};
 use super::npy;
 use crate::options::folder::Folder;
 use crate::options::rows::{ROWS, Value};
-use crate::options::{Choices, Options, RaySource};
+use crate::options::{Accelerator, Choices, Options, ProgramName, RaySource};
 use crate::plan::Plan;
 use crate::program::schedule::Step;
 use crate::program::{Course, Kernel, Program};
@@ -54,6 +54,10 @@ pub fn program(
     }
     if matches!(options.rays, RaySource::Given(_)) {
         return Err(ExportError::Unsupported("a run of rays that a file has"));
+    }
+    if options.program == ProgramName::GridBuild && options.accelerator == Accelerator::Irregular {
+        // Its barriers are in loops whose lengths are loaded: what users may write, our check of theirs cannot follow.
+        return Err(ExportError::Unsupported("the build of an irregular grid"));
     }
     let alone = chosen(&options.choices()).alone.as_ref();
     let has_scene = alone.is_none();

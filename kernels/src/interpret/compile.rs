@@ -17,6 +17,7 @@ use super::code::{
     Argument, Body, CONSTANT, Cell, Code, Holds, If, Local, MOST_SLOTS, NONE, Op, Site, SiteKind, What, kind, slots,
 };
 use crate::shader::{Variant, call_of, statement_of};
+pub(super) use flow::finds_elements;
 use flow::{called, has_jump, skipped};
 use globals::globals;
 use parts::{evaluated, holds, inner, is_known};

@@ -40,6 +40,12 @@ pub(super) fn skipped(
     named.filter(|&(handle, name)| is_skipped(handle, name)).map(|(handle, _)| handle).collect()
 }
 
+/// Whether a function of ours says which element a thread has.
+pub(in crate::interpret) fn finds_elements(module: &Module) -> bool {
+    let mut names = module.functions.iter().filter_map(|(_, function)| function.name.as_deref());
+    names.any(|name| TEXEL_OF.contains(&name))
+}
+
 /// The functions that a function calls, except those that are not interpreted.
 pub(super) fn called(
     module: &Module,

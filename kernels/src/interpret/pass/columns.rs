@@ -1,5 +1,6 @@
 //! The streams of a pass, before it and after it.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::group::Stored;
@@ -82,6 +83,13 @@ impl<'a> Columns<'a> {
         let (place, data) = self.data(stream);
         let (width, height) = (data.width as usize, data.height as usize);
         self.first[place] + (layer as usize * height + y as usize) * width + x as usize
+    }
+
+    /// The numbers of the components of a layer.
+    pub(super) fn layer(&self, stream: Stream, layer: u32) -> Range<usize> {
+        let (_, data) = self.data(stream);
+        let first = self.component(stream, layer, [0, 0]);
+        first..first + data.width as usize * data.height as usize
     }
 
     pub(super) fn load(&self, component: usize, stream: Stream, is_float: bool) -> Slot {

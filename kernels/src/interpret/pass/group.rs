@@ -1,6 +1,7 @@
 //! What the threads of a workgroup share: its memory, and the streams, each thread with what it has stored itself.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use naga::{AtomicFunction, Expression, Handle, ScalarKind, TypeInner};
 
@@ -146,10 +147,12 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// What a thread has stored to a component last.
-    pub(super) fn stored_by(&self, lane: u32, component: usize) -> Option<u32> {
-        let of_thread = self.stored.iter().rev().filter(|stored| stored.lane == lane);
-        of_thread.into_iter().find(|stored| stored.component == component).map(|stored| stored.slot.bits)
+    /// What a thread has stored last among these components, and to which of them.
+    pub(super) fn stored_by(&self, lane: u32, components: &Range<usize>) -> Option<(usize, u32)> {
+        let mut of_thread = self.stored.iter().rev().filter(|stored| stored.lane == lane);
+        of_thread
+            .find(|stored| components.contains(&stored.component))
+            .map(|stored| (stored.component, stored.slot.bits))
     }
 
     /// Notes an access without atomics.

@@ -280,18 +280,23 @@ impl<'a> Runner<'a> {
         machine.go_on()
     }
 
-    /// Whether a thread that has ended told the state in which it leaves its element.
+    /// Whether a thread that has ended told the state in which it leaves its element. Where the kernel finds its element by a
+    /// function of ours, only what it has stored says which one it is.
     fn check_booked(&self, group: u32, lane: u32) -> Result<(), InterpretError> {
         let kernel = self.of.kernel;
         let Some(course) = kernel.kernel().course().filter(|_| kernel.is_to_book()) else { return Ok(()) };
+        let columns = self.of.columns;
         let texel = self.of.texel(group, lane);
-        let states = self.of.element(texel).map(|_| {
-            let component = self.of.columns.component(course.stream, STATE_TAG as u32, texel);
-            let before = self.of.columns.load(component, course.stream, false).bits;
-            let stored = self.machine.group.iter().find_map(|shared| shared.stored_by(lane, component));
-            [before, stored.unwrap_or(before)]
-        });
-        kernel.check_booked(states, self.machine.thread.booked)
+        let own = self.of.element(texel).filter(|_| !kernel.is_tiled);
+        let own = own.map(|_| columns.component(course.stream, STATE_TAG as u32, texel));
+        let layer = columns.layer(course.stream, STATE_TAG as u32);
+        let stored = self.machine.group.iter().find_map(|shared| shared.stored_by(lane, &layer));
+        let Some(component) = own.or(stored.map(|(component, _)| component)) else {
+            return if kernel.is_tiled { Ok(()) } else { kernel.check_booked(None, self.machine.thread.booked) };
+        };
+        let before = columns.load(component, course.stream, false).bits;
+        let after = stored.filter(|(there, _)| *there == component).map_or(before, |(_, bits)| bits);
+        kernel.check_booked(Some([before, after]), self.machine.thread.booked)
     }
 
     /// A thread has come to its end.

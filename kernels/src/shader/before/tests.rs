@@ -33,7 +33,7 @@ fn a_stream_is_copied_where_a_thread_loads_what_another_stores() {
         "let at = id.xy; textureStore(a, at, 0, vec4f(load(id.xy)));",
         "textureStore(a, flipped(id.xy), 0, vec4f(textureLoad(a, flipped(id.xy), 0).x));",
         "textureStore(a, id.yx, 0, vec4f(1.0));",
-        "let x = load(id.xy + 1u);",
+        "let x = load(id.yx); textureStore(a, id.xy, 1, vec4f(1.0));",
         "if (id.x < 4u) { textureStore(a, id.xy, 0, vec4f(load(id.xy))); }",
     ] {
         assert_eq!(copies(own, false), [""; 0], "{own}");
@@ -61,5 +61,12 @@ fn loads_are_from_the_copy_on_the_same_lines() {
     assert_eq!(lines[2], "    let x = textureLoad(a_before, max(p, vec2u(1u)), 0, 0).x; // a");
     assert_eq!(lines[3], "    textureStore(a, p, 0, vec4u(x));");
     assert_eq!(lines[5], "@group(0) @binding(640) var a_before: texture_2d_array<u32>;");
+    // A parameter of the same name is another thing.
+    let shadowed = "fn f(a: u32) -> u32 { return g(a); }\nfn h() { let x = textureLoad(a, p, 0).x; }\n";
+    let text = from_copies(shadowed, &[("a".into(), Texel::U32)]).expect("a text");
+    assert!(
+        text.starts_with("fn f(a: u32) -> u32 { return g(a); }\nfn h() { let x = textureLoad(a_before, p, 0, 0).x; }"),
+        "{text}"
+    );
     assert_eq!(from_copies("fn f() { g(a); }", &[("a".into(), Texel::U32)]), Err(11));
 }
