@@ -3,10 +3,11 @@
 
 mod log;
 
+use std::fmt;
 use std::io::{self, ErrorKind, IsTerminal as _, Write as _};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use raystep_lab::reporter::Reporter;
 use raystep_lab::text::{visible, visible_lines};
 
@@ -69,7 +70,7 @@ impl Progress {
             false => template.to_owned(),
         };
         let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        self.bar.set_style(style.progress_chars("=> "));
+        self.bar.set_style(style.progress_chars("=> ").with_key("elapsed", elapsed));
     }
 
     /// Begins a stage of unknown length.
@@ -170,6 +171,21 @@ impl Drop for Progress {
     }
 }
 
+fn elapsed(state: &ProgressState, out: &mut dyn fmt::Write) {
+    // The bar ignores what cannot be written, too.
+    let _ = out.write_str(&in_words(state.elapsed()));
+}
+
+/// A time to the second: 2m10s. Lines of a log that only say minutes look as if nothing went on.
+fn in_words(time: Duration) -> String {
+    let seconds = time.as_secs();
+    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+        (0, 0, seconds) => format!("{seconds}s"),
+        (0, minutes, seconds) => format!("{minutes}m{seconds:02}s"),
+        (hours, minutes, seconds) => format!("{hours}h{minutes:02}m{seconds:02}s"),
+    }
+}
+
 /// A target that draws as often as bars tick.
 fn log_target(log: Log<impl io::Write + std::fmt::Debug + Send + 'static>) -> ProgressDrawTarget {
     ProgressDrawTarget::term_like_with_hz(Box::new(log), 10)
@@ -249,6 +265,12 @@ mod tests {
             progress.part("5 s to go", 2, 3);
         });
         assert!(lines.iter().any(|line| line.starts_with("progress: 5 s to go: 2 of 3, ")), "{lines:?}");
+    }
+
+    #[test]
+    fn times_are_told_to_the_second() {
+        let times = [0, 59, 60, 130, 3_725].map(|seconds| in_words(Duration::from_secs(seconds)));
+        assert_eq!(times, ["0s", "59s", "1m00s", "2m10s", "1h02m05s"]);
     }
 
     #[test]

@@ -72,8 +72,9 @@ fn solutions_pass_with_exit_code_0() {
 fn a_wrong_answer_is_told_by_its_ray_and_a_mistake_by_its_line_and_neither_says_what_is_right() {
     let place = Place::new();
     place.ok(&["course", "c"]);
-    // Steps along x in place of z, which is stored by a module of ours.
+    // Steps along x in place of z, which is stored by a module of ours: the line is that of the student's call.
     let hole = text("2-step.wgsl");
+    let call = 1 + hole.lines().position(|line| line.contains("return arrive(")).expect("a line");
     let along_x = hole
         .replace("cell.z += forward.z", "cell.x += forward.x")
         .replace("tmax.z += t_delta.z", "tmax.x += t_delta.x");
@@ -90,7 +91,9 @@ fn a_wrong_answer_is_told_by_its_ray_and_a_mistake_by_its_line_and_neither_says_
     let told = &outcome.stdout;
     assert!(told.contains("c/2-step.wgsl differs from traverse_grid, interpreted, first in pass "), "{told}");
     assert!(told.contains("  state.cell is ") && told.contains("  hint: The ray goes to another cell."), "{told}");
-    assert!(told.contains("  stored by package::arrival\n"), "lines of ours are not told: {told}");
+    let stored = format!("  stored by c/2-step.wgsl:{call}: return arrive(texel, cell_index(next.cell), next.tmax);\n");
+    assert!(told.contains(&stored) && !told.contains("package::"), "lines of ours are not told: {told}");
+    assert!(told.contains(" is cell ("), "{told}");
     assert!(told.contains(&format!("c/6-resolution.wgsl:{line}:")) && told.contains("\n    return 0.5;\n"), "{told}");
     assert!(told.contains("c/7-crack.wgsl leaks, interpreted: "), "{told}");
     // The commands below a difference are right.
@@ -107,7 +110,8 @@ fn a_wrong_answer_is_told_by_its_ray_and_a_mistake_by_its_line_and_neither_says_
         (&"differs".into(), &"state".into(), &"cell".into())
     );
     let stored = &step["stored"];
-    assert_eq!((&stored["file"], &stored["text"]), (&"package::arrival".into(), &"".into()));
+    assert_eq!((&stored["file"], &stored["line"]), (&"c/2-step.wgsl".into(), &call.into()));
+    assert!(step["also"].is_array() && step["cells"].as_array().is_some_and(|cells| cells.len() == 2), "{step}");
     let view = &step["view"];
     assert_eq!(view["device"], "interpreted");
     assert_eq!(view["arguments"], "cornell-box --size 16x16 --grid 5 --numerics paper");

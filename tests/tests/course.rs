@@ -92,6 +92,7 @@ const ANSWERS: &[Answer] = &[
         &["state.cell", "state.tag"],
     ),
     ("2-step", "if (here.tmax.x < here.tmax.y", "if (here.tmax.x <= here.tmax.y", &["state.cell"]),
+    ("2-step", "here.tmax.y < here.tmax.z) {", "here.tmax.y <= here.tmax.z) {", &["state.cell"]),
     ("2-step", "next.tmax.z += t_delta.z;", "next.tmax += t_delta;", &["tmax"]),
     ("2-step", "next.tmax.y += t_delta.y;", "next.tmax.x += t_delta.x;", &["tmax"]),
     ("2-step", "next.tmax.x += t_delta.x;", "", &["tmax"]),
@@ -121,16 +122,23 @@ const ANSWERS: &[Answer] = &[
         "select(SHADE, TRAV, nearest_t > exit || tag == ISECT_HIT)",
         &["state.tag"],
     ),
-    // The first schedule; a loop that nothing begins; no colour; no start.
+    // The first schedule; a loop that nothing begins; one that never ends; no colour; no start.
     ("5-schedule", "{ run = \"intersect\" }", "{ until_idle = \"intersect\" }", &["slow"]),
     ("5-schedule", "[\"intersect\", \"traverse_grid\"]", "[\"traverse_grid\"]", &["fails"]),
+    ("5-schedule", "{ run = \"traverse_grid\" },", "", &["fails"]),
     ("5-schedule", "{ run = \"shade\" },", "", &["fails"]),
     ("5-schedule", "{ run = \"setup\" },", "", &["fails"]),
-    // No clamp; to the nearest; up; from 1; another order; another base; x's width for all; one cell too few.
+    // No clamp; none at the lower faces; to the nearest; up; from 1; another order; another base; x's width for all; one cell too few.
     (
         "6-resolution",
         "clamp(vec3i(floor(point / width)), vec3i(0), cells - vec3i(1))",
         "vec3i(floor(point / width))",
+        &["tmax", "state.cell"],
+    ),
+    (
+        "6-resolution",
+        "clamp(vec3i(floor(point / width)), vec3i(0), cells - vec3i(1))",
+        "min(vec3i(floor(point / width)), cells - vec3i(1))",
         &["tmax", "state.cell"],
     ),
     ("6-resolution", "floor(point / width)", "round(point / width)", &["tmax", "state.cell"]),

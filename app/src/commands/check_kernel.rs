@@ -180,12 +180,9 @@ pub(super) fn miscounts(file: &str, kernel: &str, ran: &str, pass: usize, states
     text
 }
 
-/// Most lines about the condition that decided.
-const MOST_TOLD: usize = 4;
-
 pub(super) fn differs(file: &str, kernel: &str, ran: &str, difference: &Difference) -> String {
-    let Difference { pass, pixel: [x, y], rays, stream, layer, value, expected, stored, decided, notes, fails } =
-        difference;
+    let Difference { pass, pixel: [x, y], rays, stream, layer, value, expected, .. } = difference;
+    let Difference { cells, stored, decided, notes, fails, .. } = difference;
     let others = match rays {
         0 | 1 => String::new(),
         2 => " and another ray".into(),
@@ -196,12 +193,16 @@ pub(super) fn differs(file: &str, kernel: &str, ran: &str, difference: &Differen
         "{file} differs from {kernel}, {ran}, first in pass {pass}, for the ray of pixel {x},{y}{others}\n  \
          {stream}.{layer} is {value}, expected {expected}\n"
     );
+    if let Some([[x, y, z], [to_x, to_y, to_z]]) = cells {
+        text += &format!("  {value} is cell ({x}, {y}, {z}), and {expected} is cell ({to_x}, {to_y}, {to_z})\n");
+    }
     let place = |line: &Line| match line.line {
         0 => line.file.clone(),
         number => format!("{}:{number}", line.file),
     };
     match stored {
-        Some(line) if line.text.is_empty() => text += &format!("  stored by {}\n", place(line)),
+        // A line of ours that nothing of the user's has called.
+        Some(line) if line.text.is_empty() => {}
         Some(line) => text += &format!("  stored by {}: {}\n", place(line), line.text),
         None => match fails {
             Some(why) => text += &format!("  interpreted, this ray fails: {why}; --device cpu says where\n"),
@@ -211,7 +212,7 @@ pub(super) fn differs(file: &str, kernel: &str, ran: &str, difference: &Differen
     notes.iter().for_each(|note| text += &format!("  noted: {note}\n"));
     if let Some(Decided { at, how }) = decided {
         text += &format!("  decided by {}: {}\n", place(at), at.text);
-        how.iter().take(MOST_TOLD).for_each(|line| text += &format!("    {line}\n"));
+        how.iter().for_each(|line| text += &format!("    {line}\n"));
     }
     text
 }

@@ -34,10 +34,12 @@ struct ShadowRay {
 
 // The shadow ray from a point of a surface to light i.
 //
-// start: the point. leaving(start) is the same point, moved off the surface by more than rounding can be wrong: a ray that
-// begins there cannot hit the surface that it leaves. start.normal points to the side from which the point is seen.
+// start: the point. start.point: vec3f is where it is, and start.normal: vec3f, of length 1, points to the side from which it is
+// seen. leaving(start) is the same point, moved off the surface by more than rounding can be wrong: a ray that begins there
+// cannot hit the surface that it leaves.
 // The light: lights[i].kind is 1 for one that is infinitely far away, whose light travels along lights[i].direction; any other
 // is at lights[i].position.
+// end_before(light_position, direction): the t just before the light, for a direction that reaches the light at t = 1.
 fn shadow_ray(start: Start, i: u32) -> ShadowRay {
     let origin = leaving(start);
     var direction = -lights[i].direction;

@@ -39,21 +39,7 @@ pub fn branch(kernel: &Interpreter, recording: &Recording, site: usize) -> Optio
     let about = kernel.sites().get(site).filter(|about| about.kind != SiteKind::ShortCircuit)?;
     let index = recording.last.get(site).copied().flatten()?;
     let decision = recording.decisions.get(index)?;
-    let [taken, not] = recording.counts.get(site).copied()?;
-    let outcome = match (about.kind, decision.is_taken) {
-        (SiteKind::If | SiteKind::Switch, true) => "taken",
-        (SiteKind::If | SiteKind::Switch, false) => "not taken",
-        (SiteKind::Loop, true) => "goes on",
-        (SiteKind::Loop, false) => "ends",
-        (SiteKind::SelectEach, true) => "true for a component",
-        (SiteKind::SelectEach, false) => "false for all components",
-        (_, true) => "true",
-        (_, false) => "false",
-    };
-    let outcome = match taken + not {
-        1 => outcome.to_owned(),
-        all => format!("reached {all} times, {taken} of them true; at last {outcome}"),
-    };
+    let outcome = outcome(kernel, recording, site)?;
     let comparisons = recording.comparisons(kernel, index);
     let because = recording.because(kernel, index).and_then(|index| recording.decisions.get(index));
     let because = because.and_then(|decision| kernel.sites().get(decision.site)).map(|site| site.line + 1);
@@ -88,8 +74,29 @@ pub fn branch(kernel: &Interpreter, recording: &Recording, site: usize) -> Optio
     })
 }
 
+/// How a site came out, and how often, if it was reached several times; `None` if it was not reached.
+pub(crate) fn outcome(kernel: &Interpreter, recording: &Recording, site: usize) -> Option<String> {
+    let about = kernel.sites().get(site)?;
+    let decision = recording.last.get(site).copied().flatten().and_then(|index| recording.decisions.get(index))?;
+    let [taken, not] = recording.counts.get(site).copied()?;
+    let outcome = match (about.kind, decision.is_taken) {
+        (SiteKind::If | SiteKind::Switch, true) => "taken",
+        (SiteKind::If | SiteKind::Switch, false) => "not taken",
+        (SiteKind::Loop, true) => "goes on",
+        (SiteKind::Loop, false) => "ends",
+        (SiteKind::SelectEach, true) => "true for a component",
+        (SiteKind::SelectEach, false) => "false for all components",
+        (_, true) => "true",
+        (_, false) => "false",
+    };
+    Some(match taken + not {
+        1 => outcome.to_owned(),
+        all => format!("reached {all} times, {taken} of them true; at last {outcome}"),
+    })
+}
+
 /// A piece of source in one line.
-fn text_of(source: &str, span: std::ops::Range<usize>) -> String {
+pub(crate) fn text_of(source: &str, span: std::ops::Range<usize>) -> String {
     source.get(span).unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -127,7 +134,7 @@ fn in_f64(comparison: &Comparison) -> Option<String> {
     }
 }
 
-fn number(value: Value) -> String {
+pub(crate) fn number(value: Value) -> String {
     match value.kind {
         Kind::F32 => {
             let float = f32::from_bits(value.bits);

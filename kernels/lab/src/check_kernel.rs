@@ -3,14 +3,16 @@
 //! Both start every pass from the same streams, so the kernel is not blamed for what an earlier pass did. The built-in one is
 //! the CPU reference kernel; the user's runs on a device, or in the interpreter.
 
+mod condition;
+
 use raystep_kernels::interpret::{Element, Interpreter};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shader::Variant;
-use raystep_kernels::{Device, Options, Plan, PlanError, RenderError};
+use raystep_kernels::{Device, Options, Plan, PlanError, RenderError, Stream};
 use raystep_scenes::Scene;
 use serde::Serialize;
 
-use crate::branch::branch;
+use crate::branch::text_of;
 use crate::parity::{Breach, Miscount, Parity, ParityError, compare_plan};
 
 /// A line of a file.
@@ -51,7 +53,12 @@ pub struct Difference {
     pub value: String,
     /// What the built-in kernel leaves there.
     pub expected: String,
-    /// The line that stored it; `None` if none did.
+    /// Other values of this ray that differ after this pass, as stream.layer.
+    pub also: Vec<String>,
+    /// The cells of a uniform grid with these two indices, if they are indices of cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cells: Option<[[i32; 3]; 2]>,
+    /// The line that stored it, or called a function of ours that did; `None` if none did.
     pub stored: Option<Line>,
     /// The condition that decided.
     pub decided: Option<Decided>,
@@ -121,6 +128,10 @@ pub(crate) async fn check(
     if let Some(first) = first {
         let mut rays: Vec<usize> = found.breaches.iter().map(|breach| breach.ray).collect();
         rays.dedup();
+        let is_other = |breach: &&Breach| {
+            breach.pass == first.pass && breach.ray == first.ray && breach.component != first.component
+        };
+        let name = |(stream, layer): (Stream, usize)| format!("{}.{}", stream.name(), stream.info().layers[layer]);
         let mut difference = Difference {
             pass: first.pass,
             pixel: [first.ray as u32 % width, first.ray as u32 / width],
@@ -129,6 +140,8 @@ pub(crate) async fn check(
             layer: first.component.0.info().layers[first.component.1],
             value: shown(first, first.gpu),
             expected: shown(first, first.twin),
+            also: found.breaches.iter().filter(is_other).map(|breach| name(breach.component)).collect(),
+            cells: cells(&data, first),
             stored: None,
             decided: None,
             notes: Vec::new(),
@@ -166,7 +179,7 @@ pub fn mistake(error: &ParityError) -> Option<&raystep_kernels::shader::Mistake>
 fn shown(of: &Breach, bits: u32) -> String {
     let (stream, layer) = of.component;
     if stream.is_float_layer(layer) {
-        return format!("{:e}", f32::from_bits(bits));
+        return condition::float(f32::from_bits(bits));
     }
     let states = of.kernel.program().states;
     let is_tag = of.kernel.program().has_states(stream) && layer == raystep_kernels::tables::stream::STATE_TAG;
@@ -174,6 +187,17 @@ fn shown(of: &Breach, bits: u32) -> String {
         return states.name(bits).to_owned();
     }
     if bits == u32::MAX { "none (0xffffffff)".into() } else { bits.to_string() }
+}
+
+/// The cells whose indices these are, in a uniform grid.
+fn cells(data: &SceneData, of: &Breach) -> Option<[[i32; 3]; 2]> {
+    let (stream, layer) = of.component;
+    let is_cell = stream.name() == "state" && stream.info().layers[layer] == "cell";
+    let grid = data.grid;
+    let count: i64 = grid.cells.iter().map(|&cells| i64::from(cells)).product();
+    let is_index = |index: u32| i64::from(index) < count;
+    let are_cells = is_cell && data.features.grid && is_index(of.gpu) && is_index(of.twin);
+    are_cells.then(|| [of.gpu, of.twin].map(|index| grid.cell_of_index(index)))
 }
 
 /// Finds what stored the value, and which condition decided, by interpreting the ray's pass once more.
@@ -202,14 +226,23 @@ fn explain(
     let noted = code.notes().iter().zip(&recording.noted);
     difference.notes = noted.filter_map(|(note, &noted)| note.told(noted)).collect();
     let component = components.clone().position(|(data, of)| data.stream == stream && of == layer);
-    difference.stored = component
-        .and_then(|component| recording.stored.get(component).copied().flatten())
-        .map(|line| place(variant, line + 1));
+    difference.stored = component.and_then(|component| {
+        let line = recording.stored.get(component).copied().flatten()?;
+        let callers = recording.callers.get(component).into_iter().flatten().copied();
+        let places: Vec<Line> = std::iter::once(line).chain(callers).map(|line| place(variant, line + 1)).collect();
+        // Where a function of ours has stored it, the user's line is the one that called it.
+        let own = places.iter().position(|place| place.line > 0).unwrap_or(0);
+        places.into_iter().nth(own)
+    });
     let site = recording.deciding.and_then(|index| recording.decisions.get(index)).map(|decision| decision.site)?;
-    let branch = branch(&code, &recording, site)?;
-    // How f64 would have compared is for the inspector.
-    let how = branch.notes.into_iter().filter(|note| !note.is_f64).map(|note| note.text).collect();
-    difference.decided = Some(Decided { at: Line { text: branch.condition, ..place(variant, branch.line + 1) }, how });
+    let about = code.sites().get(site)?;
+    let named = |line: usize| {
+        let place = variant.replaced.as_ref().and_then(|replaced| replaced.place_of_line(line))?;
+        Some(format!("{}:{}", place.file, place.line))
+    };
+    let how = condition::how(&code, &recording, site, named)?;
+    let text = text_of(code.source(), about.span.clone());
+    difference.decided = Some(Decided { at: Line { text, ..place(variant, about.line + 1) }, how });
     Some(())
 }
 

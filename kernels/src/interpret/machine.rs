@@ -242,6 +242,9 @@ impl<'a> Machine<'a> {
                 let component = self.image_store(frame, *image, *texel, *layer, *value)?;
                 if let Some(stored) = self.stored.get_mut(component) {
                     *stored = op.statement;
+                    if let Some(recording) = &mut self.thread.recording {
+                        recording.calls.insert(component, self.thread.calls.clone());
+                    }
                 }
             }
             What::Call { function, arguments, result } => self.invoke(frame, *function, arguments, *result)?,

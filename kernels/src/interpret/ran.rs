@@ -20,6 +20,10 @@ impl Machine<'_> {
         };
         recording.noted.clone_from(&self.thread.noted);
         recording.stored = self.stored.iter().map(line).collect();
+        let callers = |component: usize| -> Vec<usize> {
+            recording.calls.get(&component).into_iter().flatten().rev().filter_map(line).collect()
+        };
+        recording.callers = (0..self.stored.len()).map(callers).collect();
         recording.non_finite = self.non_finite(&recording, &self.before);
         Ok(recording)
     }

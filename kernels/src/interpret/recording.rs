@@ -4,6 +4,8 @@
 //! from anywhere else, or one of the nodes below. A value depends on its operands; on the decisions that chose it; and,
 //! if it was written in a branch, or could have been, on that branch's condition.
 
+use std::collections::BTreeMap;
+
 use super::code::{Code, Kind};
 use crate::shader::Printed;
 use crate::tables::stream::Stream;
@@ -126,6 +128,10 @@ pub struct Recording {
     pub deciding: Option<usize>,
     /// For every component of the element, the line of the composed source that stored it last, from 0.
     pub stored: Vec<Option<usize>>,
+    /// And the lines of the calls that led there, the innermost first.
+    pub callers: Vec<Vec<usize>>,
+    /// The calls that led to what a component was stored by last: their statements, the outermost first.
+    pub(super) calls: BTreeMap<usize, Vec<u32>>,
     /// What it has printed, in the order of [`Interpreter::notes`](super::Interpreter::notes): the last value of each, and how
     /// often it was printed.
     pub noted: Vec<Printed>,
@@ -145,6 +151,8 @@ impl Recording {
             last: vec![None; code.sites.len()],
             deciding: None,
             stored: Vec::new(),
+            callers: Vec::new(),
+            calls: BTreeMap::new(),
             noted: Vec::new(),
             non_finite: None,
         }

@@ -12,6 +12,7 @@ use naga::{ScalarKind, TypeInner};
 use super::mistake::{Mistake, place_of};
 use crate::compose::{Word, WordKind, blanked, words};
 use crate::options::replacement::Replacement;
+use crate::shared::constants::INF;
 
 /// Most words of all notes of a kernel: each component of a value is one.
 pub const MOST_NOTE_WORDS: u32 = 8;
@@ -57,6 +58,8 @@ impl Noted {
     #[must_use]
     pub fn told(&self, (values, times): Printed) -> Option<String> {
         let number = |bits: u32| match self.kind {
+            // As kernels write it.
+            ScalarKind::Float if bits == INF.to_bits() => "INF".to_owned(),
             ScalarKind::Float | ScalarKind::AbstractFloat => f32::from_bits(bits).to_string(),
             ScalarKind::Sint | ScalarKind::AbstractInt => bits.cast_signed().to_string(),
             ScalarKind::Bool => (bits != 0).to_string(),

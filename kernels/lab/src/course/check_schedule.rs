@@ -8,11 +8,12 @@ use raystep_kernels::options::folder::Folder;
 use raystep_kernels::options::replacement::Replacement;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::programs::own;
-use raystep_kernels::{Device, Options, RenderError, Renderer, ScheduleKind};
+use raystep_kernels::{Device, Options, Program, RenderError, Renderer, ScheduleKind};
 use raystep_scenes::Scene;
 
 use super::check::{CheckError, Found};
 use super::{Task, Verdict, View};
+use crate::text::counted;
 
 /// More passes than ours that a schedule may take: one that begins with the other kernel, and ends with it.
 const MORE: usize = 2;
@@ -20,9 +21,16 @@ const MORE: usize = 2;
 /// What a run has left.
 struct Ran {
     passes: usize,
+    /// Whether it has come to its end.
+    has_ended: bool,
     /// Tag and triangle of every ray.
     rays: Vec<[u32; 2]>,
-    states: raystep_kernels::tables::state::States,
+    program: &'static Program,
+}
+
+/// Far more passes than any schedule needs that gets on, and few enough that nobody waits for those of one that does not end.
+fn most_passes(ours: usize) -> usize {
+    8 * ours + 64
 }
 
 /// Runs the kernels of ours in the student's order, and in that of the second schedule.
@@ -34,7 +42,7 @@ pub(super) async fn check_schedule(
 ) -> Result<Found, CheckError> {
     let (scene, second) = task.run(view)?;
     let second = Options { schedule: ScheduleKind::Second, ..second };
-    let ours = ran(&scene, &second, device).await?;
+    let ours = ran(&scene, &second, device, usize::MAX).await?;
 
     let (plan, data) = Plan::on(&scene, &second, device).await?;
     let mut files = program(&plan, &data, &second, None)?;
@@ -50,11 +58,15 @@ pub(super) async fn check_schedule(
         return told(mistake.message.clone(), mistake.place.line, mistake.place.column);
     }
     let options = Options { folder: Some(folder), ..Options::new(second.rays) };
-    let theirs = match ran(&scene, &options, device).await {
+    let theirs = match ran(&scene, &options, device, most_passes(ours.passes)).await {
         Ok(theirs) => theirs,
-        Err(error @ (RenderError::Plan(_) | RenderError::Endless { .. })) => return told(error.to_string(), 0, 0),
+        Err(error @ RenderError::Plan(_)) => return told(error.to_string(), 0, 0),
         Err(error) => return Err(error.into()),
     };
+    if !theirs.has_ended {
+        let message = endless(&ours, &theirs, view.size.width);
+        return Ok(Found::Wrong(Verdict::Fails { message }));
+    }
     let differs = ours.rays.iter().zip(&theirs.rays).position(|(ours, theirs)| ours != theirs);
     if let Some(ray) = differs {
         let (x, y) = (ray as u32 % view.size.width, ray as u32 / view.size.width);
@@ -62,7 +74,7 @@ pub(super) async fn check_schedule(
         let message = if tag == right {
             format!("at the end, the ray of pixel {x},{y} has hit triangle {triangle}, and should have hit {other}")
         } else {
-            let [tag, right] = [theirs.states.name(tag), ours.states.name(right)];
+            let [tag, right] = [theirs.program.states.name(tag), ours.program.states.name(right)];
             format!("at the end, the ray of pixel {x},{y} is in state {tag}, and should be in {right}")
         };
         return Ok(Found::Wrong(Verdict::Fails { message }));
@@ -80,9 +92,30 @@ fn without_schedule(manifest: &str) -> String {
     tables.skip_while(|table| !table.starts_with('[')).collect()
 }
 
-async fn ran(scene: &Scene, options: &Options, device: &Device) -> Result<Ran, RenderError> {
+/// What keeps a schedule from ending: the first ray that is not done, and all that wait as it does.
+fn endless(ours: &Ran, theirs: &Ran, width: u32) -> String {
+    let Ran { passes, rays, program, .. } = theirs;
+    let is_waiting = |(ours, theirs): (&[u32; 2], &[u32; 2])| ours[0] != theirs[0];
+    let Some(first) = ours.rays.iter().zip(rays).position(is_waiting) else {
+        return format!("after {passes} passes, all rays are done, but its loops have not ended");
+    };
+    let tag = rays[first][0];
+    let waiting = rays.iter().filter(|ray| ray[0] == tag).count();
+    let verb = if waiting == 1 { "is" } else { "are" };
+    let waiting = counted(waiting as u64, "ray");
+    let kernel = program.kernels().find(|kernel| kernel.takes().contains(&tag));
+    let waits_for = kernel.map(|kernel| format!(", where {} would take them on", kernel.name())).unwrap_or_default();
+    let (state, x, y) = (program.states.name(tag), first as u32 % width, first as u32 / width);
+    format!(
+        "after {passes} passes, it has not ended: {waiting} {verb} still in state {state}{waits_for}; the first is that of \
+         pixel {x},{y}"
+    )
+}
+
+/// Runs at most so many passes.
+async fn ran(scene: &Scene, options: &Options, device: &Device, most: usize) -> Result<Ran, RenderError> {
     let mut renderer = Renderer::new(scene, options, device).await?;
-    renderer.run(|_| ControlFlow::Continue(())).await?;
+    renderer.run_to(most, |_| ControlFlow::Continue(())).await?;
     let program = renderer.plan().program;
     let stream = |name: &'static str| program.stream(name).ok_or(RenderError::NoStream(name));
     let values = [stream("state")?, stream("hit")?];
@@ -90,5 +123,6 @@ async fn ran(scene: &Scene, options: &Options, device: &Device) -> Result<Ran, R
     let hits = renderer.values(values[1]).await?;
     let triangle = values[1].info().layers.iter().position(|layer| *layer == "triangle").unwrap_or(0);
     let rays = tags.layer(0).iter().zip(hits.layer(triangle)).map(|(tag, triangle)| [*tag, *triangle]).collect();
-    Ok(Ran { passes: renderer.pass_count(), rays, states: program.states })
+    let has_ended = renderer.next_kernel().is_none();
+    Ok(Ran { passes: renderer.pass_count(), has_ended, rays, program })
 }

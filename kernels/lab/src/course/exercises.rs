@@ -37,6 +37,14 @@ const BOX_STRAIGHT: View = view(
 .from([0.13, 0.07, 3.2], [0.13, 0.07, -1.0], 40.0);
 const BALL_OUTSIDE: View = view(BALL, 20, "the camera is outside of the grid");
 
+/// The ball's grid is the same along y and z, and so are the eye and the middle row of an odd number.
+const BALL_DIAGONAL: View = view(
+    BALL,
+    15,
+    "tMax of y and of z are equal, and that of x is larger, for the rays in the middle row",
+)
+.from([0.13, 0.0625, 0.0625], [0.13, 0.5625, 0.5625], 40.0);
+
 /// All of them.
 pub static EXERCISES: [Exercise; 8] = [
     Exercise {
@@ -70,6 +78,7 @@ pub static EXERCISES: [Exercise; 8] = [
                     [0.1, 0.9, 0.2],
                     90.0,
                 ),
+                BALL_DIAGONAL.grid("5"),
             ],
             may_round: false,
             is_watertight: false,
@@ -148,6 +157,12 @@ pub static EXERCISES: [Exercise; 8] = [
                 BALL_OUTSIDE,
                 view(SOUP, 16, "rays that enter the grid through its upper faces").from(
                     [2.6, 2.9, 2.3],
+                    [0.5, 0.5, 0.5],
+                    30.0,
+                ),
+                // Rounding puts about every tenth of their first points below 0.
+                view(SOUP, 16, "rays that enter the grid through its lower faces").from(
+                    [-1.6, -1.9, -1.3],
                     [0.5, 0.5, 0.5],
                     30.0,
                 ),

@@ -1,5 +1,7 @@
 //! What a student could look at, by what differs. The first that fits is told: none of them says what to write.
 
+use raystep_kernels::shared::constants::INF;
+
 use super::Hint;
 use crate::check_kernel::Difference;
 
@@ -29,7 +31,13 @@ impl Hint {
 
 /// The value and what was expected, if both are numbers.
 fn numbers(difference: &Difference) -> Option<[f64; 2]> {
-    Some([difference.value.parse().ok()?, difference.expected.parse().ok()?])
+    // `parse` would take the constant for an infinity.
+    let number = |text: &str| match text {
+        "INF" => Some(f64::from(INF)),
+        "-INF" => Some(-f64::from(INF)),
+        text => text.parse().ok(),
+    };
+    Some([number(&difference.value)?, number(&difference.expected)?])
 }
 
 /// Far more than any t of a scene, as INF is.
@@ -57,6 +65,21 @@ fn is_negative(d: &Difference) -> bool {
 
 fn is_zero(d: &Difference) -> bool {
     numbers(d).is_some_and(|[value, expected]| value == 0.0 && expected != 0.0)
+}
+
+/// Nearly right, as from another point of the same surface.
+fn is_close(d: &Difference) -> bool {
+    numbers(d).is_some_and(|[value, expected]| (value - expected).abs() <= 1e-3 * (1.0 + expected.abs()))
+}
+
+/// Whether another value of this ray differs, too: of this stream, or this layer of it.
+fn and(d: &Difference, also: &str) -> bool {
+    d.also.iter().any(|name| name == also || name.split_once('.').is_some_and(|(stream, _)| stream == also))
+}
+
+/// Of an index.
+fn is_neighbour(d: &Difference) -> bool {
+    d.cells.is_some_and(|[value, expected]| (0..3).map(|axis| value[axis].abs_diff(expected[axis])).sum::<u32>() == 1)
 }
 
 /// Of a state.
@@ -110,10 +133,20 @@ pub(super) const TRIANGLE: &[Hint] = &[
     if_("state.t", is_negative, "A triangle behind the origin is no hit."),
     if_(
         "state.t",
+        |d| and(d, "hit.triangle") && numbers(d).is_some_and(|[value, expected]| value < FAR && value > expected),
+        "The ray hits a nearer triangle, and your test says that it misses this one, or that it is farther away. Is it seen from behind? Both sides count.",
+    ),
+    if_(
+        "state.t",
+        |d| and(d, "hit.triangle") && is_too_small(d),
+        "Your test says that the ray hits a triangle which it does not hit. Which of the conditions is missing?",
+    ),
+    if_(
+        "state.t",
         is_far,
         "The ray hits this triangle, and your test says that it does not. Is it seen from behind? Both sides count.",
     ),
-    at("state.t", "t is in multiples of the direction, which has not length 1."),
+    at("state.t", "t is in multiples of the direction vector, whose length is not 1."),
     if_(
         "state.tag",
         |d| is_expected(d, "ISECT_NO_HIT") || is_expected(d, "TRAV"),
@@ -151,17 +184,22 @@ pub(super) const LIST_END: &[Hint] = &[
 pub(super) const RESOLUTION: &[Hint] = &[
     if_(
         "state.cell",
-        |d| numbers(d).is_some_and(|[value, expected]| (value - expected).abs() == 1.0),
-        "It is a neighbour along x: is the point's place in cells rounded down?",
+        |d| !and(d, "tmax"),
+        "tMax is right, so your cell_of finds the cell, and your index_of gives it another index. How long is a row, and how many cells has a layer?",
     ),
     if_(
         "state.cell",
-        |d| numbers(d).is_some_and(|[value, expected]| value > expected),
-        "Cells are numbered from 0. Where is a point on the upper face of the grid, and in which order does the array go?",
+        |d| d.cells.is_none(),
+        "tMax differs, too, so your cell_of finds another cell. The grid has no cell with this index: where is a point on a face of the grid, or beyond it by a rounding error?",
+    ),
+    if_(
+        "state.cell",
+        is_neighbour,
+        "tMax differs, too, so your cell_of finds another cell, a neighbour: is the point's place, in cells, rounded down? And where is a point on the upper face of the grid?",
     ),
     at(
         "state.cell",
-        "Along each axis, a cell is the grid's size there by its number of cells there. In which order does the array go?",
+        "tMax differs, too, so your cell_of finds another cell: along each axis, a cell's width is the grid's size there divided by its number of cells there.",
     ),
     at("tmax", "tMax follows from the cell: your cell_of finds another one, along this axis."),
     at("", "Only cell_of and index_of are to be written: is the rest of the file as it was?"),
@@ -170,7 +208,7 @@ pub(super) const RESOLUTION: &[Hint] = &[
 pub(super) const CRACK: &[Hint] = &[
     at(
         LEAK,
-        "This ray passes an edge that two triangles share, and each says that it passes on the other side. Both compute the same number from the edge, or should: in which order, and from which corners?",
+        "This ray passes near an edge that two triangles share, or through it exactly: what is the weight then? Each triangle says that it passes on the other side. Both should compute the same number from the edge: in which order, and from which corners?",
     ),
     at(
         "hit.u",
@@ -197,9 +235,19 @@ pub(super) const CRACK: &[Hint] = &[
 ];
 
 pub(super) const SHADOW: &[Hint] = &[
+    if_(
+        "state.t",
+        |d| is_close(d) && and(d, "shadow_direction"),
+        "The direction differs, too, and the end follows from it. From which point does the direction lead to the light, and how long is it?",
+    ),
     if_("state.t", is_far, "A surface behind the light keeps nothing off. At which t is the light?"),
     if_("state.t", is_expected_far, "This light is infinitely far away: the ray has no end."),
     at("state.t", "The ray ends just before the light, in multiples of its direction: what is t at the light?"),
+    if_(
+        "shadow_direction",
+        is_close,
+        "The direction is nearly right: it leads to the light from the origin of the shadow ray, which is not start.point.",
+    ),
     at(
         "shadow_direction",
         "From the surface to the light, not the other way, and for each kind of light: one has a position, the other only a direction in which its light travels.",
@@ -222,6 +270,6 @@ pub(super) const SHADOW: &[Hint] = &[
 
 /// Of exercise 5.
 pub(super) const SCHEDULE: &[Hint] = &[
-    at(SLOW, "rays wait for another one that tests a long list: who could go on meanwhile?"),
-    at(FAILS, "rays are left on their way: as long as there are any, which kernels do they wait for?"),
+    at(SLOW, "Rays wait for another one that tests a long list: who could go on meanwhile?"),
+    at(FAILS, "Rays are left on their way: as long as there are any, which kernels do they wait for?"),
 ];
