@@ -34,9 +34,7 @@ pub enum GpuError {
         turns: u32,
     },
     /// What a user's kernel asserts does not hold.
-    #[error(
-        "{file}: the assertion {label:?} does not hold for {count} elements of a pass; check-kernel names the first"
-    )]
+    #[error("{file}: the assertion {label:?} does not hold for {count} elements of a pass; {by} names the first")]
     Assertion {
         /// The user's file.
         file: String,
@@ -44,6 +42,8 @@ pub enum GpuError {
         label: String,
         /// How often it did not hold in the pass.
         count: u32,
+        /// What names the line and the first element.
+        by: &'static str,
     },
     /// A read-back failed.
     #[error("reading back from the GPU failed: {0}")]
