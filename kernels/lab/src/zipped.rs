@@ -45,7 +45,7 @@ pub fn is_zip(bytes: &[u8]) -> bool {
 pub fn folder(place: &str, bytes: &[u8]) -> Result<Folder, ZippedError> {
     // Other bytes may come before the first file, as in one that unpacks itself.
     let opened = ZipArchive::new(Cursor::new(bytes));
-    let mut zip = opened.map_err(|error| if is_zip(bytes) { error.into() } else { ZippedError::NotZip })?;
+    let mut zip = opened.map_err(|error| if is_zip(bytes) { ZippedError::Zip(error) } else { ZippedError::NotZip })?;
     if zip.len() > 2 * Folder::MOST_FILES {
         return Err(FolderError::Files(zip.len()).into());
     }

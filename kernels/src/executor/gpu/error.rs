@@ -34,7 +34,9 @@ pub enum GpuError {
         turns: u32,
     },
     /// What a user's kernel asserts does not hold.
-    #[error("{file}: the assertion {label:?} does not hold for {count} elements of a pass; {by} names the first")]
+    #[error(
+        "{file}: the assertion {label:?} does not hold for {count} elements of a pass; {by} names the line and the first element"
+    )]
     Assertion {
         /// The user's file.
         file: String,
