@@ -18,6 +18,10 @@ use crate::error::Error;
 use choices::{ChoiceArgs, Sampling, Tracing};
 use kernel::KernelArgs;
 
+/// What the scene may be for commands that also take programs.
+pub(crate) const SCENE_OR_PROGRAM: &str = "The scene: a file that ends in .gltf, .glb, .obj, .ply or .stl, or a name, such \
+     as cornell-box; or a program: a folder with program.toml, or FOLDER@SCENE";
+
 /// The scene file.
 #[derive(Args, Debug)]
 pub(crate) struct SceneArgs {
@@ -165,7 +169,8 @@ impl RunArgs {
 pub(crate) struct DeviceArgs {
     /// Where passes run: on a GPU adapter or on the CPU
     ///
-    /// auto selects the best GPU, otherwise the CPU, which is faster than a software adapter.
+    /// auto selects the best GPU, otherwise the CPU, which is faster than a software adapter. The CPU interprets WGSL of your
+    /// own, so for that, auto selects a software adapter rather than the CPU.
     #[arg(long, value_enum, default_value_t = DeviceKind::Auto)]
     pub(crate) device: DeviceKind,
     /// Name of the GPU adapter, or part of it; see 'raystep info'

@@ -14,7 +14,8 @@ use crate::error::Error;
 /// A scene's file, or a link.
 #[derive(Args, Debug)]
 pub(crate) struct LinkArgs {
-    /// The scene: a file that ends in .gltf, .glb, .obj, .ply or .stl; or a name, such as cornell-box
+    /// The scene: a file that ends in .gltf, .glb, .obj, .ply or .stl, or a name, such as cornell-box; or a program: a folder
+    /// with program.toml, or FOLDER@SCENE
     pub(crate) scene: Option<PathBuf>,
     /// Index of the scene in a file with several, counted from 0 [default: the file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]

@@ -126,7 +126,7 @@ pub(crate) fn scene_of(found: &Found, own: &Own) -> Result<Option<PathBuf>, Erro
     match (&own.scene, &found.scene) {
         (None, None) => Ok(None),
         (None, Some(scene)) => Err(Error::usage(format!(
-            "{place} reads no scene, so {} is of no use: program.toml needs a table [scene]",
+            "{place} reads no scene; remove @{}, or add a table [scene] to program.toml",
             scene.display()
         ))),
         (Some(_), Some(scene)) => Ok(Some(scene.clone())),

@@ -43,7 +43,8 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
     let found = read_any(args)?;
     match &found.folder {
         Some(folder) => Err(Error::usage(format!(
-            "{} is a program: expected a scene; 'raystep run', 'inspect', 'dump', 'plan' and 'check' take programs",
+            "{} is a program: expected a scene; 'raystep run', 'inspect', 'check', 'trace', 'stop', 'cost', 'dump', 'plan' \
+             and 'bench' take programs",
             folder.place
         ))),
         None => Ok(found),

@@ -44,6 +44,17 @@ fn a_new_program_runs_and_its_result_is_a_picture_a_table_and_an_array() {
     assert!(place.path("d/pass-000003.cell.npy").is_file(), "{dumped:?}");
     let planned = place.run(&["plan", "mine", "--quiet"]);
     assert!(planned.code == Some(0) && planned.stdout.contains("cell_before"), "{planned:?}");
+    // What a kernel prints is dumped for every element.
+    change(
+        &place,
+        "mine/generation.wgsl",
+        "neighbours -= alive;",
+        "neighbours -= alive; note(\"around\", neighbours);",
+    );
+    let dumped = place.run(&["dump", "mine", "--pass", "3", "--stream", "cell", "-o", "n", "--quiet"]);
+    assert_eq!(dumped.code, Some(0), "{dumped:?}");
+    let noted = place.read("n/pass-000003.note.around.npy");
+    assert!(String::from_utf8_lossy(&noted[..128]).contains("(1, 16, 24)"), "{dumped:?}");
     // An existing folder stays as it is.
     fails(&place.run(&["new", "mine"]), 1, "mine is not empty");
 }
@@ -105,6 +116,9 @@ fn a_program_that_does_not_end_is_ended() {
     );
     fails(&place.run(&["run", "mine"]), 1, "1000000 passes");
     change(&place, "mine/program.toml", "repeat = 400000", "repeat = 4");
+    // It has states, and no rays through a scene.
+    let planned = place.run(&["plan", "mine", "--quiet"]);
+    assert!(planned.stdout.contains("elements\n  pixels") && !planned.stdout.contains("triangles"), "{planned:?}");
     let ran = place.run(&["run", "mine", "--device", "cpu", "--quiet"]);
     assert_eq!(ran.code, Some(0), "{ran:?}");
 }

@@ -17,13 +17,15 @@ use crate::terminal::{Progress, print};
 /// Check a program of your own: its files, and its values on the GPU beside those of the interpreter
 ///
 /// The interpreter starts every pass from the device's streams, so a difference is that of one pass. It also finds what a
-/// GPU does not tell: indices that are out of range, elements that two threads write, barriers that some threads do not reach.
-/// Exit code 0 if nothing is wrong, 1 if something is.
+/// GPU does not report: indices that are out of range, elements that two threads write, barriers that some threads do not
+/// reach. Interpreting takes long: for a program that reads a scene, choose a small --size.
+/// Exit code 0 if no mistake is found, 1 if one is.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep check my-program
   raystep check my-program --passes 100
+  raystep check my-tracer@teapot --size 64x48
   raystep check my-program --device gpu --json")]
 pub(crate) struct CheckArgs {
     /// The folder with program.toml, or FOLDER@SCENE
@@ -80,7 +82,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Error> {
     match outcome {
         Outcome::Same { .. } => Ok(()),
         Outcome::Differs(_) => Err(Error::failed(format!("{} has other values than the interpreter", program.name))),
-        Outcome::Fails { .. } => Err(Error::failed(format!("{} is wrong", program.name))),
+        Outcome::Fails { .. } => Err(Error::failed(format!("check found a mistake in {}", program.name))),
     }
 }
 

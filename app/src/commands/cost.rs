@@ -11,7 +11,7 @@ use raystep_lab::text::{aligned, counted};
 
 use super::source_line::{code, kernel_of, no_pass, of_stops, sourced};
 use crate::args::choices::{ChoiceArgs, What};
-use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs, whole};
+use crate::args::{QuietArgs, RunArgs, SCENE_OR_PROGRAM, SceneArgs, ViewArgs, whole};
 use crate::error::Error;
 use crate::output::{Target, refuse_inputs, write};
 use crate::session::Session;
@@ -24,7 +24,7 @@ use crate::terminal::{Progress, print};
 /// not count in the ratio. What a cache or a compiler would save is counted. 'raystep plan --intensity' has the sums of
 /// all kernels.
 #[derive(Args, Debug)]
-#[command(after_help = "\
+#[command(mut_arg("scene", |scene| scene.help(SCENE_OR_PROGRAM)), after_help = "\
 Examples:
   raystep cost cornell-box --for intersect --size 64x64
   raystep cost cornell-box --for traverse_grid --size 64x64 --pass 9 --csv lines.csv

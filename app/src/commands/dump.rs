@@ -20,7 +20,7 @@ use raystep_kernels::{Choices, Renderer, Stream, StreamData};
 use raystep_lab::text::counted;
 
 use crate::args::choices::{ChoiceArgs, What};
-use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::args::{QuietArgs, RunArgs, SCENE_OR_PROGRAM, SceneArgs, ViewArgs};
 use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::program_folder;
@@ -37,12 +37,13 @@ use wanted::streams;
 /// depending on the stream. DIR/pass-000123.note.NAME.npy has what a kernel of yours prints in it. With --buffers, DIR/scene.vertices.npy has the triangles as kernels read them, and so on.
 /// index.json describes every pass, the structure, and how to convert the streams' units to the scene file's coordinates.
 #[derive(Args, Debug)]
-#[command(after_help = "\
+#[command(mut_arg("scene", |scene| scene.help(SCENE_OR_PROGRAM)), after_help = "\
 Examples:
   raystep dump cornell-box --pass last --stream hit -o hits
   raystep dump cornell-box --pass 7 --stream state,tmax -o pass7
   raystep dump cornell-box --stream hit --buffers grid_cells,grid_items,vertices -o data
-  raystep dump teapot --pass all --stream all --size 64x64 --format both -o all")]
+  raystep dump teapot --pass all --stream all --size 64x64 --format both -o all
+  raystep dump my-program --pass 3 -o pass3")]
 pub(crate) struct DumpArgs {
     #[command(flatten)]
     scene: SceneArgs,

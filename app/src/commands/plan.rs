@@ -18,7 +18,7 @@ use measured::{AboutCosts, Measured};
 use raystep_lab::report::left_out::ALONE_SECONDS;
 
 use crate::args::choices::{ChoiceArgs, What};
-use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs, whole};
+use crate::args::{QuietArgs, RunArgs, SCENE_OR_PROGRAM, SceneArgs, ViewArgs, whole};
 use crate::error::Error;
 use crate::output::{Target, refuse_inputs, write};
 use crate::session::Session;
@@ -29,13 +29,14 @@ use crate::terminal::{Progress, print};
 /// Lists kernels with their bindings, and streams and buffers with their sizes. Omitted parts are not compiled, bound,
 /// allocated or uploaded.
 #[derive(Args, Debug)]
-#[command(after_help = "\
+#[command(mut_arg("scene", |scene| scene.help(SCENE_OR_PROGRAM)), after_help = "\
 Examples:
   raystep plan cornell-box
   raystep plan teapot --accelerator auto --schedule fused
   raystep plan cornell-box --device gpu --measure
   raystep plan teapot --schedule second --intensity
-  raystep plan terrain --json | jq .bytes")]
+  raystep plan terrain --json | jq .bytes
+  raystep plan my-program")]
 pub(crate) struct PlanArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -93,10 +94,10 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
     let Session { scene, options, chosen, plan, data, .. } = session;
     let asked = options.accelerator;
     let summary = args.json.then(|| export::plan::plan(asked, &plan, &data));
-    let text = match plan.program.course() {
+    let text = match plan.traces_rays() {
         _ if args.json => String::new(),
-        None => plan.to_string(),
-        Some(_) => PlanText(&plan, &Structure::of(asked, &plan, &data)).to_string(),
+        false => plan.to_string(),
+        true => PlanText(&plan, &Structure::of(asked, &plan, &data)).to_string(),
     };
     // What follows plans anew, and a large scene's structure need not be kept twice.
     drop((plan, data));

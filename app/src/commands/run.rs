@@ -1,4 +1,4 @@
-//! `raystep run`: programs that need no scene.
+//! `raystep run`: users' programs, and those of ours that need no scene.
 
 mod result;
 
@@ -24,11 +24,12 @@ use crate::session::{Session, Stopwatch};
 use crate::terminal::{Progress, print};
 use crate::usage::did_you_mean;
 
-/// Run a stream program that needs no scene
+/// Run a stream program: one of your own, or sort
 ///
-/// A folder with program.toml is a program of your own; 'raystep new NAME' makes one. sort puts random keys in ascending
-/// order. Its passes are a network of comparisons that does not depend on the keys: 136 passes for 65,536 keys.
-/// 'raystep inspect FOLDER' and 'raystep inspect cornell-box --program sort' show the passes one by one.
+/// A folder with program.toml is a program of your own; 'raystep new NAME' makes one. FOLDER@SCENE names the scene of a
+/// program that reads one. sort puts random keys in ascending order. Its passes are a network of comparisons that does not
+/// depend on the keys: 136 passes for 65,536 keys. 'raystep inspect FOLDER' and 'raystep inspect cornell-box --program sort'
+/// show the passes one by one.
 #[derive(Args, Debug)]
 #[command(mut_arg("seed", |seed| seed.help("Seed of sort's keys")), mut_arg("elements", |elements| elements.help("How many keys sort has")),
     after_help = "\

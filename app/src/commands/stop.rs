@@ -11,7 +11,7 @@ use raystep_lab::text::counted;
 
 use super::source_line::{SourceLine, code, no_pass, of_stops};
 use crate::args::choices::{ChoiceArgs, What};
-use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs, whole};
+use crate::args::{QuietArgs, RunArgs, SCENE_OR_PROGRAM, SceneArgs, ViewArgs, whole};
 use crate::error::Error;
 use crate::output::{Target, ending, refuse_inputs, write};
 use crate::session::Session;
@@ -25,7 +25,7 @@ use crate::terminal::{Progress, print};
 /// imports, or of one of yours, and the condition is any expression of WGSL that has a value of type bool before the first
 /// statement of the line. Exit code 0 if there is such an element, 1 if there is none.
 #[derive(Args, Debug)]
-#[command(after_help = "\
+#[command(mut_arg("scene", |scene| scene.help(SCENE_OR_PROGRAM)), after_help = "\
 Examples:
   raystep stop cornell-box --at intersect:57 --when 'candidate.is_hit && candidate.t < 3.0' -o mask.png
   raystep stop cornell-box --at triangle.wgsl:40 -o rays.csv

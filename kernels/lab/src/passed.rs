@@ -6,7 +6,7 @@ use raystep_kernels::interpret::{
 };
 use raystep_kernels::program::Twin;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::shader::Variant;
+use raystep_kernels::shader::{Printed, Variant};
 use raystep_kernels::tables::elements::Size;
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Kernel, Pass, RenderError, Renderer, Stream, StreamData};
@@ -148,6 +148,25 @@ impl Code {
                 recording.map_err(|why| Failure { why, texel, lines: Vec::new() })
             }
             Self::Whole(code) => Ok(code.record(&begun.given(data), texel)?),
+        }
+    }
+
+    /// What each element of a pass prints, in the order of the kernel's notes.
+    ///
+    /// # Errors
+    /// As [`stopped`](Self::stopped).
+    pub fn noted(&self, begun: &Begun, data: &SceneData) -> Result<Vec<Vec<Printed>>, Failure> {
+        let data = &*self.kernel().reads(data);
+        match self {
+            Self::Element(kernel) => {
+                let many = Many { kernel, data, streams: &begun.streams };
+                let failed = |why| Failure { why, texel: [0; 2], lines: Vec::new() };
+                many.noted(0..begun.size.texels() as usize).map_err(failed)
+            }
+            Self::Whole(code) => {
+                let noted = code.run(&begun.given(data))?.noted;
+                Ok(noted.chunks(code.notes().len().max(1)).map(<[_]>::to_vec).collect())
+            }
         }
     }
 

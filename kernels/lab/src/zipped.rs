@@ -10,8 +10,11 @@ use zip::result::ZipError;
 /// Why a zip file is no program.
 #[derive(Debug, thiserror::Error)]
 pub enum ZippedError {
+    /// It does not begin as a zip file does.
+    #[error("not a zip file")]
+    NotZip,
     /// It cannot be read.
-    #[error("{0}")]
+    #[error("the zip file cannot be read: {0}")]
     Zip(#[from] ZipError),
     /// A file in it cannot be read.
     #[error("{0}: {1}")]
@@ -40,7 +43,9 @@ pub fn is_zip(bytes: &[u8]) -> bool {
 /// # Errors
 /// If it cannot be read, or is no program.
 pub fn folder(place: &str, bytes: &[u8]) -> Result<Folder, ZippedError> {
-    let mut zip = ZipArchive::new(Cursor::new(bytes))?;
+    // Other bytes may come before the first file, as in one that unpacks itself.
+    let opened = ZipArchive::new(Cursor::new(bytes));
+    let mut zip = opened.map_err(|error| if is_zip(bytes) { ZippedError::Zip(error) } else { ZippedError::NotZip })?;
     if zip.len() > 2 * Folder::MOST_FILES {
         return Err(FolderError::Files(zip.len()).into());
     }
@@ -110,7 +115,8 @@ mod tests {
     #[test]
     fn tricks_are_refused() {
         let told = |bytes: &[u8]| folder("a.zip", bytes).expect_err("refused").to_string();
-        assert!(told(b"PK\x03\x04 and nothing else").contains("Zip"), "{}", told(b"PK"));
+        assert!(told(b"PK\x03\x04 and nothing else").starts_with("the zip file cannot be read: "), "{}", told(b"PK"));
+        assert_eq!(told(b"something else"), "not a zip file");
         assert_eq!(told(&zip(&[("other", b"")])), "no program.toml: 'raystep new NAME' makes a folder with one");
         for path in ["../program.toml", "/etc/program.toml", "a/../../program.toml", "C:\\program.toml"] {
             assert!(told(&zip(&[(path, b"")])).contains("is not the path of a file"), "{path}");

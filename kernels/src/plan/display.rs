@@ -51,7 +51,7 @@ impl fmt::Display for PlanText<'_> {
 
 impl Plan {
     fn write_head(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.program.course().is_some() {
+        if self.traces_rays() {
             return writeln!(
                 f,
                 "{} x {} texels, {} rays, {} triangles",
@@ -69,6 +69,13 @@ impl Plan {
             }
         }
         Ok(())
+    }
+
+    /// Whether its elements are rays in states. Elements of a user's program without a scene are none.
+    #[must_use]
+    pub fn traces_rays(&self) -> bool {
+        let reads_none = !self.program.files.is_empty() && self.program.buffers.is_empty();
+        self.program.course().is_some() && !reads_none
     }
 
     /// Whether its lists of scene data are in textures.

@@ -38,7 +38,7 @@ pub enum GpuError {
     },
     /// What a user's kernel asserts does not hold.
     #[error(
-        "{file}: the assertion {label:?} does not hold for {count} elements of a pass; check-kernel names the first"
+        "{file}: the assertion {label:?} does not hold for {count} elements of a pass; {by} names the line and the first element"
     )]
     Assertion {
         /// The user's file.
@@ -47,6 +47,8 @@ pub enum GpuError {
         label: String,
         /// How often it did not hold in the pass.
         count: u32,
+        /// What names the line and the first element.
+        by: &'static str,
     },
     /// A read-back failed.
     #[error("reading back from the GPU failed: {0}")]

@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::manifest::{self, Counted};
-use super::reader::{Reader, SizedSet, all_leaked, colour, leaked, name_of, unused};
+use super::reader::{Reader, SizedSet, all_leaked, colour, leaked, listed, name_of, unused};
 use crate::compose::{Word, WordKind, words};
 use crate::options::features::Features;
 use crate::program::breaks::Break;
@@ -70,15 +70,15 @@ impl Reader<'_> {
         })?;
         let over = match &written.over {
             None => tables.sets[0].0,
-            Some(over) => tables.set(over).ok_or_else(|| wrong(format!("no set of elements is named {over}")))?,
+            Some(over) => tables.set(over).ok_or_else(|| wrong(self.no_set(over)))?,
         };
         let role = match &written.role {
             None if written.takes.is_empty() => Role::Once,
             None => Role::Step,
             Some(role) => {
                 let known = Role::NAMES.iter().find(|(name, _)| name == role).map(|(_, role)| *role);
-                let names = || Role::NAMES.map(|(name, _)| name).join(", ");
-                known.ok_or_else(|| wrong(format!("{role} is no role; there are {}", names())))?
+                let names = || listed("roles", Role::NAMES.map(|(name, _)| name));
+                known.ok_or_else(|| wrong(format!("no role is named {role}; {}", names())))?
             }
         };
         let each = written.each.unwrap_or(1);
@@ -106,7 +106,8 @@ impl Reader<'_> {
         let (states, own) = self.renamed_states(entry, tables)?;
         let own_tag = |state: &String| {
             let tag = own.iter().position(|(_, here)| here == state).map(|tag| tag as Tag);
-            tag.ok_or_else(|| wrong(format!("no state is named {state}")))
+            let names = || listed("states", own.iter().map(|(name, _)| name.as_str()));
+            tag.ok_or_else(|| wrong(format!("no state is named {state}; {}", names())))
         };
         let takes = written.takes.iter().map(own_tag).collect::<Result<Vec<Tag>, _>>()?;
         let send = |sent: &manifest::Sent| {
@@ -133,13 +134,11 @@ impl Reader<'_> {
         let (binds, copies) = self.binds(entry, tables, copied)?;
         let mut renews = Vec::new();
         for set in &written.renews {
-            renews.push(tables.set(set).ok_or_else(|| wrong(format!("no set of elements is named {set}")))?);
+            renews.push(tables.set(set).ok_or_else(|| wrong(self.no_set(set)))?);
         }
         let mut adopts = Vec::new();
         for (to, from) in &written.adopts.0 {
-            let of = |name: &str| {
-                tables.stream(name).ok_or_else(|| self.at(from.span(), format!("no stream is named {name}")))
-            };
+            let of = |name: &str| tables.stream(name).ok_or_else(|| self.at(from.span(), self.no_stream(name)));
             adopts.push((of(to)?, of(from.get_ref())?));
         }
         let mut sets = Vec::new();
@@ -211,7 +210,8 @@ impl Reader<'_> {
         }
         for (own, to) in &named.0 {
             if !to.get_ref().is_empty() && here(to.get_ref()).is_none() {
-                return Err(self.at(to.span(), format!("no state is named {}", to.get_ref())));
+                let names = listed("states", tables.states.iter().map(|state| state.name));
+                return Err(self.at(to.span(), format!("no state is named {}; {names}", to.get_ref())));
             }
             pairs.push((own.clone(), to.get_ref().clone()));
         }
@@ -236,7 +236,7 @@ impl Reader<'_> {
         let mut binds: Vec<(&'static str, &'static str)> = Vec::new();
         for (own, bound) in &entry.get_ref().binds.0 {
             if !tables.has(bound.get_ref()) {
-                return Err(self.at(bound.span(), format!("no stream is named {}", bound.get_ref())));
+                return Err(self.at(bound.span(), self.no_stream(bound.get_ref())));
             }
             binds.push((leaked(own), leaked(bound.get_ref())));
         }
@@ -244,7 +244,7 @@ impl Reader<'_> {
         for stream in copied {
             let copy = name_of_copy(stream);
             let pair = tables.stream(&copy).zip(tables.stream(stream));
-            copies.push(pair.ok_or_else(|| self.at(entry.span(), format!("no stream is named {copy}")))?);
+            copies.push(pair.ok_or_else(|| self.at(entry.span(), self.no_stream(&copy)))?);
             if let Some(&(own, _)) = binds.iter().find(|(_, bound)| bound == stream) {
                 binds.push((leaked(&name_of_copy(own)), leaked(&copy)));
             }

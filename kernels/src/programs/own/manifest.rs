@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use toml::Spanned;
@@ -29,6 +30,17 @@ pub(super) struct Manifest {
 
 /// A table's entries in the order of the file, each with its place.
 pub(super) struct Named<T>(pub(super) Vec<(String, Spanned<T>)>);
+
+impl<T> Named<T> {
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// Where the entry with a name is.
+    pub(super) fn span_of(&self, name: &str) -> Option<Range<usize>> {
+        self.0.iter().find(|(of, _)| of == name).map(|(_, entry)| entry.span())
+    }
+}
 
 impl<T> Default for Named<T> {
     fn default() -> Self {
@@ -60,7 +72,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
 
 /// A scene that kernels read.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table such as { file = \"cornell-box\" }")]
 pub(super) struct OfScene {
     /// The scene if none is named: a name, or a file in the folder.
     pub(super) file: Option<String>,
@@ -71,7 +83,7 @@ pub(super) struct OfScene {
 
 /// A set of elements: one of `image`, `count`, `per`, `found` and `scene`.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a set such as { image = [256, 256] }")]
 pub(super) struct Set {
     /// Columns and rows.
     pub(super) image: Option<[u32; 2]>,
@@ -89,30 +101,36 @@ pub(super) struct Set {
 
 /// A stream.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a stream such as { type = \"f32\" }")]
 pub(super) struct Column {
     pub(super) of: Option<String>,
     #[serde(rename = "type")]
     pub(super) texel: Type,
     pub(super) layers: Option<Vec<String>>,
-    pub(super) meaning: Option<Several<Means>>,
+    pub(super) meaning: Option<Meanings>,
     #[serde(default)]
     pub(super) unit: String,
-    pub(super) start: Option<toml::Value>,
+    pub(super) start: Option<Spanned<toml::Value>>,
 }
 
-/// One, or a list.
+impl Column {
+    pub(super) fn start(&self) -> Option<&toml::Value> {
+        self.start.as_ref().map(Spanned::get_ref)
+    }
+}
+
+/// One for all layers, or a list.
 #[derive(Clone, serde::Deserialize)]
-#[serde(untagged)]
-pub(super) enum Several<T> {
-    One(T),
-    List(Vec<T>),
+#[serde(untagged, expecting = "expected float, distance, light, count, id or state, or a list of them")]
+pub(super) enum Meanings {
+    One(Means),
+    List(Vec<Means>),
 }
 
-impl<T: Clone> Several<T> {
-    pub(super) fn list(&self) -> Vec<T> {
+impl Meanings {
+    pub(super) fn list(&self) -> Vec<Means> {
         match self {
-            Self::One(one) => vec![one.clone()],
+            Self::One(one) => vec![*one],
             Self::List(list) => list.clone(),
         }
     }
@@ -160,7 +178,7 @@ impl From<Means> for Meaning {
 
 /// A state.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a state such as { role = \"active\" }")]
 pub(super) struct State {
     pub(super) role: Role,
     #[serde(default)]
@@ -189,7 +207,7 @@ impl From<Role> for StateRole {
 
 /// A kernel.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a kernel such as { summary = \"…\" }")]
 pub(super) struct Kernel {
     /// Its file; `NAME.wgsl` if it is not given.
     pub(super) file: Option<String>,
@@ -245,7 +263,7 @@ pub(super) enum Counted {
 
 /// A transition.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "{ from = \"STATE\", to = \"STATE\" }")]
 pub(super) struct Sent {
     pub(super) from: String,
     pub(super) to: String,
@@ -255,27 +273,35 @@ pub(super) struct Sent {
 
 /// The schedule.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table with steps = […]")]
 pub(super) struct Order {
     pub(super) steps: Vec<Spanned<Step>>,
 }
 
 /// A step of it: one of `run`, `repeat`, `while_any` and `until_idle`.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a step such as { run = \"KERNEL\" }")]
 pub(super) struct Step {
     pub(super) run: Option<String>,
     pub(super) parameter: Option<Number>,
     pub(super) repeat: Option<Number>,
     pub(super) name: Option<String>,
-    pub(super) while_any: Option<Several<String>>,
+    pub(super) while_any: Option<Awaited>,
     pub(super) until_idle: Option<String>,
     pub(super) steps: Option<Vec<Spanned<Step>>>,
 }
 
+/// What a loop waits for: a set without elements, or kernels that no element is active in.
+#[derive(Clone, serde::Deserialize)]
+#[serde(untagged, expecting = "expected the name of a set, or a list of kernels")]
+pub(super) enum Awaited {
+    Set(String),
+    Kernels(Vec<String>),
+}
+
 /// A number, or one that counts with the turns of the loops around it.
 #[derive(Clone, serde::Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number from 0 to 4294967295, or { first = NUMBER, by = [NUMBER, …] }")]
 pub(super) enum Number {
     Always(u32),
     Counted {
@@ -287,7 +313,7 @@ pub(super) enum Number {
 
 /// What the result is.
 #[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table such as { stream = \"NAME\" }")]
 pub(super) struct Shown {
     pub(super) stream: String,
     pub(super) layer: Option<String>,

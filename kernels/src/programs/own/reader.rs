@@ -37,6 +37,20 @@ pub(super) fn all_leaked(texts: &[String]) -> &'static [&'static str] {
     Vec::leak(texts.iter().map(|text| leaked(text)).collect())
 }
 
+/// The names that there are, for a message about one that there is not.
+pub(super) fn listed<'a>(what: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.into_iter().collect();
+    if names.is_empty() {
+        return format!("there are no {what}");
+    }
+    format!("the {what} are: {}", names.join(", "))
+}
+
+/// How many layers.
+pub(super) fn layers_in_words(layers: usize) -> String {
+    if layers == 1 { "1 layer".into() } else { format!("{layers} layers") }
+}
+
 /// A set of elements, and its size if it is known.
 pub(super) type SizedSet = (&'static Elements, Option<Size>);
 
@@ -58,6 +72,21 @@ impl Reader<'_> {
             ShaderError::Mistake(mistake) => *mistake,
             other => self.at(0..0, other.to_string()),
         }
+    }
+
+    /// What is said of a stream that is not in the manifest.
+    pub(super) fn no_stream(&self, name: &str) -> String {
+        format!("no stream is named {name}; {}", listed("streams", self.manifest.streams.names()))
+    }
+
+    /// What is said of a set that is not in the manifest.
+    pub(super) fn no_set(&self, name: &str) -> String {
+        format!("no set of elements is named {name}; {}", listed("sets", self.manifest.elements.names()))
+    }
+
+    /// What is said of a kernel that is not in the manifest.
+    pub(super) fn no_kernel(&self, name: &str) -> String {
+        format!("no kernel is named {name}; {}", listed("kernels", self.manifest.kernels.names()))
     }
 
     /// The names of a table: those of variables of WGSL.

@@ -2,8 +2,9 @@
 
 use std::io::Cursor;
 
-use image::{ImageDecoder, ImageReader, Limits};
+use image::{ImageReader, Limits};
 
+use super::reader::layers_in_words;
 use crate::numbers::npy::Header;
 use crate::tables::elements::{Count, Size};
 use crate::tables::stream::{Stream, StreamData, Texel};
@@ -62,22 +63,22 @@ pub(super) fn unwritten(start: Option<&toml::Value>, texel: Texel, layers: usize
             _ => None,
         };
         number.ok_or_else(|| match texel {
-            Texel::F32 => "start has what is no number".into(),
-            Texel::U32 => "start has what is no integer from 0 to 4294967295".into(),
+            Texel::F32 => "`start`: expected a number".into(),
+            Texel::U32 => "`start`: expected an integer from 0 to 4294967295".into(),
         })
     };
     match start {
         None => Ok(vec![0; layers]),
         Some(toml::Value::Array(values)) if values.len() == layers => values.iter().map(bits).collect(),
         Some(toml::Value::Array(values)) => {
-            Err(format!("it has {layers} layers, and start has {} numbers", values.len()))
+            Err(format!("`start` has {} numbers, and the stream has {}", values.len(), layers_in_words(layers)))
         }
         Some(toml::Value::Table(table)) => {
             let is_known = table.len() == 1 && (file(start).is_some() || kernel(start).is_some());
             if is_known {
                 return Ok(vec![0; layers]);
             }
-            Err("start is a number, a list of numbers, or { npy = FILE }, { raw = FILE }, { image = FILE } or { kernel = NAME }".into())
+            Err("`start`: expected a number, a list of numbers, or { npy = FILE }, { raw = FILE }, { image = FILE } or { kernel = NAME }".into())
         }
         Some(value) => Ok(vec![bits(value)?; layers]),
     }
@@ -92,9 +93,10 @@ pub(super) fn read(stream: Stream, size: Size, kind: Kind, bytes: &[u8]) -> Resu
         Kind::Raw => {
             if bytes.len() != 4 * layers * count {
                 return Err(format!(
-                    "it has {} bytes: expected {}, four for each of {count} elements and {layers} layers, layer by layer",
+                    "it has {} bytes: expected {}, four for each of {count} elements in {}, layer by layer",
                     bytes.len(),
-                    4 * layers * count
+                    4 * layers * count,
+                    layers_in_words(layers)
                 ));
             }
             bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect()
@@ -110,6 +112,14 @@ pub(super) fn read(stream: Stream, size: Size, kind: Kind, bytes: &[u8]) -> Resu
     }
     bits.resize(layers * texels, 0);
     Ok(StreamData { stream, width: size.width, height: size.height, bits })
+}
+
+/// A shape as NumPy writes it.
+fn shape(axes: &[u64]) -> String {
+    match axes {
+        [length] => format!("({length},)"),
+        axes => format!("({})", axes.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
+    }
 }
 
 /// Components layer by layer, from an order in which those of an element are side by side.
@@ -135,9 +145,8 @@ fn npy(stream: Stream, size: Size, is_image: bool, bytes: &[u8]) -> Result<Vec<u
         && header.shape[1].checked_mul(header.shape[2]) == Some(size.count.into());
     let is_by_layer = header.shape == first || layers == 1 && header.shape == axes || has_rows;
     if !is_by_layer && header.shape != last {
-        let shape = |axes: &[u64]| axes.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
-        let plain = if layers == 1 { format!("({}) or ", shape(&axes)) } else { String::new() };
-        return Err(header.wrong_shape(format!("{plain}({})", shape(&first))).to_string());
+        let plain = if layers == 1 { format!("{}, ", shape(&axes)) } else { String::new() };
+        return Err(header.wrong_shape(format!("{plain}{} or {}", shape(&first), shape(&last))).to_string());
     }
     let stride: usize = kind[2..].parse().unwrap_or(4);
     let data = &bytes[(input.position() as usize).min(bytes.len())..];
@@ -159,7 +168,7 @@ fn npy(stream: Stream, size: Size, is_image: bool, bytes: &[u8]) -> Result<Vec<u
         match (stream.info().texel, float) {
             (Texel::F32, Some(float)) => Ok(float.to_bits()),
             (Texel::F32, None) => Ok((integer as f32).to_bits()),
-            (Texel::U32, None) => u32::try_from(integer).map_err(|_| format!("{integer} is no number of type u32")),
+            (Texel::U32, None) => u32::try_from(integer).map_err(|_| format!("{integer} is not a number of type u32")),
             (Texel::U32, Some(_)) => Err("its numbers are floats: the stream has type u32".into()),
         }
     };
@@ -174,21 +183,19 @@ fn picture(stream: Stream, size: Size, is_image: bool, bytes: &[u8]) -> Result<V
     }
     let layers = stream.layers();
     if !matches!(layers, 1 | 3 | 4) {
-        return Err(format!("a picture has 1, 3 or 4 layers, and the stream {layers}"));
+        return Err(format!("a picture has 1, 3 or 4 layers, and the stream has {layers}"));
     }
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
+    let opened = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string());
+    let (width, height) = opened()?.into_dimensions().map_err(|error| error.to_string())?;
+    if (width, height) != (size.width, size.height) {
+        return Err(format!("{width} x {height} pixels, expected {} x {}", size.width, size.height));
+    }
+    let mut reader = opened()?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(size.width.max(1));
     limits.max_image_height = Some(size.height.max(1));
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
-    let (width, height) = decoder.dimensions();
-    if (width, height) != (size.width, size.height) {
-        return Err(format!(
-            "it has {width} by {height} pixels, and the elements are {} by {}",
-            size.width, size.height
-        ));
-    }
     let picture = image::DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())?;
     let values: Vec<u8> = match layers {
         1 => picture.into_luma8().into_raw(),

@@ -4,9 +4,11 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::manifest::{Number, Several, Step as Written};
+use super::manifest::{Awaited, Number, Step as Written};
+use super::reader::listed;
 use crate::program::Program;
 use crate::program::schedule::{Count, MOST_PASSES, Schedule, Step};
+use crate::tables::elements::{Count as Counted, Elements};
 
 /// The schedule of these steps, or what is wrong with one of them, and its place.
 pub(super) fn schedule(
@@ -30,10 +32,10 @@ fn list(
     for step in steps {
         let wrong = |message: String| (step.span(), message);
         let kernel = |name: &str| {
-            let names: Vec<&str> = program.kernels.iter().map(|kernel| kernel.name).collect();
-            program
-                .kernel(name)
-                .ok_or_else(|| wrong(format!("no kernel is named {name}; there are {}", names.join(", "))))
+            program.kernel(name).ok_or_else(|| {
+                let names = listed("kernels", program.kernels.iter().map(|kernel| kernel.name));
+                wrong(format!("no kernel is named {name}; {names}"))
+            })
         };
         let written = step.get_ref();
         let body = written.steps.as_deref();
@@ -49,14 +51,16 @@ fn list(
         };
         let is_loop = matches!(way, "repeat" | "while_any");
         if is_loop != body.is_some() {
-            let message = if is_loop { "what it repeats is missing: steps = […]" } else { "it has no steps inside" };
-            return Err(wrong(message.into()));
+            return Err(wrong(match is_loop {
+                true => format!("`{way}` needs the steps that it repeats: steps = […]"),
+                false => format!("`{way}` runs one kernel and takes no `steps`"),
+            }));
         }
         if written.parameter.is_some() && way != "run" {
-            return Err(wrong("only run has a parameter".into()));
+            return Err(wrong("`parameter` is allowed only in a `run` step".into()));
         }
         if written.name.is_some() && way != "repeat" {
-            return Err(wrong("only repeat has a name: that of a turn".into()));
+            return Err(wrong("`name` is allowed only in a `repeat` step".into()));
         }
         let inside = |turns: &mut Vec<u64>, most: u64, passes: &mut u64| {
             turns.push(most);
@@ -81,13 +85,20 @@ fn list(
                 let name = Box::leak(name.clone().unwrap_or_else(|| "turn".into()).into_boxed_str());
                 Step::Repeat(name, count, inside(turns, most, passes)?)
             }
-            Written { while_any: Some(Several::One(name)), .. } => {
+            Written { while_any: Some(Awaited::Set(name)), .. } => {
                 let set = program.elements(name).ok_or_else(|| {
                     wrong(format!("no set is named {name}: while_any has a set, or a list of kernels as [\"{name}\"]"))
                 })?;
-                Step::RepeatWhileAny(set, inside(turns, 1, passes)?)
+                let body = inside(turns, 1, passes)?;
+                if !may_end(set, &body) {
+                    return Err(wrong(format!(
+                        "no kernel in these steps counts {name} again, so they are repeated without end: a kernel that \
+                         runs after the one that stores the number needs renews = [\"{name}\"]"
+                    )));
+                }
+                Step::RepeatWhileAny(set, body)
             }
-            Written { while_any: Some(Several::List(names)), .. } => {
+            Written { while_any: Some(Awaited::Kernels(names)), .. } => {
                 let kernels = names.iter().map(|name| kernel(name)).collect::<Result<Vec<_>, _>>()?;
                 if kernels.iter().all(|kernel| kernel.takes().is_empty()) {
                     return Err(wrong(
@@ -106,6 +117,17 @@ fn list(
         }
     }
     Ok(all)
+}
+
+/// Whether a loop over a set that kernels count can end: in its body, the number is read again.
+fn may_end(set: &Elements, body: &[Step]) -> bool {
+    let is_counted = matches!(set.count, Counted::Found { .. });
+    let kernels = Schedule { steps: body.to_vec() }.kernels();
+    let is_renewed = kernels.iter().map(|kernel| kernel.instance()).any(|instance| {
+        instance.renews.iter().any(|renewed| renewed.name == set.name)
+            || instance.adopts.iter().any(|(to, _)| to.info().elements.name == set.name)
+    });
+    !is_counted || is_renewed
 }
 
 fn count(number: &Number) -> Count {

@@ -1,9 +1,11 @@
 //! The streams of a user's program: what they keep, and what they begin with.
 
+use std::ops::Range;
+
 use toml::Spanned;
 
 use super::manifest;
-use super::reader::{Reader, SizedSet, all_leaked, colour, leaked, unused};
+use super::reader::{Reader, SizedSet, all_leaked, colour, layers_in_words, leaked, unused};
 use super::start;
 use crate::program::Program;
 use crate::shader::{Mistake, name_of_copy};
@@ -47,7 +49,7 @@ impl Reader<'_> {
                 None => sets[0].0,
                 Some(of) => {
                     let found = sets.iter().find(|(set, _)| set.name == of);
-                    found.ok_or_else(|| wrong(format!("no set of elements is named {of}")))?.0
+                    found.ok_or_else(|| wrong(self.no_set(of)))?.0
                 }
             };
             let texel: Texel = column.texel.into();
@@ -64,7 +66,7 @@ impl Reader<'_> {
             };
             let meaning = if meant.len() == 1 { vec![meant[0]; layers.len()] } else { meant };
             if meaning.len() != layers.len() {
-                return Err(wrong(format!("it has {} layers and {} meanings", layers.len(), meaning.len())));
+                return Err(wrong(format!("it has {} and {} meanings", layers_in_words(layers.len()), meaning.len())));
             }
             let tagged = meaning.iter().position(|meaning| *meaning == Meaning::Tag);
             if tagged.is_some_and(|layer| layer > 0) || tagged.is_some() && (texel != Texel::U32 || states.is_empty()) {
@@ -72,7 +74,9 @@ impl Reader<'_> {
                     "a state is the first layer of a stream of type u32, and [states] lists them".into(),
                 ));
             }
-            let mut unwritten = start::unwritten(column.start.as_ref(), texel, layers.len()).map_err(&wrong)?;
+            let unwritten = start::unwritten(column.start(), texel, layers.len());
+            let mut unwritten =
+                unwritten.map_err(|message| self.at(place_of_start(entry), format!("{name}: {message}")))?;
             if tagged.is_some() && column.start.is_none() {
                 let unborn = states.iter().find(|state| state.role == StateRole::Unborn);
                 unwritten[0] = unborn.or(states.first()).map_or(0, |state| state.tag);
@@ -104,16 +108,16 @@ impl Reader<'_> {
     ) -> Result<Vec<StreamData>, Mistake> {
         let mut inputs = Vec::new();
         if let Some((other, _)) = self.folder.starts().find(|(name, _)| program.stream(name).is_none()) {
-            return Err(self.at(0..0, format!("no stream is named {other}, so it cannot begin with an array")));
+            return Err(self.at(0..0, format!("starts: {}", self.no_stream(other))));
         }
         for (name, entry) in &self.manifest.streams.0 {
             let given = self.folder.starts().find(|(stream, _)| stream == name).map(|(_, bytes)| bytes);
-            let (kind, path) = match (given, start::file(entry.get_ref().start.as_ref())) {
+            let (kind, path) = match (given, start::file(entry.get_ref().start())) {
                 (Some(_), _) => (start::Kind::Npy, "the array"),
                 (None, Some(file)) => file,
                 (None, None) => continue,
             };
-            let wrong = |message: String| self.at(entry.span(), format!("{name}: {message}"));
+            let wrong = |message: String| self.at(place_of_start(entry), format!("{name}: {message}"));
             let stream = program.stream(name).ok_or_else(|| wrong("it is missing".into()))?;
             let size = sizes.iter().find(|(set, _)| set.name == stream.info().elements.name);
             let size = size
@@ -125,6 +129,11 @@ impl Reader<'_> {
         }
         Ok(inputs)
     }
+}
+
+/// Where a stream's `start` is; the stream, if an array is given in its place.
+pub(super) fn place_of_start(entry: &Spanned<manifest::Column>) -> Range<usize> {
+    entry.get_ref().start.as_ref().map_or(entry.span(), Spanned::span)
 }
 
 /// The names of a stream's layers.

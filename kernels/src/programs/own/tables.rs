@@ -6,15 +6,15 @@ use std::sync::Arc;
 
 use super::kernel::Tables;
 use super::manifest::{self, Manifest, Way};
-use super::reader::{Reader, SizedSet, leaked};
+use super::reader::{Reader, SizedSet, leaked, listed};
 use super::steps::schedule;
-use super::streams::{Copied, layers};
+use super::streams::{Copied, layers, place_of_start};
 use super::{Own, OwnResult, start};
 use crate::options::features::Features;
 use crate::options::folder::Folder;
 use crate::plan::variants;
 use crate::program::schedule::Schedule;
-use crate::program::{Course, Module, Program, UserFile};
+use crate::program::{Course, Fault, Module, Program, UserFile};
 use crate::programs::{self, primitives};
 use crate::shader::{Mistake, Place, place_in};
 use crate::shared::launch::{BLOCK, MOST_ELEMENTS};
@@ -39,6 +39,26 @@ fn modules(features: &Features) -> Vec<Module> {
     all
 }
 
+/// A message of the reader of TOML, without names of types of Rust.
+fn plain(message: &str) -> String {
+    const WORDS: [(&str, &str); 6] = [
+        ("expected u32", "expected an integer from 0 to 4294967295"),
+        ("expected f64", "expected a number"),
+        ("expected a sequence", "expected a list"),
+        ("expected a map", "expected a table"),
+        ("type: sequence", "type: list"),
+        ("type: map", "type: table"),
+    ];
+    WORDS.iter().fold(message.to_owned(), |text, (from, to)| text.replace(from, to))
+}
+
+/// What is wrong with a program: its name is in the place.
+fn without_name(fault: &Fault, program: &Program) -> String {
+    let text = fault.to_string();
+    let name = format!("{}: ", program.name);
+    text.strip_prefix(name.as_str()).unwrap_or(&text).to_owned()
+}
+
 /// Reads a program, whose kernels are compiled with these options if they are known.
 pub(super) fn read(folder: &Arc<Folder>, features: Option<Features>) -> Result<Own, Mistake> {
     let file = folder.named(Folder::MANIFEST);
@@ -50,8 +70,8 @@ pub(super) fn read(folder: &Arc<Folder>, features: Option<Features>) -> Result<O
     let text = std::str::from_utf8(bytes).map_err(|_| everywhere("not a text in UTF-8".into()))?;
     let at = |range: Range<usize>, message: String| Mistake { place: place_in(&file, text, range.start), message };
     let manifest: Manifest = toml::from_str(text).map_err(|error| match error.span() {
-        Some(span) => at(span, error.message().to_owned()),
-        None => everywhere(error.message().to_owned()),
+        Some(span) => at(span, plain(error.message())),
+        None => everywhere(plain(error.message())),
     })?;
     let of = Reader { folder, text, file: &file, manifest: &manifest };
     let files = of.files()?;
@@ -172,13 +192,16 @@ impl Reader<'_> {
                 manifest::Set { image: None, count: None, per: None, found: Some(ref found), scene: None, .. } => {
                     let (stream, layer) = found.split_once('.').unwrap_or((found, ""));
                     let known = self.manifest.streams.0.iter().find(|(name, _)| name == stream);
-                    let (_, column) = known.ok_or_else(|| wrong(&format!("no stream is named {stream}")))?;
+                    let (_, column) = known.ok_or_else(|| wrong(&self.no_stream(stream)))?;
                     let layers = layers(column.get_ref());
                     let layer = match layer {
                         "" => Some(0),
                         layer => layers.iter().position(|name| name == layer),
                     };
-                    let layer = layer.ok_or_else(|| wrong(&format!("{stream} has no such layer")))?;
+                    let no_layer = || {
+                        format!("there is no layer {found}; {}", listed("layers", layers.iter().map(String::as_str)))
+                    };
+                    let layer = layer.ok_or_else(|| wrong(&no_layer()))?;
                     (Count::Found { in_stream: leaked(stream), layer }, None)
                 }
                 _ => return Err(wrong("a set has one of image = [columns, rows], count, per, found and scene")),
@@ -255,7 +278,7 @@ impl Reader<'_> {
             files,
         }));
         if let Some(fault) = program.faults().first() {
-            return Err(self.at(0..0, fault.to_string()));
+            return Err(self.at(self.place_of(fault), without_name(fault, program)));
         }
         let order = schedule(program, &self.manifest.schedule.steps);
         let mut order = order.map_err(|(range, message)| self.at(range, message))?;
@@ -263,15 +286,28 @@ impl Reader<'_> {
             return Err(self.at(0..0, "the schedule is empty: steps = [{ run = \"KERNEL\" }]"));
         }
         for (name, entry) in self.manifest.streams.0.iter().rev() {
-            let Some(by) = start::kernel(entry.get_ref().start.as_ref()) else { continue };
-            let kernel =
-                program.kernel(by).ok_or_else(|| self.at(entry.span(), format!("{name}: no kernel is named {by}")))?;
+            let Some(by) = start::kernel(entry.get_ref().start()) else { continue };
+            let missing = || self.at(place_of_start(entry), format!("{name}: {}", self.no_kernel(by)));
+            let kernel = program.kernel(by).ok_or_else(missing)?;
             let first = crate::program::schedule::Step::Run(kernel);
             if !order.steps.contains(&first) {
                 order.steps.insert(0, first);
             }
         }
         Ok((program, order))
+    }
+
+    /// The table that a fault is in.
+    fn place_of(&self, fault: &Fault) -> Range<usize> {
+        let Manifest { kernels, streams, states, elements, .. } = self.manifest;
+        let found = match *fault {
+            Fault::Transition { kernel, .. } | Fault::Adoption { kernel, .. } => kernels.span_of(kernel),
+            Fault::Layers { stream, .. } | Fault::Begin { stream, .. } => streams.span_of(stream),
+            Fault::Unreached { state, .. } | Fault::DeadEnd { state, .. } => states.span_of(state),
+            Fault::Missing { of, .. } => kernels.span_of(of).or(streams.span_of(of)).or(elements.span_of(of)),
+            Fault::Twice { .. } | Fault::Place { .. } | Fault::TooMany { .. } => None,
+        };
+        found.unwrap_or(0..0)
     }
 
     /// Which kernels load other elements of a stream than they store.
@@ -295,11 +331,12 @@ impl Reader<'_> {
         let shown = entry.get_ref();
         let wrong = |message: String| self.at(entry.span(), message);
         let stream = program.stream(&shown.stream);
-        let stream = stream.ok_or_else(|| wrong(format!("no stream is named {}", shown.stream)))?;
+        let stream = stream.ok_or_else(|| wrong(self.no_stream(&shown.stream)))?;
         let layer = match &shown.layer {
             Some(name) => {
                 let found = stream.info().layers.iter().position(|layer| layer == name);
-                Some(found.ok_or_else(|| wrong(format!("{} has no layer {name}", shown.stream)))?)
+                let layers = || listed("layers", stream.info().layers.iter().copied());
+                Some(found.ok_or_else(|| wrong(format!("{} has no layer {name}; {}", shown.stream, layers())))?)
             }
             None => (!stream.is_color()).then_some(0),
         };

@@ -99,6 +99,12 @@ fn streams_begin_with_numbers_and_files() {
     let flat = String::from_utf8_lossy(&array[10..128]).replace("(1, 1, 5)", "(5,)     ");
     let array = [&array[..10], flat.as_bytes(), &array[128..]].concat();
     assert_eq!(with("{ npy = \"a.npy\" }", ("a.npy", &array)), [7, 8, 9, 10, 11]);
+    let four = MANIFEST.replace("count = 5", "count = 4");
+    let four = four.replace("type = \"u32\"", "type = \"u32\"\nstart = { npy = \"a.npy\" }");
+    let files = [("program.toml", four.as_bytes()), ("add.wgsl", ADD.as_bytes()), ("a.npy", array.as_slice())];
+    let mistake = read(&folder(&files)).err().expect("another shape").to_string();
+    assert!(mistake.starts_with("some/mine/program.toml:10:"), "{mistake}");
+    assert!(mistake.contains("its shape is (5,): expected (4,), (1, 4) or (4, 1)"), "{mistake}");
 }
 
 /// A change of the manifest or of the kernel, and what is said of it.
@@ -109,7 +115,7 @@ fn a_mistake_is_told_with_its_place() {
         of(&MANIFEST.replacen(from, to, 1), ADD)
     };
     let cases = [
-        ("count = 5", "count = 5000000000", "6:", "u32"),
+        ("count = 5", "count = 5000000000", "6:", "an integer from 0 to 4294967295"),
         ("count = 5", "count = 70000000", "6:", "at most 67108864"),
         ("count = 5", "image = [0, 3]", "6:", "1 to 16384"),
         ("count = 5", "", "6:", "image = [columns, rows], count, per, found and scene"),
@@ -117,22 +123,28 @@ fn a_mistake_is_told_with_its_place() {
         ("count = 5", "found = \"item\"", "6:", "main one"),
         ("type = \"u32\"", "type = \"f64\"", "9:", "f64"),
         ("type = \"u32\"", "type = \"u32\"\nof = \"rays\"", "8:", "no set of elements is named rays"),
-        ("type = \"u32\"", "type = \"u32\"\nstart = -1", "8:", "no integer"),
-        ("type = \"u32\"", "type = \"u32\"\nstart = [1, 2]", "8:", "1 layers"),
-        ("type = \"u32\"", "type = \"u32\"\nstart = { npy = \"none.npy\" }", "8:", "none.npy is not in the folder"),
+        ("type = \"u32\"", "type = \"u32\"\nstart = -1", "10:", "`start`: expected an integer from 0"),
+        ("type = \"u32\"", "type = \"u32\"\nstart = [1, 2]", "10:", "2 numbers, and the stream has 1 layer"),
+        ("type = \"u32\"", "type = \"u32\"\nstart = { npy = \"none.npy\" }", "10:", "none.npy is not in the folder"),
         ("type = \"u32\"", "type = \"u32\"\nmeaning = \"state\"", "8:", "[states]"),
+        ("type = \"u32\"", "type = \"u32\"\nmeaning = \"integer\"", "", "expected float, distance, light, count,"),
         ("type = \"u32\"", "type = \"u32\"\ncolour = 3", "10:", "unknown field"),
+        ("add = { }", "add = 3", "12:", "expected a kernel such as"),
         ("add = { }", "add = { file = \"other.wgsl\" }", "12:", "other.wgsl is not in the folder"),
-        ("add = { }", "add = { over = \"rays\" }", "12:", "no set of elements is named rays"),
+        ("add = { }", "add = { over = \"rays\" }", "12:", "no set of elements is named rays; the sets are: items"),
         ("add = { }", "add = { takes = [\"GO\"] }", "12:", "no state is named GO"),
         ("add = { }", "\"a-b\" = { file = \"add.wgsl\" }", "12:", "cannot be named"),
-        ("run = \"add\"", "run = \"sub\"", "15:", "no kernel is named sub; there are add"),
+        ("run = \"add\"", "run = \"sub\"", "15:", "no kernel is named sub; the kernels are: add"),
         ("repeat = 3", "repeat = 2000000", "15:", "1000000 passes"),
         ("repeat = 3", "repeat = 4000000000", "15:", "1000000 passes"),
         (", steps = [{ run = \"add\" }]", "", "15:", "steps"),
+        ("run = \"add\"", "run = \"add\", name = \"a\"", "15:", "`name` is allowed only in a `repeat` step"),
+        ("repeat = 3", "repeat = 3, parameter = 1", "15:", "`parameter` is allowed only in a `run` step"),
+        ("repeat = 3, name = \"round\"", "run = \"add\"", "15:", "`run` runs one kernel and takes no `steps`"),
+        ("repeat = 3", "repeat = \"3\"", "", "expected a number from 0 to 4294967295, or { first"),
         ("run = \"add\"", "until_idle = \"add\"", "15:", "takes no states"),
         ("run = \"add\"", "run = \"add\", repeat = 3", "15:", "one of"),
-        ("stream = \"item\"", "stream = \"thing\"", "17:", "no stream is named thing"),
+        ("stream = \"item\"", "stream = \"thing\"", "17:", "no stream is named thing; the streams are: item"),
         ("stream = \"item\"", "stream = \"item\"\nas = \"image\"", "17:", "not the pixels of an image"),
         ("stream = \"item\"", "stream = \"item\"\nrange = [1, 1]", "17:", "two different"),
         ("ADDED = 2", "ADDED = \"two\"", "3:", "a constant is a number"),
@@ -160,6 +172,28 @@ fn a_mistake_is_told_with_its_place() {
         let is_there = mistake.starts_with(&format!("some/mine/add.wgsl:{place}"));
         assert!(is_there && mistake.contains(message), "{to}: {mistake}");
     }
+}
+
+/// A loop over a set whose number is read once would not end.
+#[test]
+fn a_loop_over_a_counted_set_counts_it_again() {
+    let counted = MANIFEST.replace("count = 5 }", "count = 5 }\nleft = { found = \"item\" }");
+    let counted = counted.replace("repeat = 3, name = \"round\"", "while_any = \"left\"");
+    let mistake = of(&counted, ADD).err().expect("a loop without end").to_string();
+    let is_there = mistake.starts_with("some/mine/program.toml:16:");
+    assert!(is_there && mistake.contains("needs renews = [\"left\"]"), "{mistake}");
+    let renewed = counted.replace("add = { }", "add = { renews = [\"left\"] }");
+    of(&renewed, ADD).unwrap_or_else(|mistake| panic!("{mistake}"));
+}
+
+#[test]
+fn a_mistake_in_the_states_of_a_kernel_is_told_at_the_kernel() {
+    let states = "[states]\nGO = { role = \"active\" }\n\n[streams.phase]\ntype = \"u32\"\nmeaning = \"state\"\n\n";
+    let manifest =
+        MANIFEST.replace("[kernels]\nadd = { }", &format!("{states}[kernels]\nadd = {{ takes = [\"GO\"] }}"));
+    let mistake = of(&manifest, ADD).err().expect("no way out of the state").to_string();
+    let is_there = mistake.starts_with("some/mine/program.toml:19:");
+    assert!(is_there && mistake.ends_with(": kernel add sends nothing on from GO"), "{mistake}");
 }
 
 /// A file of a user's that kernels import from has its own places.
