@@ -77,6 +77,94 @@ fn a_check_compares_with_the_interpreter_and_names_what_is_wrong() {
 }
 
 #[test]
+fn a_check_has_other_witnesses_than_the_interpreter() {
+    let place = Place::new();
+    new(&place, "mine", "life");
+    change(&place, "mine/program.toml", "[256, 256]", "[24, 16]");
+    change(&place, "mine/program.toml", "repeat = 200", "repeat = 8");
+    let ran = place.run(&["run", "mine", "-o", "right.npy", "--quiet"]);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let against = |file: &str| place.run(&["check", "mine", "--reference", file, "--quiet"]);
+    let same = against("cell=right.npy");
+    assert!(
+        same.code == Some(0) && same.stdout.contains("384 values after 1 of 9 passes are those of right.npy"),
+        "{same:?}"
+    );
+    // Another rule, after the last pass.
+    change(&place, "mine/generation.wgsl", "neighbours == 3u", "neighbours == 4u");
+    let other = against("cell=right.npy");
+    assert!(other.code == Some(1) && other.stdout.contains(": pass 8, generation, leaves cell."), "{other:?}");
+    assert!(other.stdout.contains("where right.npy has "), "{other:?}");
+    fails(&against("cells=right.npy"), 2, "no stream is named cells; the streams are cell");
+    fails(&against("cell=none.npy"), 1, "none.npy");
+    fs::write(place.path("short.npy"), "no array").expect("written");
+    fails(&against("cell=short.npy"), 1, "short.npy: ");
+
+    let info = place.run(&["info", "--json"]);
+    let info: Value = serde_json::from_str(&info.stdout).unwrap_or_else(|error| panic!("{error}: {info:?}"));
+    let Some(adapter) = info["adapters"][0]["name"].as_str() else { return };
+    let same = place.run(&["check", "mine", "--against", adapter, "--quiet"]);
+    assert!(same.code == Some(0) && same.stdout.contains(" passes are those of "), "{same:?}");
+    fails(&place.run(&["check", "mine", "--against", "no such adapter"]), 1, "no such adapter");
+}
+
+#[test]
+fn an_element_that_is_counted_in_another_state_than_its_own_is_found() {
+    let place = Place::new();
+    new(&place, "mine", "sphere-tracer");
+    change(&place, "mine/program.toml", "[256, 192]", "[8, 8]");
+    for (from, to, wrong) in [
+        ("book(lane, tag)", "book(lane, NOBODY)", "it tells the state NOBODY, but leaves the element in MARCH"),
+        (
+            "book(lane, tag)",
+            "book(lane, MARCH)",
+            "it tells the state MARCH, but the pass does not work on this element",
+        ),
+        (
+            "book(lane, tag)",
+            "if (tag != NOBODY) { tag = SKY; } book(lane, tag)",
+            "it tells the state SKY, but leaves the element in ",
+        ),
+    ] {
+        change(&place, "mine/march.wgsl", from, to);
+        let found = place.run(&["check", "mine", "--passes", "400", "--quiet"]);
+        assert!(found.code == Some(1) && found.stdout.contains(wrong), "{to}: {found:?}");
+        assert!(found.stdout.contains("mine/march.wgsl:"), "{found:?}");
+        change(&place, "mine/march.wgsl", to, from);
+    }
+    change(&place, "mine/program.toml", "{ from = \"MARCH\", when = \"too far\", to = \"SKY\" },", "");
+    let found = place.run(&["check", "mine", "--passes", "400", "--quiet"]);
+    assert!(
+        found.stdout.contains("it sends the element from MARCH to SKY, which the kernel's 'sends' does not list"),
+        "{found:?}"
+    );
+    change(&place, "mine/march.wgsl", "    book(lane, tag);\n", "");
+    fails(&place.run(&["run", "mine"]), 1, "mine/march.wgsl:14:4: it does not tell where its elements go");
+}
+
+#[test]
+fn lines_are_those_of_the_file_where_elements_are_loaded_from_copies() {
+    let place = Place::new();
+    new(&place, "mine", "reaction-diffusion");
+    change(&place, "mine/program.toml", "[192, 192]", "[16, 16]");
+    let text = fs::read_to_string(place.path("mine/react.wgsl")).expect("a file");
+    let lines: Vec<&str> = text.lines().collect();
+    let line = lines.iter().rposition(|line| line.contains("textureStore")).expect("a store") + 1;
+    let found = place.run(&["stop", "mine", "--at", &format!("react:{line}"), "--quiet"]);
+    assert!(found.code == Some(0) && found.stdout.contains(&format!("react.wgsl:{line}: 256 of 256")), "{found:?}");
+    assert!(found.stdout.contains(lines[line - 1].trim()), "{found:?}");
+    let cost = place.run(&["cost", "mine", "--for", "react", "--pass", "2", "--csv", "lines.csv", "--quiet"]);
+    assert_eq!(cost.code, Some(0), "{cost:?}");
+    let table = fs::read_to_string(place.path("lines.csv")).expect("a table");
+    let column = table.lines().next().expect("a head").split(',').position(|name| name == "stream_bytes_written");
+    for row in table.lines().skip(1) {
+        let bytes: f64 =
+            row.split(',').nth(column.expect("the column")).and_then(|cell| cell.parse().ok()).expect("a number");
+        assert_eq!(bytes > 0.0, row.contains("textureStore"), "{row}");
+    }
+}
+
+#[test]
 fn what_is_no_program_is_told_in_one_line() {
     let place = Place::new();
     fails(

@@ -3,11 +3,14 @@
 //! The interpreter starts every pass from the device's streams, so a difference is that of one pass, however chaotic the
 //! program is.
 
+mod witness;
+
 use raystep_kernels::executor::cpu::{CpuError, CpuExecutor};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::elements::Count;
 use raystep_kernels::{Device, Kernel, Options, Plan, RenderError, Renderer, Stream, StreamData};
 use serde::Serialize;
+pub use witness::{check_on, check_result};
 
 /// What is compared.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +45,7 @@ pub struct Difference {
     pub layer: &'static str,
     /// The device's value.
     pub value: String,
-    /// The interpreter's.
+    /// That of the interpreter, or of another witness.
     pub expected: String,
     /// Values of this layer that differ.
     pub values: u64,

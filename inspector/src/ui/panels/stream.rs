@@ -17,6 +17,7 @@ use crate::ui::panels::zoom::Zoom;
 use egui::{Color32, Sense, vec2};
 use look::Look;
 use paint::Drawn;
+use raystep_kernels::programs::own;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::stream::Meaning as StreamMeaning;
 use raystep_kernels::{Kernel, Plan, Stream};
@@ -90,9 +91,16 @@ impl Panel for StreamView {
         }
         let is_counted = |stream: &Stream| cx.model.texture(*stream).is_some();
         let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).filter(is_counted).collect();
-        let Some(default) = default_stream(&plan, &streams, cx.model.last_pass().map(|pass| pass.kernel)) else {
-            return;
+        let last = cx.model.last_pass().map(|pass| pass.kernel);
+        let folder = cx.model.opened.as_ref().and_then(|opened| opened.settings.folder.as_ref());
+        let result = folder.and_then(|folder| own::read(folder).ok()?.result).map(|result| result.stream.name());
+        // Colours of elements with states are there when a pass has written them.
+        let is_there = |stream: &Stream| {
+            let writes = |kernel| plan.variant(kernel).is_some_and(|v| v.written_streams().any(|s| s == *stream));
+            !stream.is_color() || plan.program.state_stream().is_none() || last.is_some_and(writes)
         };
+        let result = streams.iter().copied().find(|stream| Some(stream.name()) == result && is_there(stream));
+        let Some(default) = result.or_else(|| default_stream(&plan, &streams, last)) else { return };
         let telling = self.telling(&plan, &streams, default, cx.model);
         let stream = telling.map_or_else(|| self.stream(&streams, default), |(stream, _)| stream);
         cx.display.stream = Some(stream);
@@ -193,7 +201,7 @@ impl Panel for StreamView {
     }
 }
 
-/// The stream that is shown if none was chosen: the image once it is shaded, before that the rays' states; in a program
+/// The stream that is shown if none was chosen, in a program that does not name its result: the image once it is shaded, before that the rays' states; in a program
 /// without states the last stream that the last pass has written.
 fn default_stream(plan: &Plan, streams: &[Stream], last: Option<Kernel>) -> Option<Stream> {
     let own = match plan.program.state_stream() {

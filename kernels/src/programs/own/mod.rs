@@ -22,6 +22,7 @@ use crate::tables::stream::{Stream, StreamData};
 pub use manifest::{Colours, Way};
 pub(super) use plan::plan;
 pub use scene::OfScene;
+pub use start::array;
 
 /// A user's program.
 pub struct Own {

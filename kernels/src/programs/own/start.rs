@@ -122,6 +122,14 @@ fn shape(axes: &[u64]) -> String {
     }
 }
 
+/// The values of a stream from an array of NumPy's, in any of the shapes and types that a stream may begin with.
+///
+/// # Errors
+/// If it has another shape or type, or is damaged: what would be right.
+pub fn array(stream: Stream, size: Size, bytes: &[u8]) -> Result<StreamData, String> {
+    read(stream, size, Kind::Npy, bytes)
+}
+
 /// Components layer by layer, from an order in which those of an element are side by side.
 fn by_layer(values: &[u32], layers: usize) -> Vec<u32> {
     (0..layers).flat_map(|layer| values.iter().skip(layer).step_by(layers).copied()).collect()
