@@ -358,7 +358,7 @@ fn an_assertion_that_does_not_hold_ends_the_run_and_is_counted_on_a_device() {
         let options = Options { replaced: vec![by.clone()], ..single_steps(&scene) };
         let error = run(&scene, &options, &device).map(drop).expect_err("it does not hold");
         match &error {
-            RenderError::Gpu(GpuError::Assertion { file, label, count }) => {
+            RenderError::Gpu(GpuError::Assertion { file, label, count, .. }) => {
                 // As many rays as have a second triangle in their first list with one.
                 let first = first_with_items(&scene, &device);
                 assert_eq!((&**file, &**label, *count), ("my-intersect.wgsl", "few", first), "{error}");
