@@ -55,9 +55,7 @@ step "every file of tests is in its crate's test binary"
 sh tests/every_file.sh
 
 step "lints, tests and documentation"
-# clippy-driver lints and compiles in one go, so nothing is compiled twice. It generates code as rustc does, except that
-# it sets mir-opt-level to 0.
-export RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__
+. tests/build_env.sh
 export RUSTDOC="$PWD/tests/rustdoc.sh"
 # If backtraces are enabled, wgpu takes one for each of its locks, a tenth of the tests' time. Panics still show theirs.
 export RUST_LIB_BACKTRACE=0

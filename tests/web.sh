@@ -43,7 +43,7 @@ rm -rf "$shaders"
 mkdir -p "$shaders"
 shaders=$(cd "$shaders" && pwd)
 # As tests/run.sh compiles them, so that it happens once.
-export RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__
+. tests/build_env.sh
 # Everything, the desktop's programs included: parts alone would be compiled with other features.
 cargo test --quiet --workspace --locked --no-run
 RAYSTEP_SHADERS="$shaders" cargo test --quiet --workspace --locked --test kernels -- every_variant_is_valid every_fragment_program_is_valid

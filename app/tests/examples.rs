@@ -112,7 +112,7 @@ fn run_examples(help: &[&str]) -> usize {
     std::fs::create_dir(place.path("old")).expect("a folder");
     std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_raystep"), place.path("old/raystep")).expect("a link");
     // Programs of one's own, for the examples of commands that do not make them.
-    if matches!(help, ["bench" | "trace"]) {
+    if matches!(help, ["bench" | "trace" | "plan" | "dump" | "inspect"]) {
         for name in ["my-program", "my-program-before"] {
             place.ok(&["new", name, "--like", "life"]);
         }

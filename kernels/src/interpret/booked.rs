@@ -1,6 +1,7 @@
 //! Whether a thread of a user's kernel tells the state in which it leaves its element: passes after it depend on that, and a
 //! picture of wrong counts is only incomplete.
 
+use super::machine::Machine;
 use super::{InterpretError, Interpreter};
 use crate::shared::constants::NOBODY;
 use crate::tables::kernel::{Counts, Role};
@@ -11,12 +12,7 @@ impl Interpreter {
         self.is_users && self.kernel.counts() == Counts::Sent && self.tag().is_some()
     }
 
-    /// Compares the states of an element before and after a pass with what its thread told; a thread without an element has
-    /// no states.
-    ///
-    /// # Errors
-    /// If it told another state, or a state that the kernel does not send to.
-    pub(super) fn check_booked(&self, states: Option<[u32; 2]>, booked: Option<u32>) -> Result<(), InterpretError> {
+    fn check_booked(&self, states: Option<[u32; 2]>, booked: Option<u32>) -> Result<(), InterpretError> {
         let kernel = self.kernel;
         let name = |tag: u32| match tag {
             NOBODY => "NOBODY".to_owned(),
@@ -45,5 +41,21 @@ impl Interpreter {
     /// Whether it is a kernel of a user's program, whose rows are the user's too.
     fn is_of_folder(&self) -> bool {
         !self.kernel.program().files.is_empty()
+    }
+}
+
+impl Machine<'_> {
+    /// Compares the states of an element before and after a pass with what its thread told; a thread without an element has
+    /// no states.
+    ///
+    /// # Errors
+    /// If it told another state, or a state that the kernel does not send to: the thread is then where it told.
+    pub(super) fn check_booked(&mut self, states: Option<[u32; 2]>) -> Result<(), InterpretError> {
+        let booked = self.thread.booked;
+        let checked = self.kernel.check_booked(states, booked.map(|(tag, _)| tag));
+        if let (Err(_), Some((_, statement))) = (&checked, booked) {
+            self.thread.at = statement;
+        }
+        checked
     }
 }

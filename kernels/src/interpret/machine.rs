@@ -40,8 +40,8 @@ pub(super) struct Thread<'a> {
     pub(super) calls: Vec<u32>,
     /// What the element has printed: of each note the last value, and how often.
     pub(super) noted: Vec<Printed>,
-    /// The state that it has told for its element.
-    pub(super) booked: Option<u32>,
+    /// The state that it has told for its element, and the statement that did.
+    pub(super) booked: Option<(u32, u32)>,
     /// What it did at the kernel's stops.
     pub(super) stopped: Vec<Stopped>,
     /// Its steps, if they are followed.
@@ -132,7 +132,7 @@ impl<'a> Machine<'a> {
         {
             let after = self.row.get(tag).map(|slot| slot.bits);
             let states = self.before.get(tag).copied().zip(after).map(|(before, after)| [before, after]);
-            self.kernel.check_booked(states, self.thread.booked)?;
+            self.check_booked(states)?;
         }
         for (texel, slot) in texels.iter_mut().zip(&self.row) {
             *texel = slot.bits;
@@ -292,7 +292,7 @@ impl<'a> Machine<'a> {
                     return Ok(Flow::Pause);
                 }
             }
-            What::Book(tag) => self.thread.booked = Some(self.get(frame, *tag, 0).bits),
+            What::Book(tag) => self.thread.booked = Some((self.get(frame, *tag, 0).bits, op.statement)),
             What::Nothing => {}
             What::Unsupported(what) => {
                 return Err(InterpretError::Unsupported { what: (*what).into(), line: self.line() });

@@ -282,7 +282,7 @@ impl<'a> Runner<'a> {
 
     /// Whether a thread that has ended told the state in which it leaves its element. Where the kernel finds its element by a
     /// function of ours, only what it has stored says which one it is.
-    fn check_booked(&self, group: u32, lane: u32) -> Result<(), InterpretError> {
+    fn check_booked(&mut self, group: u32, lane: u32) -> Result<(), InterpretError> {
         let kernel = self.of.kernel;
         let Some(course) = kernel.kernel().course().filter(|_| kernel.is_to_book()) else { return Ok(()) };
         let columns = self.of.columns;
@@ -292,11 +292,11 @@ impl<'a> Runner<'a> {
         let layer = columns.layer(course.stream, STATE_TAG as u32);
         let stored = self.machine.group.iter().find_map(|shared| shared.stored_by(lane, &layer));
         let Some(component) = own.or(stored.map(|(component, _)| component)) else {
-            return if kernel.is_tiled { Ok(()) } else { kernel.check_booked(None, self.machine.thread.booked) };
+            return if kernel.is_tiled { Ok(()) } else { self.machine.check_booked(None) };
         };
         let before = columns.load(component, course.stream, false).bits;
         let after = stored.filter(|(there, _)| *there == component).map_or(before, |(_, bits)| bits);
-        kernel.check_booked(Some([before, after]), self.machine.thread.booked)
+        self.machine.check_booked(Some([before, after]))
     }
 
     /// A thread has come to its end.
