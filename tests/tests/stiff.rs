@@ -100,7 +100,12 @@ fn tests_of(
 
 fn few_tests(label: &str, scene: &Scene, rays: &[Ray]) {
     use ScheduleKind::{Compact, Fused};
-    for (name, device) in devices() {
+    // In turn; in the full suite, each scene on both devices.
+    let turn = label.len() % 2;
+    for (at, (name, device)) in devices().into_iter().enumerate() {
+        if at != turn && !thorough() {
+            continue;
+        }
         let mut first = None;
         for configuration in [
             Configuration::new(Accelerator::Bvh, Fused, 1),

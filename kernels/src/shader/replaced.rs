@@ -199,7 +199,7 @@ impl Variant {
         if !files.is_empty() {
             let books =
                 bound.0.iter().any(|binding| binding.writes && matches!(binding.resource, Resource::Live { .. }));
-            if !bound.0.iter().any(|binding| binding.writes && !matches!(binding.resource, Resource::Live { .. })) {
+            if !bound.0.iter().any(|binding| binding.writes) {
                 let message = "it writes no stream, so it has no effect".to_owned();
                 return Err(Mistake { place: declared(by, name), message });
             }

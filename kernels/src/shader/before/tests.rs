@@ -33,7 +33,6 @@ fn a_stream_is_copied_where_a_thread_loads_what_another_stores() {
         "let at = id.xy; textureStore(a, at, 0, vec4f(load(id.xy)));",
         "textureStore(a, flipped(id.xy), 0, vec4f(textureLoad(a, flipped(id.xy), 0).x));",
         "textureStore(a, id.yx, 0, vec4f(1.0));",
-        "let x = load(id.yx); textureStore(a, id.xy, 1, vec4f(1.0));",
         "if (id.x < 4u) { textureStore(a, id.xy, 0, vec4f(load(id.xy))); }",
     ] {
         assert_eq!(copies(own, false), [""; 0], "{own}");

@@ -181,7 +181,7 @@ impl Listing {
                 ui.horizontal(|ui| {
                     ui.set_height(height);
                     ui.spacing_mut().item_spacing.x = 0.0;
-                    let (gutter, number) = ui.allocate_exact_size(vec2(margin, height), Sense::click());
+                    let (gutter, _) = ui.allocate_exact_size(vec2(margin, height), Sense::hover());
                     match row {
                         Row::Line(at) => {
                             let Some(line) = self.lines.get(*at) else { return };
@@ -194,8 +194,12 @@ impl Listing {
                                 paint_heat(ui, gutter, heat);
                             }
                             paint_gutter(ui, gutter, at + 1, line.mark, &font);
-                            if number.on_hover_text("click to look for elements that stop in this line").clicked() {
-                                clicked = Some(Clicked::Line(*at));
+                            // No widget of its own: readers of the screen would hear one for each line.
+                            if ui.rect_contains_pointer(gutter) {
+                                ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
+                                if ui.input(|input| input.pointer.primary_clicked()) {
+                                    clicked = Some(Clicked::Line(*at));
+                                }
                             }
                             let job = job(line, &font, ui.visuals(), is_marked);
                             let response = ui.add(egui::Label::new(job).selectable(true).extend());

@@ -12,6 +12,7 @@ use raystep_kernels::tables::elements::Size;
 use raystep_kernels::{Kernel, Pass};
 use raystep_lab::divergence::{Fate, fates};
 use raystep_lab::passed::Code;
+use raystep_lab::text::counted;
 
 use crate::branches::Branches;
 use crate::session::Model;
@@ -205,7 +206,8 @@ fn one(code: Arc<Code>, key: PassKey, texel: [u32; 2]) -> Job {
         let [x, y] = texel;
         let recorded = if x >= begun.size.width || y >= begun.size.height {
             let Size { width, height, .. } = begun.size;
-            Err(format!("this pass has {width} columns and {height} rows, and no element at {x},{y}"))
+            let [columns, rows] = [counted(width, "column"), counted(height, "row")];
+            Err(format!("this pass has {columns} and {rows}, and no element at {x},{y}"))
         } else if !code.works_on(&begun, texel) {
             Err(format!("the pass did not work on the element at {x},{y}"))
         } else {
