@@ -44,7 +44,7 @@ fn branch(stage: &Stage) -> String {
 
 /// Selects a condition by its text, by going through the branches that the ray reached.
 fn go_to(stage: &mut Stage, condition: &str) {
-    for _ in 0..20 {
+    for _ in 0..40 {
         if branch(stage).ends_with(&format!(": {condition}")) {
             return;
         }
@@ -212,7 +212,6 @@ fn elements_that_stop_at_a_line_are_counted_and_the_run_goes_to_the_next_pass_wi
     let begin = format!("pass {}, intersect, intersect.wgsl:{line}: ", stage.place() - 1);
     assert!(next.starts_with(&begin) && next.contains("candidate.is_hit && accepted holds for "), "{next}");
     assert!(count(&next) > Some(0) && stage.reads(" at this line"), "{next}");
-    stage.snapshot("kernel-stop");
 
     // As many as the branch has; the mask is then the branch's.
     let is_place =

@@ -67,7 +67,7 @@ fn the_kernel_shows_what_the_selected_element_did_and_which_elements_stop() {
     assert!(stage.find(Role::Button, |name| name == "Replace kernel…").is_none(), "{}", stage.read_out());
     // Its elements read each other: all threads are interpreted.
     assert!(stage.reads("Branch 1 of ") && stage.reads("any(id.xy >= size)"), "{}", stage.read_out());
-    stage.fill("Stop at", "generation.wgsl:21");
+    stage.fill("Stop at", "generation.wgsl:20");
     stage.fill("when", "lives");
     stage.click(Role::Button, "this pass");
     stage.settle();
