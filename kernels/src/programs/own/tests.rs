@@ -327,6 +327,9 @@ fn damaged_programs_are_mistakes() {
     let damaged = |random: &mut fastrand::Rng, texts: &[String], which: usize, all: &[String]| {
         let mut words = words(&texts[which..=which]);
         for _ in 0..random.usize(0..4) {
+            if words.is_empty() {
+                break;
+            }
             let (at, other) = (random.usize(..words.len()), random.usize(..words.len()));
             match random.u8(..7) {
                 0 => words.swap(at, other),
