@@ -142,7 +142,7 @@ fn an_element_that_is_counted_in_another_state_than_its_own_is_found() {
         "{found:?}"
     );
     change(&place, "mine/march.wgsl", "    book(lane, tag);\n", "");
-    fails(&place.run(&["run", "mine"]), 1, "mine/march.wgsl:14:4: it does not tell where its elements go");
+    fails(&place.run(&["run", "mine"]), 1, "mine/march.wgsl:15:4: it does not tell where its elements go");
 }
 
 #[test]
