@@ -78,7 +78,8 @@ class Run(unittest.TestCase):
                 with self.assertRaisesRegex(SceneError, message):
                     raystep.Program(folder, starts=starts)
             command("new", str(folder / "walk"), "--like", "grid-walk")
-            rays = raystep.Program(folder / "walk", "teapot", size=(20, 10)).run()
+            rays = raystep.Program(folder / "walk", "teapot", size=(20, 10))
+            rays.run()
             self.assertEqual(rays.result.shape, (10, 20, 3))
             self.assertGreater(float(rays.result.max()), 0.3)
 
