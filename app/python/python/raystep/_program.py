@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _raystep
-from ._display import StreamArray
 from ._options import Vector, size_of, words_of
 from ._raystep import OptionError
 from ._renderer import Renderer, Streams
@@ -76,7 +76,7 @@ class Program(Renderer):
         return f"<raystep.Program {self._path!r} after {self.pass_count} passes>"
 
     @property
-    def result(self) -> StreamArray:
+    def result(self) -> np.ndarray[Any, np.dtype[Any]]:
         """What `program.toml` names as the result, as it is now: the component that is shown, or the colour.
 
         Raises `OptionError` if it names none.
