@@ -5,6 +5,7 @@
 
 mod listing;
 mod run;
+mod shown;
 mod stop;
 
 use std::collections::HashMap;
@@ -29,6 +30,7 @@ use crate::ui::style::strong;
 use crate::walk::row_after_passes;
 use listing::{Clicked, Listing};
 use run::{Heat, Looked, OneRay, PassKey, Runs};
+use shown::Shown;
 use stop::StopAt;
 
 /// What of the view is saved.
@@ -38,42 +40,6 @@ struct Look {
     /// Show the composed source instead of the kernel's own files: the branch that decided is often in a shared function.
     #[default(true)]
     composed: bool,
-}
-
-/// Key of the displayed lines.
-#[derive(Clone)]
-struct Shown {
-    generation: u64,
-    edition: u64,
-    kernel: Kernel,
-    /// The ray's history, and the current row.
-    row: Option<(Arc<Trace>, usize)>,
-    /// The selected element and the last pass, in a program whose elements have no history.
-    element: Option<([u32; 2], usize)>,
-    composed: bool,
-    /// The function to mark.
-    code: Option<String>,
-}
-
-impl Shown {
-    /// The pass that is looked at.
-    fn pass(&self) -> Option<usize> {
-        match &self.row {
-            Some((history, row)) => history.rows.get(*row)?.pass,
-            None => self.element.map(|(_, pass)| pass),
-        }
-    }
-}
-
-impl PartialEq for Shown {
-    fn eq(&self, other: &Self) -> bool {
-        let same_row = match (&self.row, &other.row) {
-            (Some((a, i)), Some((b, j))) => Arc::ptr_eq(a, b) && i == j,
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        let key = |shown: &Self| (shown.generation, shown.edition, shown.kernel, shown.element, shown.composed);
-        same_row && key(self) == key(other) && self.code == other.code
-    }
 }
 
 /// What is known of the ray in the pass.
