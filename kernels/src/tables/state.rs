@@ -208,3 +208,18 @@ impl States {
 fn sum(counts: &StateCounts, is_counted: impl Fn(Tag) -> bool) -> u64 {
     (0..).zip(counts.iter()).filter(|&(tag, _)| is_counted(tag)).map(|(_, &rays)| u64::from(rays)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_population_is_told_by_its_states() {
+        let state = |tag, name| StateInfo { tag, name, role: StateRole::Active, meaning: "" };
+        let states = States(Vec::leak(vec![state(0, "WARM"), state(1, "HOT"), state(2, "STILL")]));
+        let mut in_state = StateCounts::none(states);
+        in_state.add(0, 3);
+        in_state.add(2, 61);
+        assert_eq!(Population::from(in_state).told(states), "with 3 in WARM, 61 in STILL");
+    }
+}

@@ -53,6 +53,8 @@ pub(in crate::ui) struct StreamView {
     /// A copy shown instead of the current stream.
     pinned: Option<Pinned>,
     mask: mask::Overlay,
+    /// The result of a user's program, and of which generation.
+    result: (u64, Option<&'static str>),
     /// A kept run shown instead of the current stream.
     kept: Option<Flipped>,
     magnifier: magnifier::Magnifier,
@@ -92,8 +94,7 @@ impl Panel for StreamView {
         let is_counted = |stream: &Stream| cx.model.texture(*stream).is_some();
         let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).filter(is_counted).collect();
         let last = cx.model.last_pass().map(|pass| pass.kernel);
-        let folder = cx.model.opened.as_ref().and_then(|opened| opened.settings.folder.as_ref());
-        let result = folder.and_then(|folder| own::read(folder).ok()?.result).map(|result| result.stream.name());
+        let result = self.result(cx);
         // Colours of elements with states are there when a pass has written them.
         let is_there = |stream: &Stream| {
             let writes = |kernel| plan.variant(kernel).is_some_and(|v| v.written_streams().any(|s| s == *stream));
@@ -215,6 +216,16 @@ fn default_stream(plan: &Plan, streams: &[Stream], last: Option<Kernel>) -> Opti
 }
 
 impl StreamView {
+    /// The name of the stream that a user's program calls its result: read once for each run.
+    fn result(&mut self, cx: &Context<'_>) -> Option<&'static str> {
+        if self.result.0 != cx.model.generation {
+            let folder = cx.model.opened.as_ref().and_then(|opened| opened.settings.folder.as_ref());
+            let result = folder.and_then(|folder| own::read(folder).ok()?.result);
+            self.result = (cx.model.generation, result.map(|result| result.stream.name()));
+        }
+        self.result.1
+    }
+
     fn export(&self, cx: &mut Context<'_>, picture: Option<wgpu::Texture>) {
         if let Some(picture) = picture {
             let name = self.title().unwrap_or_else(|| "Stream".into());

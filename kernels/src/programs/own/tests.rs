@@ -166,6 +166,13 @@ fn a_mistake_is_told_with_its_place() {
         ("+ ADDED", "+ 1.5", "12:", ""),
         ("package::launch", "package::launches", "2:", "no module is named package::launches"),
         ("let at", "let at = 1u; let at", "11:", "redefinition"),
+        (
+            "let at",
+            "var big: array<u32, 4000>; big[i] = 1u; let at",
+            "11:",
+            "the variables of a function take 16000 bytes; WGSL allows 8192",
+        ),
+        ("textureStore(item, at, 0, vec4u(textureLoad(item, at, 0).x + ADDED));", "", "6:", "it writes no stream"),
     ];
     for (from, to, place, message) in cases {
         let mistake = wgsl(from, to).err().unwrap_or_else(|| panic!("{to}: nothing is wrong")).to_string();
