@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_population_is_told_by_its_states() {
-        let state = |tag, name| StateInfo { tag, name, role: StateRole::Active, meaning: "" };
+        let state = |tag, name| StateInfo { tag, name, role: StateRole::Active, colour: [0; 3], meaning: "" };
         let states = States(Vec::leak(vec![state(0, "WARM"), state(1, "HOT"), state(2, "STILL")]));
         let mut in_state = StateCounts::none(states);
         in_state.add(0, 3);
