@@ -31,15 +31,14 @@ mkdir -p "$target/page"
 
 module="$target/page/raystep_web_bg.wasm"
 if [ "${2:-}" = --quick ]; then
-    echo "note: without wasm-opt, the page is a third larger" >&2
-    MOST_BYTES=$((MOST_BYTES * 4 / 3))
+    echo "note: without wasm-opt, the page is larger" >&2
 elif command -v npm >/dev/null; then
     npm install --silent --no-fund --no-audit --prefix "$target/npm" "binaryen@$BINARYEN"
     "$target/npm/node_modules/.bin/wasm-opt" -Oz --enable-bulk-memory --enable-bulk-memory-opt \
         --enable-reference-types --enable-nontrapping-float-to-int --enable-sign-ext --enable-mutable-globals \
         --enable-multivalue "$module" -o "$module"
 else
-    echo "note: no npm, so no wasm-opt: the page is a third larger" >&2
+    echo "note: no npm, so no wasm-opt: the page is larger" >&2
 fi
 # Compressed here, so that it does not matter whether the server does.
 gzip -9 -n "$module"

@@ -8,7 +8,10 @@ fn main() {
         eprintln!("usage: bindgen IN.wasm FOLDER");
         std::process::exit(2);
     };
-    let generated = Bindgen::new().input_path(module).typescript(false).web(true).and_then(|b| b.generate(folder));
+    // Names of functions are a sixth of what is fetched, and for debuggers only.
+    let mut bindgen = Bindgen::new();
+    bindgen.input_path(module).typescript(false).remove_name_section(true);
+    let generated = bindgen.web(true).and_then(|b| b.generate(folder));
     if let Err(error) = generated {
         eprintln!("{error:#}");
         std::process::exit(1);
