@@ -11,6 +11,7 @@ use raystep_kernels::programs::closest_hit::PROGRAM;
 use raystep_kernels::programs::closest_hit::streams::{COLOR, HIT, STATE};
 use raystep_kernels::{Accelerator, Device, GpuError, Numerics, Options, RenderError, Renderer, ScheduleKind};
 use raystep_lab::check_kernel::{Difference, Outcome, check_kernel};
+use raystep_lab::divergence::divergence;
 use raystep_scenes::{Scene, generate};
 use raystep_tests::{block_on, devices, gpu, gpu_of, options, values};
 
@@ -209,6 +210,16 @@ fn ties_resolved_otherwise_are_found_in_a_scene_that_has_them() {
         assert_eq!(value, expected + count, "{numerics}: {found:?}");
         let line = found.stored.as_ref().expect("a line");
         assert_eq!(line.line, line_of(&by, "vec4u(entry.triangle)"), "{numerics}: {found:?}");
+        // The window's map names the same ray.
+        let map = block_on(None, async {
+            let mut renderer = Renderer::new(&scene, &options(&scene), &Device::Cpu(None)).await?;
+            divergence(&mut renderer, |_| ControlFlow::Continue(())).await
+        });
+        let map = map.expect("a map");
+        let (ray, first) = map.earliest().expect("a difference");
+        let [x, y] = [ray as u32 % map.width(), ray as u32 / map.width()];
+        assert_eq!((first.pass, [x, y], first.stream), (found.pass, found.pixel, HIT), "{numerics}: {first:?}");
+        assert_eq!((first.theirs as usize, first.twin as usize), (value, expected), "{numerics}: {first:?}");
         // A GPU may round so that there is no tie.
         let same = check(&scene, &Device::Gpu(gpu())).expect("a comparison");
         assert!(matches!(same, Outcome::Same { passes, rays } if passes > 2 && rays > 192), "{numerics}: {same:?}");

@@ -14,7 +14,7 @@ use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::{Kernel, Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
 
-use crate::rounding::{Rounding, judging_bytes};
+use crate::rounding::{Judged, Rounding, Verdict, judging_bytes};
 pub use fate::{Fate, fates};
 pub use map::{Against, Class, DivergenceMap, NEVER, Parting};
 pub use tree::{APART, Apart, Part};
@@ -55,6 +55,8 @@ pub async fn divergence(
 ) -> Result<DivergenceMap, RenderError> {
     renderer.restart();
     let is_gpu = renderer.gpu().is_some();
+    // The interpreter rounds as the twins do: there, a ray has no reason to take another path.
+    let may_round = is_gpu || renderer.cpu_f64().is_some();
     let plan = renderer.shared_plan();
     // A user's kernel is compared with the one that it replaces.
     let own = plan.with_own_kernels()?;
@@ -83,7 +85,15 @@ pub async fn divergence(
         let rules = Rounding { plan: &own, data: renderer.data(), kernel: pass.kernel, before: &before };
         if is_gpu || !plan.replaced().is_empty() {
             let pairs: Vec<_> = after.iter().map(|(device, twin, _)| [device, twin]).collect();
-            rules.judge(&pairs, |_, _| true, |judged| map.record(Against::Device, &judged))?;
+            rules.judge(
+                &pairs,
+                |_, _| true,
+                |judged| {
+                    let is_wrong = judged.verdict == Verdict::Tie && !may_round;
+                    let verdict = if is_wrong { Verdict::Breach } else { judged.verdict };
+                    map.record(Against::Device, &Judged { verdict, ..judged });
+                },
+            )?;
         }
         let pairs: Vec<_> = after.iter().filter_map(|(_, twin, in_f64)| Some([in_f64.as_ref()?, twin])).collect();
         rules.judge(&pairs, is_decision, |judged| map.record(Against::F64, &judged))?;
