@@ -1,7 +1,8 @@
 #!/bin/sh
 # Compiles the kernels' variants with Dawn, Chromium's WebGPU; builds the page, and tries it in Chromium on a virtual
-# display: with WebGPU in software, with WebGL 2, and with neither; hits by WebGPU and by WebGL 2 against the CPU
-# reference kernels; the debug adapter. Installs what that takes, except Rust and Node.js. Screenshots are left in target/web/screenshots.
+# display: with WebGPU in software, with WebGL 2, and with neither; typical mistakes in a dropped kernel; hits by WebGPU and
+# by WebGL 2 against the CPU reference kernels; the debug adapter. Installs what that takes, except Rust and Node.js.
+# Screenshots are left in target/web/screenshots.
 set -eu
 cd "$(dirname "$0")/.."
 PLAYWRIGHT=1.65.1
@@ -66,4 +67,4 @@ trap 'exit 130' INT
 trap 'exit 143' TERM
 until [ -s "$display" ]; do kill -0 "$server" && sleep 0.1; done
 DISPLAY=":$(cat "$display")" node --test --test-concurrency=1 --test-reporter=spec \
-    tests/web/page.test.mjs tests/web/hard.test.mjs tests/web/hits.test.mjs
+    tests/web/page.test.mjs tests/web/own_kernels.test.mjs tests/web/hard.test.mjs tests/web/hits.test.mjs
