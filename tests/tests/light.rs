@@ -36,7 +36,7 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
             Options { samples: Samples { count: 3, ..Samples::default() }, counters: false, ..counted.clone() };
         vec![(counted.clone(), None), (sampled, None), (counted, Some(6))]
     };
-    compare(scenes.into(), [29, 21], 5, is_long, runs);
+    compare(scenes.into(), [29, 21], 8, is_long, runs);
 }
 
 /// What shadow rays of a run found, judged by f64 from the exact rays.

@@ -36,7 +36,7 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
         let counted = Options { counters: true, ..options };
         vec![(counted, None), (sampled, None), (by_light, None), (by_chance, Some(6))]
     };
-    compare(scenes, [19, 15], 6, takes_a_pass_for_each_triangle, runs);
+    compare(scenes, [19, 15], 9, takes_a_pass_for_each_triangle, runs);
 }
 
 /// So small that one kernel follows whole paths on any device: it binds eight storage buffers, and takes few loop turns.

@@ -34,7 +34,7 @@ fn pictures_of_small_scenes_have_no_errors_but_ties() {
         if scene.triangles.len() > 2000 {
             continue;
         }
-        let side = if thorough() { 512 } else { 160 };
+        let side = if thorough() { 512 } else { 112 };
         let options = options(&scene, side, side);
         for Checked { configuration, report, .. } in check_each(&scene, &options, &FAST, &Device::Gpu(gpu())) {
             let label = format!("{file} ({} triangles) {configuration}: {report}", scene.triangles.len());
@@ -51,7 +51,7 @@ fn random_rays_have_no_errors_but_ties() {
         if scene.triangles.is_empty() {
             continue;
         }
-        let count = if thorough() { 10_000 } else { 1_500 };
+        let count = if thorough() { 10_000 } else { 1_000 };
         let mut options = Options::new(RaySource::Given(rays::random(&scene, count, 7)));
         options.shade = false;
         for Checked { configuration, report, .. } in check_each(&scene, &options, &FAST, &Device::Gpu(gpu())) {

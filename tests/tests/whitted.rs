@@ -26,7 +26,7 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
             Options { samples: Samples { count: 2, ..Samples::default() }, counters: false, ..counted.clone() };
         vec![(counted.clone(), None), (sampled, None), (counted, Some(6))]
     };
-    compare(scenes, [19, 15], 6, takes_a_pass_for_each_triangle, runs);
+    compare(scenes, [19, 15], 9, takes_a_pass_for_each_triangle, runs);
 }
 
 #[test]

@@ -48,7 +48,7 @@ fn in_one_cell(scene: &Scene, side: u32) -> Options {
 fn lists_longer_than_any_loop_are_walked_to_their_end() {
     let scene = pile(70_000);
     // With the automatic grid, and with a single cell that lists everything.
-    let side = if thorough() { 12 } else { 4 };
+    let side = if thorough() { 12 } else { 3 };
     expect_no_errors("pile", &scene, &along(&scene, side), &several(), 0.0);
     let grids: Vec<Configuration> =
         several().into_iter().filter(|configuration| configuration.accelerator == Accelerator::Grid).collect();
@@ -92,7 +92,7 @@ fn counters_are_of_the_walk_and_not_of_its_dispatches() {
                 counters: true,
                 shade: true,
                 grid: GridSize::Cells(cells),
-                ..configuration.of(&along(&scene, 8))
+                ..configuration.of(&along(&scene, 5))
             };
             let [on_gpu, on_cpu] = [&device, &Device::Cpu(Option::None)].map(|device| {
                 let renderer = run(&scene, &options, device, Option::None);
