@@ -295,3 +295,35 @@ fn what_a_kernel_prints_is_traced_and_dumped() {
     assert_eq!(u64::from(value), pass["tested"].as_u64().expect("a triangle"));
     assert!(String::from_utf8_lossy(&bytes[..128]).contains("(1, 12, 16)"));
 }
+
+/// A kernel of one's own is measured, and compared with the built-in one by a baseline.
+#[test]
+fn a_kernel_is_measured_beside_the_built_in_one() {
+    let place = Place::new();
+    let scene = cornell_box();
+    let bench = |more: &[&str]| {
+        let common = ["bench", &scene, "--size", "16x12", "--device", "cpu", "--warmups", "0", "--repeats", "7"];
+        place.run(&[&common, more].concat())
+    };
+    let with = ["--kernel", "my.wgsl", "--schedules", "second", "--baseline", "before", "--at-most", "1000"];
+    assert_eq!(bench(&["--schedules", "second", "-o", "before"]).code, Some(0));
+    write_intersect(&place, "fn ", "fn ");
+    let outcome = bench(&[&with[..], &["-o", "same"]].concat());
+    assert!(outcome.code == Some(0) && outcome.stdout.contains("Pass: at most 1000 times as slow"), "{outcome:?}");
+    // The second triangle of every list is left out.
+    write_intersect(&place, "item += 1u", "item += 2u");
+    let outcome = bench(&[&with[..], &["-o", "fewer"]].concat());
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("hits"), "{outcome:?}");
+    // The fused kernel intersects by itself.
+    let outcome = bench(&["--kernel", "my.wgsl", "--schedules", "fused", "-o", "none"]);
+    let why = "error: --kernel intersect=my.wgsl: this run does without intersect";
+    assert!(outcome.code == Some(1) && outcome.stderr.contains(why), "{outcome:?}");
+    let this = env!("CARGO_BIN_EXE_raystep");
+    let outcome = bench(&["--kernel", "my.wgsl", "--against", this, "--at-most", "2", "-o", "none"]);
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("--kernel: ") && outcome.stderr.contains("--baseline"), "{outcome:?}");
+    place.run(&["new", "mine"]);
+    let outcome = place.run(&["bench", "mine", "--kernel", "my.wgsl", "-o", "none"]);
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("a program of your own has no built-in kernels"), "{outcome:?}");
+}

@@ -16,8 +16,9 @@ pub(crate) struct KernelArgs {
     /// Replace a kernel by WGSL of your own; can be repeated. Without NAME=, the kernel that the file's @compute function is
     /// named after
     ///
-    /// The file may import what the kernel's own file imports; 'raystep check-kernel' compares the two. Runs then take single
-    /// steps through the grid, unless options say otherwise. On the CPU, the file is interpreted.
+    /// The file may import what the kernel's own file imports; 'raystep check-kernel' compares the two. Where options do not
+    /// say otherwise, a run then takes single steps through the grid; 'raystep bench' measures the configurations that it is
+    /// asked for. On the CPU, the file is interpreted.
     #[arg(long = "kernel", value_name = "[NAME=]F.wgsl", help_heading = "Tracing")]
     pub(crate) kernels: Vec<KernelFile>,
 }

@@ -15,13 +15,14 @@ use std::time::Duration;
 use clap::Args;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::options::{Integrator, ParseOptionError};
-use raystep_kernels::{Accelerator, Numerics, RaySource, ScheduleKind, Traversal};
+use raystep_kernels::{Accelerator, Numerics, Options, RaySource, ScheduleKind, Traversal};
 use raystep_lab::bench::gate::{self, Gate, Verdict};
 use raystep_lab::bench::{self, Baseline};
 use raystep_lab::meter::{Meter, Turns};
 use raystep_lab::{RayKind, Size, Subject};
 
 use crate::args::choices::{ChoiceArgs, Tuning};
+use crate::args::kernel::KernelArgs;
 use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, named, parse_size, whole};
 use crate::commands::distinct;
 use crate::commands::input::{self, Input};
@@ -57,7 +58,8 @@ use crate::terminal::{Progress, print, say};
 /// together. DIR/gate.json and DIR/gate.md have the result.
 ///
 /// A folder with program.toml is a program of your own, which is measured as it is: DIR/kernels.csv has the times of its
-/// kernels. Programs and scenes are measured apart.
+/// kernels. Programs and scenes are measured apart. A kernel of your own that takes the place of a built-in one (--kernel) is
+/// compared with it by a --baseline without --kernel, in configurations that have such a kernel.
 ///
 /// With --shard I/N, only some of the scenes are measured, for N machines or jobs, and 'raystep merge' combines their
 /// tables. What is compared within a scene is never divided.
@@ -70,6 +72,8 @@ Examples:
   raystep bench cornell-box --integrators local,shadows -o bench
   raystep bench teapot terrain --shard 1/2 -o bench-1
   raystep bench my-program my-program-before -o programs
+  raystep bench cornell-box --schedules second -o built-in
+  raystep bench cornell-box --schedules second --kernel my.wgsl --baseline built-in -o own
   raystep bench teapot --repeats 50 -o before
   raystep bench teapot --repeats 50 --baseline before -o after
   raystep bench teapot --repeats 50 --baseline before --at-most 1.5 -o after
@@ -170,6 +174,8 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     tuning: ChoiceArgs<Tuning>,
     #[command(flatten)]
+    kernels: KernelArgs,
+    #[command(flatten)]
     device: DeviceArgs,
 }
 
@@ -191,7 +197,8 @@ impl BenchArgs {
     }
 
     fn wanted(&self) -> Result<bench::Wanted, Error> {
-        let tuning = self.tuning.options(RaySource::Given(Vec::new()));
+        let replaced = self.kernels.read()?;
+        let tuning = Options { replaced, ..self.tuning.options(RaySource::Given(Vec::new())) };
         Ok(bench::Wanted {
             configurations: bench::combinations(
                 &distinct(&self.accelerators),
@@ -279,7 +286,11 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
         }
         shard.range(distinct(&args.scenes).len(), "scenes")?;
     }
+    if args.against.is_some() {
+        args.kernels.refuse("it replaces a kernel of one build: compare with --baseline")?;
+    }
     if programs::are_programs(args)? {
+        args.kernels.refuse("a program of your own has no built-in kernels")?;
         let compared = [("--baseline", args.baseline.is_some()), ("--against", args.against.is_some())];
         let with_shards = compared.into_iter().chain([("--shard", args.shard.shard.is_some())]);
         if let Some((option, _)) = with_shards.into_iter().find(|(_, is_given)| *is_given) {
