@@ -84,6 +84,7 @@ fn lists_several_times_as_long_as_any_loop_are_walked_to_their_end() {
 fn counters_are_of_the_walk_and_not_of_its_dispatches() {
     let scene = pile(70_000);
     let device = Device::Gpu(gpu());
+    let side = if thorough() { 8 } else { 5 };
     let mut sums = Vec::new();
     for cells in [[1, 1, 1], [2, 3, 40]] {
         let others = EVERY.into_iter().filter(|configuration| configuration.accelerator != Accelerator::Irregular);
@@ -92,7 +93,7 @@ fn counters_are_of_the_walk_and_not_of_its_dispatches() {
                 counters: true,
                 shade: true,
                 grid: GridSize::Cells(cells),
-                ..configuration.of(&along(&scene, 5))
+                ..configuration.of(&along(&scene, side))
             };
             let [on_gpu, on_cpu] = [&device, &Device::Cpu(Option::None)].map(|device| {
                 let renderer = run(&scene, &options, device, Option::None);

@@ -157,7 +157,7 @@ fn legend(random: &mut fastrand::Rng) -> Legend {
 #[test]
 fn no_text_of_a_precision_diagram_meets_another_or_a_mark_over_random_tables() {
     let mut random = fastrand::Rng::with_seed(44);
-    for round in 0..40 {
+    for round in 0..100 {
         let (clusters, count) = (random.usize(1..6), random.usize(1..if round % 20 == 0 { 60 } else { 24 }));
         let choices: Vec<Choice> = (0..count).map(|_| choice(&mut random, clusters)).collect();
         let legend: Vec<_> = (0..random.usize(0..5)).map(|_| legend(&mut random)).collect();

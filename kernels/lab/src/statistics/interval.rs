@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn bootstrapped_intervals_cover_the_median_as_often_as_they_say() {
-        for n in [20, 50] {
+        for n in [20, 30, 50] {
             let share = covered(n) as f64 / 2_000.0;
             println!("bootstrap, {n} values: {:.1}%", 100.0 * share);
             assert!((0.93..=0.97).contains(&share), "{n} values: {share}");
