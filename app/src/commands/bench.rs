@@ -1,6 +1,7 @@
 //! `raystep bench`
 
 mod against;
+mod baseline;
 mod output;
 mod process;
 mod programs;
@@ -16,8 +17,8 @@ use clap::Args;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::options::{Integrator, ParseOptionError};
 use raystep_kernels::{Accelerator, Numerics, Options, RaySource, ScheduleKind, Traversal};
+use raystep_lab::bench;
 use raystep_lab::bench::gate::{self, Gate, Verdict};
-use raystep_lab::bench::{self, Baseline};
 use raystep_lab::meter::{Meter, Turns};
 use raystep_lab::{RayKind, Size, Subject};
 
@@ -30,7 +31,6 @@ use crate::device;
 use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::rays_file;
-use crate::scene_file::read_file;
 use crate::session::run_id;
 use crate::shard::{self, Part, ShardArgs};
 use crate::terminal::{Progress, print, say};
@@ -328,7 +328,7 @@ fn fill(args: &BenchArgs, folder: &TargetFolder, output: &Path) -> Result<Done, 
     output::refuse_others(output)?;
     let progress = Progress::new(args.quiet.quiet);
     // Checks come before slow work.
-    let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
+    let baseline = args.baseline.as_deref().map(baseline::read).transpose()?;
     progress.stage("reading scenes");
     let (mut inputs, mut subjects) = read_scenes(args, Some(folder), &progress)?;
     let names = subjects.iter().map(|s| (s.scene.name.clone(), s.hash.to_string())).collect::<Vec<_>>();
@@ -382,26 +382,4 @@ fn read_scenes(
         all.push((input, subject));
     }
     Ok(all.into_iter().unzip())
-}
-
-/// Most bytes of an earlier summary: several million configurations.
-const MOST_BYTES: u64 = 1 << 30;
-
-/// Reads the folder of an earlier benchmark. One that compared two builds has rows of both; those of the other are left
-/// out.
-fn read_baseline(folder: &Path) -> Result<Baseline, Error> {
-    let read = |name: &str| {
-        let path = folder.join(name);
-        read_file(&path, MOST_BYTES).map_err(|e| cannot(&path, &e.to_string()))
-    };
-    let rows = bench::read_summary(read(output::SUMMARY)?.as_slice());
-    let mut rows = rows.map_err(|e| cannot(&folder.join(output::SUMMARY), &e.to_string()))?;
-    rows.retain(|row| row.build == bench::summary::THIS);
-    let runs = bench::read_runs(read(output::RUNS)?.as_slice());
-    let runs = runs.map_err(|e| cannot(&folder.join(output::RUNS), &e.to_string()))?;
-    Ok(Baseline { folder: folder.display().to_string(), rows, runs })
-}
-
-fn cannot(path: &Path, reason: &str) -> Error {
-    Error::failed(format!("--baseline: {}: {reason}; expected a folder written by 'raystep bench'", path.display()))
 }
