@@ -46,12 +46,12 @@ static GUESTS: LazyLock<&'static Program> = LazyLock::new(|| {
     all_states.sort_by_key(|state| state.tag);
     let states = States(leaked(all_states));
     let own = SETS.iter().enumerate().flat_map(|(set, &elements)| {
-        streams::STREAMS.iter().rev().map(move |info| {
+        streams::OF_LIGHT.iter().rev().map(move |info| {
             let mut unwritten = info.unwritten.to_vec();
             if info.name == streams::STATE.name() {
                 unwritten[STATE_TAG] = tag(set, states::UNWRITTEN);
             }
-            let index = set * streams::STREAMS.len() + streams::STREAMS.len() - 1 - info.index;
+            let index = set * streams::OF_LIGHT.len() + streams::OF_LIGHT.len() - 1 - info.index;
             StreamInfo { index, name: renamed(elements, info.name), elements, unwritten: leaked(unwritten), ..*info }
         })
     });
@@ -67,7 +67,8 @@ static GUESTS: LazyLock<&'static Program> = LazyLock::new(|| {
     });
     let kernels = SETS.iter().flat_map(|&over| {
         PROGRAM.kernels.iter().map(move |instance| {
-            let names = streams::STREAMS.iter().map(|info| info.name).chain(PROGRAM.lists.iter().map(|list| list.name));
+            let names =
+                streams::OF_LIGHT.iter().map(|info| info.name).chain(PROGRAM.lists.iter().map(|list| list.name));
             let binds = names.map(|name| (name, renamed(over, name)));
             let pairs: Vec<_> = states::STATES.iter().map(|state| (state.name, renamed(over, state.name))).collect();
             let states = Renamed::new(&instance.kernel, states, &pairs).expect("its states");

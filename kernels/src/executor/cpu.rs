@@ -198,6 +198,9 @@ impl<R: Precision> CpuExecutor<R> {
             }
             Twin::Pass(twin) => {
                 twin(&mut columns::All(self, call), scene);
+                if kernel.course().is_some() {
+                    self.count();
+                }
                 u64::from(self.size(kernel.instance().over).map_or(0, |size| size.count))
             }
             Twin::Interpreted => self.run_interpreted(call, scene)?,

@@ -14,6 +14,16 @@ pub enum Integrator {
     Whitted,
     /// Light along random paths, in physical units (Kajiya, 1986).
     Path,
+    /// Light that photons carried to surfaces near what is seen: photon maps (Jensen, 1996; Purcell et al., 2003).
+    Photons,
+}
+
+impl Integrator {
+    /// Whether light is in physical units, and found from what gives it.
+    #[must_use]
+    pub fn is_physical(self) -> bool {
+        matches!(self, Self::Path | Self::Photons)
+    }
 }
 
 /// How a path finds light.
@@ -42,11 +52,12 @@ pub enum Environment {
 
 named!(
     Integrator,
-    "local, shadows, whitted, path",
+    "local, shadows, whitted, path, photons",
     Local "local",
     Shadows "shadows",
     Whitted "whitted",
-    Path "path"
+    Path "path",
+    Photons "photons"
 );
 named!(Environment, "auto, black, white", Auto "auto", Black "black", White "white");
 named!(Strategy, "mis, light, bsdf", Mis "mis", Light "light", Bsdf "bsdf");
@@ -54,7 +65,7 @@ named!(Strategy, "mis, light, bsdf", Mis "mis", Light "light", Bsdf "bsdf");
 /// Default number of times that a ray is reflected or refracted.
 pub const MAX_DEPTH: u32 = 5;
 
-/// Most of them with a tree of rays: a pixel keeps a ray for each.
+/// Most of them with a tree of rays, where a pixel keeps a ray for each, or with photons, which are stored at each.
 pub const MOST_DEPTH: u32 = 8;
 
 /// Most bounces of a path.

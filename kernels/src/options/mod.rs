@@ -6,6 +6,7 @@ mod grid_size;
 pub mod keep;
 mod light;
 pub mod mapping;
+mod photons;
 mod rays;
 pub mod reasons;
 pub mod replacement;
@@ -24,6 +25,7 @@ pub use grid_size::{GridSize, MOST_CELLS};
 use keep::Keep;
 pub use light::{Environment, Integrator, MAX_DEPTH, MOST_BOUNCES, MOST_DEPTH, Strategy};
 use mapping::Mapping;
+pub use photons::{Neighbours, PhotonSort, Photons};
 pub use rays::{Ray, RaySource};
 use replacement::Replacement;
 use samples::Samples;
@@ -225,6 +227,8 @@ pub struct Options {
     pub strategy: Strategy,
     /// `--environment`: what a path sees that leaves the scene.
     pub environment: Environment,
+    /// `--photons` and the like: with `--integrator photons`
+    pub photons: Photons,
     /// `--accelerator`
     pub accelerator: Accelerator,
     /// `--schedule`
@@ -288,6 +292,7 @@ impl Options {
             max_depth: MAX_DEPTH,
             strategy: Strategy::default(),
             environment: Environment::default(),
+            photons: Photons::default(),
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             mapping: Mapping::default(),
@@ -361,6 +366,7 @@ choices! {
     skip: Skip,
     steps_per_pass: u32,
     build: BuiltBy,
+    photons: Photons,
     max_depth: u32,
     strategy: Strategy,
     environment: Environment,

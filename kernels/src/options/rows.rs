@@ -2,6 +2,7 @@
 //! writes it to one of them, reads its row here and names no option.
 
 mod light;
+mod photons;
 
 use super::keep::Keep;
 use super::mapping::{Cull, Fragment, Mapping, MappingName, ONE_SAMPLE, Targets, Until, Update, fault_of};
@@ -90,6 +91,11 @@ pub static ROWS: &[Row] = &[
     light::MAX_DEPTH,
     light::STRATEGY,
     light::ENVIRONMENT,
+    photons::PHOTONS,
+    photons::SORT,
+    photons::NEIGHBOURS,
+    photons::NEAREST,
+    photons::RADIUS,
     named!(
         "accelerator",
         Accelerator,

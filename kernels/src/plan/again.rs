@@ -1,6 +1,6 @@
 //! A plan once more, for other rays through the same structure.
 
-use super::allocated::Allocated;
+use super::allocated::{Allocated, live_texels, sets_of};
 use super::check::{check_buffer, given_size};
 use super::{Limits, Plan, PlanError, bound_by, fit_bindings, variants};
 use crate::program::live::{LIVE_RAYS, live_bytes};
@@ -30,14 +30,16 @@ impl Plan {
         limits: &Limits,
     ) -> Result<Self, PlanError> {
         let size = Size { width, height, count: rays as u32 };
+        let others: Vec<_> = self.sets.iter().filter_map(|set| Some((set.what, set.size?))).collect();
+        let sets = sets_of(self.program, size, &others, limits.image_side)?;
         if self.features.live_lists {
-            check_buffer(LIVE_RAYS, live_bytes(self.program, size.texels()), limits)?;
+            check_buffer(LIVE_RAYS, live_bytes(self.program, live_texels(self.program, &sets)), limits)?;
         }
         let sharing =
             fit_bindings(self.program, &self.variants, self.drawn.as_ref(), self.features.scene_data, limits)?;
         let bound = bound_by(&self.variants);
         let Allocated { sets, streams, buffers } =
-            Allocated::new(self.program, &bound, data, size, given, limits, self.drawn.as_ref())?;
+            Allocated::new(self.program, sets, &bound, data, given, limits, self.drawn.as_ref())?;
         Ok(Self { sets, sharing, streams, buffers, width, height, rays, ..self.clone() })
     }
 

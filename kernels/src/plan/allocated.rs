@@ -7,6 +7,7 @@ use super::{DrawnPlan, Limits, PlanError, Planned, PlannedSet};
 use crate::options::scene_data::SceneDataKind;
 use crate::program::Program;
 use crate::program::live::{LIVE_RAYS, live_bytes};
+use crate::program::sizes::{TooMany, derive};
 use crate::scene_data::SceneData;
 use crate::shader::LAUNCH;
 use crate::shared::address::list_side;
@@ -22,19 +23,17 @@ pub(crate) struct Allocated {
 }
 
 impl Allocated {
-    /// For a run of rays; `given` by the caller or not.
+    /// For a run of rays; `given` by the caller or not. The first of the sets is theirs.
     pub(crate) fn new(
         program: &'static Program,
+        sets: Vec<PlannedSet>,
         bound: &BTreeSet<&str>,
         data: &SceneData,
-        size: Size,
         given: bool,
         limits: &Limits,
         drawn: Option<&DrawnPlan>,
     ) -> Result<Self, PlanError> {
-        let planned =
-            |&what: &&'static Elements| PlannedSet { what, size: (what.count == Count::Image).then_some(size) };
-        let sets: Vec<_> = program.elements.iter().map(planned).collect();
+        let size = main_size(&sets);
         if let Some(drawn) = drawn {
             let mut streams = planned_streams(program, &sets, bound);
             let mut buffers = planned_buffers(program, bound, data, limits)?;
@@ -60,10 +59,10 @@ impl Allocated {
         data: &SceneData,
         limits: &Limits,
     ) -> Result<Self, PlanError> {
-        let size = sets.first().and_then(|set| set.size).unwrap_or(Size { width: 1, height: 1, count: 0 });
+        let (size, live) = (main_size(&sets), live_texels(program, &sets));
         let streams = planned_streams(program, &sets, bound);
         let mut buffers = planned_buffers(program, bound, data, limits)?;
-        buffers.extend(housekeeping(program, bound, size.texels()));
+        buffers.extend(housekeeping(program, bound, live));
         buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
         if !data.inputs.is_empty() {
             let bytes = data.inputs.iter().map(|input| given_bytes(input.stream, input.width, input.height)).sum();
@@ -71,6 +70,33 @@ impl Allocated {
         }
         Ok(Self { sets, streams, buffers })
     }
+}
+
+/// The sets of a program whose image has this size, of which the sizes of some others are known.
+pub(crate) fn sets_of(
+    program: &'static Program,
+    image: Size,
+    others: &[(&'static Elements, Size)],
+    side: u32,
+) -> Result<Vec<PlannedSet>, TooMany> {
+    let known = |what: &&'static Elements| match what.count {
+        Count::Image => Some(image),
+        _ => others.iter().find(|(set, _)| set.name == what.name).map(|&(_, size)| size),
+    };
+    let mut sizes: Vec<_> = program.elements.iter().map(known).collect();
+    derive(program, &mut sizes, side)?;
+    Ok(program.elements.iter().zip(sizes).map(|(&what, size)| PlannedSet { what, size }).collect())
+}
+
+/// The size of the main set.
+fn main_size(sets: &[PlannedSet]) -> Size {
+    sets.first().and_then(|set| set.size).unwrap_or(Size { width: 1, height: 1, count: 0 })
+}
+
+/// Texels of the largest set whose elements may be listed: those with states.
+pub(crate) fn live_texels(program: &Program, sets: &[PlannedSet]) -> u64 {
+    let has_states = |set: &&PlannedSet| program.course_of(set.what).is_some();
+    sets.iter().filter(has_states).filter_map(|set| set.size).map(|size| size.texels()).max().unwrap_or(0)
 }
 
 fn planned_streams(program: &'static Program, sets: &[PlannedSet], bound: &BTreeSet<&str>) -> Vec<Planned<Stream>> {

@@ -36,7 +36,7 @@ pub use crate::numbers::bytes::Bytes;
 pub use crate::options::reasons::Because;
 pub use crate::tables::elements::{folded_width as given_width, tiled};
 pub(crate) use absent::absent;
-use allocated::Allocated;
+use allocated::{Allocated, live_texels, sets_of};
 pub use budget::Sharing;
 pub(crate) use budget::fit_bindings;
 pub(crate) use check::{
@@ -200,8 +200,9 @@ impl Plan {
         let drawn = how.map(|how| DrawnPlan::new(how, &variants, &self.features, limits)).transpose()?;
         let sharing = fit_bindings(program, &variants, drawn.as_ref(), self.features.scene_data, limits)?;
         let bound = bound_by(&variants);
+        let sets = sets_of(program, self.size(), &[], limits.image_side)?;
         let Allocated { sets, streams, buffers } =
-            Allocated::new(program, &bound, data, self.size(), false, limits, drawn.as_ref())?;
+            Allocated::new(program, sets, &bound, data, false, limits, drawn.as_ref())?;
         Ok(Self { program, sets, schedule, variants, sharing, drawn, streams, buffers, ..self.clone() })
     }
 
@@ -209,6 +210,11 @@ impl Plan {
     #[must_use]
     pub fn size(&self) -> Size {
         Size { width: self.width, height: self.height, count: self.rays as u32 }
+    }
+
+    /// Texels of the largest set whose elements may be listed.
+    pub(crate) fn live_texels(&self) -> u64 {
+        live_texels(self.program, &self.sets)
     }
 
     /// Bytes of all streams and buffers with a known size.

@@ -5,20 +5,20 @@ pub mod grid_build;
 pub mod light;
 pub mod own;
 pub mod path;
+pub mod photons;
 pub mod primitives;
 pub mod sort;
 
 use raystep_scenes::Scene;
 
-use crate::options::features::Features;
 use crate::options::{Choices, Integrator, Options, ProgramName};
 use crate::plan::{Limits, Plan, PlanError, check_choices};
 use crate::program::Program;
-use crate::program::schedule::Schedule;
 use crate::scene_data::SceneData;
 use crate::shader::Mistake;
 use crate::tables::stream::{Stream, StreamData};
 pub(crate) use closest_hit::plan::Built;
+use closest_hit::plan::Tracer;
 
 type Planner = fn(&Scene, &Options, &Limits) -> Result<(Plan, SceneData), PlanError>;
 
@@ -46,7 +46,7 @@ pub struct Alone {
 }
 
 /// Every program.
-static REGISTRY: [Registered; 5] = [
+static REGISTRY: [Registered; 6] = [
     Registered {
         name: ProgramName::ClosestHit,
         integrators: &[Integrator::Local],
@@ -65,6 +65,13 @@ static REGISTRY: [Registered; 5] = [
         name: ProgramName::ClosestHit,
         integrators: &[Integrator::Path],
         program: || &path::PROGRAM,
+        plan: trace,
+        alone: None,
+    },
+    Registered {
+        name: ProgramName::ClosestHit,
+        integrators: &[Integrator::Photons],
+        program: || &photons::PROGRAM,
         plan: trace,
         alone: None,
     },
@@ -126,12 +133,19 @@ fn trace(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Plan, Sce
     closest_hit::plan::plan(tracer(options), scene, options, limits, None)
 }
 
-/// The program that traces rays with these options, and how it orders its kernels.
-fn tracer(options: &Options) -> (&'static Program, fn(&Options, &Features) -> Schedule) {
+/// The program that traces rays with these options, and how it is planned.
+fn tracer(options: &Options) -> Tracer {
     match options.integrator {
-        Integrator::Local => (&closest_hit::PROGRAM, closest_hit::schedule::of),
-        Integrator::Shadows | Integrator::Whitted => (&light::PROGRAM, light::schedule),
-        Integrator::Path => (&path::PROGRAM, path::schedule),
+        Integrator::Local => {
+            Tracer::of_rays(&closest_hit::PROGRAM, |options, features, _| closest_hit::schedule::of(options, features))
+        }
+        Integrator::Shadows | Integrator::Whitted => {
+            Tracer::of_rays(&light::PROGRAM, |options, features, _| light::schedule(options, features))
+        }
+        Integrator::Path => Tracer::of_rays(&path::PROGRAM, |options, features, _| path::schedule(options, features)),
+        Integrator::Photons => {
+            Tracer { program: &photons::PROGRAM, others: photons::others, schedule: photons::schedule }
+        }
     }
 }
 

@@ -237,10 +237,15 @@ impl Renderer {
             self.cursor.leave_walk(&self.plan.schedule);
             return Ok(());
         }
-        let Some(course) = self.plan.program.course() else { return Ok(()) };
-        let mut state = self.values(course.stream).await?;
-        self.unfinished += course.give_up_walks(self.plan.program.states, &mut state);
-        self.write(&state);
+        let program = self.plan.program;
+        for course in program.courses {
+            if !self.plan.has_stream(course.stream) {
+                continue;
+            }
+            let mut state = self.values(course.stream).await?;
+            self.unfinished += course.give_up_walks(program.states, &mut state);
+            self.write(&state);
+        }
         Ok(())
     }
 
@@ -251,8 +256,12 @@ impl Renderer {
     /// Number of rays whose hit is decided; for a program without states, the share of its elements that corresponds to
     /// the share of its passes that have run.
     fn decided(&self) -> u64 {
-        if self.plan.program.course().is_some() {
-            return self.plan.program.states.decided(&self.population.in_state);
+        let program = self.plan.program;
+        if let [_, others @ ..] = program.courses {
+            let mut counts = self.population.in_state.clone();
+            // Other elements with states are no rays.
+            others.iter().for_each(|other| counts.clear(program.states_of(other)));
+            return program.states.decided(&counts);
         }
         // Steps may be repeated, how often is not known: what is not complete never looks so.
         let done = self.pass_count() as u64;

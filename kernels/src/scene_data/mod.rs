@@ -25,6 +25,7 @@ use crate::shared::constants::{LAST_ITEM, OUTSIDE};
 use crate::shared::emitters::{Emission, Emitter};
 use crate::shared::grid_walk::Grid;
 use crate::shared::irregular_walk::{Irregular, IrregularCell};
+use crate::shared::photon_map::PhotonMap;
 use crate::shared::samples::Sampling;
 use crate::shared::scene::SceneInfo;
 use crate::shared::shading::{Light, Material, Optics, Shading};
@@ -144,6 +145,8 @@ pub struct Contents {
     pub emitters: Vec<Emitter>,
     /// Uniform `emission`.
     pub emission: Emission,
+    /// Uniform `photon_map`.
+    pub photon_map: PhotonMap,
     /// At least one.
     pub lights: Vec<Light>,
     /// As many as materials refer to.

@@ -68,7 +68,7 @@ pub(super) fn emitters(
         let sides = if material.double_sided { 2.0 } else { 1.0 };
         PI * luminance(material.emissive) * sides * 0.5 * (b - a).cross(c - a).length()
     };
-    let has_size = options.strategy != Strategy::Bsdf;
+    let has_size = options.strategy != Strategy::Bsdf || options.integrator == Integrator::Photons;
     let glows = |&triangle: &usize| scene.materials[scene.triangle_materials[triangle] as usize].emissive != [0.0; 3];
     let triangles = (0..scene.triangles.len()).filter(|triangle| has_size && glows(triangle));
     // A scene without lights has a headlight for others.
@@ -95,7 +95,7 @@ pub(super) fn emitters(
     Ok((emitters, emission))
 }
 
-/// The scene's lights in traced units, or a headlight. For paths, their intensity counts, by traced units squared.
+/// The scene's lights in traced units, or a headlight. For paths and photons, their intensity counts, by traced units squared.
 pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Light> {
     if scene.lights.is_empty() {
         let position = match &options.rays {
@@ -120,7 +120,7 @@ pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Ligh
             Light { position: place(position), kind: SPOT, direction: *direction, cos_outer, color: *color, cone_scale }
         }
     };
-    let is_physical = options.integrator == Integrator::Path;
+    let is_physical = options.integrator.is_physical();
     let with_intensity = |light: &SceneLight| {
         let mut of = traced(light);
         if is_physical {

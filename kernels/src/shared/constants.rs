@@ -69,6 +69,9 @@ pub const TURNS_A_TEST: u32 = 4;
 /// Words that a ray takes which waits for the other ray of a surface.
 pub const BRANCH: u32 = 10;
 
+/// Words of a place where a photon is stored.
+pub const RECORD: u32 = 11;
+
 /// Groups of siblings that the fused kernel's stack has room for, if a scene's BVH needs `needed`.
 #[must_use]
 pub fn wide_stack(needed: u32) -> u32 {
@@ -88,7 +91,7 @@ pub fn wgsl_module(stack: u32, turns: u32, depth: u32) -> String {
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
          const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n\
          const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst NO_LIST: u32 = {NO_LIST}u;\nconst OUTSIDE: u32 = {OUTSIDE}u;\nconst LAST_ITEM: u32 = {LAST_ITEM}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n\
-         const DEPTH: u32 = {depth}u;\nconst BRANCH: u32 = {BRANCH}u;\n",
+         const DEPTH: u32 = {depth}u;\nconst BRANCH: u32 = {BRANCH}u;\nconst RECORD: u32 = {RECORD}u;\n",
         wide_stack(stack)
     )
 }

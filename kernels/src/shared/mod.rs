@@ -10,6 +10,7 @@ pub mod emitters;
 pub mod grid_walk;
 pub mod irregular_walk;
 pub mod launch;
+pub mod photon_map;
 pub mod samples;
 pub mod scene;
 pub mod shading;
@@ -41,6 +42,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("triangle", include_str!("triangle.wgsl")),
     ("texture", include_str!("texture.wgsl")),
     ("start", include_str!("start.wgsl")),
+    ("photon_map", include_str!("photon_map.wgsl")),
 ];
 
 /// The WGSL of the walk through a grid, with these rules.

@@ -1,5 +1,7 @@
 // Numbers that describe the scene and the run to kernels.
 
+@if(apart) import package::launch::{launch};
+
 struct SceneInfo {
     triangles: u32,
     // Most steps of a ray in one pass.
@@ -15,3 +17,15 @@ struct SceneInfo {
 }
 
 @group(1) @binding(2) var<uniform> scene: SceneInfo;
+
+// The size of the streams that a kernel works on.
+@if(!apart)
+fn size_of_streams() -> vec2u {
+    return scene.size;
+}
+
+// Of elements that are not the image's: they fill whole rows.
+@if(apart)
+fn size_of_streams() -> vec2u {
+    return vec2u(launch.width, launch.elements / launch.width);
+}

@@ -87,7 +87,7 @@ impl<'a, R: Real> Texels<'a, R> {
 
 /// The streams of a run, for twins whose elements read each other. Streams that were left out, and elements beyond a
 /// set's end, read as 0 and are not written.
-pub trait Columns {
+pub trait Columns: Sync {
     /// The stream that is bound to a name in the kernel's WGSL.
     fn stream(&self, name: &str) -> Option<Stream>;
     /// The value of `launch.parameter`.

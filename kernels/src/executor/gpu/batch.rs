@@ -82,6 +82,9 @@ impl GpuExecutor {
         let timers = self.timers.as_ref();
         let time_bytes = timers.map_or(0, |t| t.encode_read(&mut encoder, t.queries(count as u32)));
         self.gpu.submit([encoder.finish()]);
+        if let [kernel] = *passes {
+            self.end_bands(kernel);
+        }
         let sent = Readback::start(&self.gpu, self.books.copy.clone(), count * COUNT_SLOT_BYTES);
         let times = timers.map(|t| (t.ticks, Readback::start(&self.gpu, t.copy.clone(), time_bytes)));
         self.gpu.pop_scopes(scopes).await?;
@@ -264,6 +267,16 @@ impl GpuExecutor {
             }
         }
         Ok(encoder)
+    }
+
+    /// After the bands of a kernel: others begin with the first row. Sets of elements have different numbers of rows.
+    fn end_bands(&self, kernel: Kernel) {
+        let scene = buffer(&self.buffers, "scene").filter(|_| kernel.info().launch == Launch::Bands);
+        if let (Some(scene), [rows, a_band]) = (scene, self.bands(kernel))
+            && a_band < rows
+        {
+            self.gpu.queue.write_buffer(scene, FIRST_ROW, bytemuck::bytes_of(&0u32));
+        }
     }
 
     pub(super) fn blocks_a_dispatch(&self, kernel: Kernel) -> Option<u32> {

@@ -119,7 +119,7 @@ impl Books {
         let list = |index: usize| {
             let [even, odd] = plan.program.lists[index].slots;
             let kernel = kernels.iter().copied().find(|kernel| kernel.list() == Some(index))?;
-            let (texels, turn) = (plan.width * plan.height, 0);
+            let (texels, turn) = (plan.live_texels() as u32, 0);
             Some(List { kernel, slots: [slots(even)?, slots(odd)?], turn, first: 2 * index as u32 * texels, texels })
         };
         let own = |name, usage| labelled_buffer(device, &plan.label(name), COUNT_SLOTS * COUNT_SLOT_BYTES, usage);

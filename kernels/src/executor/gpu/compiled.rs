@@ -138,7 +138,8 @@ fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> w
     // - Virtual cells of an irregular grid, by the shader: `enter_grid` clamps them, and `step_voxel` ends the walk outside
     //   of the grid. The cells that they lead to, by `SceneData::indices_hold`: the loop over the map's levels ends at one.
     // - The stack, by `SceneData::indices_hold`: at most one group of siblings waits per level, and none at the root's.
-    // - Texels, by the shader: threads outside of `scene.size` return at once, and every stream of a plan has this size.
+    // - Texels, by the shader: threads outside of `scene.size` return at once, and every stream of the image has this size;
+    //   `launch` has that of the streams of other elements.
     // - Loops, by the proof: lists are finite, and the nodes form one tree, each visited at most once. By the shader:
     //   every step of a walk advances along one axis until it leaves the grid, or its iterations are bounded.
     #[allow(unsafe_code)]

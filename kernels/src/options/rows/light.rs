@@ -16,13 +16,13 @@ pub(super) const INTEGRATOR: Row = Row::new(
     |c| text(c.integrator),
     |c, value| parse(value, &mut c.integrator),
     "What light a pixel receives: from every light, by equation (1) of Mølhave's paper (local); only from lights that a \
-     shadow ray reaches (shadows); also what mirrors and smooth glass reflect and refract (whitted); or all light, in \
-     physical units, along random paths (path). Rough metal and rough glass are drawn as diffuse surfaces",
+     shadow ray reaches (shadows); also what mirrors and smooth glass reflect and refract (whitted); all light, in \
+     physical units, along random paths (path); or the same estimated from a map of photons (photons). Rough metal and rough glass are drawn as diffuse surfaces",
 )
 .panel(
     "light",
     "what light a pixel receives: from every light, only from those that a shadow ray reaches, also by mirrors and \
-     smooth glass, or all light, along random paths",
+     smooth glass, or all light, along random paths or by a map of photons",
 )
 .applies(traces_rays)
 .refused(|c| {
@@ -32,7 +32,7 @@ pub(super) const INTEGRATOR: Row = Row::new(
 });
 
 const fn bounces(c: &Choices) -> bool {
-    matches!(c.integrator, Integrator::Whitted | Integrator::Path)
+    matches!(c.integrator, Integrator::Whitted | Integrator::Path | Integrator::Photons)
 }
 
 pub(super) const MAX_DEPTH: Row = Row::new(
@@ -40,9 +40,10 @@ pub(super) const MAX_DEPTH: Row = Row::new(
     Values::Whole(0, MOST_BOUNCES),
     |c| Value::Number(c.max_depth),
     |c, value| whole(value, 0, MOST_BOUNCES).map(|number| c.max_depth = number),
-    "Most reflections and refractions of a ray, with --integrator whitted, or bounces of a path, with path",
+    "Most reflections and refractions of a ray, with --integrator whitted, or bounces of a path, with path, or of a \
+     photon, with photons",
 )
-.panel("bounces", "most reflections and refractions of a ray, or bounces of a path")
+.panel("bounces", "most reflections and refractions of a ray, or bounces of a path or photon")
 .applies(|c| traces_rays(c) && bounces(c))
 .refused(|c| {
     let depth = c.max_depth;
@@ -50,9 +51,17 @@ pub(super) const MAX_DEPTH: Row = Row::new(
         let why = format!("--max-depth {depth}: a tree of rays has at most {MOST_DEPTH} with --integrator whitted");
         return Some(Refusal::Impossible(why));
     }
+    if c.integrator == Integrator::Photons && depth > MOST_DEPTH {
+        let why = format!("--max-depth {depth}: a photon bounces at most {MOST_DEPTH} times with --integrator photons");
+        return Some(Refusal::Impossible(why));
+    }
     let is_idle = depth != DEPTH && !bounces(c);
-    let why =
-        || format!("--max-depth {depth} applies to --integrator whitted or path, not to {}: omit it", c.integrator);
+    let why = || {
+        format!(
+            "--max-depth {depth} applies to --integrator whitted, path or photons, not to {}: omit it",
+            c.integrator
+        )
+    };
     is_idle.then(|| Refusal::Idle(why()))
 });
 

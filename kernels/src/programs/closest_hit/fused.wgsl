@@ -5,7 +5,7 @@
 // fused/waiting.wgsl.
 
 import package::constants::{INF, WORKGROUP};
-import package::scene::{scene};
+import package::scene::{scene, size_of_streams};
 import package::camera::{eye_ray};
 import package::ray::{load_ray};
 import package::tracing::{Trace, new_trace, ended_as};
@@ -41,7 +41,7 @@ fn resumed(start: Trace, texel: vec2u) -> Trace {
 fn fused(@builtin(global_invocation_id) id: vec3u) {
     let texel = vec2u(id.x, id.y + WORKGROUP * scene.first_row);
     // A uniform: asking a texture for its size takes as long as a load, and the loads below wait for it.
-    if (any(texel >= scene.size)) {
+    if (any(texel >= size_of_streams())) {
         return;
     }
     // All loads before the next branch, so that they wait for memory together.

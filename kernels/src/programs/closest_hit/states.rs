@@ -31,6 +31,27 @@ pub const VISIBLE: Tag = 12;
 /// Has the light of its hit, and waits for rays that go on from there.
 pub const SCATTER: Tag = 13;
 
+/// Looks for the photons near its hit.
+pub const GATHER: Tag = 14;
+/// Has found them.
+pub const GATHERED: Tag = 15;
+/// A photon that has not been emitted.
+pub const PHOTON_UNBORN: Tag = 16;
+/// A photon waits for the set-up kernel.
+pub const PHOTON_SETUP: Tag = 17;
+/// A photon continues to its next cell or node.
+pub const PHOTON_TRAV: Tag = 18;
+/// A photon tests the triangles of its cell or leaf; nothing hit so far.
+pub const PHOTON_NO_HIT: Tag = 19;
+/// A photon tests the triangles of its cell or leaf; the nearest hit so far is kept.
+pub const PHOTON_HIT: Tag = 20;
+/// A photon has reached a surface.
+pub const PHOTON_ARRIVED: Tag = 21;
+/// A photon leaves the scene.
+pub const PHOTON_LEAVES: Tag = 22;
+/// A photon was absorbed, or has left the scene.
+pub const PHOTON_DONE: Tag = 23;
+
 /// The state of any ray: that of a shadow ray is called as in the walk of the ray before it.
 #[must_use]
 pub const fn of_any_ray(tag: Tag) -> Tag {
@@ -52,6 +73,9 @@ const fn row(tag: Tag, name: &'static str, role: StateRole, colour: [u8; 3], mea
 pub const STATES: States = States(ALL.0.split_at(DONE as usize + 1).0);
 
 /// The same, and those of a shadow ray.
+pub const OF_LIGHT: States = States(ALL.0.split_at(SCATTER as usize + 1).0);
+
+/// The same, and those of photons, and of rays that gather them.
 pub const ALL: States = States(&[
     row(UNWRITTEN, "UNWRITTEN", StateRole::Unborn, [40, 40, 46], "no ray yet"),
     row(TRAV_SETUP, "TRAV_SETUP", StateRole::Active, [190, 174, 212], "waits for the set-up kernel"),
@@ -102,6 +126,34 @@ pub const ALL: States = States(&[
         StateRole::Resolved,
         [110, 190, 200],
         "the light of the hit is known, rays may go on from there",
+    ),
+    row(GATHER, "GATHER", StateRole::Resolved, [150, 200, 120], "looks for the photons near its hit"),
+    row(GATHERED, "GATHERED", StateRole::Resolved, [190, 220, 150], "has found the photons near its hit"),
+    row(PHOTON_UNBORN, "PHOTON_UNBORN", StateRole::Unborn, [60, 52, 40], "no photon yet"),
+    row(PHOTON_SETUP, "PHOTON_SETUP", StateRole::Active, [236, 214, 150], "a photon waits for the set-up kernel"),
+    row(PHOTON_TRAV, "PHOTON_TRAV", StateRole::Active, [96, 140, 120], "a photon continues to its next cell or node"),
+    row(
+        PHOTON_NO_HIT,
+        "PHOTON_NO_HIT",
+        StateRole::Active,
+        [230, 170, 140],
+        "a photon tests the triangles of its cell or leaf, nothing hit yet",
+    ),
+    row(
+        PHOTON_HIT,
+        "PHOTON_HIT",
+        StateRole::Active,
+        [210, 110, 80],
+        "a photon tests the triangles of its cell or leaf, the nearest hit is kept",
+    ),
+    row(PHOTON_ARRIVED, "PHOTON_ARRIVED", StateRole::Resolved, [160, 190, 90], "a photon has reached a surface"),
+    row(PHOTON_LEAVES, "PHOTON_LEAVES", StateRole::Resolved, [110, 100, 130], "a photon leaves the scene"),
+    row(
+        PHOTON_DONE,
+        "PHOTON_DONE",
+        StateRole::Finished,
+        [240, 235, 215],
+        "a photon was absorbed, or has left the scene",
     ),
 ]);
 

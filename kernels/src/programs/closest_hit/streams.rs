@@ -35,9 +35,20 @@
 //! spent      u32  cells  triangles  repeated      counters of the rays before
 //! pdf        f32  direction              pdf of the ray's direction, by solid angle; 0 from the camera, a mirror or glass
 //! ended      u32  why                    why the path ended
+//!
+//! photon_origin … photon_trail           of photons: the same as of rays
+//! photon_power   f32  r  g  b            what the photon carries, traced units squared times radiance
+//! photon_energy  f32  emitted absorbed escaped, r g b each    what it carried at first, and what became of that
+//! photon_bounce  u32  hits  specular  ended   hits before this one; whether all were on mirrors and glass; why it ended
+//! photon_records u32  x y z dx dy dz r g b map ended   for each bounce: where the photon arrived, in which direction and with
+//!                                        what (f32 bits); 0 global, 1 caustic, all ones: no photon; why it ended there
+//! photon_key     u32  cell  record       of records: the cell, all ones without a photon, and which record
+//! photon_first   u32  record             of cells: where the list of each begins among the sorted keys
+//! gathering      u32  cell  item  end  found  sweep   of rays: how far the search for photons has got
+//! gathered       f32  distance limit low high farthest r g b wr wg wb   bounds, squared, and sums of what was found
 //! ```
 //!
-//! The seven from `shadow_origin` on, and the last eight, are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
+//! The seven from `shadow_origin` on, and the next eight, are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
 //! share `state` and what a walk keeps with the rays before them: a pixel's rays are traced one after the other. So are
 //! those that surfaces reflect and refract, depth first: they are in `ray_origin`, `ray_direction` and `hit` in turn, and the
 //! pixel's first ray and its hit are put back at the end.
@@ -52,11 +63,15 @@
 //! With several samples per pixel, the rays of all samples use the same texels: all streams but `accumulated` and `blocks`
 //! hold the values of the latest sample. At the end of a run, only `color` is replaced by the mean.
 
-use super::elements::RAYS;
+use super::elements::{
+    ALL_MAP_CELLS, ALL_RECORD_TALLIES, MAP_CELL_BLOCKS, MAP_CELLS, PHOTONS, RAYS, RECORD_TALLIES, RECORD_TALLY_BLOCKS,
+    RECORDS, no_map, no_photon_walk, no_scan,
+};
+use super::states::PHOTON_UNBORN;
 use crate::options::features::Features;
 use crate::options::reasons::{Because, EYE_RAYS, NO_SHADE, ONE_SAMPLE, On, Passes, Reason, Run};
 use crate::options::{Integrator, MOST_DEPTH};
-use crate::shared::constants::{BRANCH, INF, NO_CELL, NO_NODE, NO_TRIANGLE};
+use crate::shared::constants::{BRANCH, INF, NO_CELL, NO_NODE, NO_TRIANGLE, RECORD};
 use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
 use crate::tables::stream::{Meaning, Stream, StreamInfo, streams};
 
@@ -111,8 +126,10 @@ pub(in crate::programs) fn no_shadows(run: &Run<'_>) -> Reason {
         return of_steps(run);
     }
     match (run.options.integrator, run.options.shade) {
-        (Integrator::Local, _) => (Because::Options, "needed only with --integrator shadows, whitted or path"),
-        (Integrator::Path, true) => (Because::Scene, "nothing gives light that a shadow ray could be cast to"),
+        (Integrator::Local, _) => (Because::Options, "needed only with --integrator shadows, whitted, path or photons"),
+        (Integrator::Path | Integrator::Photons, true) => {
+            (Because::Scene, "nothing gives light that a shadow ray could be cast to")
+        }
         (_, true) => (Because::Scene, "no light: one headlight at the eye, from where every hit is visible"),
         (_, false) => NO_SHADE,
     }
@@ -122,7 +139,7 @@ pub(in crate::programs) fn no_shadows(run: &Run<'_>) -> Reason {
 pub(in crate::programs) fn no_specular(run: &Run<'_>) -> Reason {
     match (run.options.integrator, run.options.shade) {
         (Integrator::Local | Integrator::Shadows, _) => {
-            (Because::Options, "needed only with --integrator whitted or path")
+            (Because::Options, "needed only with --integrator whitted, path or photons")
         }
         (_, true) => (Because::Scene, "no mirror and no transparent surface"),
         (_, false) => NO_SHADE,
@@ -137,7 +154,9 @@ fn no_bounces(run: &Run<'_>) -> Reason {
 /// Why no ray is split in two.
 fn no_dielectric(run: &Run<'_>) -> Reason {
     match run.features.specular {
-        true if run.features.path => (Because::Options, "needed only with --integrator whitted: a path goes one way"),
+        true if run.options.integrator.is_physical() => {
+            (Because::Options, "needed only with --integrator whitted: a path goes one way")
+        }
         true => (Because::Scene, "no transparent surface: a mirror reflects one ray"),
         false => no_specular(run),
     }
@@ -145,7 +164,7 @@ fn no_dielectric(run: &Run<'_>) -> Reason {
 
 /// Why the cost of the rays before is not kept.
 fn no_spent(run: &Run<'_>) -> Reason {
-    match (run.features.specular || run.features.path) && !run.features.whole_paths {
+    match (run.features.specular || run.features.path || run.features.photons) && !run.features.whole_paths {
         true => (Because::Options, "needed only with --counters"),
         false => no_bounces(run),
     }
@@ -155,14 +174,14 @@ fn no_spent(run: &Run<'_>) -> Reason {
 fn no_path(run: &Run<'_>) -> Reason {
     match run.options.shade {
         true if run.features.whole_paths => of_steps(run),
-        true => (Because::Options, "needed only with --integrator path"),
+        true => (Because::Options, "needed only with --integrator path or photons"),
         false => NO_SHADE,
     }
 }
 
 /// Why no emitter is picked.
 pub(in crate::programs) fn no_emitters(run: &Run<'_>) -> Reason {
-    if run.options.integrator == Integrator::Path { no_shadows(run) } else { no_path(run) }
+    if run.options.integrator.is_physical() { no_shadows(run) } else { no_path(run) }
 }
 
 /// The names of what is kept of a ray that waits at each depth.
@@ -198,8 +217,47 @@ fn no_shadow_counters(run: &Run<'_>) -> Reason {
     }
 }
 
+/// The names of what is kept of a photon at each place where it is stored.
+macro_rules! records {
+    ($($bounce:literal)*) => {
+        &[$(
+            concat!("x_", $bounce), concat!("y_", $bounce), concat!("z_", $bounce),
+            concat!("dx_", $bounce), concat!("dy_", $bounce), concat!("dz_", $bounce),
+            concat!("r_", $bounce), concat!("g_", $bounce), concat!("b_", $bounce),
+            concat!("map_", $bounce), concat!("ended_", $bounce),
+        )*]
+    };
+}
+const RECORD_LAYERS: &[&str] = records!(1 2 3 4 5 6 7 8);
+const _: () = assert!(RECORD_LAYERS.len() == (RECORD * MOST_DEPTH) as usize);
+
+/// What each of them is: the last two of a record are ids.
+const RECORD_MEANING: [Meaning; RECORD_LAYERS.len()] = {
+    let mut meaning = [Float; RECORD_LAYERS.len()];
+    let mut end = RECORD as usize;
+    while end <= meaning.len() {
+        meaning[end - 2] = Id;
+        meaning[end - 1] = Id;
+        end += RECORD as usize;
+    }
+    meaning
+};
+
+/// Before they are written: no photon.
+const UNRECORDED: [u32; RECORD_LAYERS.len()] = {
+    let mut unwritten = [0; RECORD_LAYERS.len()];
+    let mut end = RECORD as usize;
+    while end <= unwritten.len() {
+        unwritten[end - 2] = NO_CELL;
+        end += RECORD as usize;
+    }
+    unwritten
+};
+
 /// The streams of the program `closest_hit`: all but those of shadow rays.
 pub static OWN: &[StreamInfo] = STREAMS.split_at(SHADOW_ORIGIN.index()).0;
+/// Those of the programs `light` and `path`: all but those of photons.
+pub static OF_LIGHT: &[StreamInfo] = STREAMS.split_at(PHOTON_ORIGIN.index()).0;
 
 streams! {
     /// Origin of the ray.
@@ -293,8 +351,92 @@ streams! {
     PDF of RAYS: "pdf" F32 &["direction"], meaning: &[Float], unit: "per steradian",
         unwritten: &[0], why_absent: no_path;
     /// Why the pixel's latest path ended.
-    ENDED of RAYS: "ended" U32 &["why"], meaning: &[Id], unit: "1 nothing was hit, 2 depth, 3 absorbed, 4 below the surface, 5 by chance",
+    ENDED of RAYS: "ended" U32 &["why"], meaning: &[Id], unit: "1 nothing was hit, 2 depth, 3 absorbed, 4 below the surface, 5 by chance, 6 photons were gathered",
         unwritten: &[0], why_absent: no_path;
+    /// Origin of the photon's way.
+    PHOTON_ORIGIN of PHOTONS: "photon_origin" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units",
+        unwritten: &[0; 3], why_absent: no_map;
+    /// Its direction.
+    PHOTON_DIRECTION of PHOTONS: "photon_direction" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units per t",
+        unwritten: &[0; 3], why_absent: no_map;
+    /// Tag, nearest t, cell, item offset.
+    PHOTON_STATE of PHOTONS: "photon_state" U32 &["tag", "t", "cell", "item"], meaning: &[Tag, Distance, Id, Count], unit: "tag, t as f32 bits, 1-D index, count",
+        unwritten: &[PHOTON_UNBORN, INF.to_bits(), 0, 0], why_absent: no_map;
+    /// t at which the photon leaves its cell, per axis.
+    PHOTON_TMAX of PHOTONS: "photon_tmax" F32 &["x", "y", "z"], meaning: &[Distance; 3], unit: "t",
+        unwritten: &[0; 3], why_absent: no_photon_walk;
+    /// Of a 3D-DDA: as of a ray.
+    PHOTON_CONTROL of PHOTONS: "photon_control" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "cells along the axis",
+        unwritten: &[0; 3], why_absent: no_photon_walk;
+    /// Virtual cell of an irregular grid by which the photon came into its cell.
+    PHOTON_VOXEL of PHOTONS: "photon_voxel" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "coordinates of a virtual cell",
+        unwritten: &[0; 3], why_absent: no_photon_walk;
+    /// Node visited before this one.
+    PHOTON_PREVIOUS of PHOTONS: "photon_previous" U32 &["node"], meaning: &[Id], unit: "index of a node",
+        unwritten: &[NO_NODE], why_absent: no_photon_walk;
+    /// Barycentrics and triangle of the nearest hit.
+    PHOTON_AT of PHOTONS: "photon_at" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
+        unwritten: &[0, 0, NO_TRIANGLE], why_absent: no_map;
+    /// The triangle that the photon leaves.
+    PHOTON_SURFACE of PHOTONS: "photon_surface" U32 &["triangle"], meaning: &[Id], unit: "triangle id",
+        unwritten: &[NO_TRIANGLE], why_absent: no_map;
+    /// Where in the grid a photon waits for the next dispatch: as of a ray.
+    PHOTON_PLACE of PHOTONS: "photon_place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Id, Id, Count, Distance, Distance, Distance], unit: "cell coordinates, count of cells, t or control terms as f32 bits",
+        unwritten: &[0; 7], why_absent: no_photon_walk;
+    /// Where in the wide BVH a photon waits for the next dispatch: as of a ray.
+    PHOTON_TRAIL of PHOTONS: "photon_trail" U32 &["levels_0", "levels_8", "levels_16", "levels_24"], meaning: &[Id; 4], unit: "child entered last, 4 bits per level",
+        unwritten: &[0; 4], why_absent: no_photon_walk;
+    /// What the photon carries.
+    PHOTON_POWER of PHOTONS: "photon_power" F32 &["r", "g", "b"], meaning: &[Light; 3], unit: "radiance times steradians and traced units squared",
+        unwritten: &[0; 3], why_absent: no_map;
+    /// What it carried at first, and what surfaces and the outside have of that.
+    PHOTON_ENERGY of PHOTONS: "photon_energy" F32 &["emitted_r", "emitted_g", "emitted_b", "absorbed_r", "absorbed_g", "absorbed_b", "escaped_r", "escaped_g", "escaped_b"], meaning: &[Float; 9], unit: "as photon_power",
+        unwritten: &[0; 9], why_absent: no_map;
+    /// Hits before, whether all were on mirrors and glass, and why it ended.
+    PHOTON_BOUNCE of PHOTONS: "photon_bounce" U32 &["hits", "specular", "ended"], meaning: &[Count, Id, Id], unit: "count, 1 if all were on mirrors and glass, 1 nothing was hit, 2 depth, 3 absorbed, 4 below the surface, 5 by chance",
+        unwritten: &[0, 1, 0], why_absent: no_map;
+    /// At each bounce, where the photon arrived on a diffuse surface, and what became of it.
+    PHOTON_RECORDS of PHOTONS: "photon_records" U32 RECORD_LAYERS, meaning: &RECORD_MEANING, unit: "traced units, direction, power, as f32 bits; 0 global, 1 caustic, all ones without a photon; why it ended there",
+        unwritten: &UNRECORDED, why_absent: no_map;
+    /// A record's cell, and which record it is; sorted in place.
+    PHOTON_KEY of RECORDS: "photon_key" U32 &["cell", "record"], meaning: &[Id; 2], unit: "1-D index of a cell, index of a record",
+        unwritten: &[NO_CELL, 0], why_absent: no_map;
+    /// The same, sorted by an odd number of digits.
+    PHOTON_KEY_THERE of RECORDS: "photon_key_there" U32 &["cell", "record"], meaning: &[Id; 2], unit: "1-D index of a cell, index of a record",
+        unwritten: &[NO_CELL, 0], why_absent: no_scan;
+    /// The cells alone, as the shared kernels write them.
+    PHOTON_CELL of RECORDS: "photon_cell" U32 &["cell"], meaning: &[Id], unit: "1-D index of a cell",
+        unwritten: &[NO_CELL], why_absent: no_scan;
+    /// How often a digit occurs in a block of records; after the scan, where the first of these goes.
+    PHOTON_TALLY of RECORD_TALLIES: "photon_tally" U32 &["records"], meaning: &[Count], unit: "count of records",
+        unwritten: &[0], why_absent: no_scan;
+    /// Number of records of a block of tallies.
+    PHOTON_TALLY_OF_BLOCK of RECORD_TALLY_BLOCKS: "photon_tally_of_block" U32 &["records"], meaning: &[Count], unit: "count of records",
+        unwritten: &[0], why_absent: no_scan;
+    /// Number of records of all tallies.
+    PHOTON_TALLY_IN_ALL of ALL_RECORD_TALLIES: "photon_tally_in_all" U32 &["records"], meaning: &[Count], unit: "count of records",
+        unwritten: &[0], why_absent: no_scan;
+    /// Index of a cell's first record.
+    PHOTON_BEGIN of MAP_CELLS: "photon_begin" U32 &["record"], meaning: &[Id], unit: "index of a sorted record",
+        unwritten: &[0], why_absent: no_scan;
+    /// Index after a cell's last record.
+    PHOTON_END of MAP_CELLS: "photon_end" U32 &["record"], meaning: &[Id], unit: "index of a sorted record",
+        unwritten: &[0], why_absent: no_scan;
+    /// Where a cell's list begins; of the one after the last, where all lists end.
+    PHOTON_FIRST of MAP_CELLS: "photon_first" U32 &["record"], meaning: &[Count], unit: "index of a sorted record",
+        unwritten: &[0], why_absent: no_map;
+    /// Number of records of a block of cells.
+    PHOTON_FIRST_OF_BLOCK of MAP_CELL_BLOCKS: "photon_first_of_block" U32 &["records"], meaning: &[Count], unit: "count of records",
+        unwritten: &[0], why_absent: no_scan;
+    /// Number of records of all cells.
+    PHOTON_FIRST_IN_ALL of ALL_MAP_CELLS: "photon_first_in_all" U32 &["records"], meaning: &[Count], unit: "count of records",
+        unwritten: &[0], why_absent: no_scan;
+    /// How far the search for the photons near a hit has got.
+    GATHERING of RAYS: "gathering" U32 &["cell", "item", "end", "found", "sweep"], meaning: &[Id, Id, Id, Count, Count], unit: "which of the cells around, index of a sorted record, count of photons, count of searches",
+        unwritten: &[NO_CELL, 0, 0, 0, 0], why_absent: no_map;
+    /// What it has found.
+    GATHERED_POWER of RAYS: "gathered" F32 &["distance", "limit", "low", "high", "farthest", "r", "g", "b", "weighted_r", "weighted_g", "weighted_b"], meaning: &[Float; 11], unit: "traced units squared; sums of photon_power, and of it times the distance",
+        unwritten: &[0; 11], why_absent: no_map;
 }
 
 /// The streams in which the caller supplies rays, as far as a run has them.

@@ -39,7 +39,7 @@ const BINDS: &[(&str, &str)] = &[
 ];
 
 /// Lists of live rays, for each kind of ray.
-pub(super) const LISTS: [ListInfo; 4] = [
+pub(in crate::programs) const LISTS: [ListInfo; 4] = [
     closest_hit::kernels::LISTS[0],
     closest_hit::kernels::LISTS[1],
     ListInfo { name: "shadow_intersect_list", slots: ["shadow_intersect_list_even", "shadow_intersect_list_odd"] },

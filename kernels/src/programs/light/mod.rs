@@ -23,11 +23,12 @@ use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use super::closest_hit::kernels::{KERNELS, SETUP};
-use super::closest_hit::states::{ALL, BACKGROUND, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
+use super::closest_hit::states::{BACKGROUND, OF_LIGHT, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
 use super::closest_hit::{self, streams};
 use crate::options::features::Features;
 use crate::program::{Course, Decoding, Instance, Kernel, Program};
-use kernels::{LISTS, OF_ILLUMINATE, OF_SCATTER, SHADOWS, for_shadow_rays};
+pub(super) use kernels::LISTS;
+use kernels::{OF_ILLUMINATE, OF_SCATTER, SHADOWS, for_shadow_rays};
 pub(super) use schedule::{mapped, of as schedule, while_begun};
 
 /// The program.
@@ -38,8 +39,8 @@ pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
     Program {
         name: "light",
         summary: "every ray to its closest hit, and from there shadow rays to the lights, and rays that are reflected and refracted",
-        streams: &streams::STREAMS,
-        states: ALL,
+        streams: streams::OF_LIGHT,
+        states: OF_LIGHT,
         lists: &LISTS,
         rays: closest_hit::PROGRAM.rays.map(|rays| Decoding { tree: Some(tree::grow), ..rays }),
         courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }])),

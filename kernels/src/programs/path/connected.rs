@@ -12,7 +12,7 @@ use crate::shared::start::leaving;
 use crate::shared::vector::{dot3, largest3, unit3};
 
 /// 1 / π.
-pub(super) const INVERSE_PI: f32 = std::f32::consts::FRAC_1_PI;
+pub(in crate::programs) const INVERSE_PI: f32 = std::f32::consts::FRAC_1_PI;
 
 /// What the surface emits along the path, by the pdf of the path's direction.
 pub(super) fn emitted<R: Real>(at: &Vertex<'_, R>, scene: &SceneData, origin: Vec3<R>, of_direction: R) -> Vec3<R> {

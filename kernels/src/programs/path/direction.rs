@@ -5,7 +5,7 @@ use crate::shared::vector::unit3;
 
 /// Cosine and sine of so many turns, from 0 to 1: the polynomials of Moshier's Cephes (1989) between -1/8 and 1/8 turn. In
 /// f32 both are within 1.2·10⁻⁷ of the exact values for every multiple of 2⁻²⁴, as a test of all of them shows.
-pub(super) fn on_circle<R: Real>(turns: R) -> [R; 2] {
+pub(in crate::programs) fn on_circle<R: Real>(turns: R) -> [R; 2] {
     let f = R::from_f32;
     let quarter = (f(4.0) * turns + f(0.5)).floor();
     let angle = (f(4.0) * turns - quarter) * f(1.570_796_4);
@@ -18,16 +18,21 @@ pub(super) fn on_circle<R: Real>(turns: R) -> [R; 2] {
     if quarter & 2 == 2 { at.map(|v| -v) } else { at }
 }
 
-/// A direction of length 1 about a normal of length 1, with a pdf of cosine / π, by two numbers from 0 to below 1.
-pub(super) fn cosine_weighted<R: Real>(normal: Vec3<R>, by: [R; 2]) -> Vec3<R> {
+/// What is at right angles to a normal of length 1, with these coordinates along two axes there (Duff et al. 2017).
+pub(in crate::programs) fn across<R: Real>(normal: Vec3<R>, [x, y]: [R; 2]) -> Vec3<R> {
     let one = R::one();
     let side = if normal.z >= R::zero() { one } else { -one };
     let a = -one / (side + normal.z);
     let b = normal.x * normal.y * a;
     let first = Vec3::new(one + side * normal.x * normal.x * a, side * b, -side * normal.x);
     let second = Vec3::new(b, side + normal.y * normal.y * a, -normal.y);
-    let [x, y] = on_circle(by[1]).map(|v| v * by[0].sqrt());
-    unit3(first * x + second * y + normal * (one - by[0]).sqrt())
+    first * x + second * y
+}
+
+/// A direction of length 1 about a normal of length 1, with a pdf of cosine / π, by two numbers from 0 to below 1.
+pub(in crate::programs) fn cosine_weighted<R: Real>(normal: Vec3<R>, by: [R; 2]) -> Vec3<R> {
+    let at = on_circle(by[1]).map(|v| v * by[0].sqrt());
+    unit3(across(normal, at) + normal * (R::one() - by[0]).sqrt())
 }
 
 #[cfg(test)]

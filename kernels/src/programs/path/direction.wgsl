@@ -15,14 +15,18 @@ fn on_circle(turns: f32) -> vec2f {
     return select(at, -at, (u32(quarter) & 2u) == 2u);
 }
 
-// A direction of length 1 about a normal of length 1, with a pdf of cosine / pi, by two numbers from 0 to below 1.
-fn cosine_weighted(normal: vec3f, by: vec2f) -> vec3f {
-    // Two axes at right angles to the normal (Duff et al. 2017).
+// What is at right angles to a normal of length 1, with these coordinates along two axes there (Duff et al. 2017).
+fn across(normal: vec3f, at: vec2f) -> vec3f {
     let side = select(-1.0, 1.0, normal.z >= 0.0);
     let a = -1.0 / (side + normal.z);
     let b = normal.x * normal.y * a;
     let first = vec3f(1.0 + side * normal.x * normal.x * a, side * b, -side * normal.x);
     let second = vec3f(b, side + normal.y * normal.y * a, -normal.y);
+    return first * at.x + second * at.y;
+}
+
+// A direction of length 1 about a normal of length 1, with a pdf of cosine / pi, by two numbers from 0 to below 1.
+fn cosine_weighted(normal: vec3f, by: vec2f) -> vec3f {
     let at = on_circle(by.y) * sqrt(by.x);
-    return unit3(first * at.x + second * at.y + normal * sqrt(1.0 - by.x));
+    return unit3(across(normal, at) + normal * sqrt(1.0 - by.x));
 }

@@ -11,7 +11,7 @@ fn rgb(v: [f32; 3]) -> String {
 }
 
 /// What a shadow ray leads to.
-pub(super) fn emitter(ray: &RayState) -> String {
+pub(in crate::programs) fn emitter(ray: &RayState) -> String {
     match ray.light.unwrap_or_default() {
         id if id & PUNCTUAL != 0 => format!("light {}", (id ^ PUNCTUAL) + 1),
         id => format!("glowing triangle {id}"),
@@ -19,7 +19,7 @@ pub(super) fn emitter(ray: &RayState) -> String {
 }
 
 /// Why a path ended, in words.
-pub(super) fn why_ended(why: u32) -> &'static str {
+pub(in crate::programs) fn why_ended(why: u32) -> &'static str {
     match why {
         BY_ESCAPE => "nothing was hit",
         BY_DEPTH => "it has as many bounces as it may have",

@@ -39,7 +39,7 @@ fn absent_whole(run: &Run<'_>) -> Reason {
 }
 
 /// Adds what a surface emits, and casts a shadow ray.
-pub(super) const OF_SAMPLE_LIGHT: KernelInfo = KernelInfo {
+pub(in crate::programs) const OF_SAMPLE_LIGHT: KernelInfo = KernelInfo {
     name: "sample_light",
     wgsl: include_str!("sample_light.wgsl"),
     twin: twin!(element sample_light),

@@ -12,28 +12,28 @@
 //! direction, and one whether glass reflects and whether the path goes on.
 
 mod breaks;
-mod connected;
+pub(super) mod connected;
 mod densities;
-mod direction;
-mod emitters;
-mod explain;
+pub(super) mod direction;
+pub(super) mod emitters;
+pub(super) mod explain;
 pub mod fused_path;
-mod kernels;
-mod random;
+pub(super) mod kernels;
+pub(super) mod random;
 mod rounding;
 pub mod sample_bsdf;
 pub mod sample_light;
-mod scattered;
+pub(super) mod scattered;
 mod schedule;
 mod steps;
 mod toward;
 mod tree;
-mod vertex;
+pub(super) mod vertex;
 
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
-use super::closest_hit::states::{ALL, BACKGROUND, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
+use super::closest_hit::states::{BACKGROUND, OF_LIGHT, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
 use super::closest_hit::streams::{ACCUMULATED, ACCUMULATED_SAMPLES};
 use super::closest_hit::{self, kernels::KERNELS};
 use super::light;
@@ -61,7 +61,7 @@ pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
             paths: Some(steps::PATHS),
             ..rays
         }),
-        states: ALL,
+        states: OF_LIGHT,
         modules,
         ..*light::PROGRAM
     }

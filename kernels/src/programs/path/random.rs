@@ -8,17 +8,20 @@
 use crate::shared::samples::{Sampler, hashed, scrambled, sobol_second};
 
 /// What a pair of numbers decides: which light or glowing triangle, and, in its table, whether its alias.
-pub(super) const FOR_EMITTER: u32 = 0;
+pub(in crate::programs) const FOR_EMITTER: u32 = 0;
 /// A point of a glowing triangle.
-pub(super) const FOR_POINT: u32 = 1;
+pub(in crate::programs) const FOR_POINT: u32 = 1;
 /// A direction.
-pub(super) const FOR_DIRECTION: u32 = 2;
+pub(in crate::programs) const FOR_DIRECTION: u32 = 2;
 /// Whether glass reflects, and whether the path goes on.
-pub(super) const FOR_CHANCE: u32 = 3;
+pub(in crate::programs) const FOR_CHANCE: u32 = 3;
+
+/// What photons have in place of a pixel: each is a sample of one sequence.
+pub(in crate::programs) const OF_PHOTONS: [u32; 2] = [u32::MAX; 2];
 
 /// The pair of numbers by which a pixel's sample decides something at a depth. Both have 24 bits.
 #[must_use]
-pub(super) fn decided_by(
+pub(in crate::programs) fn decided_by(
     sampler: Sampler,
     seed: u32,
     [x, y]: [u32; 2],

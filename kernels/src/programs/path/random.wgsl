@@ -9,6 +9,9 @@ const FOR_POINT: u32 = 1u;
 const FOR_DIRECTION: u32 = 2u;
 const FOR_CHANCE: u32 = 3u;
 
+// What photons have in place of a pixel: each is a sample of one sequence.
+const OF_PHOTONS: vec2u = vec2u(0xffffffffu);
+
 @if(samples) @group(0) @binding(20) var accumulated: texture_2d_array<f32>;
 
 // The index of the sample that a pixel is at.

@@ -12,35 +12,35 @@ use crate::shared::start::{leaving, through};
 use crate::shared::vector::{dot3, largest3};
 
 /// Bounces before a path may end by chance.
-pub(super) const ROULETTE_DEPTH: u32 = 3;
+pub(in crate::programs) const ROULETTE_DEPTH: u32 = 3;
 /// The largest chance to go on.
 const MOST_CHANCE: f32 = 0.95;
 
 /// Why a path ended: nothing was hit.
-pub(super) const BY_ESCAPE: u32 = 1;
+pub(in crate::programs) const BY_ESCAPE: u32 = 1;
 /// It has as many bounces as it may have.
-pub(super) const BY_DEPTH: u32 = 2;
+pub(in crate::programs) const BY_DEPTH: u32 = 2;
 /// The surface reflects nothing.
-pub(super) const BY_ABSORPTION: u32 = 3;
+pub(in crate::programs) const BY_ABSORPTION: u32 = 3;
 /// The direction leads below the triangle, whose interpolated normal is another one.
-pub(super) const BY_SURFACE: u32 = 4;
+pub(in crate::programs) const BY_SURFACE: u32 = 4;
 /// By chance.
-pub(super) const BY_ROULETTE: u32 = 5;
+pub(in crate::programs) const BY_ROULETTE: u32 = 5;
 
 /// Where a path goes on.
-pub(super) struct Next<R> {
-    pub(super) origin: Vec3<R>,
-    pub(super) direction: Vec3<R>,
+pub(in crate::programs) struct Next<R> {
+    pub(in crate::programs) origin: Vec3<R>,
+    pub(in crate::programs) direction: Vec3<R>,
     /// What it carries.
-    pub(super) throughput: Vec3<R>,
+    pub(in crate::programs) throughput: Vec3<R>,
     /// The pdf of the direction, by solid angle; 0 if there was no other.
-    pub(super) pdf: R,
+    pub(in crate::programs) pdf: R,
     /// Why it ends instead, or 0.
-    pub(super) ended: u32,
+    pub(in crate::programs) ended: u32,
 }
 
 /// Where a path goes on from a vertex.
-pub(super) fn scattered<R: Real>(at: &Vertex<'_, R>, scene: &SceneData) -> Next<R> {
+pub(in crate::programs) fn scattered<R: Real>(at: &Vertex<'_, R>, scene: &SceneData) -> Next<R> {
     let pair = |what| at.decided_by(scene, what).map(R::from_f32);
     let chance = pair(FOR_CHANCE);
     let mut next = Next {

@@ -1,7 +1,7 @@
 //! Twin of `vertex.wgsl`: a path at one of its hits.
 
 use super::next_sample;
-use super::random::decided_by;
+use super::random::{OF_PHOTONS, decided_by};
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::shade::surface::{diffuse_color, material_of, surface_normal};
 use crate::scene_data::SceneData;
@@ -10,27 +10,27 @@ use crate::shared::start::{Start, on_side, start_of};
 use crate::tables::texels::Texels;
 
 /// A path at one of its hits.
-pub(super) struct Vertex<'a, R: Real> {
+pub(in crate::programs) struct Vertex<'a, R: Real> {
     pixel: [u32; 2],
     /// The index of the pixel's sample.
     sample: u32,
     /// How many bounces led here.
-    pub(super) depth: u32,
-    pub(super) triangle: u32,
+    pub(in crate::programs) depth: u32,
+    pub(in crate::programs) triangle: u32,
     /// Along which the path came; length 1.
-    pub(super) direction: Vec3<R>,
-    pub(super) start: Start<R>,
+    pub(in crate::programs) direction: Vec3<R>,
+    pub(in crate::programs) start: Start<R>,
     /// Interpolated, on the side from which the path came.
-    pub(super) normal: Vec3<R>,
-    pub(super) material: &'a Material,
+    pub(in crate::programs) normal: Vec3<R>,
+    pub(in crate::programs) material: &'a Material,
     /// Its diffuse colour here.
-    pub(super) color: Vec3<R>,
+    pub(in crate::programs) color: Vec3<R>,
     /// The share of the light along the path that reaches the pixel.
-    pub(super) carried: Vec3<R>,
+    pub(in crate::programs) carried: Vec3<R>,
 }
 
 impl<'a, R: Real> Vertex<'a, R> {
-    pub(super) fn new(
+    pub(in crate::programs) fn new(
         ray: &Texels<'_, R>,
         scene: &'a SceneData,
         depth: u32,
@@ -54,8 +54,19 @@ impl<'a, R: Real> Vertex<'a, R> {
         }
     }
 
+    /// The same for a photon, which decides by its own index, and by numbers that no pixel has.
+    pub(in crate::programs) fn of_photon(self, photon: u32) -> Self {
+        Self { pixel: OF_PHOTONS, sample: photon, ..self }
+    }
+
     /// The pair of numbers that decides something here.
-    pub(super) fn decided_by(&self, scene: &SceneData, what: u32) -> [f32; 2] {
-        decided_by(scene.features.sampler(), scene.sampling.seed, self.pixel, self.sample, self.depth, what)
+    pub(in crate::programs) fn decided_by(&self, scene: &SceneData, what: u32) -> [f32; 2] {
+        self.decided_after(scene, 0, what)
+    }
+
+    /// The same for a path that has so many decisions before those at its first hit.
+    pub(in crate::programs) fn decided_after(&self, scene: &SceneData, before: u32, what: u32) -> [f32; 2] {
+        let (sampler, seed, depth) = (scene.features.sampler(), scene.sampling.seed, self.depth + before);
+        decided_by(sampler, seed, self.pixel, self.sample, depth, what)
     }
 }

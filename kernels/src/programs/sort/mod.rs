@@ -33,7 +33,7 @@ streams! {
         unwritten: &[0; 2], why_absent: never;
 }
 
-const EXCHANGES: KernelInfo = KernelInfo::once(
+pub(super) const EXCHANGES: KernelInfo = KernelInfo::once(
     ("exchange", include_str!("exchange.wgsl")),
     exchange::exchange,
     [66, 124, 200],

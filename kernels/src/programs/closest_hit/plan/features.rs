@@ -6,7 +6,9 @@ use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Integrator, Numerics, Options, RaySource, Rule, ScheduleKind, Strategy, Traversal};
+use crate::options::{
+    Accelerator, Integrator, Neighbours, Numerics, Options, RaySource, Rule, ScheduleKind, Strategy, Traversal,
+};
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
 
@@ -45,10 +47,12 @@ pub(in crate::programs) fn features(
     let is_lit = options.shade && options.integrator != Integrator::Local;
     let path = is_lit && options.integrator == Integrator::Path;
     let has_mirrors = any_material(|m| m.optics.is_specular());
-    let specular = (path || is_lit && options.integrator == Integrator::Whitted) && has_mirrors;
+    let photons = is_lit && options.integrator == Integrator::Photons;
+    let is_physical = path || photons;
+    let specular = (is_physical || is_lit && options.integrator == Integrator::Whitted) && has_mirrors;
     let glows = any_material(|m| m.emissive != [0.0; 3]);
     // By chance, a path finds only lights that have a size.
-    let has_emitters = !scene.lights.is_empty() || glows && options.strategy != Strategy::Bsdf;
+    let has_emitters = any_light(shines) || glows && (photons || options.strategy != Strategy::Bsdf);
     Features {
         robust,
         watertight: robust && options.without != Some(Rule::TriangleTest),
@@ -69,16 +73,20 @@ pub(in crate::programs) fn features(
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
         intervals: has_intervals(&options.rays, any_hit),
         any_hit,
-        leaves: specular || path,
+        leaves: specular || is_physical,
         specular,
-        dielectric: specular && !path && any_material(|m| matches!(m.optics, Optics::Dielectric { .. })),
+        dielectric: specular && !is_physical && any_material(|m| matches!(m.optics, Optics::Dielectric { .. })),
         path,
         whole_paths: false,
         mis: path && glows && options.strategy == Strategy::Mis,
         by_light: path && glows && options.strategy == Strategy::Light,
-        depth: if specular || path { options.max_depth } else { 0 },
+        photons,
+        mapped: photons && has_emitters && options.max_depth > 0 && !scene.triangles.is_empty(),
+        exact: photons && options.photons.neighbours == Neighbours::Exact,
+        apart: false,
+        depth: if specular || is_physical { options.max_depth } else { 0 },
         eye_rays: is_fused && !options.shade && !given,
-        clip: keep(Item::Clipping) || !inside || specular || path,
+        clip: keep(Item::Clipping) || !inside || specular || is_physical,
         perspective: match &options.rays {
             RaySource::Camera { camera, .. } => matches!(camera.projection, Projection::Perspective { .. }),
             RaySource::Given(_) => true,
@@ -93,15 +101,24 @@ pub(in crate::programs) fn features(
         many_lights: keep(Item::ManyLights) || scene.lights.len() > 1,
         directional_lights: keep(Item::DirectionalLights) || any_light(|l| matches!(l, Light::Directional { .. })),
         spot_lights: keep(Item::SpotLights) || any_light(|l| matches!(l, Light::Spot { .. })),
-        shadows: is_lit && if path { has_emitters } else { specular || !scene.lights.is_empty() },
+        shadows: is_lit && if is_physical { has_emitters } else { specular || !scene.lights.is_empty() },
         resumes: false,
         resumes_scan: false,
         resumes_light: false,
         turns: 0,
         samples: options.samples.are_spread(),
-        sobol: options.samples.are_spread() && options.samples.sampler == Sampler::Sobol,
+        // Photons are samples of the light, of which there are many in any run.
+        sobol: (photons || options.samples.are_spread()) && options.samples.sampler == Sampler::Sobol,
         blocks: options.samples.count > Samples::BLOCK,
     }
+}
+
+/// Whether a light gives any.
+fn shines(light: &Light) -> bool {
+    let (Light::Point { color, intensity, .. }
+    | Light::Directional { color, intensity, .. }
+    | Light::Spot { color, intensity, .. }) = light;
+    *intensity > 0.0 && color.iter().any(|&part| part > 0.0)
 }
 
 /// Whether a ray has a t_min or a t_max that the kernels must look up.

@@ -15,18 +15,20 @@ use crate::options::features::Features;
 use crate::options::mapping::Until;
 use crate::options::reasons::Run;
 use crate::options::{Options, RaySource, ScheduleKind};
-use crate::plan::allocated::Allocated;
+use crate::plan::allocated::{Allocated, sets_of};
 
 use crate::plan::{
-    DrawnPlan, Limits, Plan, PlanError, Sharing, bound_by, check_rays, check_samples, check_scene, check_texels,
-    fit_bindings, image_size, variants as variants_of,
+    DrawnPlan, Limits, Plan, PlanError, Sharing, bound_by, check_buffer, check_rays, check_samples, check_scene,
+    check_texels, fit_bindings, image_size, variants as variants_of,
 };
 use crate::program::Program;
+use crate::program::live::LIVE_RAYS;
 use crate::program::schedule::Schedule;
 use crate::scene_data::SceneData;
 use crate::shader::Variant;
+use crate::shared::photon_map::PhotonMap;
 use crate::shared::scene::SceneInfo;
-use crate::tables::elements::Size;
+use crate::tables::elements::{Elements, Size};
 use left_out::left_out;
 use replaced::check_replaced;
 pub(crate) use resolve::Built;
@@ -36,15 +38,45 @@ use turns::{Resumes, Walk};
 /// The schedule of a run, its kernels as they are compiled, their draws, and the streams that share textures.
 type Compiled = (Schedule, Vec<Variant>, Option<DrawnPlan>, Sharing);
 
-/// How a program that traces rays orders its kernels.
-type Scheduler = fn(&Options, &Features) -> Schedule;
+/// A program that traces rays, and what differs between these when a run is planned.
+#[derive(Clone, Copy)]
+pub(in crate::programs) struct Tracer {
+    pub(in crate::programs) program: &'static Program,
+    /// What it has besides the rays of the image, for a scene with these corners.
+    pub(in crate::programs) others: fn(&Options, &Features, &[f32], &Limits) -> Result<Others, PlanError>,
+    /// How it orders its kernels.
+    pub(in crate::programs) schedule: fn(&Options, &Features, &Others) -> Schedule,
+}
+
+/// What a program has besides the rays of the image.
+#[derive(Default)]
+pub(in crate::programs) struct Others {
+    /// Sets of elements whose sizes are known.
+    pub(in crate::programs) sets: Vec<(&'static Elements, Size)>,
+    /// The grid that photons are sorted into.
+    pub(in crate::programs) photon_map: PhotonMap,
+}
+
+impl Tracer {
+    /// A program that has nothing but rays.
+    pub(in crate::programs) fn of_rays(
+        program: &'static Program,
+        schedule: fn(&Options, &Features, &Others) -> Schedule,
+    ) -> Self {
+        Self { program, others: |_, _, _, _| Ok(Others::default()), schedule }
+    }
+}
 
 /// Whether rays can be sent on from their hits.
 fn check_scattering(features: &Features) -> Result<(), PlanError> {
-    if !(features.specular || features.path) {
+    if !(features.specular || features.path || features.photons) {
         return Ok(());
     }
-    let name = if features.path { "path" } else { "whitted" };
+    let name = match features {
+        Features { photons: true, .. } => "photons",
+        Features { path: true, .. } => "path",
+        _ => "whitted",
+    };
     let why = match features {
         Features { fragments: true, .. } => {
             "what is kept of a ray's way does not fit the outputs of a fragment program: use --mapping compute, or \
@@ -61,12 +93,13 @@ fn check_scattering(features: &Features) -> Result<(), PlanError> {
 
 /// Plans a run of rays by a program, with the schedule that it has for options; `built` is the grid that the options ask for, if it is built already.
 pub(in crate::programs) fn plan(
-    (program, scheduler): (&'static Program, Scheduler),
+    tracer: Tracer,
     scene: &Scene,
     options: &Options,
     limits: &Limits,
     built: Option<Built>,
 ) -> Result<(Plan, SceneData), PlanError> {
+    let program = tracer.program;
     let units = Units::of(scene);
     let (width, height, rays) = image_size(options, limits)?;
     check_scene(scene, units)?;
@@ -95,13 +128,16 @@ pub(in crate::programs) fn plan(
     let pass_bound = if is_queried { pass_bound.saturating_mul(2).saturating_add(4) } else { pass_bound };
 
     // The walks of shadow rays follow that of the ray, and a pixel's rays are a list or a binary tree.
-    let of_shadows = if features.path { 1 } else { lights };
+    let of_shadows = if features.path || features.photons { 1 } else { lights };
     let pass_bound = if features.shadows { pass_bound.saturating_mul(1 + of_shadows) } else { pass_bound };
     let rays_of_pixel = if features.dielectric { (2 << features.depth) - 1 } else { 1 + u64::from(features.depth) };
     let pass_bound = pass_bound.saturating_mul(rays_of_pixel);
+    // Photons bounce as often as rays. What sorts and gathers them always ends.
+    let pass_bound = if features.mapped { pass_bound.saturating_mul(2).saturating_add(1 << 20) } else { pass_bound };
+    let others = (tracer.others)(options, &features, &vertices, limits)?;
 
     let compiled = |features: &Features| -> Result<Compiled, PlanError> {
-        let schedule = scheduler(options, features);
+        let schedule = (tracer.schedule)(options, features, &others);
         let variants = variants_of(program, &schedule, features, &options.replaced)?;
         let drawn =
             options.mapping.fragment().map(|how| DrawnPlan::new(how, &variants, features, limits)).transpose()?;
@@ -133,10 +169,16 @@ pub(in crate::programs) fn plan(
     let is_bound = |name: &str| bound.contains(name);
     let mut data = SceneData::of(scene, options, features, units, (vertices, structure), info, is_bound)?;
     (data.bounds, data.reach) = (extent.bounds, extent.reach);
+    data.photon_map = others.photon_map;
 
     let size = Size { width, height, count: rays as u32 };
+    let sets = sets_of(program, size, &others.sets, limits.image_side)?;
     let Allocated { sets, streams, buffers } =
-        Allocated::new(program, &bound, &data, size, given, limits, drawn.as_ref())?;
+        Allocated::new(program, sets, &bound, &data, given, limits, drawn.as_ref())?;
+    // There may be more of other elements than rays.
+    if let Some(live) = buffers.iter().find(|buffer| buffer.what == LIVE_RAYS) {
+        check_buffer(LIVE_RAYS, live.bytes, limits)?;
+    }
     let mut plan = Plan {
         program,
         sets,

@@ -106,8 +106,10 @@ pub(super) fn resolve(
         let attempt = check_sizes(program, scene, options, &features, limits, u64::from(width) * u64::from(height));
         let attempt = attempt.and_then(|()| {
             let (vertices, origins, extent) = corners.get_or_insert_with(|| {
-                let (vertices, origins) = (traced_vertices(scene, units), origins(options, units));
+                let vertices = traced_vertices(scene, units);
                 let bounds = grid::bounds(&vertices);
+                let origins = origins(options, units);
+                let origins = if features.photons { Some(with_photons(bounds, origins)) } else { origins };
                 (vertices, origins, Extent { bounds, reach: grid::reach(bounds, origins) })
             });
             let most_words = limits.list_words(options.scene_data);
@@ -130,6 +132,15 @@ pub(super) fn resolve(
             Ok(None) | Err(_) => {}
         }
     }
+}
+
+/// The box of all ray origins, with those of photons: they begin on surfaces, or in a sphere about the scene, or miss it.
+fn with_photons(bounds: Corners, origins: Option<Corners>) -> Corners {
+    let diagonal = (0..3).map(|axis| (bounds[1][axis] - bounds[0][axis]).powi(2)).sum::<f32>().sqrt();
+    let [low, high] =
+        [-diagonal, diagonal].map(|far| [0, 1, 2].map(|axis| 0.5 * (bounds[0][axis] + bounds[1][axis]) + far));
+    let [first, last] = origins.unwrap_or([low, high]);
+    [[0, 1, 2].map(|axis| low[axis].min(first[axis])), [0, 1, 2].map(|axis| high[axis].max(last[axis]))]
 }
 
 /// Rejects what is known to be too large before anything is built.

@@ -1,0 +1,81 @@
+//! The options of photon maps.
+
+use super::{Refusal, Row, Values, parse, text};
+use crate::options::row::{Value, whole};
+use crate::options::{Choices, Integrator, Neighbours, PhotonSort, Photons, ProgramName};
+
+fn has_photons(c: &Choices) -> bool {
+    c.program == ProgramName::ClosestHit && c.integrator == Integrator::Photons
+}
+
+/// An option of photons, where there are none.
+fn idle(option: &str, is_default: bool, c: &Choices) -> Option<Refusal> {
+    let why = || format!("{option} applies to --integrator photons, not to {}: omit it", c.integrator);
+    (!is_default && !has_photons(c)).then(|| Refusal::Idle(why()))
+}
+
+/// The row of an option of photons that is an integer.
+macro_rules! whole {
+    ($name:literal, $most:expr, $field:ident, $help:literal) => {
+        Row::new(
+            $name,
+            Values::Whole(1, $most),
+            |c| Value::Number(c.photons.$field),
+            |c, value| whole(value, 1, $most).map(|number| c.photons.$field = number),
+            $help,
+        )
+        .applies(has_photons)
+        .in_tables(None)
+        .refused(|c| idle(concat!("--", $name), c.photons.$field == Photons::default().$field, c))
+    };
+}
+
+pub(super) const PHOTONS: Row = whole!(
+    "photons",
+    Photons::MOST,
+    count,
+    "How many photons are emitted with --integrator photons, rounded up to whole rows of a texture"
+)
+.panel("photons", "how many photons are emitted");
+
+pub(super) const SORT: Row = Row::new(
+    "photon-map",
+    Values::Names(|| PhotonSort::ALL.iter().map(|of| of.name()).collect()),
+    |c| text(c.photons.sort),
+    |c, value| parse(value, &mut c.photons.sort),
+    "How the photons of a map get into the order of its cells, with --integrator photons: by a bitonic sort and a binary \
+     search, as in the paper of Purcell et al. (bitonic), or by a radix sort and prefix sums (scan); the map is the same",
+)
+.panel("photon map", "how photons get into the order of the map's cells")
+.applies(has_photons)
+.in_tables(None)
+.refused(|c| idle("--photon-map", c.photons.sort == PhotonSort::default(), c));
+
+pub(super) const NEIGHBOURS: Row = Row::new(
+    "neighbours",
+    Values::Names(|| Neighbours::ALL.iter().map(|of| of.name()).collect()),
+    |c| text(c.photons.neighbours),
+    |c, value| parse(value, &mut c.photons.neighbours),
+    "Which photons the light at a point is estimated from, with --integrator photons: those that the search through cells \
+     by growing distance finds, as in the paper of Purcell et al. (knn-grid), or the nearest (exact)",
+)
+.panel("neighbours", "which photons the light at a point is estimated from")
+.applies(has_photons)
+.in_tables(None)
+.refused(|c| idle("--neighbours", c.photons.neighbours == Neighbours::default(), c));
+
+pub(super) const NEAREST: Row = whole!(
+    "nearest",
+    Photons::MOST_NEAREST,
+    nearest,
+    "How many photons the light at a point is estimated from, with --integrator photons"
+)
+.panel("nearest photons", "how many photons the light at a point is estimated from");
+
+pub(super) const RADIUS: Row = whole!(
+    "gather-radius",
+    Photons::MOST_RADIUS,
+    radius,
+    "How far these photons may be away, in thousandths of the diagonal of the scene's box"
+)
+.panel("radius", "how far these photons may be away, in thousandths of the scene's diagonal");

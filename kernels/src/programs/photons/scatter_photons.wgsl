@@ -1,0 +1,136 @@
+// At the hit of a photon: stores it if it has come by a bounce, and sends it on, or ends it. What a surface takes of it, and
+// what leaves the scene, are added up: at any time, what was emitted is the sum of these and of what photons carry.
+//
+// Light that comes straight from an emitter is not stored: shadow rays find it.
+
+import package::constants::{DEPTH, INF, LIST_SIDE, NOBODY, NO_TRIANGLE, RECORD};
+import package::state::{PHOTON_SETUP, PHOTON_ARRIVED, PHOTON_LEAVES, PHOTON_DONE};
+import package::live::{book, tiled_texel};
+import package::random::{OF_PHOTONS};
+import package::reflected::{is_diffuse, reflected_photon};
+import package::scattered::{BY_DEPTH, BY_ESCAPE, Next};
+import package::vector::{unit3};
+import package::vertex::{Vertex, vertex_at};
+
+@group(0) @binding(0) var photon_origin: texture_storage_2d_array<r32float, write>;
+@group(0) @binding(1) var photon_direction: texture_storage_2d_array<r32float, read_write>;
+@group(0) @binding(2) var photon_state: texture_storage_2d_array<r32uint, read_write>;
+@group(0) @binding(3) var photon_at: texture_storage_2d_array<r32uint, read_write>;
+@group(0) @binding(4) var photon_surface: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(5) var photon_power: texture_storage_2d_array<r32float, read_write>;
+@group(0) @binding(6) var photon_energy: texture_storage_2d_array<r32float, read_write>;
+@group(0) @binding(7) var photon_bounce: texture_storage_2d_array<r32uint, read_write>;
+@group(0) @binding(8) var photon_records: texture_storage_2d_array<r32uint, write>;
+
+fn load_power(texel: vec2u) -> vec3f {
+    return vec3f(
+        textureLoad(photon_power, texel, 0).x,
+        textureLoad(photon_power, texel, 1).x,
+        textureLoad(photon_power, texel, 2).x,
+    );
+}
+
+fn store_power(texel: vec2u, power: vec3f) {
+    textureStore(photon_power, texel, 0, vec4f(power.x));
+    textureStore(photon_power, texel, 1, vec4f(power.y));
+    textureStore(photon_power, texel, 2, vec4f(power.z));
+}
+
+// Adds to what surfaces have taken, from layer 3 on, or to what has left the scene, from layer 6 on.
+fn book_energy(texel: vec2u, first: u32, power: vec3f) {
+    for (var part = 0u; part < 3u; part++) {
+        let before = textureLoad(photon_energy, texel, first + part).x;
+        textureStore(photon_energy, texel, first + part, vec4f(before + power[part]));
+    }
+}
+
+fn photon_vertex(texel: vec2u, hits: u32, power: vec3f) -> Vertex {
+    let u = bitcast<f32>(textureLoad(photon_at, texel, 0).x);
+    let v = bitcast<f32>(textureLoad(photon_at, texel, 1).x);
+    let triangle = textureLoad(photon_at, texel, 2).x;
+    let direction = unit3(vec3f(
+        textureLoad(photon_direction, texel, 0).x,
+        textureLoad(photon_direction, texel, 1).x,
+        textureLoad(photon_direction, texel, 2).x,
+    ));
+    var at = vertex_at(texel, hits, triangle, u, v, direction, power);
+    at.texel = OF_PHOTONS;
+    at.sample = texel.y * textureDimensions(photon_state).x + texel.x;
+    return at;
+}
+
+// The photon as it arrived, and why it ended there, or 0.
+fn record(texel: vec2u, at: Vertex, is_caustic: u32, ended: u32) {
+    let first = (at.depth - 1u) * RECORD;
+    for (var axis = 0u; axis < 3u; axis++) {
+        textureStore(photon_records, texel, first + axis, vec4u(bitcast<u32>(at.start.point[axis])));
+        textureStore(photon_records, texel, first + axis + 3u, vec4u(bitcast<u32>(at.direction[axis])));
+        textureStore(photon_records, texel, first + axis + 6u, vec4u(bitcast<u32>(at.carried[axis])));
+    }
+    textureStore(photon_records, texel, first + 9u, vec4u(is_caustic));
+    textureStore(photon_records, texel, first + 10u, vec4u(ended));
+}
+
+fn begin_way(texel: vec2u, next: Next, leaves: u32, hits: u32, specular: u32) {
+    for (var axis = 0u; axis < 3u; axis++) {
+        textureStore(photon_origin, texel, axis, vec4f(next.origin[axis]));
+        textureStore(photon_direction, texel, axis, vec4f(next.direction[axis]));
+    }
+    store_power(texel, next.throughput);
+    textureStore(photon_surface, texel, 0, vec4u(leaves));
+    textureStore(photon_bounce, texel, 0, vec4u(hits));
+    textureStore(photon_bounce, texel, 1, vec4u(specular));
+    textureStore(photon_at, texel, 0, vec4u(0u));
+    textureStore(photon_at, texel, 1, vec4u(0u));
+    textureStore(photon_at, texel, 2, vec4u(NO_TRIANGLE));
+    textureStore(photon_state, texel, 1, vec4u(bitcast<u32>(INF)));
+    textureStore(photon_state, texel, 2, vec4u(0u));
+    textureStore(photon_state, texel, 3, vec4u(0u));
+    textureStore(photon_state, texel, 0, vec4u(PHOTON_SETUP));
+}
+
+fn end(texel: vec2u, why: u32) -> u32 {
+    store_power(texel, vec3f(0.0));
+    textureStore(photon_bounce, texel, 2, vec4u(why));
+    textureStore(photon_state, texel, 0, vec4u(PHOTON_DONE));
+    return PHOTON_DONE;
+}
+
+fn next_way(texel: vec2u) -> u32 {
+    if (any(texel >= textureDimensions(photon_state))) {
+        return NOBODY;
+    }
+    let tag = textureLoad(photon_state, texel, 0).x;
+    if (tag != PHOTON_ARRIVED && tag != PHOTON_LEAVES) {
+        return NOBODY;
+    }
+    let power = load_power(texel);
+    if (tag == PHOTON_LEAVES) {
+        book_energy(texel, 6u, power);
+        return end(texel, BY_ESCAPE);
+    }
+    let hits = textureLoad(photon_bounce, texel, 0).x;
+    let specular = textureLoad(photon_bounce, texel, 1).x;
+    let at = photon_vertex(texel, hits, power);
+    let is_matte = is_diffuse(at.triangle);
+    var next: Next;
+    next.ended = BY_DEPTH;
+    if (hits < DEPTH) {
+        next = reflected_photon(at);
+    }
+    if (is_matte && hits > 0u) {
+        record(texel, at, specular, next.ended);
+    }
+    if (next.ended != 0u) {
+        book_energy(texel, 3u, power);
+        return end(texel, next.ended);
+    }
+    book_energy(texel, 3u, power - next.throughput);
+    begin_way(texel, next, at.triangle, hits + 1u, select(specular, 0u, is_matte));
+    return PHOTON_SETUP;
+}
+
+@compute @workgroup_size(LIST_SIDE, LIST_SIDE)
+fn scatter_photons(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    book(lane, next_way(tiled_texel(group, lane)));
+}
