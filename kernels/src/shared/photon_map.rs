@@ -134,7 +134,7 @@ mod tests {
             let diagonal = high.iter().map(|side| f64::from(*side).powi(2)).sum::<f64>().sqrt();
             assert!(f64::from(map.width) > radius * diagonal && map.margin < 0.002, "{map:?}");
             assert!(u64::from(map.cells) <= MOST_CELLS && map.records == 2560, "{map:?}");
-            assert_eq!(map.cells, map.size.iter().product());
+            assert_eq!(map.cells, map.size.iter().product::<u32>());
             let last = map.cell_of(map.place_of(Vec3::<f32>::from_f32(high)));
             assert_eq!(map.index_of(last), map.cells - 1, "{map:?}");
             assert!(map.has_cell(last) && !map.has_cell([last[0] + 1, 0, 0]) && !map.has_cell([0, -1, 0]));

@@ -18,14 +18,14 @@ fn key_photons(
     if (i >= launch.elements) {
         return;
     }
-    let from = texel(i % photon_map.photons, textureDimensions(photon_records).x);
+    let at = texel(i % photon_map.photons, textureDimensions(photon_records).x);
     let first = i / photon_map.photons * RECORD;
     var cell = NO_CELL;
-    if (textureLoad(photon_records, from, first + 9u, 0).x != NO_CELL) {
+    if (textureLoad(photon_records, at, first + 9u, 0).x != NO_CELL) {
         let point = vec3f(
-            bitcast<f32>(textureLoad(photon_records, from, first, 0).x),
-            bitcast<f32>(textureLoad(photon_records, from, first + 1u, 0).x),
-            bitcast<f32>(textureLoad(photon_records, from, first + 2u, 0).x),
+            bitcast<f32>(textureLoad(photon_records, at, first, 0).x),
+            bitcast<f32>(textureLoad(photon_records, at, first + 1u, 0).x),
+            bitcast<f32>(textureLoad(photon_records, at, first + 2u, 0).x),
         );
         cell = index_of(cell_of(place_of(point)));
     }

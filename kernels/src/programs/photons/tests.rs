@@ -1,7 +1,6 @@
 //! Photon maps on the CPU: energy that is conserved, lists that are those of the host, the nearest of all photons, and light
 //! of closed forms.
 
-use std::ops::ControlFlow;
 
 use glam::{DVec3, Vec3 as Point};
 use raystep_scenes::{Camera, Light, Material, Optics, Projection, Scene, generate};
