@@ -7,7 +7,7 @@ use raystep_scenes::{Optics, Scene};
 /// Note for users if rays go on from hits, but not as the scene's rough metals and rough glass would have it.
 #[must_use]
 pub fn drawn_as_diffuse(scene: &Scene, options: &Options) -> Option<String> {
-    if !options.shade || !matches!(options.integrator, Integrator::Whitted | Integrator::Path) {
+    if !options.shade || !matches!(options.integrator, Integrator::Whitted | Integrator::Path | Integrator::Photons) {
         return None;
     }
     let is_used = |i: usize| scene.triangle_materials.iter().any(|&material| material as usize == i);

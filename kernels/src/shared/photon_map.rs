@@ -51,7 +51,7 @@ impl PhotonMap {
     pub fn new([low, high]: [[f32; 3]; 2], [row, rows, stored]: [u32; 3], nearest: u32, radius: f64) -> Self {
         let extent = [0, 1, 2].map(|axis| (f64::from(high[axis]) - f64::from(low[axis])).max(0.0));
         let diagonal = extent.iter().map(|side| side * side).sum::<f64>().sqrt().max(1e-6);
-        let radius = radius * diagonal;
+        let radius = radius.max(1e-6) * diagonal;
         let longest = extent.into_iter().fold(0.0, f64::max);
         let mut width = (1.002 * radius).max(longest / (MOST_ALONG - 1) as f64);
         let along = |width: f64| extent.map(|side| (side / width) as u64 + 1);
