@@ -34,7 +34,7 @@ fn one_program_is_chosen_by_any_options() {
         }
     }
     let shadows = Choices { integrator: Integrator::Shadows, ..Choices::default() };
-    assert_eq!((chosen(&shadows).program().name, all().count()), ("light", 5));
+    assert_eq!((chosen(&shadows).program().name, all().count()), ("light", 6));
 }
 
 /// A changed program, leaked for the duration of the test.
