@@ -64,8 +64,8 @@
 //! hold the values of the latest sample. At the end of a run, only `color` is replaced by the mean.
 
 use super::elements::{
-    ALL_MAP_CELLS, ALL_RECORD_TALLIES, MAP_CELL_BLOCKS, MAP_CELLS, PHOTONS, RAYS, RECORD_TALLIES, RECORD_TALLY_BLOCKS,
-    RECORDS, no_map, no_photon_walk, no_scan,
+    ALL_RECORD_TALLIES, MAP_CELLS, PHOTONS, RAYS, RECORD_TALLIES, RECORD_TALLY_BLOCKS, RECORDS, no_map, no_photon_walk,
+    no_scan,
 };
 use super::states::PHOTON_UNBORN;
 use crate::options::features::Features;
