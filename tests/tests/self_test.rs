@@ -216,9 +216,8 @@ fn every_operation_of_every_kernel_is_probed() {
         }
     }
     let glowing = glowing();
-    for (configuration, integrator) in
-        COVERING.into_iter().flat_map(|one| [Integrator::Whitted, Integrator::Path].map(|it| (one, it)))
-    {
+    let lit = [Integrator::Whitted, Integrator::Path, Integrator::Photons];
+    for (configuration, integrator) in COVERING.into_iter().flat_map(|one| lit.map(|it| (one, it))) {
         let samples = Samples { count: 2, ..Samples::default() };
         let options = Options { integrator, samples, ..configuration.of(&options(&glowing, 8, 8)) };
         plans.push(Plan::new(&glowing, &options, &limits).expect("a plan").0);

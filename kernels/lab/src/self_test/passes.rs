@@ -7,7 +7,7 @@ use raystep_kernels::options::Integrator;
 use raystep_kernels::options::ProgramName::{GridBuild, Sort};
 use raystep_kernels::options::features::Features;
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
-use raystep_kernels::programs::{light, named, path};
+use raystep_kernels::programs::{light, named, path, photons};
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Kernel, Limits, Options};
 
@@ -42,7 +42,8 @@ fn checks_of(
 
 pub(super) fn checks_of_tracing() -> Vec<Check> {
     let shows = "every structure, schedule and set of rules was compared, in whole and in divided passes";
-    checks_of(light::PROGRAM.kernels().chain(path::PROGRAM.kernels()), Group::Tracing, |_| true, shows)
+    let kernels = [&*light::PROGRAM, &*path::PROGRAM, &*photons::PROGRAM].into_iter().flat_map(|of| of.kernels());
+    checks_of(kernels, Group::Tracing, |_| true, shows)
 }
 
 pub(super) fn checks_of_building() -> Vec<Check> {
@@ -100,11 +101,13 @@ fn traced() -> Vec<Traced> {
     all.push(of(Place::Room)(several(Bvh)).lit(Integrator::Shadows).in_parts());
     all.push(of(Place::Room)(several(Grid)).lit(Integrator::Shadows).sampled(3));
     // And what goes on from there.
-    for integrator in [Integrator::Whitted, Integrator::Path] {
+    for integrator in [Integrator::Whitted, Integrator::Path, Integrator::Photons] {
         all.extend(FAST.map(|one| of(Place::Balls)(one).lit(integrator)));
         all.push(of(Place::Balls)(several(Bvh)).lit(integrator).in_parts());
         all.push(of(Place::Balls)(several(Grid)).lit(integrator).sampled(3));
     }
+    // Either sort has kernels of its own.
+    all.push(of(Place::Room)(several(Grid)).lit(Integrator::Photons).bitonic());
     // Whole paths in one kernel, which binds everything that the others do: in a room with little of it.
     all.extend([Grid, Bvh, None].map(|one| of(Place::Room)(Configuration::new(one, Fused, 1)).lit(Integrator::Path)));
     // From outside, where rays miss.

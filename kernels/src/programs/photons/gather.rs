@@ -14,8 +14,8 @@ use crate::tables::texels::Columns;
 
 /// The cells around a cell, and itself.
 const AROUND: u32 = 27;
-/// Most photons that are looked at in a pass.
-const PHOTONS_A_PASS: u32 = 64;
+/// Most photons that are looked at in a step.
+const PHOTONS_A_STEP: u32 = 64;
 /// Rays per task.
 const RAYS_A_TASK: usize = 64;
 
@@ -131,7 +131,7 @@ impl Search {
         start: &Start<f32>,
         bounces: u32,
     ) -> Self {
-        let stop = self.end.min(self.item.saturating_add(PHOTONS_A_PASS));
+        let stop = self.end.min(self.item.saturating_add(PHOTONS_A_STEP));
         for item in self.item..stop {
             let record = columns.load(of.key, 1, item as usize);
             let (photon, layer) = place_of(map, record);
@@ -194,18 +194,19 @@ fn searched(columns: &dyn Columns, of: &Streams, scene: &SceneData, ray: usize) 
     let direction = unit3(load_vec3(columns, of.direction, 0, ray));
     let start = start_of(scene.corners(hit[2]), [hit[0], hit[1]].map(f32::from_bits), direction);
     let mut search = Search::load(columns, of, ray);
-    if search.item >= search.end {
-        search = search.next_cell(columns, of, map, start.point);
+    // One bounce is here, and the ray has had others.
+    let bounces = scene.features.depth.saturating_sub(columns.load(of.bounce, 0, ray) + 1);
+    for _ in 0..scene.info.steps {
+        if search.item >= search.end {
+            search = search.next_cell(columns, of, map, start.point);
+        }
+        search = match search.cell != NO_CELL {
+            true => search.with_photons(columns, of, map, &start, bounces),
+            false if search.is_over(map, scene.features.exact) => return Some((search, GATHERED)),
+            false => search.next_sweep(map),
+        };
     }
-    if search.cell != NO_CELL {
-        // One bounce is here, and the ray has had others.
-        let bounces = scene.features.depth.saturating_sub(columns.load(of.bounce, 0, ray) + 1);
-        return Some((search.with_photons(columns, of, map, &start, bounces), GATHER));
-    }
-    match search.is_over(map, scene.features.exact) {
-        true => Some((search, GATHERED)),
-        false => Some((search.next_sweep(map), GATHER)),
-    }
+    Some((search, GATHER))
 }
 
 /// Runs a pass.

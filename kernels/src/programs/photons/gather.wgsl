@@ -1,5 +1,5 @@
 // Looks for the photons of a map near a hit, in the cell of the hit and those around it, by growing distance: a cell, or a part
-// of one, in each pass. The kNN-grid (Purcell et al. 2003): a photon is taken while fewer than enough are found, or if it is no
+// of one, in each step. The kNN-grid (Purcell et al. 2003): a photon is taken while fewer than enough are found, or if it is no
 // farther away than the farthest of these. So all are found within some distance, which is at most the radius.
 //
 // exact: of these, only as many as are wanted. Bisection finds a distance within which there are so many, by searching the
@@ -12,6 +12,7 @@ import package::launch::{texel};
 import package::live::{book, tiled_texel};
 import package::photon_map::{photon_map, cell_of, distance_to, has_cell, index_of, place_of};
 import package::ray::{load_direction};
+import package::scene::{scene};
 import package::start::{Start, start_of};
 import package::vector::{dot3, unit3};
 
@@ -26,8 +27,8 @@ import package::vector::{dot3, unit3};
 
 // The cells around a cell, and itself.
 const AROUND: u32 = 27u;
-// Most photons that are looked at in a pass.
-const PHOTONS_A_PASS: u32 = 64u;
+// Most photons that are looked at in a step.
+const PHOTONS_A_STEP: u32 = 64u;
 
 // How far the search has got.
 struct Search {
@@ -143,7 +144,7 @@ fn load_record(at: vec2u, layer: u32) -> vec3f {
 // stored at more bounces than the ray leaves them: light bounces as often as along paths.
 fn with_photons(search: Search, start: Start, bounces: u32) -> Search {
     var next = search;
-    let stop = min(search.end, search.item + PHOTONS_A_PASS);
+    let stop = min(search.end, search.item + PHOTONS_A_STEP);
     for (var item = search.item; item < stop; item++) {
         let record = textureLoad(photon_key, texel(item, textureDimensions(photon_key).x), 1, 0).x;
         let at = texel(record % photon_map.photons, textureDimensions(photon_records).x);
@@ -208,19 +209,21 @@ fn searched(pixel: vec2u) -> u32 {
     let triangle = textureLoad(hit, pixel, 2, 0).x;
     let direction = unit3(load_direction(pixel));
     let start = start_of(vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u), u, v, direction);
+    // One bounce is here, and the ray has had others.
+    let bounces = textureLoad(bounce, pixel, 0, 0).x + 1u;
     var search = load_search(pixel);
-    if (search.item >= search.end) {
-        search = next_cell(search, start.point);
-    }
     var tag = GATHER;
-    if (search.cell != NO_CELL) {
-        // One bounce is here, and the ray has had others.
-        let bounces = textureLoad(bounce, pixel, 0, 0).x + 1u;
-        search = with_photons(search, start, max(DEPTH, bounces) - bounces);
-    } else if (is_over(search)) {
-        tag = GATHERED;
-    } else {
-        @if(exact) search = next_sweep(search);
+    for (var step = 0u; step < scene.steps && tag == GATHER; step++) {
+        if (search.item >= search.end) {
+            search = next_cell(search, start.point);
+        }
+        if (search.cell != NO_CELL) {
+            search = with_photons(search, start, max(DEPTH, bounces) - bounces);
+        } else if (is_over(search)) {
+            tag = GATHERED;
+        } else {
+            @if(exact) search = next_sweep(search);
+        }
     }
     store_search(pixel, search);
     textureStore(state, pixel, 0, vec4u(tag));

@@ -11,8 +11,12 @@ use crate::structures::grid;
 use crate::tables::elements::Size;
 
 /// What does not go together with photons yet.
-fn check(options: &Options) -> Result<(), PlanError> {
+fn check(options: &Options, features: &Features) -> Result<(), PlanError> {
     let why = match options {
+        _ if options.shade && !features.shadows => {
+            "nothing in the scene gives light that photons could carry: use --integrator path, which shows it in a white \
+             environment"
+        }
         Options { rays: RaySource::Given(_), .. } => "rays are the camera's: input rays cannot be used",
         Options { any_hit: true, .. } => "rays need their nearest hits: any hit does not do",
         Options { samples, .. } if samples.first > 0 => {
@@ -31,7 +35,7 @@ pub(in crate::programs) fn others(
     limits: &Limits,
 ) -> Result<Others, PlanError> {
     if features.photons {
-        check(options)?;
+        check(options, features)?;
     }
     if !features.mapped {
         return Ok(Others::default());

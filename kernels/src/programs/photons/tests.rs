@@ -1,11 +1,15 @@
 //! Photon maps on the CPU: energy that is conserved, lists that are those of the host, the nearest of all photons, and light
 //! of closed forms.
 
+mod converging;
+
 use glam::{DVec3, Vec3 as Point};
 use raystep_scenes::{Camera, Light, Material, Optics, Projection, Scene, generate};
 
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Integrator, Neighbours, Options, PhotonSort, Photons, RaySource, ScheduleKind};
+use crate::options::{
+    Accelerator, Gather, Integrator, Neighbours, Options, PhotonSort, Photons, RaySource, ScheduleKind,
+};
 use crate::plan::{Limits, Plan};
 use crate::program::schedule::Schedule;
 use crate::programs::closest_hit::elements::{MAP_CELLS, RECORDS};
@@ -259,7 +263,9 @@ fn every_structure_and_schedule_gathers_the_same_photons() {
             if accelerator == Accelerator::None && steps_per_pass == 1 {
                 continue;
             }
-            let options = Options { accelerator, schedule, steps_per_pass, ..options(few()) };
+            let photons = Photons { gather: Gather::Final, ..few() };
+            let samples = Samples { count: 2, ..Samples::default() };
+            let options = Options { accelerator, schedule, steps_per_pass, samples, ..options(photons) };
             let color = values(&run(&room(), &options, async |_| {}), COLOR);
             let first = first.get_or_insert_with(|| color.clone());
             assert!(*first == color, "{accelerator} {schedule}");
@@ -285,17 +291,16 @@ fn what_does_not_go_together_with_photons_is_refused() {
     assert!(refused(|o| o.photons.count = 1 << 21).contains("use fewer photons"));
 }
 
-/// Without light, or with no bounce before the last, there is no map, and nothing but what shadow rays find.
+/// Without light there is no picture; with no bounce before the last there is no map, and nothing but what shadow rays find.
 #[test]
 fn a_run_without_a_map_has_no_photons() {
     let mut dark = room();
     dark.lights.clear();
     dark.materials.iter_mut().for_each(|material| material.emissive = [0.0; 3]);
-    for (scene, max_depth) in [(dark, 5), (room(), 1)] {
-        let options = Options { max_depth, ..options(few()) };
-        let renderer = run(&scene, &options, async |_| {});
-        let Schedule { steps } = &renderer.plan().schedule;
-        assert!(!renderer.plan().features.mapped && steps.len() == 2, "{steps:?}");
-        assert!(!renderer.plan().has_stream(PHOTON_RECORDS));
-    }
+    let refused = Plan::new(&dark, &options(few()), &Limits::CPU).map(|_| ()).expect_err("no light").to_string();
+    assert!(refused.contains("nothing in the scene gives light"), "{refused}");
+    let renderer = run(&room(), &Options { max_depth: 1, ..options(few()) }, async |_| {});
+    let Schedule { steps } = &renderer.plan().schedule;
+    assert!(!renderer.plan().features.mapped && steps.len() == 2, "{steps:?}");
+    assert!(!renderer.plan().has_stream(PHOTON_RECORDS));
 }

@@ -1,7 +1,7 @@
 //! What is traced to compare kernels: generated scenes, since no file may be at hand.
 
-use raystep_kernels::options::Integrator;
 use raystep_kernels::options::mapping::Fragment;
+use raystep_kernels::options::{Integrator, PhotonSort, Photons};
 use raystep_kernels::{GridSize, Options, RaySource, Sampler, Samples, named};
 use raystep_scenes::{Camera, Scene, generate};
 
@@ -70,6 +70,7 @@ pub(super) struct Traced {
     configuration: Configuration,
     is_shaded: bool,
     integrator: Integrator,
+    sort: PhotonSort,
     samples: u32,
     is_contracted: bool,
     how: Option<Fragment>,
@@ -79,8 +80,17 @@ pub(super) struct Traced {
 
 impl Traced {
     pub(super) fn new(place: Place, configuration: Configuration) -> Self {
-        let (integrator, is_contracted) = (Integrator::Local, false);
-        Self { place, configuration, is_shaded: true, integrator, samples: 1, is_contracted, how: None, turns: None }
+        Self {
+            place,
+            configuration,
+            is_shaded: true,
+            integrator: Integrator::Local,
+            sort: PhotonSort::Scan,
+            samples: 1,
+            is_contracted: false,
+            how: None,
+            turns: None,
+        }
     }
 
     pub(super) fn unshaded(self) -> Self {
@@ -89,6 +99,10 @@ impl Traced {
 
     pub(super) fn lit(self, integrator: Integrator) -> Self {
         Self { integrator, ..self }
+    }
+
+    pub(super) fn bitonic(self) -> Self {
+        Self { sort: PhotonSort::Bitonic, ..self }
     }
 
     pub(super) fn sampled(self, samples: u32) -> Self {
@@ -120,6 +134,7 @@ impl Traced {
         for (is_so, words) in [
             (!self.is_shaded, ", not shaded"),
             (self.integrator != Integrator::Local, &light),
+            (self.sort == PhotonSort::Bitonic, ", bitonic sort"),
             (self.samples > 1, &samples),
             (self.is_contracted, ", explicit fma"),
             (self.turns.is_some(), ", in parts"),
@@ -150,6 +165,7 @@ impl Traced {
         let sampler = if self.samples > Samples::BLOCK { Sampler::Random } else { Sampler::Sobol };
         let options = Options {
             integrator: self.integrator,
+            photons: Photons { count: 300, sort: self.sort, nearest: 10, radius: 100, ..Photons::default() },
             counters: !is_any_hit,
             any_hit: is_any_hit,
             shade: self.is_shaded && !is_any_hit,
