@@ -16,7 +16,7 @@ pub(super) const SIDES: Parameter =
 
 const ALL: Attributes = Attributes { normals: true, colors: false };
 /// What the lamps of the open scenes emit, and half the side of their squares.
-const RADIANCE: f32 = 60.0;
+const RADIANCE: f32 = 120.0;
 const HALF_LAMP: f32 = 0.1;
 
 fn with(name: &str, base_color: [f32; 3], optics: Optics) -> Material {
@@ -53,7 +53,7 @@ fn over_a_floor(name: &'static str, more: u64, of: Material) -> Result<Scene, Ge
     let lamp = Material { emissive: [RADIANCE; 3], ..matte("lamp", [0.0; 3]) };
     let mut scene = draft(name, more + 4, ALL, vec![matte("floor", [0.7, 0.7, 0.7]), of, lamp])?;
     square(&mut scene, 0, Vec3::ZERO, Vec3::Y, 1.5);
-    scene.cameras = camera("camera", DVec3::new(0.0, 1.9, 3.0), DVec3::new(0.0, 0.2, 0.0), 45.0).into_iter().collect();
+    scene.cameras = camera("camera", DVec3::new(0.0, 2.4, 2.4), DVec3::new(0.0, 0.15, 0.0), 42.0).into_iter().collect();
     Ok(scene)
 }
 
