@@ -186,7 +186,7 @@ fn what_would_have_no_effect_is_refused() {
         ("use --numerics robust", &["--skip", "on", "--numerics", "paper"]),
         ("expected auto, on or off", &["--skip", "maybe"]),
         (
-            "--max-depth 3 applies to --integrator whitted or path, not to shadows",
+            "--max-depth 3 applies to --integrator whitted, path or photons, not to shadows",
             &["--max-depth", "3", "--integrator", "shadows"],
         ),
         ("has at most 8 with --integrator whitted", &["--max-depth", "9", "--integrator", "whitted"]),

@@ -6,8 +6,9 @@ use super::{Column, count, number, text};
 pub(super) const OF_LIGHT: &[Column] = &[
     count(
         "secondary_rays",
-        "rays that kernels cast from a hit to the next one in a run; empty where no light is measured",
+        "rays that kernels cast from a hit to the next one in a run, and those of photons; empty where no light is measured",
     ),
+    text("integrator_options", "options of the light that is measured, such as max_depth=5 strategy=mis; empty without any"),
     count("shadow_rays", "rays that kernels cast to lights in a run; empty where no light is measured"),
     number(
         "samples_per_s",
