@@ -5,8 +5,9 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use raystep_kernels::export::npy;
+use raystep_kernels::options::Integrator;
 use raystep_kernels::renderer::image::Merge;
-use raystep_kernels::{Image, RaySource, Samples};
+use raystep_kernels::{Choices, Image, RaySource, Samples};
 use raystep_lab::Hash;
 use serde_json::json;
 
@@ -48,6 +49,7 @@ pub(super) fn run(args: &RenderArgs, shard: Shard) -> Result<(), Error> {
     let blocks: Vec<(u32, Samples)> =
         range.filter_map(|block| Some((block as u32, whole.part(block as u32)?))).collect();
     let first = blocks.first().map_or(whole, |(_, samples)| *samples);
+    refuse_what_goes_on(args)?;
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| options.samples = first)?;
     let hash = hashed(Hash::default(), &session.inputs, args.scene.read.max_memory)?;
     let mut running = session.start(&progress)?;
@@ -97,6 +99,18 @@ fn refuse_other_outputs(args: &RenderArgs) -> Result<(), Error> {
         Some((option, _)) => Err(Error::usage(format!("--shard cannot be combined with {option}: omit one of them"))),
         None => Ok(()),
     }
+}
+
+/// Refuses light whose samples are no independent ones: with photons, each gathers within a radius that those before it
+/// leave.
+fn refuse_what_goes_on(args: &RenderArgs) -> Result<(), Error> {
+    let Choices { integrator, .. } = args.run.tracing.values;
+    if integrator == Integrator::Photons {
+        return Err(Error::usage(format!(
+            "--shard divides samples, and with --integrator {integrator} each depends on those before it: omit one of them"
+        )));
+    }
+    Ok(())
 }
 
 /// The mean of a block's samples.
