@@ -257,7 +257,11 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         schedule: steps(&plan.schedule.steps),
         kernels: plan.variants.iter().map(kernel).collect(),
         draws: plan.drawn.as_ref().map(|drawn| DrawsSummary::of(plan, drawn)),
-        streams: plan.streams.iter().map(|s| StreamSummary { bytes: s.bytes, ..stream(s.what, size(s.what)) }).collect(),
+        streams: plan
+            .streams
+            .iter()
+            .map(|s| StreamSummary { bytes: s.bytes, ..stream(s.what, size(s.what)) })
+            .collect(),
         shared_textures: (plan.sharing.groups.iter())
             .map(|group| group.iter().map(|stream| stream.name()).collect())
             .collect(),

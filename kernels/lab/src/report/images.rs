@@ -32,11 +32,7 @@ pub(super) struct Reference {
 
 impl Reference {
     /// The mean of two images of `each` samples, and half their difference; `None` if they take too long.
-    pub(super) fn new(
-        work: &Work<'_>,
-        each: u32,
-        options: impl Fn(Samples) -> Options,
-    ) -> Result<Option<Self>, Error> {
+    pub(super) fn new(work: &Work<'_>, each: u32, options: impl Fn(Samples) -> Options) -> Result<Option<Self>, Error> {
         work.stage(&format!("{}: the reference", work.section));
         let mut halves = Vec::new();
         // After the seeds of the measured images.

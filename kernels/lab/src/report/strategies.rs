@@ -140,7 +140,8 @@ fn of<'a>(rows: &'a [Row], quantity: &'a str, strategy: Strategy) -> impl Iterat
 /// Medians over seeds, with their intervals.
 fn medians(work: &Work<'_>, rows: &[Row], most: u32) -> Vec<Row> {
     let mut medians = Vec::new();
-    for (&strategy, samples) in Strategy::ALL.iter().flat_map(|strategy| counts(most).map(move |count| (strategy, count)))
+    for (&strategy, samples) in
+        Strategy::ALL.iter().flat_map(|strategy| counts(most).map(move |count| (strategy, count)))
     {
         let samples = samples.to_string();
         let seeds: Vec<&Row> = of(rows, "error", strategy).filter(|row| row.get("samples") == samples).collect();
