@@ -67,7 +67,7 @@ fn cast_to(kernel: Kernel, plan: &Plan) -> Vec<(bool, Vec<Tag>)> {
 mod tests {
     use std::ops::ControlFlow;
 
-    use raystep_kernels::options::Integrator;
+    use raystep_kernels::options::{Integrator, Photons};
     use raystep_kernels::{Accelerator, Device, Options, RaySource, Renderer, Samples, ScheduleKind};
     use raystep_scenes::{Light, Scene, generate};
 
@@ -107,6 +107,15 @@ mod tests {
         let along_paths = Options { integrator: Integrator::Path, ..options.clone() };
         let whole = Options { schedule: ScheduleKind::Fused, ..along_paths.clone() };
         assert!(cast(&scene, &along_paths).secondary > 100 && cast(&scene, &whole) == Cast::default());
+        let photons = Photons { count: 500, ..Photons::default() };
+        let with_photons = Options { integrator: Integrator::Photons, photons, ..options.clone() };
+        let of_photons = cast(&scene, &with_photons);
+        // Emitted ones fill whole rows, and some bounce.
+        assert!(of_photons.secondary > 504 && of_photons.shadow > 100, "{of_photons:?}");
+        for schedule in [ScheduleKind::Second, ScheduleKind::Fused] {
+            let options = Options { schedule, accelerator: Accelerator::Bvh, ..with_photons.clone() };
+            assert_eq!(cast(&scene, &options), of_photons, "{schedule}");
+        }
         let twice = Options { samples: Samples { count: 2, ..Samples::default() }, ..options.clone() };
         assert!(cast(&scene, &twice).shadow > three.shadow, "of both samples");
         for integrator in Integrator::ALL {
