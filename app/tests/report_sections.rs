@@ -208,7 +208,7 @@ fn photons_are_compared_with_paths_where_a_surface_emits_light() {
     let rows = rows(&place, "out/photon_maps.csv");
     let ways: BTreeSet<&str> = rows.iter().map(|row| row["estimator"].as_str()).collect();
     assert_eq!(ways.into_iter().collect::<Vec<_>>(), ["path", "photons direct", "photons final"]);
-    for (way, samples) in [("path", 64), ("photons direct", 16), ("photons final", 16)] {
+    for (way, samples) in [("path", 32u32), ("photons direct", 16), ("photons final", 16)] {
         let of = |quantity: &str| {
             let wanted = [("quantity", quantity), ("estimator", way)];
             rows.iter().filter(move |row| is(row, &wanted)).collect::<Vec<_>>()

@@ -97,14 +97,14 @@ fn ways(work: &Work<'_>, accelerator: Accelerator) -> Vec<Way> {
         schedule: ScheduleKind::Fused,
         // The most that photons have.
         max_depth: MOST_DEPTH,
-        photons: Photons { count: work.either(2_000, 10_000), ..Photons::default() },
+        photons: Photons { count: work.either(2_000, 5_000), ..Photons::default() },
         keep_passes: false,
         ..Options::new(rays(work))
     };
     let of = |integrator| Options { integrator, ..options.clone() };
     let (path, photons) = (of(Integrator::Path), of(Integrator::Photons));
-    let mut ways = vec![Way { name: path.integrator.to_string(), options: path, most: work.either(64, 512) }];
-    let most = work.either(16, 64);
+    let mut ways = vec![Way { name: path.integrator.to_string(), options: path, most: work.either(32, 64) }];
+    let most = work.either(16, 32);
     let row = rows::Row::named("gather");
     let names = row.map_or(Vec::new(), |row| if let Values::Names(names) = row.values { names() } else { Vec::new() });
     for name in names {
