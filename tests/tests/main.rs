@@ -26,6 +26,7 @@ mod own_kernels;
 mod own_programs;
 mod parity;
 mod path;
+mod photons;
 mod plan;
 mod programs;
 mod renderer;

@@ -3,8 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use raystep_kernels::options::rows::{ROWS, Values};
-use raystep_kernels::options::{Integrator, Photons, ProgramName};
+use raystep_kernels::options::{Integrator, ProgramName};
 use raystep_kernels::program::breaks::Break;
 use raystep_kernels::programs::{self, closest_hit};
 use raystep_kernels::{Accelerator, AdapterChoice, Gpu, GridSize, Limits, Options, Plan, Samples};
@@ -217,32 +216,12 @@ fn every_operation_of_every_kernel_is_probed() {
         }
     }
     let glowing = glowing();
-    for (configuration, integrator) in
-        COVERING.into_iter().flat_map(|one| [Integrator::Whitted, Integrator::Path].map(|it| (one, it)))
-    {
+    let lit = [Integrator::Whitted, Integrator::Path, Integrator::Photons];
+    for (configuration, integrator) in COVERING.into_iter().flat_map(|one| lit.map(|it| (one, it))) {
         let samples = Samples { count: 2, ..Samples::default() };
         let options = Options { integrator, samples, ..configuration.of(&options(&glowing, 8, 8)) };
         plans.push(Plan::new(&glowing, &options, &limits).expect("a plan").0);
         plans.push(Plan::new(&glowing, &options, &Limits::CPU).expect("a plan").0);
-    }
-    let samples = Samples { count: 2, ..Samples::default() };
-    let photons = Photons { count: 100, ..Photons::default() };
-    for configuration in COVERING {
-        let base = options(&glowing, 8, 8);
-        let options = Options { integrator: Integrator::Photons, photons, samples, ..configuration.of(&base) };
-        let choices = options.choices();
-        let own = ROWS.iter().filter(|row| (row.applies)(&choices) && !(row.applies)(&base.choices()));
-        for (row, names) in
-            own.filter_map(|row| if let Values::Names(names) = row.values { Some((row, names())) } else { None })
-        {
-            for name in names {
-                let mut chosen = choices;
-                row.set(&mut chosen, name).expect("a value");
-                let options = options.clone().chosen(&chosen);
-                plans.push(Plan::new(&glowing, &options, &limits).expect("a plan").0);
-                plans.push(Plan::new(&glowing, &options, &Limits::CPU).expect("a plan").0);
-            }
-        }
     }
     let sort = Options { program: ProgramName::Sort, ..options(&scene("empty.gltf"), 8, 8) };
     plans.push(Plan::new(&scene("empty.gltf"), &sort, &limits).expect("a sort").0);

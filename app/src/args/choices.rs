@@ -228,9 +228,7 @@ pub(crate) fn check(choices: &Choices, is_given: impl Fn(&str) -> bool) -> Resul
 
 /// The option of a row.
 fn arg(row: &'static Row) -> Arg {
-    let arg = Arg::new(row.name).long(row.name).help(row.help);
-    // What a sample is for a map of photons (Hachisuka and Jensen 2009).
-    let arg = if row.name == "spp" { arg.visible_alias("iterations") } else { arg };
+    let arg = Arg::new(row.name).long(row.name).visible_aliases(row.alias).help(row.help);
     let arg = match row.values {
         Values::Switch => return arg.action(ArgAction::SetTrue),
         Values::Names(names) => {

@@ -71,6 +71,7 @@ features! {
     photons: "Light that photons carried to surfaces is estimated from a map of them.",
     mapped: "There is such a map: something gives light, and photons may bounce.",
     exact: "It is estimated from exactly the nearest photons.",
+    gathers_later: "It is estimated where rays arrive that a diffuse surface sends on.",
     apart: "The kernel's elements are not those of the image.",
     eye_rays: "The fused kernel generates its rays itself.",
     clip: "Rays may start outside of the grid.",

@@ -25,7 +25,7 @@ pub use grid_size::{GridSize, MOST_CELLS};
 use keep::Keep;
 pub use light::{Environment, Integrator, MAX_DEPTH, MOST_BOUNCES, MOST_DEPTH, Strategy};
 use mapping::Mapping;
-pub use photons::{Neighbours, PhotonSort, Photons};
+pub use photons::{Gather, Neighbours, PhotonSort, Photons};
 pub use rays::{Ray, RaySource};
 use replacement::Replacement;
 use samples::Samples;

@@ -24,7 +24,18 @@ pub enum Neighbours {
     Exact,
 }
 
+/// Where the light that photons brought is looked up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Gather {
+    /// At the surface that is seen.
+    #[default]
+    Direct,
+    /// There, caustics alone; other light where rays arrive that this surface sends on (Jensen, 1996).
+    Final,
+}
+
 named!(PhotonSort, "bitonic, scan", Bitonic "bitonic", Scan "scan");
+named!(Gather, "direct, final", Direct "direct", Final "final");
 named!(Neighbours, "knn-grid, exact", KnnGrid "knn-grid", Exact "exact");
 
 /// The photons of a map, and how it is built and searched.
@@ -37,6 +48,8 @@ pub struct Photons {
     pub sort: PhotonSort,
     /// Which of them count at a point.
     pub neighbours: Neighbours,
+    /// Where they are looked up.
+    pub gather: Gather,
     /// How many of them.
     pub nearest: u32,
     /// How far away they may be, in thousandths of the diagonal of the scene's box.
@@ -45,7 +58,8 @@ pub struct Photons {
 
 impl Default for Photons {
     fn default() -> Self {
-        Self { count: 100_000, sort: PhotonSort::default(), neighbours: Neighbours::default(), nearest: 50, radius: 15 }
+        let (sort, neighbours, gather) = (PhotonSort::default(), Neighbours::default(), Gather::default());
+        Self { count: 100_000, sort, neighbours, gather, nearest: 50, radius: 15 }
     }
 }
 

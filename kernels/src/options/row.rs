@@ -10,6 +10,8 @@ use super::{Choices, ParseOptionError};
 pub struct Row {
     /// Its name: `--name` on the command line, `name=` in a link, and with `_` for `-` a column's.
     pub name: &'static str,
+    /// Another name for it.
+    pub alias: Option<&'static str>,
     /// Its values.
     pub values: Values,
     /// What it does, for `--help`.
@@ -105,6 +107,7 @@ impl Row {
     pub(super) const fn new(name: &'static str, values: Values, get: Get, set: Set, help: &'static str) -> Self {
         Self {
             name,
+            alias: None,
             values,
             help,
             panel: None,
@@ -116,6 +119,10 @@ impl Row {
             is_column: false,
             is_linked: true,
         }
+    }
+
+    pub(super) const fn alias(self, alias: &'static str) -> Self {
+        Self { alias: Some(alias), ..self }
     }
 
     pub(super) const fn panel(self, label: &'static str, about: &'static str) -> Self {

@@ -94,6 +94,7 @@ pub static ROWS: &[Row] = &[
     photons::PHOTONS,
     photons::SORT,
     photons::NEIGHBOURS,
+    photons::GATHER,
     photons::NEAREST,
     photons::RADIUS,
     named!(
@@ -321,8 +322,10 @@ pub static ROWS: &[Row] = &[
         Samples::MOST,
         samples.count,
         "Samples per pixel, averaged. 1 samples the pixel's centre; with more, all streams except color and accumulated \
-         belong to the last sample"
+         belong to the last sample. With --integrator photons, each is an iteration with photons of its own, looked up \
+         within less and less"
     )
+    .alias("iterations")
     .refused(|c| (c.samples.are_spread() && c.mapping != Mapping::Compute).then(|| impossible(ONE_SAMPLE))),
     Row::new(
         "sampler",
@@ -331,10 +334,10 @@ pub static ROWS: &[Row] = &[
         |c, value| parse(value, &mut c.samples.sampler),
         "Distribution of samples in a pixel: even, by a scrambled Sobol' sequence (sobol), or independent (random)",
     )
-    .in_tables(Some(|c| if c.samples.count > 1 { text(c.samples.sampler) } else { Value::Nothing }))
+    .in_tables(Some(|c| if is_sampled(c) { text(c.samples.sampler) } else { Value::Nothing }))
     .refused(|c| if c.samples.sampler == Sampler::Random { idle_for_one_sample("--sampler random", c) } else { None }),
     whole!("seed", 0, u32::MAX, samples.seed, "Seed of the samples; the same seed gives the same image")
-        .in_tables(Some(|c| if c.samples.count > 1 { Value::Number(c.samples.seed) } else { Value::Nothing }))
+        .in_tables(Some(|c| if is_sampled(c) { Value::Number(c.samples.seed) } else { Value::Nothing }))
         .refused(|c| if c.samples.seed != 0 { idle_for_one_sample("--seed", c) } else { None }),
 ];
 
@@ -342,7 +345,7 @@ impl Row {
     /// The row of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
-        ROWS.iter().find(|row| row.name == name)
+        ROWS.iter().find(|row| row.name == name || row.alias == Some(name))
     }
 }
 
@@ -388,9 +391,14 @@ fn idle_without_grid(option: &str, c: &Choices) -> Option<Refusal> {
     Some(Refusal::Idle(why))
 }
 
+/// Whether anything is distributed: samples of pixels, or photons.
+fn is_sampled(c: &Choices) -> bool {
+    c.samples.count > 1 || photons::has_photons(c)
+}
+
 fn idle_for_one_sample(option: &str, c: &Choices) -> Option<Refusal> {
     let why = || format!("{option} requires several samples per pixel: omit it, or add --spp N");
-    (c.samples.count == 1).then(why).map(Refusal::Idle)
+    (!is_sampled(c)).then(why).map(Refusal::Idle)
 }
 
 #[cfg(test)]

@@ -1,5 +1,10 @@
 //! Twin of `photon_map.wgsl`: the grid that photons are sorted into, and what is known of them all.
 
+/// The map of photons that a diffuse surface sent on.
+pub const GLOBAL: u32 = 0;
+/// The map of those that came by mirrors and glass alone.
+pub const CAUSTIC: u32 = 1;
+
 use bytemuck::{Pod, Zeroable};
 
 use crate::numbers::real::{Real, Vec3};
@@ -19,7 +24,7 @@ pub struct PhotonMap {
     pub photons: u32,
     /// Cells along each axis.
     pub size: [u32; 3],
-    /// Cells in all.
+    /// Cells in all, of one map.
     pub cells: u32,
     /// Of the scene's box; traced units.
     pub center: [f32; 3],
@@ -39,16 +44,23 @@ pub struct PhotonMap {
     pub records: u32,
     /// Photons by row of their texture.
     pub row: u32,
-    /// Uniforms are multiples of 16 bytes.
-    pub padding: u32,
+    /// How many maps have these cells: one, or two, if there are mirrors or glass.
+    pub maps: u32,
 }
 
 impl PhotonMap {
     /// The grid over a scene's box, for photons that fill so many rows and of which each may be stored so often, and for
-    /// estimates from so many of them within a radius, a share of the box's diagonal. Cells are cubes a little wider than the radius, or as wide as
-    /// it takes for their number to stay within bounds: so all photons within the radius are in a cell or its neighbours.
+    /// estimates from so many of them within a radius, a share of the box's diagonal. Cells are cubes a little wider than
+    /// the radius, or as wide as it takes for their number to stay within bounds: so all photons within the radius are in
+    /// a cell or its neighbours.
     #[must_use]
-    pub fn new([low, high]: [[f32; 3]; 2], [row, rows, stored]: [u32; 3], nearest: u32, radius: f64) -> Self {
+    pub fn new(
+        [low, high]: [[f32; 3]; 2],
+        [row, rows, stored]: [u32; 3],
+        nearest: u32,
+        radius: f64,
+        maps: u32,
+    ) -> Self {
         let extent = [0, 1, 2].map(|axis| (f64::from(high[axis]) - f64::from(low[axis])).max(0.0));
         let diagonal = extent.iter().map(|side| side * side).sum::<f64>().sqrt().max(1e-6);
         let radius = radius.max(1e-6) * diagonal;
@@ -75,7 +87,7 @@ impl PhotonMap {
             nearest,
             records: row * rows * stored,
             row,
-            padding: 0,
+            maps,
         }
     }
 
@@ -91,10 +103,23 @@ impl PhotonMap {
         [within(place.x, x), within(place.y, y), within(place.z, z)]
     }
 
-    /// The 1-D index of a cell.
+    /// Cells of all maps.
     #[must_use]
-    pub fn index_of(&self, [x, y, z]: [i32; 3]) -> u32 {
-        (z as u32 * self.size[1] + y as u32) * self.size[0] + x as u32
+    pub fn cells_in_all(&self) -> u32 {
+        self.maps * self.cells
+    }
+
+    /// The 1-D index of a cell of a map: those of the second follow those of the first.
+    #[must_use]
+    pub fn index_of(&self, map: u32, [x, y, z]: [i32; 3]) -> u32 {
+        map * self.cells + (z as u32 * self.size[1] + y as u32) * self.size[0] + x as u32
+    }
+
+    /// The photon that a place is of, and which of its places it is.
+    #[must_use]
+    pub fn photon_of(&self, record: u32) -> (u32, u32) {
+        let photons = self.photons.max(1);
+        (record % photons, record / photons)
     }
 
     /// Whether there is such a cell.
@@ -130,13 +155,14 @@ mod tests {
         for (high, radius) in
             [([1.0, 1.0, 1.0], 0.015), ([2.0, 1e-3, 0.0], 0.001), ([0.0; 3], 0.5), ([1.0, 0.5, 1e-9f32], 1e-6)]
         {
-            let map = PhotonMap::new([[0.0; 3], high], [32, 16, 5], 50, radius);
+            let map = PhotonMap::new([[0.0; 3], high], [32, 16, 5], 50, radius, 2);
             let diagonal = high.iter().map(|side| f64::from(*side).powi(2)).sum::<f64>().sqrt();
             assert!(f64::from(map.width) > radius * diagonal && map.margin < 0.002, "{map:?}");
             assert!(u64::from(map.cells) <= MOST_CELLS && map.records == 2560, "{map:?}");
             assert_eq!(map.cells, map.size.iter().product::<u32>());
             let last = map.cell_of(map.place_of(Vec3::<f32>::from_f32(high)));
-            assert_eq!(map.index_of(last), map.cells - 1, "{map:?}");
+            assert_eq!(map.index_of(GLOBAL, last), map.cells - 1, "{map:?}");
+            assert_eq!(map.index_of(CAUSTIC, last), map.cells_in_all() - 1, "{map:?}");
             assert!(map.has_cell(last) && !map.has_cell([last[0] + 1, 0, 0]) && !map.has_cell([0, -1, 0]));
         }
     }
@@ -144,7 +170,7 @@ mod tests {
     /// No point of a cell is nearer than the distance to it.
     #[test]
     fn the_distance_to_a_cell_is_a_lower_bound() {
-        let map = PhotonMap::new([[-1.0, 0.5, 0.0], [0.5, 1.5, 1.25]], [32, 16, 1], 50, 0.02);
+        let map = PhotonMap::new([[-1.0, 0.5, 0.0], [0.5, 1.5, 1.25]], [32, 16, 1], 50, 0.02, 1);
         let mut random = fastrand::Rng::with_seed(1);
         let mut near = 0;
         for _ in 0..20_000 {

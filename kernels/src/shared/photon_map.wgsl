@@ -1,4 +1,5 @@
-// The grid that photons are sorted into, and what is known of them all.
+// The grid that photons are sorted into, and what is known of them all. With mirrors or glass, there are two maps with the same
+// cells: a global one, and one of caustics, whose photons came by mirrors and glass alone (Jensen 1996).
 
 import package::vector::{dot3};
 
@@ -6,7 +7,7 @@ struct PhotonMap {
     // Of the scene's box, the corner at which the cells begin; traced units.
     corner: vec3f,
     photons: u32,
-    // Cells along each axis, and in all.
+    // Cells along each axis, and in all, of one map.
     size: vec3u,
     cells: u32,
     // A sphere about the center with this radius holds the scene.
@@ -26,7 +27,7 @@ struct PhotonMap {
     records: u32,
     // Photons by row of their texture.
     row: u32,
-    padding: u32,
+    maps: u32,
 }
 
 @group(1) @binding(28) var<uniform> photon_map: PhotonMap;
@@ -41,10 +42,10 @@ fn cell_of(place: vec3f) -> vec3i {
     return clamp(vec3i(floor(place)), vec3i(0), vec3i(photon_map.size) - vec3i(1));
 }
 
-// The 1-D index of a cell.
-fn index_of(cell: vec3i) -> u32 {
+// The 1-D index of a cell of a map: those of the second follow those of the first.
+fn index_of(map: u32, cell: vec3i) -> u32 {
     let at = vec3u(cell);
-    return (at.z * photon_map.size.y + at.y) * photon_map.size.x + at.x;
+    return map * photon_map.cells + (at.z * photon_map.size.y + at.y) * photon_map.size.x + at.x;
 }
 
 fn has_cell(cell: vec3i) -> bool {

@@ -7,11 +7,10 @@ use raystep_kernels::options::Integrator;
 use raystep_kernels::options::ProgramName::{GridBuild, Sort};
 use raystep_kernels::options::features::Features;
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
-use raystep_kernels::options::rows::{ROWS, Values};
 use raystep_kernels::program::Course;
 use raystep_kernels::programs::{light, named, path, photons};
 use raystep_kernels::tables::kernel::Role;
-use raystep_kernels::{Choices, Kernel, Limits, Options};
+use raystep_kernels::{Kernel, Limits, Options};
 
 use self::scenes::{Place, Traced};
 use super::{Bench, Check, Finding, Found, Group, Step, Verdict};
@@ -44,8 +43,8 @@ fn checks_of(
 
 pub(super) fn checks_of_tracing() -> Vec<Check> {
     let shows = "every structure, schedule and set of rules was compared, in whole and in divided passes";
-    let of_light = light::PROGRAM.kernels().chain(path::PROGRAM.kernels()).chain(photons::PROGRAM.kernels());
-    checks_of(of_light, Group::Tracing, |_| true, shows)
+    let kernels = [&*light::PROGRAM, &*path::PROGRAM, &*photons::PROGRAM].into_iter().flat_map(|of| of.kernels());
+    checks_of(kernels, Group::Tracing, |_| true, shows)
 }
 
 pub(super) fn checks_of_building() -> Vec<Check> {
@@ -108,35 +107,18 @@ fn traced() -> Vec<Traced> {
     all.push(of(Place::Room)(several(Bvh)).lit(Integrator::Shadows).in_parts());
     all.push(of(Place::Room)(several(Grid)).lit(Integrator::Shadows).sampled(3));
     // And what goes on from there.
-    for integrator in [Integrator::Whitted, Integrator::Path] {
+    for integrator in [Integrator::Whitted, Integrator::Path, Integrator::Photons] {
         all.extend(FAST.map(|one| of(Place::Balls)(one).lit(integrator)));
         all.push(of(Place::Balls)(several(Bvh)).lit(integrator).in_parts());
         all.push(of(Place::Balls)(several(Grid)).lit(integrator).sampled(3));
     }
+    // Either sort has kernels of its own.
+    all.push(of(Place::Room)(several(Grid)).lit(Integrator::Photons).bitonic());
     // Whole paths in one kernel, which binds everything that the others do: in a room with little of it.
     all.extend([Grid, Bvh, None].map(|one| of(Place::Room)(Configuration::new(one, Fused, 1)).lit(Integrator::Path)));
-    // Photons, by each of the choices that have names.
-    all.extend(FAST.map(|one| of(Place::Balls)(one).lit(Integrator::Photons)));
-    all.extend([STEPPED].map(|one| of(Place::Room)(one).lit(Integrator::Photons)));
-    all.push(of(Place::Balls)(several(Bvh)).lit(Integrator::Photons).in_parts());
-    all.push(of(Place::Balls)(several(Grid)).lit(Integrator::Photons).sampled(3));
-    all.extend(choices_of_photons().map(|(name, value)| {
-        of(Place::Balls)(Configuration::new(Bvh, Fused, 1)).lit(Integrator::Photons).choosing(name, value)
-    }));
     // From outside, where rays miss.
     all.extend(FAST.map(of(Place::Soup)));
     all
-}
-
-/// The values with names of options that only light by photons has.
-fn choices_of_photons() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let hits = Choices::default();
-    let photons = Choices { integrator: Integrator::Photons, ..hits };
-    let own = ROWS.iter().filter(move |row| (row.applies)(&photons) && !(row.applies)(&hits));
-    own.flat_map(|row| {
-        let names = if let Values::Names(names) = row.values { names() } else { Vec::new() };
-        names.into_iter().map(|name| (row.name, name))
-    })
 }
 
 pub(super) fn tracing() -> Vec<Step> {

@@ -2,9 +2,9 @@
 
 use super::{Refusal, Row, Values, parse, text};
 use crate::options::row::{Value, whole};
-use crate::options::{Choices, Integrator, Neighbours, PhotonSort, Photons, ProgramName};
+use crate::options::{Choices, Gather as Place, Integrator, Neighbours, PhotonSort, Photons, ProgramName};
 
-fn has_photons(c: &Choices) -> bool {
+pub(super) fn has_photons(c: &Choices) -> bool {
     c.program == ProgramName::ClosestHit && c.integrator == Integrator::Photons
 }
 
@@ -60,6 +60,18 @@ pub(super) const NEIGHBOURS: Row = Row::new(
 .panel("neighbours", "which photons the light at a point is estimated from")
 .applies(has_photons)
 .refused(|c| idle("--neighbours", c.photons.neighbours == Neighbours::default(), c));
+
+pub(super) const GATHER: Row = Row::new(
+    "gather",
+    Values::Names(|| Place::ALL.iter().map(|of| of.name()).collect()),
+    |c| text(c.photons.gather),
+    |c, value| parse(value, &mut c.photons.gather),
+    "Where photons are looked up, with --integrator photons: at the surface that is seen (direct), or, but for caustics, \
+     where rays arrive that are sent on from it (final)",
+)
+.panel("gather", "where photons are looked up: at the surface that is seen, or where rays go on to from it")
+.applies(has_photons)
+.refused(|c| idle("--gather", c.photons.gather == Place::default(), c));
 
 pub(super) const NEAREST: Row = whole!(
     "nearest",

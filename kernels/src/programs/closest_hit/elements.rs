@@ -18,12 +18,8 @@ pub static RECORD_TALLIES: Elements = tallies("record_tallies", "records");
 pub static RECORD_TALLY_BLOCKS: Elements = blocks("record_tally_blocks", "record_tallies");
 /// The block of these.
 pub static ALL_RECORD_TALLIES: Elements = blocks("all_record_tallies", "record_tally_blocks");
-/// Cells of the map, and one more, where the last list ends.
+/// Cells of the maps, and one more, where the last list ends.
 pub static MAP_CELLS: Elements = Elements { name: "map_cells", count: Count::Given };
-/// Blocks in which their lists' lengths are summed.
-pub static MAP_CELL_BLOCKS: Elements = blocks("map_cell_blocks", "map_cells");
-/// The block of these.
-pub static ALL_MAP_CELLS: Elements = blocks("all_map_cells", "map_cell_blocks");
 
 /// Why no photon is emitted, or none gathered.
 pub(in crate::programs) fn no_map(run: &Run<'_>) -> Reason {

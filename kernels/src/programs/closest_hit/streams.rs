@@ -64,8 +64,8 @@
 //! hold the values of the latest sample. At the end of a run, only `color` is replaced by the mean.
 
 use super::elements::{
-    ALL_MAP_CELLS, ALL_RECORD_TALLIES, MAP_CELL_BLOCKS, MAP_CELLS, PHOTONS, RAYS, RECORD_TALLIES, RECORD_TALLY_BLOCKS,
-    RECORDS, no_map, no_photon_walk, no_scan,
+    ALL_RECORD_TALLIES, MAP_CELLS, PHOTONS, RAYS, RECORD_TALLIES, RECORD_TALLY_BLOCKS, RECORDS, no_map, no_photon_walk,
+    no_scan,
 };
 use super::states::PHOTON_UNBORN;
 use crate::options::features::Features;
@@ -217,6 +217,11 @@ fn no_shadow_counters(run: &Run<'_>) -> Reason {
     }
 }
 
+/// Why no radius shrinks.
+fn no_iterations(run: &Run<'_>) -> Reason {
+    if run.features.mapped { (Because::Options, "needed only with --iterations") } else { no_map(run) }
+}
+
 /// The names of what is kept of a photon at each place where it is stored.
 macro_rules! records {
     ($($bounce:literal)*) => {
@@ -228,8 +233,8 @@ macro_rules! records {
         )*]
     };
 }
-const RECORD_LAYERS: &[&str] = records!(1 2 3 4 5 6 7 8);
-const _: () = assert!(RECORD_LAYERS.len() == (RECORD * MOST_DEPTH) as usize);
+const RECORD_LAYERS: &[&str] = records!(1 2 3 4 5 6 7);
+const _: () = assert!(RECORD_LAYERS.len() == (RECORD * (MOST_DEPTH - 1)) as usize);
 
 /// What each of them is: the last two of a record are ids.
 const RECORD_MEANING: [Meaning; RECORD_LAYERS.len()] = {
@@ -392,9 +397,9 @@ streams! {
     /// What it carried at first, and what surfaces and the outside have of that.
     PHOTON_ENERGY of PHOTONS: "photon_energy" F32 &["emitted_r", "emitted_g", "emitted_b", "absorbed_r", "absorbed_g", "absorbed_b", "escaped_r", "escaped_g", "escaped_b"], meaning: &[Float; 9], unit: "as photon_power",
         unwritten: &[0; 9], why_absent: no_map;
-    /// Hits before, whether all were on mirrors and glass, and why it ended.
-    PHOTON_BOUNCE of PHOTONS: "photon_bounce" U32 &["hits", "specular", "ended"], meaning: &[Count, Id, Id], unit: "count, 1 if all were on mirrors and glass, 1 nothing was hit, 2 depth, 3 absorbed, 4 below the surface, 5 by chance",
-        unwritten: &[0, 1, 0], why_absent: no_map;
+    /// Hits before, whether all were on mirrors and glass, why it ended, and how often it has been emitted.
+    PHOTON_BOUNCE of PHOTONS: "photon_bounce" U32 &["hits", "specular", "ended", "emissions"], meaning: &[Count, Id, Id, Count], unit: "count, 1 if all were on mirrors and glass, 1 nothing was hit, 2 depth, 3 absorbed, 4 below the surface, 5 by chance, count",
+        unwritten: &[0, 1, 0, 0], why_absent: no_map;
     /// At each bounce, where the photon arrived on a diffuse surface, and what became of it.
     PHOTON_RECORDS of PHOTONS: "photon_records" U32 RECORD_LAYERS, meaning: &RECORD_MEANING, unit: "traced units, direction, power, as f32 bits; 0 global, 1 caustic, all ones without a photon; why it ended there",
         unwritten: &UNRECORDED, why_absent: no_map;
@@ -416,27 +421,18 @@ streams! {
     /// Number of records of all tallies.
     PHOTON_TALLY_IN_ALL of ALL_RECORD_TALLIES: "photon_tally_in_all" U32 &["records"], meaning: &[Count], unit: "count of records",
         unwritten: &[0], why_absent: no_scan;
-    /// Index of a cell's first record.
-    PHOTON_BEGIN of MAP_CELLS: "photon_begin" U32 &["record"], meaning: &[Id], unit: "index of a sorted record",
-        unwritten: &[0], why_absent: no_scan;
-    /// Index after a cell's last record.
-    PHOTON_END of MAP_CELLS: "photon_end" U32 &["record"], meaning: &[Id], unit: "index of a sorted record",
-        unwritten: &[0], why_absent: no_scan;
     /// Where a cell's list begins; of the one after the last, where all lists end.
     PHOTON_FIRST of MAP_CELLS: "photon_first" U32 &["record"], meaning: &[Count], unit: "index of a sorted record",
         unwritten: &[0], why_absent: no_map;
-    /// Number of records of a block of cells.
-    PHOTON_FIRST_OF_BLOCK of MAP_CELL_BLOCKS: "photon_first_of_block" U32 &["records"], meaning: &[Count], unit: "count of records",
-        unwritten: &[0], why_absent: no_scan;
-    /// Number of records of all cells.
-    PHOTON_FIRST_IN_ALL of ALL_MAP_CELLS: "photon_first_in_all" U32 &["records"], meaning: &[Count], unit: "count of records",
-        unwritten: &[0], why_absent: no_scan;
     /// How far the search for the photons near a hit has got.
-    GATHERING of RAYS: "gathering" U32 &["cell", "item", "end", "found", "sweep"], meaning: &[Id, Id, Id, Count, Count], unit: "which of the cells around, index of a sorted record, count of photons, count of searches",
-        unwritten: &[NO_CELL, 0, 0, 0, 0], why_absent: no_map;
+    GATHERING of RAYS: "gathering" U32 &["cell", "item", "end", "found", "sweep", "map", "sent"], meaning: &[Id, Id, Id, Count, Count, Id, Id], unit: "which of the cells around, index of a sorted record, count of photons, count of searches, 0 global or 1 caustic, 1 after a diffuse bounce",
+        unwritten: &[NO_CELL, 0, 0, 0, 0, 0, 0], why_absent: no_map;
     /// What it has found.
     GATHERED_POWER of RAYS: "gathered" F32 &["distance", "limit", "low", "high", "farthest", "r", "g", "b", "weighted_r", "weighted_g", "weighted_b"], meaning: &[Float; 11], unit: "traced units squared; sums of photon_power, and of it times the distance",
         unwritten: &[0; 11], why_absent: no_map;
+    /// What iterations have left of the photons found and of the squared radius: of a place that is seen in the global map and in that of caustics, and of one beyond a diffuse surface.
+    SHRUNK of RAYS: "shrunk" F32 &["photons_global", "squared_global", "photons_caustic", "squared_caustic", "photons_global_sent", "squared_global_sent", "photons_caustic_sent", "squared_caustic_sent"], meaning: &[Float; 8], unit: "count of photons, traced units squared",
+        unwritten: &[0; 8], why_absent: no_iterations;
 }
 
 /// The streams in which the caller supplies rays, as far as a run has them.

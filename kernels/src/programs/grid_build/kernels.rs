@@ -58,7 +58,7 @@ pub(super) const EMIT: KernelInfo = row(
     "writes a reference for each cell that a span overlaps",
     &[Break::new(as_it_is, "first + firstTrailingBit(left)", "first + firstTrailingBit(left) + 1u")],
 );
-pub(in crate::programs) const MARK: KernelInfo = row(
+pub(super) const MARK: KernelInfo = row(
     wgsl!("mark"),
     passes::mark,
     1,
@@ -66,7 +66,7 @@ pub(in crate::programs) const MARK: KernelInfo = row(
     "finds where the references to each cell begin and end",
     &[Break::new(as_it_is, "vec4u(i + 1u)", "vec4u(i)")],
 );
-pub(in crate::programs) const MEASURE: KernelInfo = row(
+pub(super) const MEASURE: KernelInfo = row(
     wgsl!("measure"),
     passes::measure,
     1,

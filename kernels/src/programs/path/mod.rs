@@ -43,7 +43,7 @@ use crate::program::{Course, Decoding, Instance, Kernel, Program};
 use crate::scene_data::SceneData;
 use crate::tables::texels::Texels;
 use kernels::{OF_FUSED_PATH, OF_SAMPLE_BSDF, OF_SAMPLE_LIGHT};
-pub(super) use schedule::of as schedule;
+pub(super) use schedule::{of as schedule, sampled};
 
 /// The program.
 pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {

@@ -3,6 +3,7 @@
 use super::{Own, of as here, own};
 use crate::options::features::Features;
 use crate::options::{Options, RaySource};
+use crate::program::Kernel;
 use crate::program::schedule::{Schedule, Step};
 use crate::programs::closest_hit::kernels::{ACCUMULATE, GENERATE};
 use crate::programs::closest_hit::schedule as of_rays;
@@ -19,7 +20,7 @@ pub(in crate::programs) fn of(options: &Options, features: &Features) -> Schedul
         if !matches!(options.rays, RaySource::Given(_)) {
             steps.insert(0, Step::Run(here(GENERATE)));
         }
-        return Schedule { steps: sampled(steps, features) };
+        return Schedule { steps: sampled(steps, features, &here) };
     }
     let given = matches!(options.rays, RaySource::Given(_));
     let rays = of_rays::new(options.schedule, features.structure(), given, false, false, features.many_steps).steps;
@@ -35,11 +36,15 @@ pub(in crate::programs) fn of(options: &Options, features: &Features) -> Schedul
     let mut steps = mapped(&rays, &here);
     steps.truncate(rays.len() - walk.len());
     steps.push(while_begun(bounce));
-    Schedule { steps: sampled(of_rays::until_idle(steps, features), features) }
+    Schedule { steps: sampled(of_rays::until_idle(steps, features), features, &here) }
 }
 
-/// The same for every sample.
-fn sampled(mut steps: Vec<Step>, features: &Features) -> Vec<Step> {
+/// The same for every sample, by the kernels of a program.
+pub(in crate::programs) fn sampled(
+    mut steps: Vec<Step>,
+    features: &Features,
+    here: &impl Fn(Kernel) -> Kernel,
+) -> Vec<Step> {
     if !features.samples {
         return steps;
     }

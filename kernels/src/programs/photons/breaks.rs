@@ -23,21 +23,17 @@ pub(super) const OF_SCATTER_PHOTONS: &[Break] = &[
     Break::new(as_it_is, "power - next.throughput", "power"),
     Break::new(as_it_is, "chance.y >= goes_on", "chance.y < goes_on"),
     Break::new(as_it_is, "is_matte && hits > 0u", "is_matte && hits > 1u"),
-    Break::new(as_it_is, "if (hits < DEPTH)", "if (hits <= DEPTH)"),
+    Break::new(as_it_is, "if (hits + 1u < DEPTH)", "if (hits < DEPTH)"),
     Break::new(as_it_is, "select(specular, 0u, is_matte)", "specular"),
     Break::new(as_it_is, "albedo * (1.0 / goes_on)", "albedo"),
 ];
 
 pub(super) const OF_KEY_PHOTONS: &[Break] = &[
     Break::new(as_it_is, "i / photon_map.photons * RECORD", "0u"),
-    Break::new(as_it_is, "first + 9u, 0).x != NO_CELL", "first + 9u, 0).x == NO_CELL"),
+    Break::new(as_it_is, "map != NO_CELL", "map == NO_CELL"),
 ];
 
-pub(super) const OF_SEARCH_CELLS: &[Break] = &[Break::new(bitonic, "0, 0).x < cell", "0, 0).x <= cell")];
-
-fn bitonic(options: &mut Options) {
-    options.photons.sort = crate::options::PhotonSort::Bitonic;
-}
+pub(super) const OF_SEARCH_CELLS: &[Break] = &[Break::new(as_it_is, "0, 0).x < cell", "0, 0).x <= cell")];
 
 pub(super) const OF_LOOK_UP: &[Break] = &[
     Break::new(as_it_is, "if (tag == VISIBLE)", "if (tag == OCCLUDED)"),

@@ -2,7 +2,7 @@
 
 use super::emission::emitted_photon;
 use crate::numbers::real::Real;
-use crate::programs::closest_hit::states::{PHOTON_SETUP, PHOTON_UNBORN};
+use crate::programs::closest_hit::states::{PHOTON_DONE, PHOTON_SETUP, PHOTON_UNBORN};
 use crate::programs::closest_hit::streams::{
     PHOTON_AT, PHOTON_BOUNCE, PHOTON_DIRECTION, PHOTON_ENERGY, PHOTON_ORIGIN, PHOTON_POWER, PHOTON_RECORDS,
     PHOTON_STATE, PHOTON_SURFACE,
@@ -11,12 +11,19 @@ use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_CELL, NO_TRIANGLE, RECORD};
 use crate::tables::texels::Texels;
 
+/// Which of all photons this is after so many emissions: they are samples of one sequence.
+pub(super) fn sample_of<R: Real>(photon: &Texels<'_, R>, scene: &SceneData, emissions: u32) -> u32 {
+    let map = &scene.photon_map;
+    emissions.wrapping_mul(map.photons).wrapping_add(photon.y * map.row + photon.x)
+}
+
 /// Processes one photon.
 pub fn emit_photons<R: Real>(photon: &mut Texels<'_, R>, scene: &SceneData) {
-    if photon.load_u32(PHOTON_STATE, 0) != PHOTON_UNBORN {
+    if ![PHOTON_UNBORN, PHOTON_DONE].contains(&photon.load_u32(PHOTON_STATE, 0)) {
         return;
     }
-    let emitted = emitted_photon(scene, photon.y * scene.photon_map.row + photon.x);
+    let emissions = photon.load_u32(PHOTON_BOUNCE, 3);
+    let emitted = emitted_photon(scene, sample_of(photon, scene, emissions));
     photon.store_vec3(PHOTON_ORIGIN, emitted.origin);
     photon.store_vec3(PHOTON_DIRECTION, emitted.direction);
     photon.store_vec3(PHOTON_POWER, emitted.power);
@@ -24,13 +31,14 @@ pub fn emit_photons<R: Real>(photon: &mut Texels<'_, R>, scene: &SceneData) {
     for layer in 3..9 {
         photon.store(PHOTON_ENERGY, layer, R::zero());
     }
-    for record in 0..scene.features.depth {
+    for record in 0..scene.features.depth.saturating_sub(1) {
         photon.store_u32(PHOTON_RECORDS, (record * RECORD + 9) as usize, NO_CELL);
     }
     photon.store_u32(PHOTON_SURFACE, 0, emitted.leaves);
     photon.store_u32(PHOTON_BOUNCE, 0, 0);
     photon.store_u32(PHOTON_BOUNCE, 1, 1);
     photon.store_u32(PHOTON_BOUNCE, 2, 0);
+    photon.store_u32(PHOTON_BOUNCE, 3, emissions + 1);
     photon.store(PHOTON_AT, 0, R::zero());
     photon.store(PHOTON_AT, 1, R::zero());
     photon.store_u32(PHOTON_AT, 2, NO_TRIANGLE);

@@ -14,8 +14,8 @@ use crate::tables::texels::Columns;
 
 /// The cells around a cell, and itself.
 const AROUND: u32 = 27;
-/// Most photons that are looked at in a pass.
-const PHOTONS_A_PASS: u32 = 64;
+/// Most photons that are looked at in a step.
+const PHOTONS_A_STEP: u32 = 64;
 /// Rays per task.
 const RAYS_A_TASK: usize = 64;
 
@@ -27,6 +27,7 @@ struct Search {
     end: u32,
     found: u32,
     sweep: u32,
+    map: u32,
     distance: f32,
     limit: f32,
     low: f32,
@@ -46,6 +47,7 @@ struct Streams {
     key: Stream,
     first: Stream,
     records: Stream,
+    bounce: Stream,
 }
 
 impl Streams {
@@ -59,6 +61,7 @@ impl Streams {
             key: columns.stream("photon_key")?,
             first: columns.stream("photon_first")?,
             records: columns.stream("photon_records")?,
+            bounce: columns.stream("bounce")?,
         })
     }
 }
@@ -73,6 +76,7 @@ impl Search {
             end: word(2),
             found: word(3),
             sweep: word(4),
+            map: word(5),
             distance: float(0),
             limit: float(1),
             low: float(2),
@@ -84,7 +88,7 @@ impl Search {
     }
 
     fn store(&self, columns: &mut dyn Columns, of: &Streams, ray: usize) {
-        let words = [self.cell, self.item, self.end, self.found, self.sweep];
+        let words = [self.cell, self.item, self.end, self.found, self.sweep, self.map];
         let floats = [self.distance, self.limit, self.low, self.high, self.farthest];
         let floats = floats.into_iter().chain(self.power.to_array()).chain(self.weighted.to_array());
         words.into_iter().enumerate().for_each(|(layer, word)| columns.store(of.gathering, layer, ray, word));
@@ -114,19 +118,28 @@ impl Search {
         if nearest == NO_CELL || distance > self.limit(map) {
             return Self { cell: NO_CELL, ..self };
         }
-        let index = map.index_of(there(nearest)) as usize;
+        let index = map.index_of(self.map, there(nearest)) as usize;
         let [item, end] = [index, index + 1].map(|cell| columns.load(of.first, 0, cell));
         Self { cell: nearest, distance, item, end, ..self }
     }
 
-    fn with_photons(mut self, columns: &dyn Columns, of: &Streams, map: &PhotonMap, start: &Start<f32>) -> Self {
-        let stop = self.end.min(self.item.saturating_add(PHOTONS_A_PASS));
+    fn with_photons(
+        mut self,
+        columns: &dyn Columns,
+        of: &Streams,
+        map: &PhotonMap,
+        start: &Start<f32>,
+        bounces: u32,
+    ) -> Self {
+        let stop = self.end.min(self.item.saturating_add(PHOTONS_A_STEP));
         for item in self.item..stop {
-            let (photon, layer) = place_of(map, columns.load(of.key, 1, item as usize));
+            let record = columns.load(of.key, 1, item as usize);
+            let (photon, layer) = place_of(map, record);
             let load = |layer| load_vec3(columns, of.records, layer, photon);
             let away = load(layer) - start.point;
             let squared = dot3(away, away);
-            if squared <= self.limit(map) && dot3(load(layer + 3), start.normal) < 0.0 {
+            let is_seen = map.photon_of(record).1 < bounces && dot3(load(layer + 3), start.normal) < 0.0;
+            if is_seen && squared <= self.limit(map) {
                 let power = load(layer + 6);
                 self.found += 1;
                 self.farthest = if self.farthest < squared { squared } else { self.farthest };
@@ -159,6 +172,7 @@ impl Search {
             end: 0,
             found: 0,
             sweep: self.sweep + 1,
+            map: self.map,
             distance: -1.0,
             limit,
             low,
@@ -180,16 +194,19 @@ fn searched(columns: &dyn Columns, of: &Streams, scene: &SceneData, ray: usize) 
     let direction = unit3(load_vec3(columns, of.direction, 0, ray));
     let start = start_of(scene.corners(hit[2]), [hit[0], hit[1]].map(f32::from_bits), direction);
     let mut search = Search::load(columns, of, ray);
-    if search.item >= search.end {
-        search = search.next_cell(columns, of, map, start.point);
+    // One bounce is here, and the ray has had others.
+    let bounces = scene.features.depth.saturating_sub(columns.load(of.bounce, 0, ray) + 1);
+    for _ in 0..scene.info.steps {
+        if search.item >= search.end {
+            search = search.next_cell(columns, of, map, start.point);
+        }
+        search = match search.cell != NO_CELL {
+            true => search.with_photons(columns, of, map, &start, bounces),
+            false if search.is_over(map, scene.features.exact) => return Some((search, GATHERED)),
+            false => search.next_sweep(map),
+        };
     }
-    if search.cell != NO_CELL {
-        return Some((search.with_photons(columns, of, map, &start), GATHER));
-    }
-    match search.is_over(map, scene.features.exact) {
-        true => Some((search, GATHERED)),
-        false => Some((search.next_sweep(map), GATHER)),
-    }
+    Some((search, GATHER))
 }
 
 /// Runs a pass.

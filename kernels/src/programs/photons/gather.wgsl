@@ -1,17 +1,18 @@
-// Looks for the photons near a hit, in the cell of the hit and those around it, by growing distance: a cell, or a part of one,
-// in each pass. The kNN-grid (Purcell et al. 2003): a photon is taken while fewer than enough are found, or if it is no
+// Looks for the photons of a map near a hit, in the cell of the hit and those around it, by growing distance: a cell, or a part
+// of one, in each step. The kNN-grid (Purcell et al. 2003): a photon is taken while fewer than enough are found, or if it is no
 // farther away than the farthest of these. So all are found within some distance, which is at most the radius.
 //
 // exact: of these, only as many as are wanted. Bisection finds a distance within which there are so many, by searching the
 // same cells again, until no number is left between one that is too small and one that is large enough.
 
-import package::constants::{INF, LIST_SIDE, NOBODY, NO_CELL, RECORD};
+import package::constants::{DEPTH, INF, LIST_SIDE, NOBODY, NO_CELL, RECORD};
 import package::state::{GATHER, GATHERED};
 import package::corners::{vertex};
 import package::launch::{texel};
 import package::live::{book, tiled_texel};
 import package::photon_map::{photon_map, cell_of, distance_to, has_cell, index_of, place_of};
 import package::ray::{load_direction};
+import package::scene::{scene};
 import package::start::{Start, start_of};
 import package::vector::{dot3, unit3};
 
@@ -22,11 +23,12 @@ import package::vector::{dot3, unit3};
 @group(0) @binding(6) var photon_key: texture_2d_array<u32>;
 @group(0) @binding(9) var photon_first: texture_2d_array<u32>;
 @group(0) @binding(10) var photon_records: texture_2d_array<u32>;
+@group(0) @binding(11) var bounce: texture_2d_array<u32>;
 
 // The cells around a cell, and itself.
 const AROUND: u32 = 27u;
-// Most photons that are looked at in a pass.
-const PHOTONS_A_PASS: u32 = 64u;
+// Most photons that are looked at in a step.
+const PHOTONS_A_STEP: u32 = 64u;
 
 // How far the search has got.
 struct Search {
@@ -39,6 +41,7 @@ struct Search {
     found: u32,
     // How often all cells have been searched.
     sweep: u32,
+    map: u32,
     // Of the cell; this and what follows are squared.
     distance: f32,
     // What is farther away is not taken.
@@ -60,6 +63,7 @@ fn load_search(pixel: vec2u) -> Search {
     search.end = textureLoad(gathering, pixel, 2).x;
     search.found = textureLoad(gathering, pixel, 3).x;
     search.sweep = textureLoad(gathering, pixel, 4).x;
+    search.map = textureLoad(gathering, pixel, 5).x;
     search.distance = textureLoad(gathered, pixel, 0).x;
     search.limit = textureLoad(gathered, pixel, 1).x;
     search.low = textureLoad(gathered, pixel, 2).x;
@@ -118,7 +122,7 @@ fn next_cell(search: Search, point: vec3f) -> Search {
     next.cell = NO_CELL;
     if (nearest != NO_CELL && distance <= limit_of(search)) {
         let step = vec3i(vec3u(nearest % 3u, nearest / 3u % 3u, nearest / 9u)) - vec3i(1);
-        let index = index_of(cell + step);
+        let index = index_of(search.map, cell + step);
         let width = textureDimensions(photon_first).x;
         next.cell = nearest;
         next.distance = distance;
@@ -136,17 +140,20 @@ fn load_record(at: vec2u, layer: u32) -> vec3f {
     );
 }
 
-// Looks at the next photons of the cell. Those that came from the other side of the surface do not count.
-fn with_photons(search: Search, start: Start) -> Search {
+// Looks at the next photons of the cell. Those that came from the other side of the surface do not count, nor those that were
+// stored at more bounces than the ray leaves them: light bounces as often as along paths.
+fn with_photons(search: Search, start: Start, bounces: u32) -> Search {
     var next = search;
-    let stop = min(search.end, search.item + PHOTONS_A_PASS);
+    let stop = min(search.end, search.item + PHOTONS_A_STEP);
     for (var item = search.item; item < stop; item++) {
         let record = textureLoad(photon_key, texel(item, textureDimensions(photon_key).x), 1, 0).x;
         let at = texel(record % photon_map.photons, textureDimensions(photon_records).x);
-        let first = record / photon_map.photons * RECORD;
+        let bounced = record / photon_map.photons;
+        let first = bounced * RECORD;
         let away = load_record(at, first) - start.point;
         let squared = dot3(away, away);
-        if (squared <= limit_of(next) && dot3(load_record(at, first + 3u), start.normal) < 0.0) {
+        let is_seen = bounced < bounces && dot3(load_record(at, first + 3u), start.normal) < 0.0;
+        if (is_seen && squared <= limit_of(next)) {
             let power = load_record(at, first + 6u);
             next.found += 1u;
             next.farthest = max(next.farthest, squared);
@@ -184,6 +191,7 @@ fn next_sweep(search: Search) -> Search {
     let half = 0.5 * (next.low + next.high);
     next.limit = select(next.high, half, next.low < half && half < next.high);
     next.sweep = search.sweep + 1u;
+    next.map = search.map;
     next.cell = NO_CELL;
     next.distance = -1.0;
     return next;
@@ -201,17 +209,21 @@ fn searched(pixel: vec2u) -> u32 {
     let triangle = textureLoad(hit, pixel, 2, 0).x;
     let direction = unit3(load_direction(pixel));
     let start = start_of(vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u), u, v, direction);
+    // One bounce is here, and the ray has had others.
+    let bounces = textureLoad(bounce, pixel, 0, 0).x + 1u;
     var search = load_search(pixel);
-    if (search.item >= search.end) {
-        search = next_cell(search, start.point);
-    }
     var tag = GATHER;
-    if (search.cell != NO_CELL) {
-        search = with_photons(search, start);
-    } else if (is_over(search)) {
-        tag = GATHERED;
-    } else {
-        @if(exact) search = next_sweep(search);
+    for (var step = 0u; step < scene.steps && tag == GATHER; step++) {
+        if (search.item >= search.end) {
+            search = next_cell(search, start.point);
+        }
+        if (search.cell != NO_CELL) {
+            search = with_photons(search, start, max(DEPTH, bounces) - bounces);
+        } else if (is_over(search)) {
+            tag = GATHERED;
+        } else {
+            @if(exact) search = next_sweep(search);
+        }
     }
     store_search(pixel, search);
     textureStore(state, pixel, 0, vec4u(tag));

@@ -3,13 +3,11 @@
 use crate::options::reasons::{Reason, Run};
 use crate::program::{Instance, KernelInfo, Renamed};
 use crate::programs::closest_hit::elements::{
-    ALL_MAP_CELLS, ALL_RECORD_TALLIES, MAP_CELL_BLOCKS, MAP_CELLS, PHOTONS, RAYS, RECORD_TALLIES, RECORD_TALLY_BLOCKS,
-    RECORDS, no_bitonic, no_map, no_scan,
+    ALL_RECORD_TALLIES, MAP_CELLS, PHOTONS, RAYS, RECORD_TALLIES, RECORD_TALLY_BLOCKS, RECORDS, no_bitonic, no_map,
+    no_scan,
 };
 use crate::programs::closest_hit::kernels::{COUNT, FUSED, KERNELS, SETUP};
 use crate::programs::closest_hit::states::ALL;
-use crate::programs::closest_hit::streams::{PHOTON_KEY, PHOTON_KEY_THERE};
-use crate::programs::grid_build::kernels::{MARK, MEASURE};
 use crate::programs::light::LISTS as OF_LIGHT;
 use crate::programs::primitives::{ADD, HISTOGRAM, SCAN, SCATTER};
 use crate::programs::sort::EXCHANGES;
@@ -48,8 +46,9 @@ const BINDS: Binds = &[
 ];
 
 /// Options of the walk of a photon: its cost is not counted, and it may begin anywhere.
-const SETS: &[(&str, bool)] =
-    &[("counters", false), ("resumes_scan", false), ("clip", true), ("leaves", true), ("apart", true)];
+const SETS: Sets = &[("counters", false), ("resumes_scan", false), ("clip", true), ("leaves", true), ("apart", true)];
+/// Photons are no samples of pixels.
+const OF_NO_PIXEL: Sets = &[("samples", false)];
 
 /// Lists of live rays, for each kind of ray, and of photons.
 pub(super) const LISTS: [ListInfo; 6] = [
@@ -101,6 +100,7 @@ pub(super) fn photon_walk() -> impl Iterator<Item = Instance> {
 pub(super) const IN_WALK: usize = WALK.len() + 1;
 
 type Binds = &'static [(&'static str, &'static str)];
+type Sets = &'static [(&'static str, bool)];
 
 const EXCHANGED: Binds = &[("key", "photon_key")];
 const THERE: Binds = &[
@@ -119,10 +119,6 @@ const BACK: Binds = &[
 ];
 const TALLIED: Binds = &[("values", "photon_tally"), ("sums", "photon_tally_of_block")];
 const ALL_TALLIED: Binds = &[("values", "photon_tally_of_block"), ("sums", "photon_tally_in_all")];
-const MARKED: Binds = &[("cell_in", "photon_key"), ("begin", "photon_begin"), ("end", "photon_end")];
-const MEASURED: Binds = &[("begin", "photon_begin"), ("end", "photon_end"), ("start", "photon_first")];
-const STARTED: Binds = &[("values", "photon_first"), ("sums", "photon_first_of_block")];
-const ALL_STARTED: Binds = &[("values", "photon_first_of_block"), ("sums", "photon_first_in_all")];
 
 const fn guest(
     name: &'static str,
@@ -145,11 +141,10 @@ macro_rules! own {
 }
 
 own! {
-    EmitPhotons Instance::of(OF_EMIT_PHOTONS, &PHOTONS);
-    ScatterPhotons Instance::of(OF_SCATTER_PHOTONS, &PHOTONS);
+    EmitPhotons Instance { sets: OF_NO_PIXEL, ..Instance::of(OF_EMIT_PHOTONS, &PHOTONS) };
+    ScatterPhotons Instance { sets: OF_NO_PIXEL, ..Instance::of(OF_SCATTER_PHOTONS, &PHOTONS) };
     KeyPhotons Instance::of(OF_KEY_PHOTONS, &RECORDS);
     Exchange guest("exchange_photons", EXCHANGES, no_bitonic, &RECORDS, EXCHANGED);
-    SearchCells Instance::of(OF_SEARCH_CELLS, &MAP_CELLS);
     CountThere guest("count_photons_there", HISTOGRAM, no_scan, &RECORDS, THERE);
     CountBack guest("count_photons_back", HISTOGRAM, no_scan, &RECORDS, BACK);
     ScanTallies guest("scan_photon_tallies", SCAN, no_scan, &RECORD_TALLIES, TALLIED);
@@ -157,27 +152,11 @@ own! {
     AddTallies guest("add_photon_tallies", ADD, no_scan, &RECORD_TALLIES, TALLIED);
     MoveThere guest("move_photons_there", SCATTER, no_scan, &RECORDS, THERE);
     MoveBack guest("move_photons_back", SCATTER, no_scan, &RECORDS, BACK);
-    Mark guest("mark_cells", MARK, no_scan, &RECORDS, MARKED);
-    MarkThere Instance {
-        copies: &[(PHOTON_KEY, PHOTON_KEY_THERE)],
-        ..guest("mark_cells_there", MARK, no_scan, &RECORDS, MARKED)
-    };
-    Measure guest("measure_cells", MEASURE, no_scan, &MAP_CELLS, MEASURED);
-    ScanCells guest("scan_cells", SCAN, no_scan, &MAP_CELLS, STARTED);
-    ScanCellBlocks guest("scan_cell_blocks", SCAN, no_scan, &MAP_CELL_BLOCKS, ALL_STARTED);
-    AddCells guest("add_cells", ADD, no_scan, &MAP_CELLS, STARTED);
+    SearchCells Instance::of(OF_SEARCH_CELLS, &MAP_CELLS);
     LookUp Instance::of(OF_LOOK_UP, &RAYS);
     Gather Instance::of(OF_GATHER, &RAYS);
 }
 
 /// The sets of their elements that are not the image's, in the program's order.
-pub(super) const SETS_OF_PHOTONS: [&Elements; 8] = [
-    &PHOTONS,
-    &RECORDS,
-    &RECORD_TALLIES,
-    &RECORD_TALLY_BLOCKS,
-    &ALL_RECORD_TALLIES,
-    &MAP_CELLS,
-    &MAP_CELL_BLOCKS,
-    &ALL_MAP_CELLS,
-];
+pub(super) const SETS_OF_PHOTONS: [&Elements; 6] =
+    [&PHOTONS, &RECORDS, &RECORD_TALLIES, &RECORD_TALLY_BLOCKS, &ALL_RECORD_TALLIES, &MAP_CELLS];

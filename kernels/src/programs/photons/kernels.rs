@@ -5,7 +5,7 @@ use crate::options::reasons::{Because, NO_SHADE, Reason, Run};
 use crate::program::instance::twin;
 use crate::program::kernel::{Path, Proof};
 use crate::program::{Home, KernelInfo};
-use crate::programs::closest_hit::elements::{no_bitonic, no_map};
+use crate::programs::closest_hit::elements::no_map;
 use crate::programs::closest_hit::states::{
     ALL, DONE, GATHER, GATHERED, OCCLUDED, PHOTON_ARRIVED, PHOTON_DONE, PHOTON_LEAVES, PHOTON_SETUP, PHOTON_UNBORN,
     SCATTER, TRAV_SETUP, VISIBLE,
@@ -36,8 +36,11 @@ pub(super) const OF_EMIT_PHOTONS: KernelInfo = KernelInfo {
     wgsl: include_str!("emit_photons.wgsl"),
     twin: twin!(element emit_photons),
     home: &HOME,
-    takes: &[PHOTON_UNBORN],
-    sends: &[send(PHOTON_UNBORN, "every photon", PHOTON_SETUP)],
+    takes: &[PHOTON_UNBORN, PHOTON_DONE],
+    sends: &[
+        send(PHOTON_UNBORN, "every photon", PHOTON_SETUP),
+        send(PHOTON_DONE, "in the next iteration", PHOTON_SETUP),
+    ],
     role: Role::Source,
     workgroup: WORKGROUP,
     launch: Launch::Whole,
@@ -98,7 +101,7 @@ pub(super) const OF_SEARCH_CELLS: KernelInfo = KernelInfo::once(
     super::search_cells::search_cells,
     [90, 165, 90],
     "finds where the list of each cell begins, by a binary search",
-    no_bitonic,
+    no_map,
     breaks::OF_SEARCH_CELLS,
 );
 
@@ -117,6 +120,8 @@ pub(super) const OF_LOOK_UP: KernelInfo = KernelInfo {
         send(OCCLUDED, "without a map of photons", DONE),
         send(VISIBLE, "adds the light, and looks for photons", GATHER),
         send(VISIBLE, "adds the light, without a map of photons", DONE),
+        send(GATHERED, "adds the light of a map, and looks in the other", GATHER),
+        send(GATHERED, "adds the light of caustics, and is sent on once", TRAV_SETUP),
         send(GATHERED, "adds the light that photons bring", DONE),
     ],
     role: Role::Finish,

@@ -9,8 +9,8 @@ use crate::tables::texels::Columns;
 
 /// The photon that a record is of, and the first of its layers.
 pub(super) fn place_of(map: &PhotonMap, record: u32) -> (usize, usize) {
-    let photons = map.photons.max(1);
-    ((record % photons) as usize, (record / photons * RECORD) as usize)
+    let (photon, bounce) = map.photon_of(record);
+    (photon as usize, (bounce * RECORD) as usize)
 }
 
 /// Three floats of a photon's records, from a layer on.
@@ -26,7 +26,10 @@ pub fn key_photons(columns: &mut dyn Columns, scene: &SceneData) {
         let (photon, first) = place_of(map, i as u32);
         let cell = match columns.load(records, first + 9, photon) {
             NO_CELL => NO_CELL,
-            _ => map.index_of(map.cell_of(map.place_of(load_vec3(columns, records, first, photon)))),
+            of => {
+                let at = map.cell_of(map.place_of(load_vec3(columns, records, first, photon)));
+                map.index_of(of.min(map.maps - 1), at)
+            }
         };
         columns.store(key, 0, i, cell);
         columns.store(key, 1, i, i as u32);

@@ -21,13 +21,14 @@ fn key_photons(
     let at = texel(i % photon_map.photons, textureDimensions(photon_records).x);
     let first = i / photon_map.photons * RECORD;
     var cell = NO_CELL;
-    if (textureLoad(photon_records, at, first + 9u, 0).x != NO_CELL) {
+    let map = textureLoad(photon_records, at, first + 9u, 0).x;
+    if (map != NO_CELL) {
         let point = vec3f(
             bitcast<f32>(textureLoad(photon_records, at, first, 0).x),
             bitcast<f32>(textureLoad(photon_records, at, first + 1u, 0).x),
             bitcast<f32>(textureLoad(photon_records, at, first + 2u, 0).x),
         );
-        cell = index_of(cell_of(place_of(point)));
+        cell = index_of(min(map, photon_map.maps - 1u), cell_of(place_of(point)));
     }
     let to = texel(i, textureDimensions(photon_key).x);
     textureStore(photon_key, to, 0, vec4u(cell));

@@ -1,9 +1,10 @@
 //! What rounding may change in one pass of the program's own kernels.
 
+use crate::options::MOST_DEPTH;
 use crate::program::rounding::{Off, Rounding, Ties};
 use crate::programs::closest_hit::streams::{
     COLOR, GATHERED_POWER, PDF, PHOTON_DIRECTION, PHOTON_ENERGY, PHOTON_ORIGIN, PHOTON_POWER, PHOTON_RECORDS, RADIANCE,
-    RAY_DIRECTION, RAY_ORIGIN, THROUGHPUT,
+    RAY_DIRECTION, RAY_ORIGIN, SHRUNK, THROUGHPUT,
 };
 use crate::shared::constants::RECORD;
 
@@ -18,7 +19,7 @@ const ENERGY: &[usize] = &[0, 1, 2, 3, 4, 5, 6, 7, 8];
 
 /// The floats of each record.
 const RECORDED: &[usize] = &{
-    let mut layers = [0; 72];
+    let mut layers = [0; 9 * (MOST_DEPTH - 1) as usize];
     let mut i = 0;
     while i < layers.len() {
         layers[i] = i / 9 * RECORD as usize + i % 9;
@@ -54,7 +55,8 @@ pub(super) const OF_SCATTER_PHOTONS: Rounding = Rounding {
 pub(super) const OF_LOOK_UP: Rounding = Rounding {
     floats: &[
         (COLOR, ALL_3, Off::RoundingsOfLight(64.0)),
-        (RADIANCE, ALL_3, Off::RoundingsOfLight(4.0)),
+        (RADIANCE, ALL_3, Off::RoundingsOfLight(64.0)),
+        (SHRUNK, &[0, 1, 2, 3, 4, 5, 6, 7], Off::Roundings(4.0)),
         (RAY_ORIGIN, ALL_3, POINT),
         (RAY_DIRECTION, ALL_3, REFRACTED),
         (THROUGHPUT, ALL_3, Off::Roundings(16.0)),

@@ -1,5 +1,6 @@
 //! Twin of `scatter_photons.wgsl`: stores a photon where it has arrived, and sends it on, or ends it.
 
+use super::emit_photons::sample_of;
 use super::reflected::{is_diffuse, reflected_photon};
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::states::{PHOTON_ARRIVED, PHOTON_DONE, PHOTON_LEAVES, PHOTON_SETUP};
@@ -74,10 +75,10 @@ pub fn scatter_photons<R: Real>(photon: &mut Texels<'_, R>, scene: &SceneData) {
     let [hits, specular] = [0, 1].map(|layer| photon.load_u32(PHOTON_BOUNCE, layer));
     let hit = (photon.load_u32(PHOTON_AT, 2), [photon.load(PHOTON_AT, 0), photon.load(PHOTON_AT, 1)]);
     let direction = unit3(photon.load_vec3(PHOTON_DIRECTION));
-    let index = photon.y * scene.photon_map.row + photon.x;
+    let index = sample_of(photon, scene, photon.load_u32(PHOTON_BOUNCE, 3) - 1);
     let at = Vertex::new(photon, scene, hits, hit, direction, power).of_photon(index);
     let is_matte = is_diffuse(scene, at.triangle);
-    let next = (hits < scene.features.depth).then(|| reflected_photon(&at, scene));
+    let next = (hits + 1 < scene.features.depth).then(|| reflected_photon(&at, scene));
     let ended = next.as_ref().map_or(BY_DEPTH, |next| next.ended);
     if is_matte && hits > 0 {
         record(photon, &at, specular, ended);

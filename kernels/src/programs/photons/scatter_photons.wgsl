@@ -6,6 +6,7 @@
 import package::constants::{DEPTH, INF, LIST_SIDE, NOBODY, NO_TRIANGLE, RECORD};
 import package::state::{PHOTON_SETUP, PHOTON_ARRIVED, PHOTON_LEAVES, PHOTON_DONE};
 import package::live::{book, tiled_texel};
+import package::photon_map::{photon_map};
 import package::random::{OF_PHOTONS};
 import package::reflected::{is_diffuse, reflected_photon};
 import package::scattered::{BY_DEPTH, BY_ESCAPE, Next};
@@ -55,7 +56,8 @@ fn photon_vertex(texel: vec2u, hits: u32, power: vec3f) -> Vertex {
     ));
     var at = vertex_at(texel, hits, triangle, u, v, direction, power);
     at.texel = OF_PHOTONS;
-    at.sample = texel.y * textureDimensions(photon_state).x + texel.x;
+    let emissions = textureLoad(photon_bounce, texel, 3).x - 1u;
+    at.sample = emissions * photon_map.photons + texel.y * textureDimensions(photon_state).x + texel.x;
     return at;
 }
 
@@ -115,7 +117,8 @@ fn next_way(texel: vec2u) -> u32 {
     let is_matte = is_diffuse(at.triangle);
     var next: Next;
     next.ended = BY_DEPTH;
-    if (hits < DEPTH) {
+    // The last bounce is where photons are looked up.
+    if (hits + 1u < DEPTH) {
         next = reflected_photon(at);
     }
     if (is_matte && hits > 0u) {

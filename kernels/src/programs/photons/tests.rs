@@ -1,11 +1,15 @@
 //! Photon maps on the CPU: energy that is conserved, lists that are those of the host, the nearest of all photons, and light
 //! of closed forms.
 
+mod converging;
+
 use glam::{DVec3, Vec3 as Point};
 use raystep_scenes::{Camera, Light, Material, Optics, Projection, Scene, generate};
 
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Integrator, Neighbours, Options, PhotonSort, Photons, RaySource, ScheduleKind};
+use crate::options::{
+    Accelerator, Gather, Integrator, Neighbours, Options, PhotonSort, Photons, RaySource, ScheduleKind,
+};
 use crate::plan::{Limits, Plan};
 use crate::program::schedule::Schedule;
 use crate::programs::closest_hit::elements::{MAP_CELLS, RECORDS};
@@ -91,7 +95,8 @@ fn energy_is_conserved_photon_by_photon_in_every_pass() {
         assert!(bounce.layer(2).contains(&why), "none has ended by {why}");
     }
     let sum = |layer| energy.layer(layer).iter().map(|&bits| f64::from(f32::from_bits(bits))).sum::<f64>();
-    assert!(sum(3) > 0.1 * sum(0) && sum(6) > 0.01 * sum(0), "{} {} {}", sum(0), sum(3), sum(6));
+    // The floor glows, and most of what it emits leaves the scene.
+    assert!(sum(3) > 0.01 * sum(0) && sum(6) > 0.5 * sum(0), "{} {} {}", sum(0), sum(3), sum(6));
 }
 
 /// The power of all photons is the flux of all lights, in traced units.
@@ -120,8 +125,8 @@ fn cells(renderer: &Renderer) -> Vec<(u32, u32)> {
         .map(|record| {
             let (photon, first) = ((record % map.photons) as usize, (record / map.photons * RECORD) as usize);
             let at = crate::numbers::real::Vec3::from([0, 1, 2].map(|axis| records.get_f32(first + axis, photon)));
-            let is_none = records.get(first + 9, photon) == NO_CELL;
-            (if is_none { NO_CELL } else { map.index_of(map.cell_of(map.place_of(at))) }, record)
+            let of = records.get(first + 9, photon);
+            (if of == NO_CELL { NO_CELL } else { map.index_of(of, map.cell_of(map.place_of(at))) }, record)
         })
         .collect()
 }
@@ -129,7 +134,7 @@ fn cells(renderer: &Renderer) -> Vec<(u32, u32)> {
 /// Both ways to sort give the lists of a stable sort by cell.
 #[test]
 fn sorted_lists_are_those_of_a_stable_sort() {
-    for (count, depth, radius) in [(1, 1, 60), (60, 8, 15), (1000, 3, 60), (5000, 5, 1), (300, 4, 1000)] {
+    for (count, depth, radius) in [(1, 2, 60), (60, 8, 15), (1000, 3, 60), (5000, 5, 1), (300, 4, 1000)] {
         let photons = Photons { count, radius, ..few() };
         let mut found = Vec::new();
         for sort in [PhotonSort::Bitonic, PhotonSort::Scan] {
@@ -238,7 +243,7 @@ fn a_mirror_lights_the_floor_as_the_image_of_its_lamp() {
         let found = |seed| {
             let samples = Samples { seed, ..Samples::default() };
             let rays = looking([0.5, 3.0, 3.0], [0.0; 3], 0.001, 1);
-            let options = Options { rays, samples, max_depth: 1, ..options(photons) };
+            let options = Options { rays, samples, max_depth: 2, ..options(photons) };
             f64::from(values(&run(&scene, &options, async |_| {}), COLOR).get_f32(0, 0)) - direct
         };
         let mean = (0..RUNS).map(found).sum::<f64>() / f64::from(RUNS);
@@ -258,7 +263,9 @@ fn every_structure_and_schedule_gathers_the_same_photons() {
             if accelerator == Accelerator::None && steps_per_pass == 1 {
                 continue;
             }
-            let options = Options { accelerator, schedule, steps_per_pass, ..options(few()) };
+            let photons = Photons { gather: Gather::Final, ..few() };
+            let samples = Samples { count: 2, ..Samples::default() };
+            let options = Options { accelerator, schedule, steps_per_pass, samples, ..options(photons) };
             let color = values(&run(&room(), &options, async |_| {}), COLOR);
             let first = first.get_or_insert_with(|| color.clone());
             assert!(*first == color, "{accelerator} {schedule}");
@@ -277,24 +284,23 @@ fn what_does_not_go_together_with_photons_is_refused() {
         }
     };
     assert_eq!(refused(|_| ()), "");
-    assert!(refused(|o| o.samples.count = 2).contains("one sample per pixel"));
+    assert!(refused(|o| o.samples = Samples { count: 2, first: 16, ..o.samples }).contains("shared among machines"));
     assert!(refused(|o| o.rays = RaySource::Given(Vec::new())).contains("input rays cannot be used"));
     assert!(refused(|o| o.any_hit = true).contains("any hit"));
     assert!(refused(|o| o.max_depth = 9).contains("bounces at most 8 times"));
     assert!(refused(|o| o.photons.count = 1 << 21).contains("use fewer photons"));
 }
 
-/// Without light, or without bounces, there is no map, and nothing but what shadow rays find.
+/// Without light there is no picture; with no bounce before the last there is no map, and nothing but what shadow rays find.
 #[test]
 fn a_run_without_a_map_has_no_photons() {
     let mut dark = room();
     dark.lights.clear();
     dark.materials.iter_mut().for_each(|material| material.emissive = [0.0; 3]);
-    for (scene, max_depth) in [(dark, 5), (room(), 0)] {
-        let options = Options { max_depth, ..options(few()) };
-        let renderer = run(&scene, &options, async |_| {});
-        let Schedule { steps } = &renderer.plan().schedule;
-        assert!(!renderer.plan().features.mapped && steps.len() == 2, "{steps:?}");
-        assert!(!renderer.plan().has_stream(PHOTON_RECORDS));
-    }
+    let refused = Plan::new(&dark, &options(few()), &Limits::CPU).map(|_| ()).expect_err("no light").to_string();
+    assert!(refused.contains("nothing in the scene gives light"), "{refused}");
+    let renderer = run(&room(), &Options { max_depth: 1, ..options(few()) }, async |_| {});
+    let Schedule { steps } = &renderer.plan().schedule;
+    assert!(!renderer.plan().features.mapped && steps.len() == 2, "{steps:?}");
+    assert!(!renderer.plan().has_stream(PHOTON_RECORDS));
 }

@@ -1,8 +1,7 @@
 //! What is traced to compare kernels: generated scenes, since no file may be at hand.
 
 use raystep_kernels::options::mapping::Fragment;
-use raystep_kernels::options::rows::Row;
-use raystep_kernels::options::{Integrator, Photons};
+use raystep_kernels::options::{Integrator, PhotonSort, Photons};
 use raystep_kernels::{GridSize, Options, RaySource, Sampler, Samples, named};
 use raystep_scenes::{Camera, Scene, generate};
 
@@ -71,20 +70,27 @@ pub(super) struct Traced {
     configuration: Configuration,
     is_shaded: bool,
     integrator: Integrator,
+    sort: PhotonSort,
     samples: u32,
     is_contracted: bool,
     how: Option<Fragment>,
-    /// The name of an option, and its value.
-    choice: Option<(&'static str, &'static str)>,
     /// Most loop iterations a dispatch, if fewer than the device allows.
     pub(super) turns: Option<u32>,
 }
 
 impl Traced {
     pub(super) fn new(place: Place, configuration: Configuration) -> Self {
-        let (integrator, is_contracted, choice) = (Integrator::Local, false, None);
-        let (is_shaded, samples, how, turns) = (true, 1, None, None);
-        Self { place, configuration, is_shaded, integrator, samples, is_contracted, how, choice, turns }
+        Self {
+            place,
+            configuration,
+            is_shaded: true,
+            integrator: Integrator::Local,
+            sort: PhotonSort::Scan,
+            samples: 1,
+            is_contracted: false,
+            how: None,
+            turns: None,
+        }
     }
 
     pub(super) fn unshaded(self) -> Self {
@@ -93,6 +99,10 @@ impl Traced {
 
     pub(super) fn lit(self, integrator: Integrator) -> Self {
         Self { integrator, ..self }
+    }
+
+    pub(super) fn bitonic(self) -> Self {
+        Self { sort: PhotonSort::Bitonic, ..self }
     }
 
     pub(super) fn sampled(self, samples: u32) -> Self {
@@ -111,10 +121,6 @@ impl Traced {
         Self { how: Some(how), ..self }
     }
 
-    pub(super) fn choosing(self, name: &'static str, value: &'static str) -> Self {
-        Self { choice: Some((name, value)), ..self }
-    }
-
     pub(super) fn undecided(&self) -> Ceiling {
         self.place.undecided()
     }
@@ -125,11 +131,10 @@ impl Traced {
         let samples = format!(", {} samples", self.samples);
         let light = format!(", {}", self.integrator);
         let how = self.how.map(|how| format!(", {}", raystep_kernels::options::mapping::Mapping::Fragment(how)));
-        let choice = self.choice.map(|(name, value)| format!(", {name} {value}"));
         for (is_so, words) in [
-            (self.choice.is_some(), choice.as_deref().unwrap_or_default()),
             (!self.is_shaded, ", not shaded"),
             (self.integrator != Integrator::Local, &light),
+            (self.sort == PhotonSort::Bitonic, ", bitonic sort"),
             (self.samples > 1, &samples),
             (self.is_contracted, ", explicit fma"),
             (self.turns.is_some(), ", in parts"),
@@ -158,11 +163,9 @@ impl Traced {
         };
         let is_any_hit = self.place == Place::Segments;
         let sampler = if self.samples > Samples::BLOCK { Sampler::Random } else { Sampler::Sobol };
-        // Few, of which some are near each pixel's hit.
-        let photons = Photons { count: 200, radius: 100, nearest: 5, ..Photons::default() };
         let options = Options {
-            photons,
             integrator: self.integrator,
+            photons: Photons { count: 300, sort: self.sort, nearest: 10, radius: 100, ..Photons::default() },
             counters: !is_any_hit,
             any_hit: is_any_hit,
             shade: self.is_shaded && !is_any_hit,
@@ -171,12 +174,6 @@ impl Traced {
             samples: Samples { count: self.samples, sampler, seed: 5, first: 0 },
             ..self.configuration.of(&Options::new(rays))
         };
-        let mut choices = options.choices();
-        if let Some((row, value)) = self.choice.and_then(|(name, value)| Some((Row::named(name)?, value))) {
-            let set = row.set(&mut choices, value);
-            debug_assert!(set.is_ok(), "{name} {value}: {set:?}", name = row.name);
-        }
-        let options = options.chosen(&choices);
         Ok((
             scene,
             match self.how {

@@ -7,7 +7,7 @@ use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::samples::Samples;
 use crate::options::{
-    Accelerator, Integrator, Neighbours, Numerics, Options, RaySource, Rule, ScheduleKind, Strategy, Traversal,
+    Accelerator, Gather, Integrator, Neighbours, Numerics, Options, RaySource, Rule, ScheduleKind, Strategy, Traversal,
 };
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
@@ -79,10 +79,11 @@ pub(in crate::programs) fn features(
         path,
         whole_paths: false,
         mis: path && glows && options.strategy == Strategy::Mis,
-        by_light: path && glows && options.strategy == Strategy::Light,
+        by_light: photons && glows || path && glows && options.strategy == Strategy::Light,
         photons,
-        mapped: photons && has_emitters && options.max_depth > 0 && !scene.triangles.is_empty(),
+        mapped: photons && has_emitters && options.max_depth > 1 && !scene.triangles.is_empty(),
         exact: photons && options.photons.neighbours == Neighbours::Exact,
+        gathers_later: photons && options.photons.gather == Gather::Final,
         apart: false,
         depth: if specular || is_physical { options.max_depth } else { 0 },
         eye_rays: is_fused && !options.shade && !given,

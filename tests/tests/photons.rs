@@ -1,0 +1,61 @@
+//! Photon maps: every kernel against its twin, one picture however it is found, and the same maps on every device.
+
+use raystep_kernels::options::{Gather, Integrator, Neighbours, PhotonSort, Photons};
+use raystep_kernels::programs::closest_hit::streams::{PHOTON_FIRST, PHOTON_KEY};
+use raystep_kernels::programs::photons::PROGRAM;
+use raystep_kernels::{Accelerator, Options, Samples, ScheduleKind};
+use raystep_tests::configurations::Configuration;
+use raystep_tests::{devices, options, scene, traced, values};
+
+use crate::bounced::{Run, breaks_are_named, compare, glazed, have_one_picture, takes_a_pass_for_each_triangle};
+use crate::path::glowing;
+
+fn few() -> Photons {
+    Photons { count: 300, radius: 100, nearest: 10, ..Photons::default() }
+}
+
+fn by_photons(options: Options) -> Options {
+    Options { integrator: Integrator::Photons, max_depth: 4, photons: few(), ..options }
+}
+
+#[test]
+fn every_kernel_agrees_with_its_twin_after_every_pass() {
+    let scenes =
+        vec![("glowing", glowing()), ("lights", glazed(scene("lights.gltf"))), ("textures", scene("textures.gltf"))];
+    let runs = |options| -> Vec<Run> {
+        let options = by_photons(options);
+        let of = |photons| Options { photons, ..options.clone() };
+        let final_gather = of(Photons { gather: Gather::Final, ..few() });
+        let sampled = Options { samples: Samples { count: 2, ..Samples::default() }, ..final_gather };
+        let exact = of(Photons { neighbours: Neighbours::Exact, sort: PhotonSort::Bitonic, ..few() });
+        vec![(Options { counters: true, ..options.clone() }, None), (sampled, None), (exact, None), (options, Some(6))]
+    };
+    compare(scenes, [19, 15], 9, takes_a_pass_for_each_triangle, runs);
+}
+
+#[test]
+fn pictures_are_the_same_however_they_are_traced() {
+    have_one_picture(&glowing(), by_photons);
+}
+
+#[test]
+fn a_broken_kernel_is_named() {
+    let base = Configuration::new(Accelerator::Bvh, ScheduleKind::Compact, 8).of(&options(&glowing(), 16, 16));
+    for name in ["emit_photons", "scatter_photons", "key_photons", "search_cells", "look_up", "gather"] {
+        breaks_are_named(PROGRAM.kernel(name).expect("a kernel"), &glowing(), &by_photons(base.clone()));
+    }
+}
+
+/// Places and cells of photons have the same bits wherever floats are not rounded otherwise, and by either sort.
+#[test]
+fn both_sorts_leave_the_same_lists() {
+    for (name, device) in devices() {
+        let of = |sort| {
+            let base = Configuration::new(Accelerator::Bvh, ScheduleKind::Fused, 1).of(&options(&glowing(), 8, 8));
+            let photons = Photons { count: 3000, radius: 20, sort, ..few() };
+            let renderer = traced(&glowing(), &Options { photons, ..by_photons(base) }, &device);
+            [PHOTON_KEY, PHOTON_FIRST].map(|stream| values(&renderer, stream))
+        };
+        assert!(of(PhotonSort::Bitonic) == of(PhotonSort::Scan), "{name}");
+    }
+}
