@@ -5,8 +5,7 @@
 
 mod plots;
 
-use raystep_kernels::options::rows::{self, Values};
-use raystep_kernels::options::{Integrator, MOST_DEPTH, Photons};
+use raystep_kernels::options::{Gather, Integrator, MOST_DEPTH, Photons};
 use raystep_kernels::{Accelerator, Image, Options, ScheduleKind};
 use raystep_scenes::Optics;
 
@@ -91,33 +90,25 @@ const fn is_specular(optics: Optics) -> bool {
 
 /// Paths, and photons by each way to gather them. A sample of a path takes far less time than one of a map.
 fn ways(work: &Work<'_>, accelerator: Accelerator) -> Vec<Way> {
-    let options = Options {
+    let options = |integrator, gather| Options {
+        integrator,
         accelerator,
         grid: work.grid_of(accelerator),
         schedule: ScheduleKind::Fused,
         // The most that photons have.
         max_depth: MOST_DEPTH,
-        photons: Photons { count: work.either(2_000, 5_000), ..Photons::default() },
+        photons: Photons { count: work.either(2_000, 5_000), gather, ..Photons::default() },
         keep_passes: false,
         ..Options::new(rays(work))
     };
-    let of = |integrator| Options { integrator, ..options.clone() };
-    let (path, photons) = (of(Integrator::Path), of(Integrator::Photons));
-    let mut ways = vec![Way { name: path.integrator.to_string(), options: path, most: work.either(32, 64) }];
-    let most = work.either(16, 32);
-    let row = rows::Row::named("gather");
-    let names = row.map_or(Vec::new(), |row| if let Values::Names(names) = row.values { names() } else { Vec::new() });
-    for name in names {
-        let mut choices = photons.choices();
-        if row.is_some_and(|row| row.set(&mut choices, name).is_ok()) {
-            let options = photons.clone().chosen(&choices);
-            ways.push(Way { name: format!("{} {name}", photons.integrator), options, most });
-        }
-    }
-    if ways.len() == 1 {
-        ways.push(Way { name: photons.integrator.to_string(), options: photons, most });
-    }
-    ways
+    let (path, photons) = (Integrator::Path, Integrator::Photons);
+    let of_path = Way { name: path.to_string(), options: options(path, Gather::default()), most: work.either(32, 64) };
+    let of_photons = Gather::ALL.iter().map(|&gather| Way {
+        name: format!("{photons} {gather}"),
+        options: options(photons, gather),
+        most: work.either(16, 32),
+    });
+    std::iter::once(of_path).chain(of_photons).collect()
 }
 
 /// A row of a way.
