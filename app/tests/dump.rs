@@ -206,7 +206,7 @@ fn dump_leaves_a_folder_with_files_alone_unless_forced() {
 fn photons_are_dumped_with_their_number() {
     let place = Place::new();
     let dump = ["dump", &cornell_box(), "--stream", "color,photon_bounce,photon_records,photon_key", "-o", "out"];
-    let way = ["--integrator", "photons", "--photons", "100", "--max-depth", "2", "--size", "8x6", "--device", "cpu"];
+    let way = ["--integrator", "photons", "--photons", "100", "--max-depth", "3", "--size", "8x6", "--device", "cpu"];
     place.ok(&[&dump[..], &way, &["--quiet"]].concat());
     let index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
     assert_eq!((&index["options"]["photons"], &index["options"]["integrator"]), (&100.into(), &"photons".into()));
@@ -221,7 +221,7 @@ fn photons_are_dumped_with_their_number() {
         assert!((1..=shape[2]).contains(&(count - (shape[1] - 1) * shape[2])), "{name}: {shape:?}");
         counts.push((stream["elements"].as_str().expect("a set"), count));
     }
-    // Rows of 16 photons, each of which may be stored at two bounces.
+    // Rows of 16 photons, each of which may be stored at two bounces: at the last one, photons are looked up.
     assert_eq!(counts, [("rays", 48), ("photons", 112), ("photons", 112), ("records", 224)]);
 }
 

@@ -222,11 +222,11 @@ fn say(work: &Work<'_>, ways: &[Way], rows: &[Row], part: &mut Part) {
     let of_photons = rows.iter().find(|row| !row.get("photons_emitted").is_empty());
     if let Some(row) = of_photons.filter(|row| row.get("quantity") != "time") {
         part.prose.push(format!(
-            "{} × {} pixels; {} photons for each sample, up to {} bounces: light of more is missing in all images, but \
-             for one more after a final gather. The reference has {} samples per pixel along paths, with seeds of \
-             its own; its own error is {}, whose square is subtracted. Squared bias is the mean product of what two \
-             different seeds are off by: it may be below 0 by chance where there is none. Its interval is by the jackknife, the others \
-             by order statistics. The time of an image is that of a run of {TIMED} samples, by their number; {}.",
+            "{} × {} pixels; {} photons for each sample, up to {} bounces: light of more is missing in all images. The \
+             reference has {} samples per pixel along paths, with seeds of its own; its own error is {}, whose square is \
+             subtracted. Squared bias is the mean product of what two different seeds are off by: it may be below 0 by chance \
+             where there is none. Its interval is by the jackknife, the others by order statistics. The time of an image is \
+             that of a run of {TIMED} samples, by their number; {}.",
             number("width_px", row),
             number("height_px", row),
             number("photons_emitted", row),
