@@ -18,7 +18,8 @@ fn light_is_measured_beside_hits_and_its_rays_are_counted() {
     let file = cornell_box();
     let all: Vec<&str> = Integrator::ALL.iter().map(|integrator| integrator.name()).collect();
     let ways = ["--accelerators", "grid,bvh", "--schedules", "second,compact,fused"];
-    let what = ["--integrators", &all.join(","), "--photons", "500", "-o", "out"];
+    let names = all.join(",");
+    let what = ["--integrators", &names, "--photons", "500", "-o", "out"];
     let outcome = place.ok(&bench(&file, &[&ways[..], &what].concat()));
     let (_, summary) = rows(&place.read("out/summary.csv"));
     assert_eq!(summary.len(), 6 * all.len());

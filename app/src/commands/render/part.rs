@@ -43,13 +43,13 @@ pub(in crate::commands) fn read_block(folder: &Path, block: u32, of: Picture) ->
 /// Traces the blocks of a part that its folder does not have yet.
 pub(super) fn run(args: &RenderArgs, shard: Shard) -> Result<(), Error> {
     refuse_other_outputs(args)?;
+    refuse_what_goes_on(args)?;
     let progress = Progress::new(args.quiet.quiet);
     let whole = args.view.samples.values.samples;
     let range = shard.range(whole.blocks() as usize, "blocks of 16 samples")?;
     let blocks: Vec<(u32, Samples)> =
         range.filter_map(|block| Some((block as u32, whole.part(block as u32)?))).collect();
     let first = blocks.first().map_or(whole, |(_, samples)| *samples);
-    refuse_what_goes_on(args)?;
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |_, options| options.samples = first)?;
     let hash = hashed(Hash::default(), &session.inputs, args.scene.read.max_memory)?;
     let mut running = session.start(&progress)?;
