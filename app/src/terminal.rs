@@ -87,12 +87,15 @@ impl Progress {
             self.bar.set_length(progress.rays);
             self.style("{msg:<24} [{bar:30}] {human_pos} of {human_len} rays resolved, {elapsed}");
         }
-        if progress.samples_wanted > 1 {
+        let place = if progress.samples_wanted > 1 {
             let sample = (progress.samples + 1).min(progress.samples_wanted);
-            self.bar.set_message(format!("sample {sample} of {}", progress.samples_wanted));
+            format!("sample {sample} of {}", progress.samples_wanted)
         } else {
-            self.bar.set_message(format!("pass {}", progress.passes));
-        }
+            format!("pass {}", progress.passes)
+        };
+        // No ray is resolved meanwhile.
+        let others = progress.others.map(|name| format!(", {}", name.replace('_', " ")));
+        self.bar.set_message(place + &others.unwrap_or_default());
         self.bar.set_position(progress.rays_decided);
     }
 
@@ -256,6 +259,20 @@ mod tests {
         let lines = lines(Duration::ZERO, |progress| progress.part("measuring", 1_234, 20_000));
         assert!(lines.iter().any(|line| line.starts_with("progress: measuring: 1,234 of 20,000, ")), "{lines:?}");
         assert!(lines.iter().all(|line| !line.contains('[') && line.trim_end() == line), "{lines:?}");
+    }
+
+    #[test]
+    fn what_a_run_works_on_beside_rays_is_told() {
+        let at = |passes, others| {
+            let (rays_decided, rays, samples, samples_wanted) = (0, 64, 0, 1);
+            raystep_kernels::Progress { passes, rays_decided, rays, samples, samples_wanted, others }
+        };
+        let lines = lines(Duration::ZERO, |progress| {
+            progress.rays(&at(7, Some("map_cells")));
+            progress.rays(&at(8, None));
+        });
+        assert!(lines.iter().any(|line| line.contains("pass 7, map cells: 0 of 64 rays resolved")), "{lines:?}");
+        assert!(lines.iter().any(|line| line.contains("pass 8: 0 of 64 rays resolved")), "{lines:?}");
     }
 
     #[test]

@@ -59,7 +59,7 @@ fn every_configuration_has_its_row_and_the_files_agree() {
          invalid_runs,median_ns,low_ns,high_ns,min_ns,max_ns,interval_method,interval_level,median_wall_ns,\
          fixed_work_ns,rays_per_s,time_ratio,time_ratio_low,time_ratio_high,ratio_to,passes,useful_steps_per_thread,\
          cells_per_ray,tests_per_ray,repeated_per_ray,structure_bytes,bytes_per_triangle,hits,hits_hash,baseline_ratio,\
-         mapping,traversal,integrator,samples_per_s,secondary_rays,shadow_rays"
+         mapping,traversal,integrator,samples_per_s,secondary_rays,shadow_rays,integrator_options"
     );
     let groups: Vec<_> = summary.chunks(3).collect();
     let expected: Vec<_> = ["cornell-box", "teapot"]

@@ -85,6 +85,7 @@ fn passes_keep_their_numbers_whatever_is_dumped() {
         &["--schedule", "fused"],
         &["--integrator", "shadows", "--schedule", "second"],
         &["--integrator", "path", "--schedule", "compact", "--steps-per-pass", "8"],
+        &["--integrator", "photons", "--photons", "50", "--schedule", "compact", "--steps-per-pass", "8"],
     ];
     for (i, way) in ways.into_iter().enumerate() {
         let is_stepped = way != ["--schedule", "fused"];
@@ -198,6 +199,30 @@ fn dump_leaves_a_folder_with_files_alone_unless_forced() {
     let names: Vec<_> = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
     let names: Vec<_> = names.iter().map(String::as_str).collect();
     assert_eq!(sorted(&names), ["index.json", "mine.txt", "pass-000003.hit.npy"], "the first dump's files are deleted");
+}
+
+/// Photons, and what is stored of them, are elements of sets of their own.
+#[test]
+fn photons_are_dumped_with_their_number() {
+    let place = Place::new();
+    let dump = ["dump", &cornell_box(), "--stream", "color,photon_bounce,photon_records,photon_key", "-o", "out"];
+    let way = ["--integrator", "photons", "--photons", "100", "--max-depth", "3", "--size", "8x6", "--device", "cpu"];
+    place.ok(&[&dump[..], &way, &["--quiet"]].concat());
+    let index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
+    assert_eq!((&index["options"]["photons"], &index["options"]["integrator"]), (&100.into(), &"photons".into()));
+    let last = index["passes"].as_array().expect("passes").len() - 1;
+    let mut counts = Vec::new();
+    for stream in index["streams"].as_array().expect("streams") {
+        let name = stream["name"].as_str().expect("a name");
+        let (_, shape, _) = npy(&place.read(&format!("out/pass-{last:06}.{name}.npy")));
+        let count = stream["count"].as_u64().expect("a number") as usize;
+        assert_eq!(shape[0], stream["layers"].as_array().expect("layers").len(), "{name}");
+        // Whole rows, but for the last one.
+        assert!((1..=shape[2]).contains(&(count - (shape[1] - 1) * shape[2])), "{name}: {shape:?}");
+        counts.push((stream["elements"].as_str().expect("a set"), count));
+    }
+    // Rows of 16 photons, each of which may be stored at two bounces: at the last one, photons are looked up.
+    assert_eq!(counts, [("rays", 48), ("photons", 112), ("photons", 112), ("records", 224)]);
 }
 
 /// The scene data of the paper's Figure 5: grid, lists, vertices, materials.

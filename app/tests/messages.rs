@@ -205,7 +205,16 @@ fn options_that_need_others_or_do_not_fit_say_which() {
             "--by-bounce writes layers, which a PNG does not have: use a name that ends in .exr".into(),
             render(&["--by-bounce", "--integrator", "path"]),
         ),
+        (
+            "--by-bounce divides the light of paths: add --integrator path".into(),
+            render(&["--by-bounce", "--integrator", "photons"]),
+        ),
+        (
+            "--shard divides samples, and with --integrator photons each depends on those before it: omit one of them".into(),
+            render(&["--shard", "1/2", "--integrator", "photons"]),
+        ),
         ("--size is given more than once".into(), render(&["--size", "8x8", "--size", "9x9"])),
+        ("--spp is given more than once".into(), render(&["--spp", "2", "--iterations", "2"])),
         ("--output <OUT.png|OUT.exr> is missing (see --help)".into(), vec!["render", &file]),
         ("--output <OUT.png|OUT.exr> and <SCENE> are missing (see --help)".into(), vec!["render"]),
         (

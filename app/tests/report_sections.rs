@@ -1,4 +1,5 @@
-//! The sections of `raystep report` on passes, offset, scale, grid resolution, samples and strategies, from the built binary.
+//! The sections of `raystep report` on passes, offset, scale, grid resolution, samples, strategies and photon maps, from the
+//! built binary.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -196,4 +197,52 @@ fn strategies_are_compared_where_a_surface_emits_light() {
     assert!(self::rows(&place, "none/strategies.csv").is_empty());
     let page = String::from_utf8(place.read("none/index.html")).expect("text");
     assert!(page.contains("No surface of the scene emits light"));
+}
+
+#[test]
+fn photons_are_compared_with_paths_where_a_surface_emits_light() {
+    let place = Place::new();
+    place.ok(&["scene", "cornell-lamp", "-o", "lit.glb", "--quiet"]);
+    let wanted = ["--quick", "--device", "cpu", "--section", "photon-maps", "--size", "12x12", "--seeds", "6"];
+    place.ok(&[&["report", "lit.glb", "-o", "out", "--quiet", "--seconds", "200"], &wanted[..]].concat());
+    let rows = rows(&place, "out/photon_maps.csv");
+    let ways: BTreeSet<&str> = rows.iter().map(|row| row["estimator"].as_str()).collect();
+    assert_eq!(ways.into_iter().collect::<Vec<_>>(), ["path", "photons direct", "photons final"]);
+    for (way, samples) in [("path", 32u32), ("photons direct", 16), ("photons final", 16)] {
+        let of = |quantity: &str| {
+            let wanted = [("quantity", quantity), ("estimator", way)];
+            rows.iter().filter(move |row| is(row, &wanted)).collect::<Vec<_>>()
+        };
+        let (together, errors, times) = (of("convergence"), of("error"), of("time"));
+        assert_eq!(
+            (together.len(), errors.len(), times.len()),
+            (samples.ilog2() as usize, 6 * together.len(), 1),
+            "{way}"
+        );
+        for row in &together {
+            assert_eq!(row["photons_emitted"], if way == "path" { "" } else { "2000" }, "{row:?}");
+            for column in ["error", "flip", "bias_squared"] {
+                assert!(is_within(row, column), "{column}: {row:?}");
+            }
+            let expected = number(times[0], "ns_per_sample") * number(row, "samples");
+            assert!((number(row, "image_ns") / expected - 1.0).abs() < 1e-4, "{row:?}");
+            // The parts add up to the mean square difference from the reference, its own error included.
+            let squares = errors.iter().filter(|error| error["samples"] == row["samples"]);
+            let squares: Vec<f64> = squares.map(|error| number(error, "rmse").powi(2)).collect();
+            let whole = squares.iter().sum::<f64>() / squares.len() as f64;
+            let own = number(row, "reference_rmse").powi(2);
+            let parts = number(row, "bias_squared") + number(row, "variance") + own;
+            assert!(squares.len() == 6 && (parts / whole - 1.0).abs() < 1e-4, "{parts} of {whole}: {row:?}");
+        }
+        assert!(together.windows(2).all(|of| number(of[0], "variance") > number(of[1], "variance")), "{way}");
+        // What is left of a path's error is chance.
+        let (first, last) = (together[0], together[together.len() - 1]);
+        assert!(way != "path" || number(last, "bias_squared").abs() < 0.25 * number(last, "variance"), "{last:?}");
+        assert!(number(last, "error") < number(first, "error"), "{way}");
+    }
+    let page = String::from_utf8(place.read("out/index.html")).expect("text");
+    assert!(page.contains("Error over time, paths and photons") && page.contains("Bias and deviation over time"));
+
+    report(&place, "cornell-box.gltf", &["photon-maps", "-o", "none", "--quiet"]);
+    assert!(self::rows(&place, "none/photon_maps.csv").is_empty());
 }

@@ -186,12 +186,18 @@ fn what_would_have_no_effect_is_refused() {
         ("use --numerics robust", &["--skip", "on", "--numerics", "paper"]),
         ("expected auto, on or off", &["--skip", "maybe"]),
         (
-            "--max-depth 3 applies to --integrator whitted or path, not to shadows",
+            "--max-depth 3 applies to --integrator whitted, path or photons, not to shadows",
             &["--max-depth", "3", "--integrator", "shadows"],
         ),
         ("has at most 8 with --integrator whitted", &["--max-depth", "9", "--integrator", "whitted"]),
         ("--max-depth 65: expected an integer from 0 to 64", &["--max-depth", "65", "--integrator", "path"]),
         ("--strategy bsdf applies to --integrator path, not to local", &["--strategy", "bsdf"]),
+        ("--max-depth 9: a photon bounces at most 8 times", &["--max-depth", "9", "--integrator", "photons"]),
+        ("--photons 0: expected an integer from 1 to ", &["--photons", "0", "--integrator", "photons"]),
+        (
+            "--photon-map bitonic applies to --integrator photons, not to path",
+            &["--photon-map", "bitonic", "--integrator", "path"],
+        ),
     ];
     for (wanted, how) in cases {
         place.fails(2, wanted, &[&render[..], how].concat());
@@ -202,6 +208,7 @@ fn what_would_have_no_effect_is_refused() {
         &["--skip", "off", "--accelerator", "bvh"],
         &["--max-depth", "0", "--integrator", "whitted"],
         &["--max-depth", "9", "--integrator", "path", "--strategy", "light"],
+        &["--integrator", "photons", "--photons", "100", "--photon-map", "bitonic", "--neighbours", "exact"],
     ] {
         place.ok(&[&render[..], how].concat());
     }

@@ -137,7 +137,7 @@ impl Watcher {
         if self.last.elapsed() < INTERVAL && !is_end {
             return ControlFlow::Continue(());
         }
-        let Progress { passes, rays_decided, rays, samples, samples_wanted } = *progress;
+        let Progress { passes, rays_decided, rays, samples, samples_wanted, .. } = *progress;
         let asked = Python::attach(|py| {
             py.check_signals()?;
             let callback = self.callback.as_ref();

@@ -153,6 +153,21 @@ class Run(unittest.TestCase):
         with self.assertRaisesRegex(OptionError, "at most 8 with --integrator whitted"):
             Renderer("cornell-box", integrator="whitted", max_depth=9, **SMALL)
 
+    def test_photons_have_the_options_and_sets_of_the_command(self) -> None:
+        words = "--integrator photons --photons 100 --photon-map bitonic --nearest 9 --size 32x24 --device cpu".split()
+        run = Renderer(
+            "cornell-box", integrator="photons", photons=100, photon_map="bitonic", nearest=9, **SMALL
+        ).run()
+        # Elements that are no pixels are a row: whole rows of the texture have 16.
+        self.assertEqual(run.streams["photon_bounce"].shape[0], 112)
+        self.assertEqual(run.streams["photon_key"].shape[0] % 112, 0)
+        with tempfile.TemporaryDirectory() as folder:
+            command("render", "cornell-box", "-o", f"{folder}/p.png", *words)
+            with open(f"{folder}/p.png", "rb") as file:
+                self.assertEqual(file.read(), run.image().png())
+        with self.assertRaisesRegex(OptionError, "--photons applies to --integrator photons, not to path"):
+            Renderer("cornell-box", integrator="path", photons=100, **SMALL)
+
     def test_a_kernel_of_ones_own_runs_in_place_of_the_built_in_one(self) -> None:
         kernels = pathlib.Path(__file__).parents[3] / "kernels/src/programs/closest_hit"
         own = Renderer("cornell-box", kernel=[kernels / "intersect.wgsl", f"setup={kernels / 'setup.wgsl'}"], **SMALL)

@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 use clap::builder::{ArgPredicate, PossibleValuesParser, TypedValueParser as _};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use raystep_kernels::options::Integrator;
 use raystep_kernels::options::mapping::Mapping;
 use raystep_kernels::options::rows::{ROWS, Refusal, Row, Value, Values};
 use raystep_kernels::{Accelerator, Choices, GridSize, Options, RaySource, ScheduleKind};
@@ -50,9 +51,19 @@ groups! {
     /// Everything about tracing.
     Tracing, Some("Tracing") => |row| !What::has(row) && !Sampling::has(row);
     /// What rays of a file have.
-    Casting, Some("Tracing") => |row| Tuning::has(row) || matches!(row, "accelerator" | "schedule");
+    Casting, Some("Tracing") => |row| is_of_any_rays(row) || matches!(row, "accelerator" | "schedule");
     /// What `raystep bench` does not combine itself.
-    Tuning, Some("Tracing") => |row| matches!(row, "numerics" | "grid" | "skip" | "steps-per-pass" | "build" | "keep-all");
+    Tuning, Some("Tracing") => |row| is_of_any_rays(row) || is_of_photons(row);
+}
+
+/// What rays have wherever they come from.
+fn is_of_any_rays(row: &str) -> bool {
+    matches!(row, "numerics" | "grid" | "skip" | "steps-per-pass" | "build" | "keep-all")
+}
+
+/// What maps of photons have: their number alone decides what a run takes.
+fn is_of_photons(row: &str) -> bool {
+    matches!(row, "photons" | "photon-map" | "neighbours" | "nearest" | "gather" | "gather-radius")
 }
 
 /// The rows of a group.
@@ -107,9 +118,17 @@ impl<S: Group> ChoiceArgs<S> {
     }
 
     /// Refuses what has no effect with any of these, or goes together with none of them.
-    pub(crate) fn check_for(&self, accelerators: &[Accelerator], schedules: &[ScheduleKind]) -> Result<(), Error> {
+    pub(crate) fn check_for(
+        &self,
+        accelerators: &[Accelerator],
+        schedules: &[ScheduleKind],
+        integrators: &[Integrator],
+    ) -> Result<(), Error> {
         let each = accelerators.iter().flat_map(|&accelerator| {
-            schedules.iter().map(move |&schedule| Choices { accelerator, schedule, ..self.values })
+            schedules.iter().flat_map(move |&schedule| {
+                let of_light = integrators.iter();
+                of_light.map(move |&integrator| Choices { accelerator, schedule, integrator, ..self.values })
+            })
         });
         for row in ROWS {
             let refused: Vec<_> = each.clone().map(|choices| (row.refused)(&choices)).collect();

@@ -70,6 +70,7 @@ Examples:
   raystep bench teapot --accelerators grid,bvh --schedules second,compact,fused -o bench
   raystep bench teapot --size 512x512,1920x1080 --rays primary,bounce,shadow -o bench
   raystep bench cornell-box --integrators local,shadows -o bench
+  raystep bench cornell-box --integrators photons --photons 2000 --photon-map bitonic -o bitonic
   raystep bench teapot terrain --shard 1/2 -o bench-1
   raystep bench my-program my-program-before -o programs
   raystep bench cornell-box --schedules second -o built-in
@@ -101,7 +102,7 @@ pub(crate) struct BenchArgs {
           value_parser = named(Traversal::ALL, Traversal::name), help_heading = "What is measured")]
     traversals: Vec<Traversal>,
     /// What is measured: hits alone, without shading (local), or the image, with shading and all rays for its light
-    /// (shadows, whitted, path; see 'raystep render --help'). For primary rays
+    /// (shadows, whitted, path, photons; see 'raystep render --help'). For primary rays
     #[arg(long, value_name = "I,J…", value_delimiter = ',', default_value = Integrator::default().name(),
           value_parser = named(Integrator::ALL, Integrator::name), help_heading = "What is measured")]
     integrators: Vec<Integrator>,
@@ -242,7 +243,7 @@ struct Done {
 }
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
-    args.tuning.check_for(&args.accelerators, &args.schedules)?;
+    args.tuning.check_for(&args.accelerators, &args.schedules, &args.integrators)?;
     let is_drawn = |schedule: &ScheduleKind| matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
     let draws = args.mappings.iter().any(|&mapping| mapping != Mapping::Compute);
     if draws && !args.schedules.iter().any(is_drawn) {

@@ -34,7 +34,8 @@ use wanted::streams;
 /// Write streams after one pass or after every pass
 ///
 /// DIR/pass-000123.hit.npy has the stream 'hit' after pass 123 as an array (layer, row, column) of float32 or uint32,
-/// depending on the stream. DIR/pass-000123.note.NAME.npy has what a kernel of yours prints in it. With --buffers, DIR/scene.vertices.npy has the triangles as kernels read them, and so on.
+/// depending on the stream. Elements that are no pixels, such as photons (--integrator photons), fill the rows one after the
+/// other: index.json has how many there are. DIR/pass-000123.note.NAME.npy has what a kernel of yours prints in it. With --buffers, DIR/scene.vertices.npy has the triangles as kernels read them, and so on.
 /// index.json describes every pass, the structure, and how to convert the streams' units to the scene file's coordinates.
 #[derive(Args, Debug)]
 #[command(mut_arg("scene", |scene| scene.help(SCENE_OR_PROGRAM)), after_help = "\
@@ -42,6 +43,7 @@ Examples:
   raystep dump cornell-box --pass last --stream hit -o hits
   raystep dump cornell-box --pass 7 --stream state,tmax -o pass7
   raystep dump cornell-box --stream hit --buffers grid_cells,grid_items,vertices -o data
+  raystep dump cornell-box --integrator photons --photons 1000 --stream photon_records,photon_key -o photons
   raystep dump teapot --pass all --stream all --size 64x64 --format both -o all
   raystep dump my-program --pass 3 -o pass3")]
 pub(crate) struct DumpArgs {

@@ -48,6 +48,7 @@ Examples:
   raystep render cornell-box -o part-1 --spp 256 --shard 1/4
   raystep render teapot -o teapot.exr --size 1920x1080 --device cpu
   raystep render cornell-box -o box.exr --integrator path --spp 256 --by-bounce
+  raystep render cornell-box -o box.png --integrator photons --photons 20000
   raystep render cornell-box -o box.png --numerics paper --check
   raystep render terrain -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
   raystep render cornell-box -o box.png --passes-csv passes.csv --summary-json run.json

@@ -83,7 +83,7 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "N", default_value_t = report::SEED, allow_negative_numbers = true,
           value_parser = whole::<u32>(0, u64::from(u32::MAX)))]
     seed: u32,
-    /// Seeds in sections samples and strategies [default: 10; at least 6 for intervals]
+    /// Seeds in sections samples, strategies and photon-maps [default: 10; at least 6 for intervals]
     #[arg(long, value_name = "N", default_value_t = report::SEEDS, hide_default_value = true, allow_negative_numbers = true,
           value_parser = whole::<u32>(1, 1000))]
     seeds: u32,

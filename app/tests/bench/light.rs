@@ -10,7 +10,7 @@ use super::{Row, bench, cornell_box, is_near, number, rows};
 use crate::common::Place;
 
 /// Columns that benchmarks from before light lack.
-const LATER: [&str; 4] = ["integrator", "samples_per_s", "secondary_rays", "shadow_rays"];
+const LATER: [&str; 5] = ["integrator", "samples_per_s", "secondary_rays", "shadow_rays", "integrator_options"];
 
 #[test]
 fn light_is_measured_beside_hits_and_its_rays_are_counted() {
@@ -18,7 +18,9 @@ fn light_is_measured_beside_hits_and_its_rays_are_counted() {
     let file = cornell_box();
     let all: Vec<&str> = Integrator::ALL.iter().map(|integrator| integrator.name()).collect();
     let ways = ["--accelerators", "grid,bvh", "--schedules", "second,compact,fused"];
-    let outcome = place.ok(&bench(&file, &[&ways[..], &["--integrators", &all.join(","), "-o", "out"]].concat()));
+    let names = all.join(",");
+    let what = ["--integrators", &names, "--photons", "500", "-o", "out"];
+    let outcome = place.ok(&bench(&file, &[&ways[..], &what].concat()));
     let (_, summary) = rows(&place.read("out/summary.csv"));
     assert_eq!(summary.len(), 6 * all.len());
     passes_agree(&place, &summary);
@@ -32,8 +34,11 @@ fn light_is_measured_beside_hits_and_its_rays_are_counted() {
         let per_s = |rays: f64| rays / number(row, "median_ns") * 1e9;
         assert!(is_near(number(row, "samples_per_s"), per_s(rays)), "{row:?}");
         // By the passes of the kernels that begin the walks of rays to lights; no walk takes more than one dispatch here.
-        let is_beginning = |pass: &&&Row| matches!(pass["kernel"].as_str(), "shadow_setup" | "shadow_fused");
-        let begun: f64 = of_row.iter().filter(is_beginning).map(|pass| number(pass, "rays_in")).sum();
+        let by = |kernels: [&str; 2]| -> f64 {
+            let of_kernel = of_row.iter().filter(|pass| kernels.contains(&pass["kernel"].as_str()));
+            of_kernel.map(|pass| number(pass, "rays_in")).sum()
+        };
+        let begun = by(["shadow_setup", "shadow_fused"]);
         if row["integrator"] == "local" {
             assert_eq!([&row["secondary_rays"], &row["shadow_rays"]], ["", ""], "{row:?}");
             assert!(begun == 0.0 && is_near(number(row, "rays_per_s"), per_s(rays)), "{row:?}");
@@ -47,6 +52,12 @@ fn light_is_measured_beside_hits_and_its_rays_are_counted() {
         if row["integrator"] == "shadows" {
             assert!(secondary == 0.0 && shadow <= rays, "there is one light: {row:?}");
         }
+        let of_photons = by(["photon_setup", "photon_fused"]);
+        let has_photons = row["integrator"] == "photons";
+        assert_eq!(has_photons, row["integrator_options"].contains(" photons=500 photon_map=scan "), "{row:?}");
+        // As they are emitted and at each bounce; those that are emitted fill whole rows.
+        assert!(if has_photons { of_photons > 504.0 } else { of_photons == 0.0 }, "{row:?}");
+        assert!(secondary >= of_photons, "{row:?}");
         // Every way finds the same.
         let first = &summary[place % all.len()];
         for column in ["hits_hash", "secondary_rays", "shadow_rays"] {
@@ -57,7 +68,7 @@ fn light_is_measured_beside_hits_and_its_rays_are_counted() {
         assert!(outcome.stdout.contains(column), "{column}: {}", outcome.stdout);
     }
     let run: Value = serde_json::from_slice(&place.read("out/run.json")).expect("JSON");
-    assert_eq!(run["options"]["integrators"], Value::from(all));
+    assert_eq!((&run["options"]["integrators"], &run["options"]["photons"]), (&Value::from(all), &500.into()));
 }
 
 /// Without the option nothing is new but columns at the end, and files without those are read.
@@ -68,7 +79,7 @@ fn hits_are_measured_as_before_and_compared_with_earlier_files() {
     let outcome = place.ok(&bench(&file, &["-o", "before"]));
     assert!(!outcome.stdout.contains("integrator") && !outcome.stdout.contains("Msample"), "{}", outcome.stdout);
     let (names, before) = rows(&place.read("before/summary.csv"));
-    assert_eq!((names[names.len() - 4..].to_vec(), before.len()), (LATER.map(String::from).to_vec(), 1));
+    assert_eq!((names[names.len() - LATER.len()..].to_vec(), before.len()), (LATER.map(String::from).to_vec(), 1));
     let kernels = |folder: &str| -> BTreeSet<String> {
         let (_, passes) = rows(&place.read(&format!("{folder}/passes.csv")));
         passes.iter().map(|pass| pass["kernel"].clone()).collect()
@@ -101,5 +112,7 @@ fn light_of_other_rays_than_an_images_is_refused() {
     {
         place.fails(2, wanted, &bench(&file, &[&rays[..], &["--integrators", "local,shadows", "-o", "out"]].concat()));
     }
+    let idle = "--photons applies to --integrator photons, not to local: omit it";
+    place.fails(2, idle, &bench(&file, &["--photons", "500", "-o", "out"]));
     place.fails(2, "--integrators sun: expected local", &bench(&file, &["--integrators", "sun", "-o", "out"]));
 }

@@ -1,5 +1,6 @@
 //! Statistics of counts and times: intervals, tests, fitted lines, mean errors.
 
+pub mod bias;
 mod compared;
 pub mod interval;
 pub mod proportion;

@@ -15,6 +15,7 @@ use crate::plan::Structure;
 use crate::program::Program;
 use crate::renderer::RayHit;
 pub use crate::renderer::{CounterSums, KernelSummary};
+use crate::tables::elements::Size;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::{Stream, Texel};
 
@@ -184,6 +185,10 @@ pub struct StreamSummary {
     pub layers: Vec<LayerSummary>,
     /// Unit of its values.
     pub unit: &'static str,
+    /// The set of its elements, such as `rays` or `photons`.
+    pub elements: &'static str,
+    /// How many elements that has: texels after them, in the last row, are of none. `null` until a pass has found it.
+    pub count: Option<u32>,
     /// Size for the whole image.
     pub bytes: u64,
 }
@@ -199,9 +204,9 @@ pub struct LayerSummary {
     pub unwritten_bits: u32,
 }
 
-/// Summary of a stream with this many texels.
+/// Summary of a stream whose elements are so many, if that is known.
 #[must_use]
-pub fn stream(stream: Stream, texels: u64) -> StreamSummary {
+pub fn stream(stream: Stream, size: Option<Size>) -> StreamSummary {
     let info = stream.info();
     let layer = |(i, name): (usize, &&'static str)| LayerSummary {
         name,
@@ -216,6 +221,8 @@ pub fn stream(stream: Stream, texels: u64) -> StreamSummary {
         },
         layers: info.layers.iter().enumerate().map(layer).collect(),
         unit: info.unit,
-        bytes: stream.bytes(texels).unwrap_or(u64::MAX),
+        elements: info.elements.name,
+        count: size.map(|size| size.count),
+        bytes: stream.bytes(size.map_or(0, |size| size.texels())).unwrap_or(u64::MAX),
     }
 }

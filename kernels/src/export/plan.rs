@@ -218,7 +218,7 @@ pub struct LeftOutSummary {
 /// The plan as printed to JSON, for a run with `--accelerator asked`.
 #[must_use]
 pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
-    let texels = u64::from(plan.width) * u64::from(plan.height);
+    let size = |of: Stream| plan.sets.iter().find(|set| set.what == of.info().elements).and_then(|set| set.size);
     let kernel = |variant: &Variant| {
         let info = variant.kernel.info();
         let bindings = variant.bindings.iter().map(|b| BindingSummary {
@@ -257,7 +257,11 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         schedule: steps(&plan.schedule.steps),
         kernels: plan.variants.iter().map(kernel).collect(),
         draws: plan.drawn.as_ref().map(|drawn| DrawsSummary::of(plan, drawn)),
-        streams: plan.streams.iter().map(|s| StreamSummary { bytes: s.bytes, ..stream(s.what, texels) }).collect(),
+        streams: plan
+            .streams
+            .iter()
+            .map(|s| StreamSummary { bytes: s.bytes, ..stream(s.what, size(s.what)) })
+            .collect(),
         shared_textures: (plan.sharing.groups.iter())
             .map(|group| group.iter().map(|stream| stream.name()).collect())
             .collect(),

@@ -54,6 +54,8 @@ pub struct Progress {
     pub samples: u32,
     /// Number of samples per pixel at the end of the run.
     pub samples_wanted: u32,
+    /// Name of the elements that the next pass works on, if they are no rays: photons, for example.
+    pub others: Option<&'static str>,
 }
 
 /// A scene, its options and a device, between two passes.

@@ -278,7 +278,14 @@ impl Renderer {
             rays: self.plan.rays,
             samples: self.samples(),
             samples_wanted: self.samples_wanted(),
+            others: self.others(),
         }
+    }
+
+    /// Name of the elements that the next pass works on, if it is not those of the program's first course.
+    fn others(&self) -> Option<&'static str> {
+        let first = self.plan.program.course()?.stream.info().elements.name;
+        self.next_kernel().map(|kernel| kernel.instance().over.name).filter(|&name| name != first)
     }
 
     /// Number of complete samples per pixel, of which [`image`](Self::image) is the mean.

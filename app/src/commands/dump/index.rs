@@ -68,7 +68,6 @@ pub(super) fn index(
     last: Option<usize>,
 ) -> Index {
     let (renderer, plan) = (&running.renderer, running.renderer.plan());
-    let texels = |stream: Stream| renderer.size(stream.info().elements).map_or(0, |size| size.texels());
     let pass = |pass: &Pass| IndexPass {
         index: left_out.before() + pass.index,
         kernel: pass.kernel.name(),
@@ -99,7 +98,7 @@ pub(super) fn index(
         scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
         scene_offset: renderer.data().units.offset.to_array(),
         structure: running.structure(),
-        streams: streams.iter().map(|&s| json::stream(s, texels(s))).collect(),
+        streams: streams.iter().map(|&s| json::stream(s, renderer.size(s.info().elements))).collect(),
         buffers,
         passes,
     }

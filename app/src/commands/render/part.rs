@@ -5,8 +5,9 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use raystep_kernels::export::npy;
+use raystep_kernels::options::Integrator;
 use raystep_kernels::renderer::image::Merge;
-use raystep_kernels::{Image, RaySource, Samples};
+use raystep_kernels::{Choices, Image, RaySource, Samples};
 use raystep_lab::Hash;
 use serde_json::json;
 
@@ -42,6 +43,7 @@ pub(in crate::commands) fn read_block(folder: &Path, block: u32, of: Picture) ->
 /// Traces the blocks of a part that its folder does not have yet.
 pub(super) fn run(args: &RenderArgs, shard: Shard) -> Result<(), Error> {
     refuse_other_outputs(args)?;
+    refuse_what_goes_on(args)?;
     let progress = Progress::new(args.quiet.quiet);
     let whole = args.view.samples.values.samples;
     let range = shard.range(whole.blocks() as usize, "blocks of 16 samples")?;
@@ -97,6 +99,18 @@ fn refuse_other_outputs(args: &RenderArgs) -> Result<(), Error> {
         Some((option, _)) => Err(Error::usage(format!("--shard cannot be combined with {option}: omit one of them"))),
         None => Ok(()),
     }
+}
+
+/// Refuses light whose samples are no independent ones: with photons, each gathers within a radius that those before it
+/// leave.
+fn refuse_what_goes_on(args: &RenderArgs) -> Result<(), Error> {
+    let Choices { integrator, .. } = args.run.tracing.values;
+    if integrator == Integrator::Photons {
+        return Err(Error::usage(format!(
+            "--shard divides samples, and with --integrator {integrator} each depends on those before it: omit one of them"
+        )));
+    }
+    Ok(())
 }
 
 /// The mean of a block's samples.

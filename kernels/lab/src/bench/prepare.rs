@@ -6,8 +6,9 @@ use raystep_kernels::export::csv::{DrawnPart, RunContext};
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::{Structure, structure_bytes};
 use raystep_kernels::options::Integrator;
+use raystep_kernels::options::rows::ROWS;
 use raystep_kernels::plan::Plan;
-use raystep_kernels::{Accelerator, Keep, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind};
+use raystep_kernels::{Accelerator, Choices, Keep, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind};
 
 use super::summary::THIS;
 use super::{Details, SCHEMA_VERSION, SummaryRow, Wanted, useful_steps_per_thread};
@@ -186,6 +187,7 @@ impl<'a> Builder<'a> {
             integrator: options.integrator.to_string(),
             secondary_rays: cast.map(|cast| cast.secondary),
             shadow_rays: cast.map(|cast| cast.shadow),
+            integrator_options: of_light(&options),
             ..SummaryRow::default()
         };
         let (bytes, is_any_hit) = (plan.bytes(), options.any_hit);
@@ -227,6 +229,14 @@ pub(super) fn options(wanted: &Wanted, configurations: &[Configuration], rays: R
     let any_hit = ends_early && configurations.iter().all(|one| one.numerics == Numerics::Robust);
     let rays = if any_hit { rays.until(1.0) } else { rays };
     Options { rays, shade: false, any_hit, ..wanted.tuning.clone() }
+}
+
+/// The options that hits do not have, such as `max_depth=5 strategy=mis`.
+fn of_light(options: &Options) -> String {
+    let choices = options.choices();
+    let of_hits = Choices { integrator: Integrator::default(), ..choices };
+    let own = ROWS.iter().filter(|row| (row.applies)(&choices) && !(row.applies)(&of_hits));
+    own.map(|row| format!("{}={}", row.key(), row.get(&choices))).collect::<Vec<_>>().join(" ")
 }
 
 /// Whether counted runs need a time for every pass: on the CPU, the device time is their sum.

@@ -88,6 +88,9 @@ csv_row! {
         pub samples_per_s: Option<f64>,
         pub secondary_rays: Option<u64>,
         pub shadow_rays: Option<u64>,
+        /// Unknown in earlier files.
+        #[serde(default)]
+        pub integrator_options: String,
     }
 }
 
@@ -186,7 +189,8 @@ impl SummaryRow {
         }
     }
 
-    /// Whether two rows have the same configuration, possibly on different devices.
+    /// Whether two rows have the same configuration, possibly on different devices. Options of light that an earlier file
+    /// lacks are taken to be the same.
     #[must_use]
     pub fn is_same_configuration(&self, other: &Self) -> bool {
         type Key<'a> = ([&'a str; 10], Option<u32>, bool, Option<Size>, u32);
@@ -196,7 +200,8 @@ impl SummaryRow {
             let texts = [&r.scene, &r.rays_kind, a, b, c, d, e, f, g, &r.integrator];
             (texts.map(String::as_str), r.steps_per_pass, r.keep_all, r.size(), r.seed)
         }
-        key(self) == key(other)
+        let options = [self, other].map(|row| row.integrator_options.as_str());
+        key(self) == key(other) && (options[0] == options[1] || options.contains(&""))
     }
 
     /// Size of the image that its rays are from; `None` if they are from a file.
@@ -229,6 +234,9 @@ impl SummaryRow {
         }
         if !self.is_of_hits() {
             name += &format!(" {}", self.integrator);
+        }
+        if !self.integrator_options.is_empty() {
+            name += &format!(" {}", self.integrator_options);
         }
         if let Some(steps) = self.steps_per_pass {
             name += &format!(" steps_per_pass={steps}");
@@ -297,7 +305,7 @@ mod tests {
                         median_wall_ns fixed_work_ns rays_per_s time_ratio time_ratio_low time_ratio_high ratio_to passes \
                         useful_steps_per_thread cells_per_ray tests_per_ray repeated_per_ray structure_bytes \
                         bytes_per_triangle hits hits_hash baseline_ratio mapping traversal integrator samples_per_s \
-                        secondary_rays shadow_rays";
+                        secondary_rays shadow_rays integrator_options";
         assert_eq!(names.iter().collect::<Vec<_>>().join(" "), expected);
         assert_eq!(SummaryRow::COLUMNS.join(" "), expected);
         let first = reader.records().next().expect("a row").expect("as many fields as names");
@@ -355,7 +363,9 @@ mod tests {
             SummaryRow { seed: 7, ..then.clone() },
             SummaryRow { schedule: "fused".into(), ..then.clone() },
             SummaryRow { integrator: "shadows".into(), ..then.clone() },
+            SummaryRow { integrator_options: "photons=1000".into(), ..then.clone() },
         ];
+        let row = || SummaryRow { integrator_options: "photons=2000".into(), ..row() };
         assert_eq!(row().in_baseline(&other), None);
         assert_eq!(row().in_baseline(&[moved.clone(), then.clone()]), Some(&then));
         assert_eq!(row().in_baseline(std::slice::from_ref(&moved)), Some(&moved));

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::page::Part;
 use super::work::Work;
-use super::{choices, grid, left_out, moved, resolved, rules, samples, stiff, strategies};
+use super::{choices, grid, left_out, moved, photon_maps, resolved, rules, samples, stiff, strategies};
 use crate::Error;
 use crate::tidy::Table;
 
@@ -175,6 +175,22 @@ pub const SECTIONS: &[Section] = &[
         is_bounded: true,
         columns: strategies::COLUMNS,
         run: Run::Blocking(strategies::run),
+    },
+    Section {
+        name: "photon-maps",
+        help: "Error of photon maps over time beside paths, bias and variance apart, if a surface emits light",
+        title: "Photon maps",
+        is_default: true,
+        what: "The image by maps of photons (--integrator photons) beside that along paths: its error and FLIP over the time that it \
+               takes, by each way to gather photons (--gather) and for growing numbers of iterations; and which part of the error \
+               is bias, which more seeds do not take away, and which is variance. Paths, which the reference is along, find caustics of lamps with an \
+               area only; so only in scenes in which a surface emits light.",
+        file: "photon_maps.csv",
+        row: "a number of samples of a seed and a way to estimate light, or what quantity says",
+        seconds: 20.0,
+        is_bounded: true,
+        columns: photon_maps::COLUMNS,
+        run: Run::Blocking(photon_maps::run),
     },
     Section {
         name: "left-out",

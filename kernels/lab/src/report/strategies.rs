@@ -1,23 +1,20 @@
 //! Light along paths: how the image's error falls with time, by strategy and by structure.
 //!
 //! The structures find the same hits, so the image depends on the strategy alone: errors are measured with one structure, times
-//! with all. A seed's image of few samples is the beginning of its image of many; seeds are independent. The reference and
-//! its own error are made as in the section on samples, by the strategy that weights both others.
+//! with all. The reference is found by the strategy that weights both others.
 
 mod plots;
 
-use std::sync::Arc;
-
 use raystep_kernels::options::{Integrator, Strategy};
-use raystep_kernels::{Accelerator, Image, Options, Renderer, Samples, ScheduleKind};
+use raystep_kernels::{Accelerator, Image, Options, Samples, ScheduleKind};
 
+use super::images::{self, Reference, counts, images, of_seed};
 use super::page::{Part, number};
-use super::samples::{rays, rmse, run_to, seeds};
+use super::samples::{rays, seeds};
 use super::words::with_interval;
 use super::work::{Planned, Work};
 use crate::Error;
-use crate::flip::flip;
-use crate::statistics::{interval, median};
+use crate::statistics::interval;
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, count, joined};
 
 const GROUPS: &[&[&str]] = &[
@@ -33,20 +30,11 @@ const GROUPS: &[&[&str]] = &[
 
 pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
-/// How many times larger than the reference's own error the errors of all seeds must be.
-const CLEARLY: f64 = 3.0;
-
 /// Samples of a timed run.
 const TIMED: u32 = 8;
 
-const STRUCTURES: [Accelerator; 3] = [Accelerator::Bvh, Accelerator::Grid, Accelerator::Irregular];
-
-struct Reference {
-    image: Image,
-    samples: u32,
-    /// Its estimated error.
-    error: Option<f64>,
-}
+/// What paths are traced with, the fastest first.
+pub(super) const STRUCTURES: [Accelerator; 3] = [Accelerator::Bvh, Accelerator::Grid, Accelerator::Irregular];
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
@@ -62,7 +50,8 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     // First: errors take what is left of the section's time.
     let times = timed(work, &structures, &mut part)?;
     let most = work.either(32, 64);
-    let Some(reference) = reference(work, first, most)? else {
+    let by_both = |samples| options(work, Strategy::Mis, first, samples);
+    let Some(reference) = Reference::new(work, 8 * most, by_both)? else {
         part.notes.push("errors: left out, too slow".into());
         part.table(&times);
         table.rows.extend(times);
@@ -92,34 +81,6 @@ fn options(work: &Work<'_>, strategy: Strategy, accelerator: Accelerator, sample
         keep_passes: false,
         ..Options::new(rays(work))
     }
-}
-
-fn of_seed(count: u32, seed: u32) -> Samples {
-    Samples { count, seed, ..Samples::default() }
-}
-
-/// The mean of two images with more samples, and half their difference.
-fn reference(work: &Work<'_>, accelerator: Accelerator, most: u32) -> Result<Option<Reference>, Error> {
-    work.stage("strategies: the reference");
-    let each = 8 * most;
-    let mut halves = Vec::new();
-    // After the seeds of the measured images.
-    let first = work.seed().wrapping_add(work.seeds);
-    for seed in [first, first.wrapping_add(1)] {
-        let options = options(work, Strategy::Mis, accelerator, of_seed(each, seed));
-        let mut renderer = work.wait(work.build(&options))?.renderer;
-        if !run_to(work, &mut renderer, each)? {
-            return Ok(None);
-        }
-        halves.push(work.wait(renderer.image())?);
-    }
-    let [one, other] = &halves[..] else { return Ok(None) };
-    let error = rmse(one, other, None).map(|difference| 0.5 * difference);
-    let mut image = one.clone();
-    for (pixel, other) in image.pixels.iter_mut().zip(&other.pixels) {
-        (0..4).for_each(|c| pixel[c] = 0.5 * (pixel[c] + other[c]));
-    }
-    Ok(Some(Reference { image, samples: 2 * each, error }))
 }
 
 /// Errors of every seed and strategy, at 2, 4, 8… samples. A seed that takes too long is left out of all strategies.
@@ -160,33 +121,15 @@ fn errors_of(
     options: &Options,
     reference: &Reference,
 ) -> Result<Option<Vec<Row>>, Error> {
-    let mut data = planned.data().clone();
-    data.sampling.seed = options.samples.seed;
-    let device = &work.machine().device;
-    let mut renderer = work.wait(Renderer::from_plan(planned.plan(), Arc::new(data), options, device))?;
+    let Some(images) = images(work, planned, options)? else { return Ok(None) };
     let (strategy, seed) = (options.strategy.name(), options.samples.seed);
-    let colors = |image: &Image| image.pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect::<Vec<_>>();
-    let mut rows = Vec::new();
-    let mut count = 2;
-    while count <= options.samples.count {
-        if !run_to(work, &mut renderer, count)? {
-            return Ok(None);
-        }
-        let image = work.wait(renderer.image())?;
-        let size = [image.width, image.height].map(|side| side as usize);
-        let seen = flip(&colors(&reference.image), &colors(&image), size);
-        let seen = seen.map(|of| of.iter().map(|&v| f64::from(v)).sum::<f64>() / of.len() as f64);
-        let apart = rmse(&image, &reference.image, None);
-        let error = apart.zip(reference.error).map(|(rmse, own)| (rmse * rmse - own * own).max(0.0).sqrt());
+    let row = |(count, image): &(u32, Image)| {
         let row = work.row(COLUMNS).set("configuration", work.configuration(&[strategy, &format!("seed-{seed}")]));
-        let row = row.set("quantity", "error").set("path_strategy", strategy).set("seed", seed).set("samples", count);
+        let row = row.set("quantity", "error").set("path_strategy", strategy).set("seed", seed).set("samples", *count);
         let row = row.set("accelerator", options.accelerator.name()).set("max_depth", options.max_depth);
-        let row = row.set("width_px", image.width).set("height_px", image.height);
-        let row = row.set("reference_samples", reference.samples).set("reference_rmse", reference.error);
-        rows.push(row.set("rmse", apart).set("error", error).set("flip", seen));
-        count *= 2;
-    }
-    Ok(Some(rows))
+        reference.compare(image, row)
+    };
+    Ok(Some(images.iter().map(row).collect()))
 }
 
 /// The rows of a quantity and a strategy.
@@ -197,25 +140,17 @@ fn of<'a>(rows: &'a [Row], quantity: &'a str, strategy: Strategy) -> impl Iterat
 /// Medians over seeds, with their intervals.
 fn medians(work: &Work<'_>, rows: &[Row], most: u32) -> Vec<Row> {
     let mut medians = Vec::new();
-    let counts = || (1..=most.ilog2()).map(|doublings| 1u32 << doublings);
-    for (&strategy, samples) in Strategy::ALL.iter().flat_map(|strategy| counts().map(move |count| (strategy, count))) {
+    for (&strategy, samples) in
+        Strategy::ALL.iter().flat_map(|strategy| counts(most).map(move |count| (strategy, count)))
+    {
         let samples = samples.to_string();
         let seeds: Vec<&Row> = of(rows, "error", strategy).filter(|row| row.get("samples") == samples).collect();
-        let Some(first) = seeds.first() else { continue };
-        let is_clear = |row: &&Row| {
-            let apart = row.number("rmse").zip(row.number("reference_rmse"));
-            apart.is_some_and(|(rmse, own)| rmse > 0.0 && rmse > CLEARLY * own)
-        };
+        if seeds.is_empty() {
+            continue;
+        }
         let row = work.row(COLUMNS).set("configuration", work.configuration(&[strategy.name(), "all-seeds"]));
         let row = row.set("quantity", "median_error").set("path_strategy", strategy.name()).set("samples", &*samples);
-        let row = row.set("seeds", seeds.len()).set("is_fitted", seeds.iter().all(is_clear));
-        let shared = ["accelerator", "max_depth", "width_px", "height_px", "reference_samples", "reference_rmse"];
-        let row = shared.into_iter().fold(row, |row, column| row.set(column, first.get(column)));
-        medians.push(["error", "flip"].into_iter().fold(row, |row, column| {
-            let values: Vec<f64> = seeds.iter().filter_map(|row| row.number(column)).collect();
-            let interval = interval::of_median(&values, u64::from(work.seed()));
-            row.median(column, median(&values).map(|median| (median, interval))).method(interval)
-        }));
+        medians.push(images::medians(row, &seeds, work.seed()));
     }
     medians
 }

@@ -1,5 +1,6 @@
 //! The rays that kernels cast while a run goes on, by kind: to what a hit reflects, and to lights.
 
+use raystep_kernels::program::Course;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, Pass, Plan};
@@ -7,7 +8,7 @@ use raystep_kernels::{Kernel, Pass, Plan};
 /// Rays that were cast beside the primary ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cast {
-    /// Rays that end at the nearest hit, as primary ones do.
+    /// Rays that end at the nearest hit, as primary ones do; also those of photons.
     pub secondary: u64,
     /// Rays that end at any hit.
     pub shadow: u64,
@@ -27,8 +28,8 @@ pub fn is_shadow(kernel: Kernel, plan: &Plan) -> bool {
 
 impl Cast {
     /// The rays cast by the passes of a run, all of them from its start: those that a kernel after a walk has sent to one
-    /// that begins walks. Rays that the run was given, or that its source generates, do not count, nor
-    /// those of a kernel that follows whole paths.
+    /// that begins walks, and those of photons as they are emitted. Rays that the run was given, or that its source
+    /// generates, do not count, nor those of a kernel that follows whole paths.
     #[must_use]
     pub fn of(plan: &Plan, passes: &[Pass]) -> Self {
         let mut cast = Self::default();
@@ -46,7 +47,14 @@ impl Cast {
 
 /// The states into which a kernel casts rays, and whether those are shadow rays.
 fn cast_to(kernel: Kernel, plan: &Plan) -> Vec<(bool, Vec<Tag>)> {
-    if kernel.role() != Role::Finish {
+    let stream = |course: Option<&Course>| course.map(|course| course.stream);
+    let casts = match kernel.role() {
+        Role::Finish => true,
+        // Other elements than the camera's rays.
+        Role::Source => stream(kernel.course()) != stream(plan.program.course()),
+        _ => false,
+    };
+    if !casts {
         return Vec::new();
     }
     let is_sent = |tag: &Tag| kernel.sends().iter().any(|sent| sent.to == *tag);
@@ -59,7 +67,7 @@ fn cast_to(kernel: Kernel, plan: &Plan) -> Vec<(bool, Vec<Tag>)> {
 mod tests {
     use std::ops::ControlFlow;
 
-    use raystep_kernels::options::Integrator;
+    use raystep_kernels::options::{Integrator, Photons};
     use raystep_kernels::{Accelerator, Device, Options, RaySource, Renderer, Samples, ScheduleKind};
     use raystep_scenes::{Light, Scene, generate};
 
@@ -99,6 +107,15 @@ mod tests {
         let along_paths = Options { integrator: Integrator::Path, ..options.clone() };
         let whole = Options { schedule: ScheduleKind::Fused, ..along_paths.clone() };
         assert!(cast(&scene, &along_paths).secondary > 100 && cast(&scene, &whole) == Cast::default());
+        let photons = Photons { count: 500, ..Photons::default() };
+        let with_photons = Options { integrator: Integrator::Photons, photons, ..options.clone() };
+        let of_photons = cast(&scene, &with_photons);
+        // Emitted ones fill whole rows, and some bounce.
+        assert!(of_photons.secondary > 504 && of_photons.shadow > 100, "{of_photons:?}");
+        for schedule in [ScheduleKind::Second, ScheduleKind::Fused] {
+            let options = Options { schedule, accelerator: Accelerator::Bvh, ..with_photons.clone() };
+            assert_eq!(cast(&scene, &options), of_photons, "{schedule}");
+        }
         let twice = Options { samples: Samples { count: 2, ..Samples::default() }, ..options.clone() };
         assert!(cast(&scene, &twice).shadow > three.shadow, "of both samples");
         for integrator in Integrator::ALL {

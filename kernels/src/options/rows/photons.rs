@@ -25,7 +25,6 @@ macro_rules! whole {
             $help,
         )
         .applies(has_photons)
-        .in_tables(None)
         .refused(|c| idle(concat!("--", $name), c.photons.$field == Photons::default().$field, c))
     };
 }
@@ -48,7 +47,6 @@ pub(super) const SORT: Row = Row::new(
 )
 .panel("photon map", "how photons are sorted by the cells of their map")
 .applies(has_photons)
-.in_tables(None)
 .refused(|c| idle("--photon-map", c.photons.sort == PhotonSort::default(), c));
 
 pub(super) const NEIGHBOURS: Row = Row::new(
@@ -61,7 +59,6 @@ pub(super) const NEIGHBOURS: Row = Row::new(
 )
 .panel("neighbours", "which photons the light at a point is estimated from")
 .applies(has_photons)
-.in_tables(None)
 .refused(|c| idle("--neighbours", c.photons.neighbours == Neighbours::default(), c));
 
 pub(super) const GATHER: Row = Row::new(
@@ -74,7 +71,6 @@ pub(super) const GATHER: Row = Row::new(
 )
 .panel("gather", "where photons are looked up: at the surface that is seen, or where a ray from there arrives")
 .applies(has_photons)
-.in_tables(None)
 .refused(|c| idle("--gather", c.photons.gather == Place::default(), c));
 
 pub(super) const NEAREST: Row = whole!(

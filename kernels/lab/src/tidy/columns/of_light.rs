@@ -6,7 +6,11 @@ use super::{Column, count, number, text};
 pub(super) const OF_LIGHT: &[Column] = &[
     count(
         "secondary_rays",
-        "rays that kernels cast from a hit to the next one in a run; empty where no light is measured",
+        "rays that kernels cast from a hit to the next one in a run, and those of photons; empty where no light is measured",
+    ),
+    text(
+        "integrator_options",
+        "options of the light that is measured, such as max_depth=5 strategy=mis; empty without any",
     ),
     count("shadow_rays", "rays that kernels cast to lights in a run; empty where no light is measured"),
     number(
@@ -14,7 +18,17 @@ pub(super) const OF_LIGHT: &[Column] = &[
         "samples of pixels, each with a primary ray, divided by the median time; empty for other kinds of rays",
     ),
     text("path_strategy", "how paths find light: mis, light or bsdf"),
-    count("max_depth", "most bounces of a path"),
+    count("max_depth", "most bounces of a path or photon"),
+    text("estimator", "how light is estimated: path, or photons and how they are gathered (direct or final)"),
+    count("photons_emitted", "photons that are emitted for each sample; empty without photons"),
+    number(
+        "bias_squared",
+        "mean over pixels of the squared difference between the reference and the mean of infinitely many seeds: an estimate, \
+         which may be below 0",
+    ),
+    number("bias_squared_low", "lower end of its interval, by the jackknife over seeds"),
+    number("bias_squared_high", "upper end of its interval, by the jackknife over seeds"),
+    number("variance", "mean over pixels of the variance of one seed's image"),
     number("ns_per_sample", "median time of a run divided by its samples per pixel"),
     number("image_ns", "samples times ns_per_sample"),
     number("flip", "mean of FLIP over all pixels, from 0 to 1; of a seed, or the median over seeds"),

@@ -1,0 +1,110 @@
+//! Images of few and many samples beside a reference: what the sections on light share.
+//!
+//! A seed's image of few samples is the beginning of its image of many; seeds are independent. The reference and its own
+//! error are made as in the section on samples.
+
+use std::sync::Arc;
+
+use raystep_kernels::{Image, Options, Renderer, Samples};
+
+use super::samples::{rmse, run_to};
+use super::work::{Planned, Work};
+use crate::Error;
+use crate::flip::flip;
+use crate::statistics::{interval, median};
+use crate::tidy::Row;
+
+/// How many times larger than the reference's own error the errors of all seeds must be.
+const CLEARLY: f64 = 3.0;
+
+/// This many samples of a seed.
+pub(super) fn of_seed(count: u32, seed: u32) -> Samples {
+    Samples { count, seed, ..Samples::default() }
+}
+
+/// What images are compared with.
+pub(super) struct Reference {
+    pub(super) image: Image,
+    pub(super) samples: u32,
+    /// Its estimated error.
+    pub(super) error: Option<f64>,
+}
+
+impl Reference {
+    /// The mean of two images of `each` samples, and half their difference; `None` if they take too long.
+    pub(super) fn new(work: &Work<'_>, each: u32, options: impl Fn(Samples) -> Options) -> Result<Option<Self>, Error> {
+        work.stage(&format!("{}: the reference", work.section));
+        let mut halves = Vec::new();
+        // After the seeds of the measured images.
+        let first = work.seed().wrapping_add(work.seeds);
+        for seed in [first, first.wrapping_add(1)] {
+            let mut renderer = work.wait(work.build(&options(of_seed(each, seed))))?.renderer;
+            if !run_to(work, &mut renderer, each)? {
+                return Ok(None);
+            }
+            halves.push(work.wait(renderer.image())?);
+        }
+        let [one, other] = &halves[..] else { return Ok(None) };
+        let error = rmse(one, other, None).map(|difference| 0.5 * difference);
+        let mut image = one.clone();
+        for (pixel, other) in image.pixels.iter_mut().zip(&other.pixels) {
+            (0..4).for_each(|c| pixel[c] = 0.5 * (pixel[c] + other[c]));
+        }
+        Ok(Some(Self { image, samples: 2 * each, error }))
+    }
+
+    /// Fills the columns of an image: its size, and how it differs.
+    pub(super) fn compare(&self, image: &Image, row: Row) -> Row {
+        let colors = |image: &Image| image.pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect::<Vec<_>>();
+        let size = [image.width, image.height].map(|side| side as usize);
+        let seen = flip(&colors(&self.image), &colors(image), size);
+        let seen = seen.map(|of| of.iter().map(|&v| f64::from(v)).sum::<f64>() / of.len() as f64);
+        let apart = rmse(image, &self.image, None);
+        let error = apart.zip(self.error).map(|(rmse, own)| (rmse * rmse - own * own).max(0.0).sqrt());
+        let row = row.set("width_px", image.width).set("height_px", image.height);
+        let row = row.set("reference_samples", self.samples).set("reference_rmse", self.error);
+        row.set("rmse", apart).set("error", error).set("flip", seen)
+    }
+}
+
+/// Images of one seed at 2, 4, 8… samples, with their numbers; `None` if they take too long.
+pub(super) fn images(
+    work: &Work<'_>,
+    planned: &Planned,
+    options: &Options,
+) -> Result<Option<Vec<(u32, Image)>>, Error> {
+    let mut data = planned.data().clone();
+    data.sampling.seed = options.samples.seed;
+    let device = &work.machine().device;
+    let mut renderer = work.wait(Renderer::from_plan(planned.plan(), Arc::new(data), options, device))?;
+    let mut images = Vec::new();
+    for count in counts(options.samples.count) {
+        if !run_to(work, &mut renderer, count)? {
+            return Ok(None);
+        }
+        images.push((count, work.wait(renderer.image())?));
+    }
+    Ok(Some(images))
+}
+
+/// 2, 4, 8… samples.
+pub(super) fn counts(most: u32) -> impl Iterator<Item = u32> {
+    (1..=most.ilog2()).map(|doublings| 1 << doublings)
+}
+
+/// Fills a row with medians over the rows of seeds, with their intervals, and with what these share.
+pub(super) fn medians(row: Row, seeds: &[&Row], seed: u32) -> Row {
+    let is_clear = |row: &&Row| {
+        let apart = row.number("rmse").zip(row.number("reference_rmse"));
+        apart.is_some_and(|(rmse, own)| rmse > 0.0 && rmse > CLEARLY * own)
+    };
+    let row = row.set("seeds", seeds.len()).set("is_fitted", seeds.iter().all(is_clear));
+    let shared = ["accelerator", "max_depth", "width_px", "height_px", "reference_samples", "reference_rmse"];
+    let first = seeds.first();
+    let row = shared.into_iter().fold(row, |row, column| row.set(column, first.map_or("", |first| first.get(column))));
+    ["error", "flip"].into_iter().fold(row, |row, column| {
+        let values: Vec<f64> = seeds.iter().filter_map(|row| row.number(column)).collect();
+        let interval = interval::of_median(&values, u64::from(seed));
+        row.median(column, median(&values).map(|median| (median, interval))).method(interval)
+    })
+}
