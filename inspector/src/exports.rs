@@ -118,7 +118,7 @@ pub fn stream_exr(data: &StreamData, pass: Option<usize>) -> Result<Export, Expo
 
 fn ray_name(history: &Trace) -> String {
     let [x, y] = history.pixel;
-    format!("ray-{x}-{y}")
+    history.element.map_or_else(|| format!("ray-{x}-{y}"), |element| format!("{}-{}", element.noun(), element.index))
 }
 
 /// A ray's history as rows of CSV, as `trace --format csv` writes it.

@@ -36,7 +36,10 @@ impl Trace {
         let _ = match self.passes {
             Some(passes) => {
                 let waited = passes.saturating_sub(self.rows.len());
-                writeln!(out, "\n{passes} passes. This {noun} waited in {waited} of them, whose numbers are missing here.")
+                writeln!(
+                    out,
+                    "\n{passes} passes. This {noun} waited in {waited} of them, whose numbers are missing here."
+                )
             }
             None => writeln!(
                 out,

@@ -357,6 +357,13 @@ impl TraceGrid {
 }
 
 impl Trace {
+    /// Whose it is: `pixel 3,5`, or `photon 12`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let [x, y] = self.pixel;
+        self.element.map_or_else(|| format!("pixel {x},{y}"), |element| element.to_string())
+    }
+
     /// A point in scene units, in traced units.
     #[must_use]
     pub fn traced(&self, point: [f64; 3]) -> [f64; 3] {
@@ -368,9 +375,8 @@ impl Trace {
     pub fn of(renderer: &Renderer, of: &Decoding, [x, y]: [u32; 2], rows: Vec<TraceRow>) -> Self {
         let (all, of) = (renderer.plan().program.elements, of.elements());
         let others = all.iter().skip(1).find(|set| of.is_some_and(|of| of.name == set.name));
-        let named = others.and_then(|set| {
-            Some(NamedElement { set: set.name, index: y * renderer.size(set)?.width + x })
-        });
+        let named =
+            others.and_then(|set| Some(NamedElement { set: set.name, index: y * renderer.size(set)?.width + x }));
         Self { element: named, ..Self::new(renderer, [x, y], rows) }
     }
 

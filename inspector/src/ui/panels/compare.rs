@@ -192,8 +192,8 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
         )
     };
     let lives = [("A", a), ("B", b)].map(|(name, history)| {
-        let [x, y] = history?.pixel;
-        Some(format!("{name}: ray {x},{y}: {}", line(history?)))
+        let history = history?;
+        Some(format!("{name}: ray of {}: {}", history.name(), line(history)))
     });
     let lives: Vec<String> = lives.into_iter().flatten().collect();
     if !lives.is_empty() {

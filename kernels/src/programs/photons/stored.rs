@@ -132,9 +132,7 @@ impl Search {
         let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         let is_taken = move |photon: &Stored| {
             let at = vector(photon.point);
-            let is_searched = |[low, high]: &[DVec3; 2]| {
-                at.cmpge(*low - slack).all() && at.cmple(*high + slack).all()
-            };
+            let is_searched = |[low, high]: &[DVec3; 2]| at.cmpge(*low - slack).all() && at.cmple(*high + slack).all();
             photon.is_caustic == self.gather.is_caustic
                 && (at - self.point).length() <= radius * (1.0 + 1e-6)
                 && vector(photon.direction).dot(self.normal) < 0.0

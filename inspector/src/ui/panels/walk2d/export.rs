@@ -32,8 +32,7 @@ impl Walk2d {
             let both = Both::of([&first.walk, &whole.walk], [&first.strip, &whole.strip]);
             (format!("The same ray through the {}{until}", found.name), whole, both)
         });
-        let [x, y] = history.pixel;
-        let title = format!("Ray of pixel {x},{y}{}", up_to(history, self.walked.row));
+        let title = format!("Ray of {}{}", history.name(), up_to(history, self.walked.row));
         let text = svg::drawing(WIDTH, self.is_dark, |ui, titles| {
             ui.heading(&title);
             ui.label(summary(&first.walk));
