@@ -147,10 +147,10 @@ mod tests {
     use raystep_kernels::{Device, Options, Renderer};
 
     use super::*;
-    use crate::walk::tests::{options, scene};
+    use crate::walk::tests::{CORNELL, options, scene};
 
     fn renderer() -> Renderer {
-        let scene = scene("whitted.glb");
+        let scene = scene(CORNELL);
         let photons = OfRun { count: 3000, radius: 60, nearest: 20, ..OfRun::default() };
         let options = Options { integrator: Integrator::Photons, photons, ..options(&scene) };
         pollster::block_on(Renderer::new(&scene, &options, &Device::Cpu(None))).expect("a plan")

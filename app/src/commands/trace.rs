@@ -49,7 +49,7 @@ Examples:
   raystep trace cornell-box --pixel 256,256
   raystep trace cornell-box --pixel 256,256 --numerics paper --format csv > ray.csv
   raystep trace teapot --ray 0,0,5,0,0,-1
-  raystep trace whitted --integrator photons --photon 1234
+  raystep trace whitted --integrator photons --photons 5000 --photon 1234
   raystep trace my-program --pixel 12,40
   raystep trace teapot --ray 0,0,0x40a00000,0,0,0xbf800000 --format json
   raystep trace --link \"raystep:1?scene=teapot&accelerator=bvh&pixel=256,256\"")]
@@ -149,6 +149,9 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     }
     let mut wanted = args.scene.wanted(args.view, args.run)?;
     let photon = args.photon.map(|index| photon_of(&wanted, index)).transpose()?;
+    if photon.is_some() && args.print_link {
+        return Err(Error::usage("--print-link: a link has a ray, but no photon"));
+    }
     let ray = match (asked, wanted.ray) {
         (Some(_), Some(_)) => {
             return Err(Error::usage("--link has a ray, and so does --pixel or --ray: omit one of them"));

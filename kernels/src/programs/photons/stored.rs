@@ -156,7 +156,7 @@ fn bounds(data: &SceneData, cell: [i32; 3]) -> [DVec3; 2] {
 mod tests {
     use std::ops::ControlFlow;
 
-    use raystep_scenes::{Camera, Projection, generate};
+    use raystep_scenes::generate;
 
     use super::*;
     use crate::history::{Rays, TraceRow, trace, trace_element};
@@ -164,10 +164,8 @@ mod tests {
     use crate::renderer::{Device, Renderer};
 
     fn renderer() -> Renderer {
-        let scene = generate::whitted(1).expect("a scene");
-        let projection = Projection::Perspective { vertical_fov: 0.7 };
-        let camera = Camera::look_at([0.0, 1.6, 5.2].into(), [0.1, 0.85, 0.0].into(), DVec3::Y, projection);
-        let rays = RaySource::Camera { camera: camera.expect("a camera"), width: 24, height: 24 };
+        let scene = generate::cornell_box();
+        let rays = RaySource::Camera { camera: scene.cameras[0].clone(), width: 24, height: 24 };
         let photons = Photons { count: 2000, radius: 60, nearest: 20, ..Photons::default() };
         let (integrator, accelerator) = (Integrator::Photons, Accelerator::Bvh);
         let schedule = ScheduleKind::Second;
