@@ -117,6 +117,10 @@ pub fn path(history: &Trace, rows: usize, scene: &Aabb) -> Vec<DVec3> {
     let photons = rows.iter().map(|row| &row.after).filter(|ray| ray.photon.is_some());
     for ray in photons.clone() {
         let from = vector(ray.origin);
+        if ray.photon.is_some_and(|photon| photon.hits == 0) && points.len() > 1 {
+            // It is emitted once more.
+            points.clear();
+        }
         if points.last() != Some(&from) {
             points.push(from);
         }

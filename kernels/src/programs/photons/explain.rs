@@ -2,7 +2,7 @@
 
 use super::look_up::BY_GATHERING;
 use super::reflected::is_diffuse;
-use super::stored::cell_around;
+use super::stored::{cell_around, radius};
 use crate::program::RayState;
 use crate::program::ray_state::{Gather, Photon};
 use crate::programs::closest_hit::states::{DONE, GATHER, GATHERED, OCCLUDED, PHOTON_LEAVES, VISIBLE};
@@ -30,7 +30,7 @@ pub(super) fn of_look_up(data: &SceneData, before: &RayState, after: &RayState) 
             format!("{} is occluded{by}; ", emitter(before))
         }
         VISIBLE => format!("{} is visible: adds {}; ", emitter(before), rgb(before.pending.unwrap_or_default())),
-        GATHERED => format!("adds {}by {}; ", gained(before, after), found(data, &before.gather.unwrap_or_default())),
+        GATHERED => format!("adds {} by {}; ", gained(before, after), found(data, &before.gather.unwrap_or_default())),
         _ => String::new(),
     };
     let bounce = after.bounce.unwrap_or_default();
@@ -46,16 +46,11 @@ pub(super) fn of_look_up(data: &SceneData, before: &RayState, after: &RayState) 
     (None, format!("{brought}{next}"))
 }
 
-/// The light that a pass added to the pixel; nothing where the streams have only its mean with other samples.
+/// The light that a pass added to the pixel.
 fn gained(before: &RayState, after: &RayState) -> String {
-    let sum = |ray: &RayState| ray.bounce.unwrap_or_default().radiance;
-    let now = match (after.tag, after.samples) {
-        (DONE, None) => after.color,
-        (DONE, Some(_)) => None,
-        _ => Some(sum(after)),
-    };
-    let before = sum(before);
-    now.map_or_else(String::new, |now| rgb([0, 1, 2].map(|part| now[part] - before[part])) + " ")
+    let sum = |ray: &RayState| ray.color.unwrap_or_else(|| ray.bounce.unwrap_or_default().radiance);
+    let [before, now] = [before, after].map(sum);
+    rgb([0, 1, 2].map(|part| now[part] - before[part]))
 }
 
 fn of_map(gather: &Gather) -> &'static str {
@@ -64,7 +59,7 @@ fn of_map(gather: &Gather) -> &'static str {
 
 /// What a search found, and within which distance of the hit.
 fn found(data: &SceneData, gather: &Gather) -> String {
-    let within = if gather.found >= data.photon_map.nearest { gather.farthest } else { gather.limit };
+    let within = radius(data, gather);
     format!("{}{}, none farther away than {within}", counted(gather.found), of_map(gather))
 }
 

@@ -83,6 +83,13 @@ pub(super) fn cell_around(data: &SceneData, ray: &RayState) -> Option<[i32; 3]> 
     Some([0, 1, 2].map(|axis| cell[axis] + step[axis]))
 }
 
+/// How far away photons may be that a search takes, as far as it is known by now: as far as the farthest of as many as are
+/// wanted, or the radius; that of earlier iterations, if there were any.
+pub(super) fn radius(data: &SceneData, gather: &Gather) -> f32 {
+    let has_enough = gather.found >= data.photon_map.nearest && (gather.sweep == 0 || !data.features.samples);
+    if has_enough { gather.farthest } else { gather.limit }
+}
+
 /// A search for the photons near a pixel's hit, up to some pass; traced units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
@@ -94,6 +101,8 @@ pub struct Search {
     pub normal: DVec3,
     /// Corners of the cells searched since it began or began again, in order.
     pub cells: Vec<[DVec3; 2]>,
+    /// Photons count that are stored after so many bounces: the ray has had the others.
+    pub bounces: u32,
     /// Whether no cell is left.
     pub is_over: bool,
 }
@@ -115,25 +124,27 @@ impl Search {
         cells.dedup();
         let is_over = gather.around.is_none() && !cells.is_empty();
         let cells = cells.into_iter().map(|cell| bounds(data, cell)).collect();
-        Some(Self { gather, point: vector(start.point), normal: vector(start.normal), cells, is_over })
+        let bounces = data.features.depth.saturating_sub(last.bounce.unwrap_or_default().depth + 1);
+        Some(Self { gather, point: vector(start.point), normal: vector(start.normal), cells, bounces, is_over })
     }
 
     /// How far away photons may be that it takes, as far as it is known by now.
     #[must_use]
     pub fn radius(&self, data: &SceneData) -> f64 {
-        let has_enough = self.gather.found >= data.photon_map.nearest;
-        f64::from(if has_enough { self.gather.farthest } else { self.gather.limit })
+        f64::from(radius(data, &self.gather))
     }
 
     /// Which photons it has taken: those within its radius in the cells searched, that came from the side that is seen. By
     /// the host, in f64: one at the edge may be decided otherwise.
     pub fn taken<'a>(&'a self, data: &SceneData, stored: &'a [Stored]) -> impl Iterator<Item = usize> + use<'a> {
         let (radius, slack) = (self.radius(data), f64::from(data.photon_map.margin) * f64::from(data.photon_map.width));
+        let maps = data.photon_map.maps;
         let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         let is_taken = move |photon: &Stored| {
             let at = vector(photon.point);
             let is_searched = |[low, high]: &[DVec3; 2]| at.cmpge(*low - slack).all() && at.cmple(*high + slack).all();
-            photon.is_caustic == self.gather.is_caustic
+            (photon.is_caustic == self.gather.is_caustic || maps == 1)
+                && photon.bounce <= self.bounces
                 && (at - self.point).length() <= radius * (1.0 + 1e-6)
                 && vector(photon.direction).dot(self.normal) < 0.0
                 && self.cells.iter().any(is_searched)
