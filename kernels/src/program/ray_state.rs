@@ -97,7 +97,10 @@ pub struct Gather {
     pub found: u32,
     /// How often all cells were searched before.
     pub sweep: u32,
-    /// What is farther away is not taken; traced units, as the next.
+    /// At most the distance from the hit to the cell that was searched last; `None` before the first one. Traced units, as
+    /// the next.
+    pub distance: Option<f32>,
+    /// What is farther away is not taken.
     pub limit: f32,
     /// Of the photons found, the distance of the farthest one.
     pub farthest: f32,

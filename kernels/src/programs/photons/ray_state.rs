@@ -57,6 +57,7 @@ fn ray(texel: Texel<'_>) -> RayState {
             end: words[2],
             found: words[3],
             sweep: words[4],
+            distance: (f32::from_bits(floats[0]) >= 0.0).then(|| length(0)),
             limit: length(1),
             farthest: length(4),
         }

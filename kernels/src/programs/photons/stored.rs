@@ -78,9 +78,32 @@ fn start(data: &SceneData, ray: &RayState) -> Option<Start<f32>> {
 pub(super) fn cell_around(data: &SceneData, ray: &RayState) -> Option<[i32; 3]> {
     let (start, around) = (start(data, ray)?, ray.gather?.around?);
     let map = &data.photon_map;
-    let cell = map.cell_of(map.place_of(start.point));
-    let step = [around % 3, around / 3 % 3, around / 9].map(|step| step as i32 - 1);
-    Some([0, 1, 2].map(|axis| cell[axis] + step[axis]))
+    Some(there(map.cell_of(map.place_of(start.point)), around))
+}
+
+/// The step to one of the 27 cells around a cell.
+fn step_to(around: u32) -> [i32; 3] {
+    [around % 3, around / 3 % 3, around / 9].map(|step| step as i32 - 1)
+}
+
+fn there(cell: [i32; 3], around: u32) -> [i32; 3] {
+    let step = step_to(around);
+    [0, 1, 2].map(|axis| cell[axis] + step[axis])
+}
+
+/// The cells that a search from this hit has come to by now, by growing distance.
+fn cells_searched(data: &SceneData, gather: &Gather, point: Vec3<f32>) -> Vec<[i32; 3]> {
+    let Some(last) = gather.distance else { return Vec::new() };
+    let map = &data.photon_map;
+    let place = map.place_of(point);
+    let cell = map.cell_of(place);
+    let distance = |around: u32| map.distance_to(place, cell, step_to(around));
+    // The device may have rounded the distance of the last cell otherwise.
+    let (farthest, at) = gather.around.map_or((last * last * 1.000_01, u32::MAX), |now| (distance(now), now));
+    let mut cells: Vec<(f32, u32)> = (0..27).map(|around| (distance(around), around)).collect();
+    cells.retain(|&(away, around)| map.has_cell(there(cell, around)) && (away, around) <= (farthest, at));
+    cells.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    cells.into_iter().map(|(_, around)| there(cell, around)).collect()
 }
 
 /// How far away photons may be that a search takes, as far as it is known by now: as far as the farthest of as many as are
@@ -110,18 +133,11 @@ pub struct Search {
 impl Search {
     /// The last search in the rays after these passes, the rows of a history; `None` without any.
     #[must_use]
-    pub fn of<'a>(data: &SceneData, rays: impl DoubleEndedIterator<Item = &'a RayState>) -> Option<Self> {
-        let mut rows = rays.rev().skip_while(|ray| ray.gather.is_none()).peekable();
-        let last = *rows.peek()?;
+    pub fn of<'a>(data: &SceneData, mut rays: impl DoubleEndedIterator<Item = &'a RayState>) -> Option<Self> {
+        let last = rays.rfind(|ray| ray.gather.is_some())?;
         let (gather, start) = (last.gather?, start(data, last)?);
         let vector = |v: Vec3<f32>| DVec3::from_array(v.to_f64());
-        let is_same = |ray: &&RayState| {
-            ray.gather.is_some_and(|of| (of.is_caustic, of.sweep) == (gather.is_caustic, gather.sweep))
-                && ray.triangle == last.triangle
-        };
-        let mut cells: Vec<[i32; 3]> = rows.take_while(is_same).filter_map(|ray| cell_around(data, ray)).collect();
-        cells.reverse();
-        cells.dedup();
+        let cells = cells_searched(data, &gather, start.point);
         let is_over = gather.around.is_none() && !cells.is_empty();
         let cells = cells.into_iter().map(|cell| bounds(data, cell)).collect();
         let bounces = data.features.depth.saturating_sub(last.bounce.unwrap_or_default().depth + 1);
@@ -180,7 +196,8 @@ mod tests {
         let photons = Photons { count: 2000, radius: 60, nearest: 20, ..Photons::default() };
         let (integrator, accelerator) = (Integrator::Photons, Accelerator::Bvh);
         let schedule = ScheduleKind::Second;
-        let options = Options { integrator, accelerator, schedule, photons, ..Options::new(rays) };
+        let steps_per_pass = 1;
+        let options = Options { integrator, accelerator, schedule, photons, steps_per_pass, ..Options::new(rays) };
         pollster::block_on(Renderer::new(&scene, &options, &Device::Cpu(None))).expect("a plan")
     }
 
