@@ -18,7 +18,7 @@ use super::thumbs::Thumbs;
 use super::units::Units;
 use crate::command::{Command, PaneKind};
 use crate::link::Shown;
-use crate::session::{Subject, Watch};
+use crate::session::{Model, Subject, Watch};
 pub(super) use bookmarks::Bookmarks;
 use kept_runs::KeptRuns;
 pub(super) use log::{Log, LogLine};
@@ -81,6 +81,15 @@ pub struct Selection {
     pub picked: Option<Picked>,
     /// The vertex that the light tree goes to, once it is known.
     pub vertex: Option<OfPath>,
+}
+
+impl Selection {
+    /// Whose history is shown: the selected element's if the run has such elements, else the pixel's.
+    #[must_use]
+    pub fn subject(&self, model: &Model) -> Option<Subject> {
+        let element = self.element.filter(|element| model.has(element));
+        element.or(self.pixel.map(Subject::from))
+    }
 }
 
 /// How things are shown.

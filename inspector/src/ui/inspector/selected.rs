@@ -5,7 +5,7 @@ use std::sync::Arc;
 use raystep_kernels::export::trace::Trace;
 
 use super::Inspector;
-use crate::session::{HistorySource, Model, Subject};
+use crate::session::{HistorySource, Model};
 
 impl Inspector {
     /// The run, and the one that it is compared with.
@@ -25,13 +25,7 @@ impl Inspector {
 
     /// Whether the selected ray has yet to be followed.
     pub(super) fn is_to_follow(&self) -> bool {
-        self.subject().is_some_and(|subject| self.models().any(|model| model.is_to_follow(subject)))
-    }
-
-    /// Whose history is shown: the selected element's if the run has it, else the pixel's.
-    fn subject(&self) -> Option<Subject> {
-        let element = self.state.selection.element.filter(|element| self.model.has(element));
-        element.or(self.state.selection.pixel.map(Subject::from))
+        self.state.selection.subject(&self.model).is_some_and(|subject| self.models().any(|model| model.is_to_follow(subject)))
     }
 
     /// Selects the ray that a panel or a command asks for, and follows it in each run that has not done so.
@@ -48,7 +42,7 @@ impl Inspector {
                 self.model.follow(pixel);
             }
         }
-        if let Some(subject) = self.subject() {
+        if let Some(subject) = self.state.selection.subject(&self.model) {
             let models = std::iter::once(&mut self.model).chain(self.other.as_mut());
             models.filter(|model| model.is_to_follow(subject)).for_each(|model| model.follow(subject));
         }

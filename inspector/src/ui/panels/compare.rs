@@ -75,7 +75,7 @@ impl Panel for Compare {
                 other.ask(Request::Plan(Box::new(settings)));
                 other.ask(Request::Step(Target::End));
                 if let Some(pixel) = selection.pixel {
-                    other.ask(Request::Follow(pixel));
+                    other.ask(Request::Follow(pixel.into()));
                 }
             }
             if ui.button(Command::EndCompare.name()).clicked() {
@@ -112,7 +112,7 @@ impl Panel for Compare {
                 other.ask(Request::Plan(Box::new(Settings { size, view, ray, ..b.settings.clone() })));
                 other.ask(Request::Step(Target::End));
                 if let Some(pixel) = selection.pixel {
-                    other.ask(Request::Follow(pixel));
+                    other.ask(Request::Follow(pixel.into()));
                 }
             }
             return;
