@@ -180,7 +180,7 @@ mod tests {
             let hits = history.rows.last().and_then(|row| row.after.photon).expect("it").hits as usize;
             assert_eq!(way.len(), hits + 2, "{history:?}");
             // Before its first pass it is nowhere.
-            assert_eq!(path(&history, 0, &bounds), []);
+            assert!(path(&history, 0, &bounds).is_empty());
             assert_eq!(path(&history, 1, &bounds).len(), 1);
             let end = way[way.len() - 1];
             bends += hits;

@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use crate::args::{QuietArgs, RunArgs, ViewArgs};
 use crate::error::Error;
-use crate::link::{LinkArgs, link_of};
+use crate::link::{LinkArgs, Wanted, link_of};
 use crate::program_folder;
 use crate::session::Session;
 use crate::terminal::{Progress, print, say};
