@@ -78,7 +78,7 @@ pub struct Trace {
 }
 
 /// An element of a set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NamedElement {
     /// The set, in the plural.

@@ -25,7 +25,10 @@ impl Inspector {
 
     /// Whether the selected ray has yet to be followed.
     pub(super) fn is_to_follow(&self) -> bool {
-        self.state.selection.subject(&self.model).is_some_and(|subject| self.models().any(|model| model.is_to_follow(subject)))
+        self.state
+            .selection
+            .subject(&self.model)
+            .is_some_and(|subject| self.models().any(|model| model.is_to_follow(subject)))
     }
 
     /// Selects the ray that a panel or a command asks for, and follows it in each run that has not done so.
