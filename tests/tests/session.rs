@@ -174,7 +174,7 @@ fn a_kernel_is_found_forward_and_back_and_a_ray_is_followed() {
         assert_eq!(session.ray().await.expect("a ray").expect("selected").state, "UNWRITTEN");
 
         go(&mut session, Target::Pass(5)).await;
-        let history = session.follow(8, 8, &mut go_on).await.expect("a history");
+        let history = session.follow([8, 8], &mut go_on).await.expect("a history");
         assert_eq!((session.place(), history.passes), (5, Some(last)), "it returns");
         let mut renderer =
             raystep_kernels::Renderer::new(&scene, session.options(), &device).await.expect("a renderer");
@@ -298,7 +298,7 @@ fn a_session_can_go_to_another_thread() {
     let mut session = block_on(None, Session::new(&scene, &stepped(&scene, 8, 8), &Device::Cpu(None))).expect("one");
     block_on(None, async {
         can_move(session.step(Target::Pass(4), &mut go_on)).await.expect("a step");
-        can_move(session.follow(4, 4, &mut go_on)).await.expect("a history");
+        can_move(session.follow([4, 4], &mut go_on)).await.expect("a history");
         can_move(session.twins_until(Some(2), &mut go_on)).await.expect("twins");
         can_move(session.edit(streams::HIT, 0, 0, 0, 1)).await.expect("an edit");
         can_move(session.clear_edits(&mut go_on)).await.expect("no edit");
