@@ -136,6 +136,7 @@ impl From<&RenderError> for Error {
     fn from(error: &RenderError) -> Self {
         match error {
             RenderError::Plan(error) => error.into(),
+            RenderError::NoElement { .. } => Self::usage(format!("--photon: {error}")),
             _ => Self::failed(error),
         }
     }

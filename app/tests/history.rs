@@ -149,3 +149,46 @@ fn a_history_with_rays_to_lights_ends_with_the_light_tree() {
         assert!(!trace("local", format).contains("light tree") && !trace("local", format).contains("light_tree"));
     }
 }
+
+#[test]
+fn a_photon_has_a_history_and_a_pixel_tells_which_photons_it_gathers() {
+    let place = Place::new();
+    let scene = cornell_box();
+    let common = [&*scene, "--size", "16x16", "--device", "cpu", "--quiet", "--integrator"];
+    let photons = ["photons", "--photons", "2000", "--gather-radius", "60", "--nearest", "20"];
+    let of = |more: &[&'static str]| [&["trace"], &common[..], &photons[..], more].concat();
+    let trace = |more: &[&'static str]| place.ok(&of(more)).stdout;
+
+    let rows = csv_rows(trace(&["--photon", "7", "--format", "csv"]).as_bytes());
+    assert_eq!((&*rows[0]["kernel"], &*rows[0]["state_before"]), ("emit_photons", "PHOTON_UNBORN"));
+    let last = rows.last().expect("rows");
+    assert_eq!((&*last["kernel"], &*last["state_after"]), ("scatter_photons", "PHOTON_DONE"));
+    assert!(rows.windows(2).all(|pair| pair[0]["state_after"] == pair[1]["state_before"]), "{rows:?}");
+    let json: Value = serde_json::from_str(&trace(&["--photon", "7", "--format", "json"])).expect("JSON");
+    assert_eq!((json["element"]["set"].as_str(), json["element"]["index"].as_u64()), (Some("photons"), Some(7)));
+    let first = &json["rows"][0]["after"]["photon"];
+    assert!(first["hits"] == 0 && first["power"][0].as_f64().is_some_and(|power| power > 0.0), "{first}");
+    let table = trace(&["--photon", "7"]);
+    assert!(table.starts_with("element photon 7\n") && table.contains("This photon waited in "), "{table}");
+
+    let table = trace(&["--pixel", "8,14"]);
+    for text in ["looks for photons near the hit", " of the map: looked at sorted photons to ", "adds r "] {
+        assert!(table.contains(text), "{text}: {table}");
+    }
+    let json: Value = serde_json::from_str(&trace(&["--pixel", "8,14", "--format", "json"])).expect("JSON");
+    let found =
+        json["rows"].as_array().expect("rows").iter().filter_map(|row| row["after"]["gather"]["found"].as_u64());
+    let found = found.max().expect("a search");
+    assert!(found > 0 && table.contains(&format!(" by {found} photon")), "{table}");
+
+    for (wanted, arguments) in [
+        ("--photon: this run has ", of(&["--photon", "5000"])),
+        (
+            "--photon names a photon of --integrator photons: add it",
+            [&["trace"], &common[..], &["path", "--photon", "1"]].concat(),
+        ),
+        ("--print-link: a link has a ray, but no photon", of(&["--photon", "1", "--print-link"])),
+    ] {
+        place.fails(2, wanted, &arguments);
+    }
+}

@@ -308,6 +308,7 @@ commands! {
         [Command::Lesson(5)] "Lesson: a tie that f32 cannot decide";
         [Command::Lesson(6)] "Lesson: from ray caster to path tracer";
         [Command::Lesson(7)] "Lesson: why is this pixel so bright?";
+        [Command::Lesson(8)] "Lesson: a caustic, photon by photon";
     }
     Help steps {
         NextStep "Next step of the lesson", NONE F8;

@@ -116,9 +116,10 @@ pub fn stream_exr(data: &StreamData, pass: Option<usize>) -> Result<Export, Expo
     Ok(Export::new(&stream_name(data, pass), "exr", bytes.into_inner(), texels(data)))
 }
 
-fn ray_name(history: &Trace) -> String {
+/// The name of a file about a history.
+pub(crate) fn ray_name(history: &Trace) -> String {
     let [x, y] = history.pixel;
-    format!("ray-{x}-{y}")
+    history.element.map_or_else(|| format!("ray-{x}-{y}"), |element| format!("{}-{}", element.noun(), element.index))
 }
 
 /// A ray's history as rows of CSV, as `trace --format csv` writes it.

@@ -13,6 +13,7 @@ pub mod lesson;
 pub mod link;
 pub mod names;
 pub mod orbit;
+pub mod photons;
 pub mod ray_text;
 pub mod runs;
 pub mod saved;

@@ -39,6 +39,7 @@ use twins::Twins;
 use crate::settings::traces_rays;
 
 pub use edit::Edit;
+pub use follow::Subject;
 pub use history::DEFAULT_BUDGET;
 pub use model::Model;
 pub use run_state::HistorySource;

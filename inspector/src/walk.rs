@@ -24,7 +24,7 @@ use glam::DVec3;
 use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
 use raystep_kernels::program::Path;
 use raystep_kernels::programs::closest_hit::states;
-use raystep_kernels::programs::light::PROGRAM;
+use raystep_kernels::programs::photons::PROGRAM;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 

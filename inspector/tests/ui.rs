@@ -22,6 +22,7 @@ mod opening;
 mod own_kernels;
 mod own_programs;
 mod passes;
+mod photons;
 mod readable;
 mod retained;
 mod runs;

@@ -4,12 +4,13 @@
 //! defaults and ranges. Programs call the functions beside it.
 //!
 //! The same numbers give the same scene everywhere: random numbers come from a seeded SplitMix64, and the coordinates
-//! of [`soup`], [`terrain`], [`icosphere`] and [`whitted`] use only operations whose rounding IEEE 754 prescribes (+ − × ÷ √), so
-//! they have the same bits on every machine. [`sphere_flake`], [`hair`] and [`tiny_in_room`] also use sines and
-//! cosines, whose last bit may differ between systems.
+//! of [`soup`], [`terrain`], [`icosphere`], [`whitted`], [`glass_ball`] and [`cornell_balls`] use only operations whose
+//! rounding IEEE 754 prescribes (+ − × ÷ √), so they have the same bits on every machine. [`sphere_flake`], [`hair`],
+//! [`tiny_in_room`] and [`ring`] also use sines and cosines, whose last bit may differ between systems.
 //!
 //! No generator allocates memory for more than [`MAX_TRIANGLES`].
 
+mod caustics;
 mod cornell;
 mod draft;
 mod flake;
@@ -21,6 +22,7 @@ mod terrain;
 mod tiny;
 mod whitted;
 
+pub use caustics::{cornell_balls, glass_ball, ring};
 pub use cornell::{cornell_box, cornell_lamp};
 pub use flake::sphere_flake;
 pub use hair::hair;
@@ -208,5 +210,23 @@ pub const GENERATORS: &[Generator] = &[
         summary: "a glass ball and a mirror over a checkered floor (Whitted 1980)",
         parameters: &[whitted::SUBDIVISIONS],
         make: |v| whitted(v[0]),
+    },
+    Generator {
+        name: "glass-ball",
+        summary: "a glass ball above a floor, under a small lamp (Purcell et al. 2003)",
+        parameters: &[caustics::SUBDIVISIONS],
+        make: |v| glass_ball(v[0]),
+    },
+    Generator {
+        name: "ring",
+        summary: "a metal ring on a floor, beside a small lamp (Purcell et al. 2003)",
+        parameters: &[caustics::SIDES],
+        make: |v| ring(v[0]),
+    },
+    Generator {
+        name: "cornell-balls",
+        summary: "the Cornell box with a lamp, a mirror ball and a glass ball (Purcell et al. 2003)",
+        parameters: &[caustics::SUBDIVISIONS],
+        make: |v| cornell_balls(v[0]),
     },
 ];

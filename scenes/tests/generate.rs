@@ -126,6 +126,61 @@ fn every_generator_makes_a_whole_scene_with_its_defaults() {
     }
 }
 
+/// The triangles of a material, each with its area along its normal by its corners.
+fn of_material(scene: &Scene, name: &str) -> Vec<([Vec3; 3], Vec3)> {
+    let material = scene.materials.iter().position(|material| material.name == name).unwrap() as u32;
+    let own = scene.triangles.iter().zip(&scene.triangle_materials).filter(|(_, of)| **of == material);
+    own.map(|(t, _)| t.map(Vec3::from)).map(|t| (t, (t[1] - t[0]).cross(t[2] - t[0]) * 0.5)).collect()
+}
+
+/// Photons and paths leave a lamp at its front: it has to face what makes the caustic, and nothing may touch.
+#[test]
+fn lamps_of_caustics_face_what_they_light() {
+    for (scene, what) in [(generate::glass_ball(2).unwrap(), "glass"), (generate::ring(24).unwrap(), "metal")] {
+        let lamp = of_material(&scene, "lamp");
+        let area: f32 = lamp.iter().map(|(_, normal)| normal.length()).sum();
+        assert!(lamp.len() == 2 && (area - 0.04).abs() < 1e-5, "{}: {area}", scene.name);
+        for (corners, normal) in lamp {
+            for (of, _) in of_material(&scene, what) {
+                let toward = (of[0] - corners[0]).normalize();
+                assert!(toward.dot(normal.normalize()) > 0.7, "{}: {toward}", scene.name);
+            }
+        }
+        let [floor] = of_material(&scene, "floor")[..1] else { panic!("no floor") };
+        assert!(floor.1.normalize() == Vec3::Y && floor.0.iter().all(|p| p.y == 0.0));
+    }
+    let mut balls = generate::cornell_balls(2).unwrap();
+    assert_eq!((balls.triangles.len(), balls.materials.len()), (12 + 2 * 320, 6));
+    for (ball, center) in [("mirror", Vec3::new(-0.42, -0.64, -0.35)), ("glass", Vec3::new(0.42, -0.64, 0.3))] {
+        for (corners, normal) in of_material(&balls, ball) {
+            assert!(corners.iter().all(|p| p.x.abs() < 0.8 && p.y >= -1.0 && p.z > -0.8), "{ball}: {corners:?}");
+            assert!(corners.iter().all(|&p| normal.dot(p - center) > 0.0), "{ball}: {corners:?} faces inward");
+        }
+    }
+    balls.triangles.truncate(6);
+    assert_eq!(balls.triangles, generate::cornell_box().triangles[..6]);
+}
+
+/// Around the ring, every side shares its two upright edges with its neighbours, bit for bit.
+#[test]
+fn a_ring_is_closed_and_open_at_its_ends() {
+    for sides in [3, 24, 128] {
+        let scene = generate::ring(sides).unwrap();
+        let mut edges = HashMap::new();
+        let metal = of_material(&scene, "metal");
+        assert_eq!(metal.len() as u64, 2 * sides);
+        for (corners, normal) in metal {
+            assert!(normal.dot(Vec3::new(corners[0].x, 0.0, corners[0].z)) > 0.0, "{corners:?} faces inward");
+            let bits = corners.map(|p| p.to_array().map(f32::to_bits));
+            (0..3).for_each(|k| *edges.entry((bits[k], bits[(k + 1) % 3])).or_insert(0) += 1);
+        }
+        let open = edges.keys().filter(|&&(a, b)| !edges.contains_key(&(b, a))).count() as u64;
+        assert_eq!((open, edges.values().all(|&count| count == 1)), (2 * sides, true), "{sides} sides");
+    }
+    let error = generate::ring(2).unwrap_err().to_string();
+    assert_eq!(error, "ring: sides is 2, but must be from 3 to 1000000");
+}
+
 #[test]
 fn counts_are_what_was_asked_for() {
     assert_eq!(generate::soup(1_234, 0).unwrap().triangles.len(), 1_234);

@@ -9,15 +9,17 @@ use clap::{ArgGroup, Args, ValueEnum};
 use raystep_inspector::link::{Link, LinkRay};
 use raystep_inspector::ray_text::GivenRay;
 use raystep_inspector::runs::scene_hash;
-use raystep_kernels::RaySource;
 use raystep_kernels::export::light_tree::LightTree;
-use raystep_kernels::export::trace::{Rays, Trace, trace};
+use raystep_kernels::export::trace::{Rays, Trace, trace, trace_element};
 use raystep_kernels::history::units::Units;
+use raystep_kernels::options::Integrator;
+use raystep_kernels::programs::photons::stored;
+use raystep_kernels::{Pass, RaySource};
 use serde::Serialize;
 
 use crate::args::{QuietArgs, RunArgs, ViewArgs};
 use crate::error::Error;
-use crate::link::{LinkArgs, link_of};
+use crate::link::{LinkArgs, Wanted, link_of};
 use crate::program_folder;
 use crate::session::Session;
 use crate::terminal::{Progress, print, say};
@@ -33,17 +35,21 @@ use crate::terminal::{Progress, print, say};
 /// If rays go on from hits to lights, the table and JSON end with the pixel's light tree: what every ray ended in, what
 /// light it brings or what occludes it, and what that adds to the pixel.
 ///
+/// With --integrator photons, the rows of a pixel tell its search for photons: the cells of the map, how many photons are taken of
+/// each, the radius and the estimate. --photon prints the history of a photon instead, from its light to its end.
+///
 /// For a folder with program.toml, --pixel names an element: for every pass, what it has changed, and the conditions that the
 /// kernel came to, with their lines.
 ///
 /// Only this ray is traced, unless --all-rays is used. Without it, the total number of passes is not known, and the final
 /// shading pass is shown as 'last'.
 #[derive(Args, Debug)]
-#[command(group = ArgGroup::new("which").args(["pixel", "ray"]), after_help = "\
+#[command(group = ArgGroup::new("which").args(["pixel", "ray", "photon"]), after_help = "\
 Examples:
   raystep trace cornell-box --pixel 256,256
   raystep trace cornell-box --pixel 256,256 --numerics paper --format csv > ray.csv
   raystep trace teapot --ray 0,0,5,0,0,-1
+  raystep trace whitted --integrator photons --photons 5000 --photon 1234
   raystep trace my-program --pixel 12,40
   raystep trace teapot --ray 0,0,0x40a00000,0,0,0xbf800000 --format json
   raystep trace --link \"raystep:1?scene=teapot&accelerator=bvh&pixel=256,256\"")]
@@ -56,10 +62,13 @@ pub(crate) struct TraceArgs {
     /// A single ray in the scene file's coordinates: origin and direction, decimal or as the bits of an f32 in hex
     #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", allow_hyphen_values = true)]
     ray: Option<GivenRay>,
+    /// Photon, counted from 0, with --integrator photons
+    #[arg(long, value_name = "N")]
+    photon: Option<u32>,
     /// Also trace the rays of all other pixels, as 'render' does, to show the number of passes
     ///
-    /// Without it, only this ray is traced; its rows are the same, bit for bit. With --schedule first and with several
-    /// samples per pixel, a ray's passes depend on the other rays, so all are traced.
+    /// Without it, only this ray is traced; its rows are the same, bit for bit. With --schedule first, several samples per
+    /// pixel, rays to lights or photons, a ray's passes depend on others, so all are traced.
     #[arg(long)]
     all_rays: bool,
     /// A readable table, or data
@@ -113,7 +122,18 @@ impl FromStr for Pixel {
 
 /// Why `--all-rays` is implied.
 const NOT_ALONE: &str = "a ray's passes depend on the other rays here (--schedule first, several samples per \
-                         pixel, or shadow rays), so all are traced";
+                         pixel, shadow rays, or photons), so all are traced";
+
+/// The photon to follow, in a run that has photons.
+fn photon_of(wanted: &Wanted, photon: u32) -> Result<u32, Error> {
+    match (wanted.run.tracing.values.integrator, wanted.ray) {
+        (Integrator::Photons, None) => Ok(photon),
+        (Integrator::Photons, Some(_)) => {
+            Err(Error::usage("--link has a ray, and --photon names a photon: omit one of them"))
+        }
+        _ => Err(Error::usage("--photon names a photon of --integrator photons: add it")),
+    }
+}
 
 pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     let asked = match (args.pixel, args.ray) {
@@ -128,11 +148,17 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
         return element::run(path, pixel, args.format, &args.view, &args.run, &args.scene.read, &args.quiet);
     }
     let mut wanted = args.scene.wanted(args.view, args.run)?;
+    let photon = args.photon.map(|index| photon_of(&wanted, index)).transpose()?;
+    if photon.is_some() && args.print_link {
+        return Err(Error::usage("--print-link: a link has a ray, but no photon"));
+    }
     let ray = match (asked, wanted.ray) {
         (Some(_), Some(_)) => {
             return Err(Error::usage("--link has a ray, and so does --pixel or --ray: omit one of them"));
         }
-        (None, None) => return Err(Error::usage("missing ray: use --pixel X,Y or --ray OX,OY,OZ,DX,DY,DZ")),
+        (None, None) if photon.is_none() => {
+            return Err(Error::usage("missing ray: use --pixel X,Y, --ray OX,OY,OZ,DX,DY,DZ or --photon N"));
+        }
         (asked, linked) => asked.or(linked),
     };
     wanted.ray = ray;
@@ -175,15 +201,18 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     }
     let mut running = session.start(&progress)?;
     progress.stage("tracing");
-    if !args.all_rays && running.renderer.plan().rays > 1 && !running.renderer.can_go_alone() {
+    if photon.is_none() && !args.all_rays && running.renderer.plan().rays > 1 && !running.renderer.can_go_alone() {
         progress.say(format_args!("note: {NOT_ALONE}"));
     }
     let rays = if args.all_rays { Rays::All } else { Rays::One };
-    let following = trace(&mut running.renderer, x, y, rays, |pass| {
+    let told = |pass: &Pass| {
         progress.pass(pass.index);
         ControlFlow::Continue(())
-    });
-    let history = running.chosen.wait(following)?;
+    };
+    let history = match photon {
+        Some(index) => running.chosen.wait(trace_element(&mut running.renderer, stored::SET, index, told))?,
+        None => running.chosen.wait(trace(&mut running.renderer, x, y, rays, told))?,
+    };
     progress.finish();
     if let Some(link) = link {
         say(format_args!("open in the inspector: raystep inspect --link \"{link}\""));

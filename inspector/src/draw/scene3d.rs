@@ -18,10 +18,11 @@ use raystep_kernels::scene_data::SceneData;
 
 use super::picture::filled;
 use crate::orbit::{Lens, Orbit};
+use crate::photons::Photons;
 use crate::walk::{Aabb, Branch, WalkGeometry};
 use overlay::{FillVertex, Frustum, LineInstance, Overlay};
 use pipelines::{Pipelines, SAMPLES, View};
-pub use settings::{Settings, TriangleStyle};
+pub use settings::{PhotonPaint, Settings, TriangleStyle};
 use triangles::Triangles;
 pub use triangles::{MOST_TRIANGLES, Shown};
 
@@ -34,6 +35,7 @@ pub struct Scene3d {
     triangles: Triangles,
     boxes: Vec<PaintedBox>,
     branches: Vec<Branch>,
+    photons: Photons,
     frustum: Option<Frustum>,
     bounds: Aabb,
     targets: Option<Targets>,
@@ -71,6 +73,7 @@ impl Scene3d {
             triangles: Triangles::default(),
             boxes: Vec::new(),
             branches: Vec::new(),
+            photons: Photons::default(),
             frustum: None,
             bounds: Aabb { min: DVec3::ZERO, max: DVec3::ZERO },
             targets: None,
@@ -96,6 +99,11 @@ impl Scene3d {
     /// Shows these rays of a light tree.
     pub fn show_light(&mut self, branches: Vec<Branch>) {
         self.branches = branches;
+    }
+
+    /// Shows these photons.
+    pub fn show_photons(&mut self, photons: Photons) {
+        self.photons = photons;
     }
 
     /// The box of the scene's triangles, in traced units, for framing.
@@ -127,8 +135,8 @@ impl Scene3d {
         let center = self.bounds.center().as_vec3();
         let view = view(camera, settings, around.cut.filter(|_| settings.cut), &self.bounds, size);
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        let mut overlay =
-            Overlay::new(walk, &self.branches, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
+        let over = (&self.branches[..], &self.photons);
+        let mut overlay = Overlay::new(walk, over, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
         overlay.boxes(&self.boxes);
         if let Some(marked) = &around.marked {
             overlay.mark(marked, settings);

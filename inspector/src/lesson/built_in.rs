@@ -11,7 +11,7 @@ pub const PREFIX: &str = "built-in:";
 pub const CORNELL_BOX: &str = "cornell-box";
 
 /// The lessons: the name of each file, and its text.
-pub const LESSONS: [(&str, &str); 8] = [
+pub const LESSONS: [(&str, &str); 9] = [
     ("one-ray.md", include_str!("../../lessons/one-ray.md")),
     ("grid-2004.md", include_str!("../../lessons/grid-2004.md")),
     ("fragment-2004.md", include_str!("../../lessons/fragment-2004.md")),
@@ -20,6 +20,7 @@ pub const LESSONS: [(&str, &str); 8] = [
     ("tie.md", include_str!("../../lessons/tie.md")),
     ("four-programs.md", include_str!("../../lessons/four-programs.md")),
     ("bright-pixel.md", include_str!("../../lessons/bright-pixel.md")),
+    ("caustic.md", include_str!("../../lessons/caustic.md")),
 ];
 
 /// The names of the lessons: those of their files without the ending.

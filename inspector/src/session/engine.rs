@@ -265,12 +265,13 @@ impl Server {
                 self.arrived().await?;
                 changed.map(drop).map_err(Trouble::from)
             }
-            Request::Follow([x, y]) => {
+            Request::Follow(subject) => {
                 let mut report = self.reporter("following the ray");
                 let _moving = Moving::new(&self.moving);
                 let Some(run) = &mut self.run else { return Ok(()) };
-                run.followed = Some([x, y]);
-                let followed = run.session.follow(x, y, &mut |p: &Progress| flow(report(p.rays_decided, p.rays))).await;
+                run.followed = subject.set.is_none().then_some(subject.texel).or(run.followed);
+                let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));
+                let followed = run.session.follow(subject, tell).await;
                 self.arrived().await?;
                 self.say(Update::Followed(Box::new(followed?)));
                 Ok(())

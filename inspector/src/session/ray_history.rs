@@ -8,23 +8,25 @@ use raystep_kernels::export::trace::{RunSoFar, Trace, TraceRow};
 
 use super::engine::FOLLOWING;
 use super::request::Request;
-use super::{HistorySource, Model};
+use super::{HistorySource, Model, Subject};
 use crate::settings::DeviceKind;
 
 impl Model {
-    /// Selects a pixel's ray. Its history is there at once if the CPU reference kernels can tell it; otherwise the
+    /// Selects a pixel's ray, or another element. A ray's history is there at once if the CPU reference kernels can tell it; otherwise the
     /// session is asked for it, once it has no other work.
-    pub fn follow(&mut self, pixel: [u32; 2]) {
-        if let Some(history) = self.reference(pixel) {
-            self.followed = Some(pixel);
+    pub fn follow(&mut self, subject: impl Into<Subject>) {
+        let subject: Subject = subject.into();
+        let pixel = subject.texel;
+        if let Some(history) = self.reference(pixel).filter(|_| subject.set.is_none()) {
+            self.followed = Some(subject);
             (self.history, self.reference_history) = (Some(Arc::new(history)), None);
             let is_gpu = self.opened.as_ref().is_some_and(|opened| opened.settings.device == DeviceKind::Gpu);
             // On the CPU they are the session's own kernels.
             self.history_source = if is_gpu { HistorySource::Reference } else { HistorySource::Device };
             self.ask(Request::Confirm(pixel));
         } else if !self.is_busy() {
-            self.followed = Some(pixel);
-            self.ask(Request::Follow(pixel));
+            self.followed = Some(subject);
+            self.ask(Request::Follow(subject));
         }
     }
 
@@ -70,10 +72,18 @@ impl Model {
         self.glanced.as_ref()
     }
 
-    /// Whether this ray has yet to be followed.
+    /// Whether this ray or other element has yet to be followed.
     #[must_use]
-    pub fn is_to_follow(&self, pixel: [u32; 2]) -> bool {
-        self.opened.is_some() && self.followed != Some(pixel)
+    pub fn is_to_follow(&self, subject: impl Into<Subject>) -> bool {
+        let subject: Subject = subject.into();
+        self.has(&subject) && self.followed != Some(subject)
+    }
+
+    /// Whether the run has such elements.
+    #[must_use]
+    pub fn has(&self, subject: &Subject) -> bool {
+        let plan = self.opened.as_ref().map(|opened| &opened.plan);
+        plan.is_some_and(|plan| subject.set.is_none() || subject.decoding(plan).is_some())
     }
 
     /// Whether a row of the selected ray's history is of a pass that has not run yet.
@@ -126,9 +136,12 @@ impl Model {
     /// More passes are known, or the streams have changed.
     pub(super) fn follow_on(&mut self, is_changed: bool) {
         self.glanced = None;
-        let Some(pixel) = self.followed else { return };
+        let Some(Subject { set, texel: pixel }) = self.followed else { return };
         if is_changed {
             self.followed = None;
+            return;
+        }
+        if set.is_some() {
             return;
         }
         if self.history_source == HistorySource::Device

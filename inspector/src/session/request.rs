@@ -12,7 +12,7 @@ use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::measure::Measure;
-use super::{Direction, Edit, Fired, Sketch, Target, Watch};
+use super::{Direction, Edit, Fired, Sketch, Subject, Target, Watch};
 use crate::settings::Settings;
 use raystep_kernels::options::folder::Folder;
 
@@ -84,8 +84,9 @@ pub enum Request {
     ClearEdits,
     /// Runs the first passes on the CPU reference.
     TwinsUntil(Option<usize>),
-    /// Follows this pixel's ray from the first pass to the last in the session's own streams; the place stays the same.
-    Follow([u32; 2]),
+    /// Follows this ray or other element from the first pass to the last in the session's own streams; the place stays the
+    /// same.
+    Follow(Subject),
     /// Selects this pixel's ray, and follows it on the device when there is nothing else to do, in a run of its own.
     Confirm([u32; 2]),
     /// Copies the streams that are drawn by now, where they cannot be drawn from the device's own textures.

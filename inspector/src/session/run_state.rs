@@ -8,7 +8,7 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::{DrawTime, Kernel, Pass, Stream};
 
 use super::request::{At, Glimpse, Opened, Texels};
-use super::{Edit, Fired, Sketch};
+use super::{Edit, Fired, Sketch, Subject};
 use crate::settings::traces_rays;
 
 /// Work in progress.
@@ -85,8 +85,8 @@ pub struct RunState {
     pub edits: Vec<Edit>,
     /// The result of the last run to a watch, until taken; the inner option is `None` if no watch fired.
     pub fired: Option<Option<Fired>>,
-    /// The selected ray, once it is followed or the session is asked to.
-    pub(super) followed: Option<[u32; 2]>,
+    /// The selected ray or other element, once it is followed or the session is asked to.
+    pub(super) followed: Option<Subject>,
     /// Its history.
     pub history: Option<Arc<Trace>>,
     /// Whose kernels the history is from.

@@ -18,7 +18,7 @@ use super::thumbs::Thumbs;
 use super::units::Units;
 use crate::command::{Command, PaneKind};
 use crate::link::Shown;
-use crate::session::Watch;
+use crate::session::{Model, Subject, Watch};
 pub(super) use bookmarks::Bookmarks;
 use kept_runs::KeptRuns;
 pub(super) use log::{Log, LogLine};
@@ -73,12 +73,23 @@ pub(super) struct State {
 pub struct Selection {
     /// The selected pixel.
     pub pixel: Option<[u32; 2]>,
+    /// The selected element of another set than the image's, whose history is shown instead of the pixel's.
+    pub element: Option<Subject>,
     /// The pixel under the cursor, in any stream view.
     pub hovered: Option<[u32; 2]>,
     /// The cell, node or triangle that was clicked last, in any panel.
     pub picked: Option<Picked>,
     /// The vertex that the light tree goes to, once it is known.
     pub vertex: Option<OfPath>,
+}
+
+impl Selection {
+    /// Whose history is shown: the selected element's if the run has such elements, else the pixel's.
+    #[must_use]
+    pub fn subject(&self, model: &Model) -> Option<Subject> {
+        let element = self.element.filter(|element| model.has(element));
+        element.or(self.pixel.map(Subject::from))
+    }
 }
 
 /// How things are shown.
@@ -129,6 +140,8 @@ pub struct Asks {
     pub scrub: Scrub,
     /// A pixel to select.
     pub select: Option<[u32; 2]>,
+    /// An element of another set to select.
+    pub follow: Option<Subject>,
     /// The view requested of the first stream panel.
     pub show: Option<Shown>,
     /// Files to save.

@@ -33,6 +33,8 @@ pub(crate) const CORNELL: &str = "cornell-box";
 pub(crate) const ROOM: &str = "room";
 /// The same room without lights, whose first material glows.
 pub(crate) const GLOW: &str = "glow";
+/// A ball of glass and one that is a mirror, over a floor.
+pub(crate) const WHITTED: &str = "whitted";
 /// The same room, where all surfaces emit more than half of what a float holds.
 pub(crate) const GLARE: &str = "glare";
 /// A glTF file with a single triangle.
@@ -120,6 +122,7 @@ impl Host for TestHost {
             let json = match path.as_str() {
                 CORNELL => return Ok(generate::cornell_box()),
                 ROOM => return Ok(room()),
+                WHITTED => return generate::whitted(2).map_err(|error| error.to_string()),
                 GLOW => return Ok(glowing(1, [2.0, 1.5, 1.0])),
                 GLARE => return Ok(glowing(usize::MAX, [3e38; 3])),
                 TRIANGLE => triangle(),

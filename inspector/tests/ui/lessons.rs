@@ -124,6 +124,11 @@ fn why_a_pixel_is_so_bright() {
     taught(7);
 }
 
+#[test]
+fn a_caustic_photon_by_photon() {
+    taught(8);
+}
+
 /// The weight that a kernel gave to a hit of the lamp follows from the two pdfs that a lesson tells, which are worked out apart
 /// from it.
 #[test]

@@ -134,6 +134,19 @@ pub async fn compare(
     compare_plan(&Device::Gpu(gpu.clone()), plan, data, options, true, is_enough).await
 }
 
+/// Streams that keep their initial values.
+const KEPT: [Stream; 9] = [
+    streams::STATE,
+    streams::ACCUMULATED,
+    streams::BLOCKS,
+    streams::SCAN,
+    streams::BOUNCE,
+    streams::PDF,
+    streams::PHOTON_BOUNCE,
+    streams::GATHERING,
+    streams::SHRUNK,
+];
+
 /// As [`compare`], on any device, for a plan that is made already. Users' kernels are compared with those that they replace;
 /// the interpreter rounds as the CPU reference kernels do, so there a ray need not go another way by rounding alone, which
 /// `has_ties` allows; floats may be off by its bound.
@@ -162,12 +175,9 @@ pub async fn compare_plan(
     for &stream in &streams {
         let mut values = renderer.values(stream).await?;
         // Some streams must keep their initial values: which kernel is next, the number of samples, the sum of no blocks of
-        // samples, that no search has begun, and that no ray was reflected.
+        // samples, that no search has begun, that no ray was reflected, and how often photons were emitted and gathered.
         let keeps = |own: Stream| kernels.iter().any(|kernel| kernel.stream(own) == Some(stream));
-        let is_kept =
-            [streams::STATE, streams::ACCUMULATED, streams::BLOCKS, streams::SCAN, streams::BOUNCE, streams::PDF]
-                .into_iter()
-                .any(keeps);
+        let is_kept = KEPT.into_iter().any(keeps);
         if makes_rays && !is_kept {
             values.bits.fill(0x7fc0_dead);
             in_both(renderer.write(&values), stream)?;

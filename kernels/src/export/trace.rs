@@ -32,10 +32,14 @@ impl Trace {
         for (row, cells) in self.rows.iter().zip(&rows) {
             line(cells.each_ref().map(String::as_str), &(scale.reason(&row.why) + &row.noted()));
         }
+        let noun = self.element.map_or("ray", |element| element.noun());
         let _ = match self.passes {
             Some(passes) => {
                 let waited = passes.saturating_sub(self.rows.len());
-                writeln!(out, "\n{passes} passes. This ray waited in {waited} of them, whose numbers are missing here.")
+                writeln!(
+                    out,
+                    "\n{passes} passes. This {noun} waited in {waited} of them, whose numbers are missing here."
+                )
             }
             None => writeln!(
                 out,
@@ -69,6 +73,9 @@ impl Trace {
         let ray = self.rows.first().map(|row| row.after);
         // With several samples there are several rays.
         let ray = ray.filter(|ray| self.rows.iter().all(|row| row.after.direction == ray.direction));
+        if let Some(element) = self.element {
+            line("element", element.to_string());
+        }
         if let Some(RayState { origin, direction, .. }) = ray {
             let origin = scale.point(origin).join(" ");
             line("ray", format!("origin {origin}, direction {}", all(direction.map(|d| scale.direction(d)))));

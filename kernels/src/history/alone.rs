@@ -67,6 +67,7 @@ impl RunSoFar<'_> {
         }
         Some(Trace {
             pixel: [x, y],
+            element: None,
             scene_units_per_stream_unit: self.data.units.scene_units_per_stream_unit(),
             scene_offset: self.data.units.offset.to_array(),
             t_scale: self.data.units.scene_units_per_stream_unit(),

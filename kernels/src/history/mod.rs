@@ -5,6 +5,7 @@ mod alone;
 pub mod light_tree;
 pub mod units;
 
+use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -14,11 +15,12 @@ use crate::executor::cpu::Interpreted;
 use crate::interpret::Element;
 use crate::options::features::StructureKind;
 use crate::plan::Plan;
-use crate::program::Kernel;
 pub use crate::program::RayState;
+use crate::program::{Decoding, Kernel};
 use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
 use crate::shared::grid_walk::Grid;
+use crate::tables::elements::Elements;
 use crate::tables::stream::Stream;
 
 /// The effect of one pass on the ray.
@@ -53,8 +55,11 @@ pub struct TraceRow {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Trace {
-    /// Pixel (x, y); for input rays, in the image they fill row by row.
+    /// Pixel (x, y); for input rays, in the image they fill row by row. For another element, its texel.
     pub pixel: [u32; 2],
+    /// The element of another set that walks as rays do, whose history it is; `None` for a ray.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub element: Option<NamedElement>,
     /// Scene units per traced unit: multiply lengths by this.
     pub scene_units_per_stream_unit: f64,
     /// Then add this to points, for the coordinates of the scene's file.
@@ -70,6 +75,30 @@ pub struct Trace {
     pub grid: Option<TraceGrid>,
     /// The rows.
     pub rows: Vec<TraceRow>,
+}
+
+/// An element of a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct NamedElement {
+    /// The set, in the plural.
+    pub set: &'static str,
+    /// Its index, from 0.
+    pub index: u32,
+}
+
+impl NamedElement {
+    /// What one of the set is called.
+    #[must_use]
+    pub fn noun(&self) -> &'static str {
+        self.set.strip_suffix('s').unwrap_or(self.set)
+    }
+}
+
+impl fmt::Display for NamedElement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.noun(), self.index)
+    }
 }
 
 /// What initial tMax and tDelta are computed from, in traced units.
@@ -105,9 +134,31 @@ pub async fn trace(
     x: u32,
     y: u32,
     rays: Rays,
+    progress: impl FnMut(&Pass) -> ControlFlow<()>,
+) -> Result<Trace, RenderError> {
+    let follower = Follower::begin(renderer, [x, y], rays).await?;
+    follow(follower, renderer, progress).await
+}
+
+/// The same for an element of another set that walks through the scene as rays do, counted from 0. All elements are traced.
+///
+/// # Errors
+/// If the run has no such element, the device fails, or `progress` stopped the run.
+pub async fn trace_element(
+    renderer: &mut Renderer,
+    set: &Elements,
+    index: u32,
+    progress: impl FnMut(&Pass) -> ControlFlow<()>,
+) -> Result<Trace, RenderError> {
+    let follower = Follower::of_element(renderer, set, index).await?;
+    follow(follower, renderer, progress).await
+}
+
+async fn follow(
+    mut follower: Follower,
+    renderer: &mut Renderer,
     mut progress: impl FnMut(&Pass) -> ControlFlow<()>,
 ) -> Result<Trace, RenderError> {
-    let mut follower = Follower::begin(renderer, [x, y], rays).await?;
     while let Some(pass) = follower.step(renderer).await? {
         if progress(&pass).is_break() {
             return Err(RenderError::Cancelled { passes: renderer.pass_count() });
@@ -119,6 +170,7 @@ pub async fn trace(
 /// Records one ray while a run is stepped: [`trace`] in pieces.
 #[derive(Clone, Debug)]
 pub struct Follower {
+    of: Decoding,
     pixel: [u32; 2],
     is_alone: bool,
     before: RayState,
@@ -140,10 +192,26 @@ impl Follower {
         if !is_alone {
             renderer.restart();
         }
-        let before = ray_state(renderer, x, y).await?;
+        let plan = renderer.plan();
+        let of = plan.program.rays.ok_or(RenderError::NoRays(plan.program.name))?;
+        Self::new(renderer, of, [x, y], is_alone).await
+    }
+
+    /// The same for an element of another set: all are traced.
+    ///
+    /// # Errors
+    /// If the run has no such element, or the device fails.
+    pub async fn of_element(renderer: &mut Renderer, set: &Elements, index: u32) -> Result<Self, RenderError> {
+        let (of, texel) = texel_of(renderer, set, index)?;
+        renderer.restart();
+        Self::new(renderer, of, texel, false).await
+    }
+
+    async fn new(renderer: &Renderer, of: Decoding, pixel: [u32; 2], is_alone: bool) -> Result<Self, RenderError> {
+        let before = state_of(renderer, &of, pixel).await?;
         let after_all = after_all(renderer.plan());
         let interpreted = Interpreted::of(renderer.plan()).into();
-        Ok(Self { pixel: [x, y], is_alone, before, rows: Vec::new(), after_all, interpreted })
+        Ok(Self { of, pixel, is_alone, before, rows: Vec::new(), after_all, interpreted })
     }
 
     /// Runs a pass; `None` at the end of the run.
@@ -161,7 +229,7 @@ impl Follower {
         let Some(pass) = renderer.step().await? else { return Ok(None) };
         // A kernel leaves every ray alone that is not in its states, so there is nothing to read back.
         if pass.kernel.takes().contains(&self.before.tag) {
-            let after = ray_state(renderer, x, y).await?;
+            let after = state_of(renderer, &self.of, self.pixel).await?;
             let mut row = TraceRow::new(&pass, renderer.data(), &self.before, &after);
             if let Some((code, mut texels)) = given {
                 let data = pass.kernel.reads(renderer.data());
@@ -180,7 +248,7 @@ impl Follower {
     /// The history, at the end of the run.
     #[must_use]
     pub fn finish(self, renderer: &Renderer) -> Trace {
-        let whole = Trace::new(renderer, self.pixel, self.rows);
+        let whole = Trace::of(renderer, &self.of, self.pixel, self.rows);
         if self.is_alone { Trace { rays: 1, passes: None, ..whole } } else { whole }
     }
 }
@@ -199,9 +267,32 @@ fn after_all(plan: &Plan) -> Vec<Kernel> {
 pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, RenderError> {
     let plan = renderer.plan();
     let rays = plan.program.rays.ok_or(RenderError::NoRays(plan.program.name))?;
-    let streams: Vec<Stream> = rays.streams.iter().copied().filter(|&s| plan.has_stream(s)).collect();
+    state_of(renderer, &rays, [x, y]).await
+}
+
+/// How an element of a set that walks as rays do is decoded, and its texel.
+///
+/// # Errors
+/// If the run has no such element.
+pub fn texel_of(renderer: &Renderer, set: &Elements, index: u32) -> Result<(Decoding, [u32; 2]), RenderError> {
+    let program = renderer.plan().program;
+    let of = program.decoding_of(set).ok_or(RenderError::NoRays(program.name))?;
+    let missing = |count| RenderError::NoElement { elements: of.elements().map_or("", |set| set.name), index, count };
+    let size = renderer.size(set).ok_or_else(|| missing(0))?;
+    if index >= size.count {
+        return Err(missing(size.count));
+    }
+    Ok((of, [index % size.width, index / size.width]))
+}
+
+/// Decodes an element's texels as they are now.
+///
+/// # Errors
+/// If there is no such texel, or the device fails.
+pub async fn state_of(renderer: &Renderer, of: &Decoding, [x, y]: [u32; 2]) -> Result<RayState, RenderError> {
+    let streams: Vec<Stream> = of.streams.iter().copied().filter(|&s| renderer.plan().has_stream(s)).collect();
     let texels = renderer.texels(&streams, x, y).await?;
-    Ok((rays.decode)(&|stream| streams.iter().position(|&s| s == stream).map(|i| texels[i].as_slice())))
+    Ok((of.decode)(&|stream| streams.iter().position(|&s| s == stream).map(|i| texels[i].as_slice())))
 }
 
 impl TraceRow {
@@ -266,10 +357,27 @@ impl TraceGrid {
 }
 
 impl Trace {
+    /// Whose it is: `pixel 3,5`, or `photon 12`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let [x, y] = self.pixel;
+        self.element.map_or_else(|| format!("pixel {x},{y}"), |element| element.to_string())
+    }
+
     /// A point in scene units, in traced units.
     #[must_use]
     pub fn traced(&self, point: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|axis| (point[axis] - self.scene_offset[axis]) / self.scene_units_per_stream_unit)
+    }
+
+    /// The same for what is decoded so: a ray, or an element of another set.
+    #[must_use]
+    pub fn of(renderer: &Renderer, of: &Decoding, [x, y]: [u32; 2], rows: Vec<TraceRow>) -> Self {
+        let (all, of) = (renderer.plan().program.elements, of.elements());
+        let others = all.iter().skip(1).find(|set| of.is_some_and(|of| of.name == set.name));
+        let named =
+            others.and_then(|set| Some(NamedElement { set: set.name, index: y * renderer.size(set)?.width + x }));
+        Self { element: named, ..Self::new(renderer, [x, y], rows) }
     }
 
     /// The rows of a ray, from a run that is complete.
@@ -281,6 +389,7 @@ impl Trace {
         let (rays, passes) = (renderer.plan().rays, Some(renderer.pass_count()));
         let scene_offset = units.offset.to_array();
         let grid = TraceGrid::of(renderer.data());
-        Self { pixel: [x, y], scene_units_per_stream_unit, scene_offset, t_scale, rays, passes, grid, rows }
+        let (pixel, element) = ([x, y], None);
+        Self { pixel, element, scene_units_per_stream_unit, scene_offset, t_scale, rays, passes, grid, rows }
     }
 }

@@ -322,8 +322,8 @@ pub static ROWS: &[Row] = &[
         Samples::MOST,
         samples.count,
         "Samples per pixel, averaged. 1 samples the pixel's centre; with more, all streams except color and accumulated \
-         belong to the last sample. With --integrator photons, each is an iteration with photons of its own, looked up \
-         within less and less"
+         belong to the last sample. With --integrator photons, each is an iteration, which emits new photons and looks for \
+         them within a smaller radius"
     )
     .alias("iterations")
     .refused(|c| (c.samples.are_spread() && c.mapping != Mapping::Compute).then(|| impossible(ONE_SAMPLE))),

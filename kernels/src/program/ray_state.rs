@@ -55,6 +55,12 @@ pub struct RayState {
     /// Samples in the pixel's mean; absent if a pixel has one.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub samples: Option<u32>,
+    /// The search for photons near its hit; absent before and after it.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub gather: Option<Gather>,
+    /// What it carries from a light; absent if it comes from the camera.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub photon: Option<Photon>,
 }
 
 /// A ray in the tree of a pixel's rays.
@@ -72,6 +78,49 @@ pub struct Bounce {
     /// The light that reaches the pixel by all rays so far; for a pixel's first ray, what is left from the sample before.
     pub radiance: [f32; 3],
     /// Why the path ended, as the stream `ended` says.
+    pub ended: u32,
+}
+
+/// How far a search for the photons near a hit has got.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Gather {
+    /// Whether it looks for those that came by mirrors and glass alone, in a map of their own.
+    pub is_caustic: bool,
+    /// Which of the 27 cells around the hit is searched, x first; `None` before the first and after the last.
+    pub around: Option<u32>,
+    /// The next photon of the cell, as an index among the sorted ones.
+    pub item: u32,
+    /// Where the cell's photons end.
+    pub end: u32,
+    /// Photons found.
+    pub found: u32,
+    /// How often all cells were searched before.
+    pub sweep: u32,
+    /// At most the distance from the hit to the cell that was searched last; `None` before the first one. Traced units, as
+    /// the next.
+    pub distance: Option<f32>,
+    /// What is farther away is not taken.
+    pub limit: f32,
+    /// Of the photons found, the distance of the farthest one.
+    pub farthest: f32,
+}
+
+/// What is special about a photon: a ray that carries power from a light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Photon {
+    /// Its power, linear.
+    pub power: [f32; 3],
+    /// How many surfaces it has left.
+    pub hits: u32,
+    /// The triangle that it leaves; `None` for one from a light without a size.
+    pub leaves: Option<u32>,
+    /// The bounces after which it is stored in the map of all photons: bit b for bounce b.
+    pub stored: u32,
+    /// The same for the map of those that came by mirrors and glass alone.
+    pub stored_caustic: u32,
+    /// Why it ended, as its stream says; 0 if it has not.
     pub ended: u32,
 }
 

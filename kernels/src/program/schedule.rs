@@ -169,13 +169,14 @@ impl Schedule {
             Role::Enter => sent_to(Role::is_walk),
             // Every pixel asks for another sample.
             Role::Sample => sent_to(|role| role == Role::Source),
-            // Every ray that is not done asks for another ray.
-            Role::Finish if kernel.sends_all_to().is_none() => {
-                sent_to(|role| matches!(role, Role::Enter | Role::Whole))
-            }
             _ => kernel.sends_all_to(),
         };
         let mut after = counts.clone();
+        if kernel.role() == Role::Finish && to.is_none() {
+            // The next kernel is the first that may have some.
+            after.in_state.clear(kernel.takes().iter().copied());
+            kernel.sends().iter().for_each(|sent| after.in_state.add(sent.to, kernel.live(&counts.in_state)));
+        }
         if let Some(to) = to {
             after.in_state.clear(kernel.takes().iter().copied());
             after.in_state.add(to, kernel.live(&counts.in_state));

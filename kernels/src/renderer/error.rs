@@ -46,6 +46,16 @@ pub enum RenderError {
     /// The program traces no rays.
     #[error("program {0} traces no rays: it has no image and no hits")]
     NoRays(&'static str),
+    /// A set has no such element.
+    #[error("this run has {count} {elements}, counted from 0: {index} is none of them")]
+    NoElement {
+        /// Name of the set.
+        elements: &'static str,
+        /// The element.
+        index: u32,
+        /// How many there are.
+        count: u32,
+    },
     /// The image has no such pixels.
     #[error("{}x{} pixels from {},{} are not in an image of {width}x{height}", region.width, region.height, region.x, region.y)]
     NoPixel {

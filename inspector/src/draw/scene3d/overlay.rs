@@ -2,6 +2,7 @@
 
 mod frustum;
 mod light;
+mod photons;
 mod walk;
 
 use bytemuck::{Pod, Zeroable};
@@ -9,6 +10,7 @@ use glam::DVec3;
 
 use super::settings::Settings;
 use super::{Marked, PaintedBox};
+use crate::photons::Photons;
 use crate::walk::{Aabb, Branch, WalkGeometry};
 pub(super) use frustum::Frustum;
 
@@ -117,7 +119,7 @@ pub(super) struct Overlay {
 impl Overlay {
     pub(super) fn new(
         walk: Option<&WalkGeometry>,
-        branches: &[Branch],
+        (branches, photons): (&[Branch], &Photons),
         scene: &Aabb,
         frustum: Option<&Frustum>,
         settings: &Settings,
@@ -141,6 +143,7 @@ impl Overlay {
         if settings.light {
             overlay.light(branches, &palette);
         }
+        overlay.photons(photons, settings, &palette);
         if let Some(walk) = walk {
             overlay.walk(walk, settings, &palette);
         }

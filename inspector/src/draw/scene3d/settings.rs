@@ -17,6 +17,18 @@ pub enum TriangleStyle {
     Opaque,
 }
 
+/// What the colours of photons tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PhotonPaint {
+    /// The hue and, by its fourth root, the size of their power.
+    #[default]
+    Power,
+    /// After how many bounces they are stored.
+    Bounce,
+    /// In which map they are.
+    Map,
+}
+
 /// Settings of the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
 #[serde(default)]
@@ -46,6 +58,14 @@ pub struct Settings {
     /// The pixel's rays to lights, up to the current pass.
     #[default(true)]
     pub light: bool,
+    /// The places where photons are stored.
+    #[default(true)]
+    pub photons: bool,
+    /// What their colours tell.
+    pub photon_paint: PhotonPaint,
+    /// The cells, circle and photons of the selected pixel's search.
+    #[default(true)]
+    pub search: bool,
     /// The camera that generates the rays.
     #[default(true)]
     pub camera: bool,

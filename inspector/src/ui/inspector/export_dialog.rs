@@ -46,10 +46,9 @@ impl Inspector {
 
     fn which_ray(&self, is_up_to_here: bool) -> String {
         let Some(history) = &self.model.history else { return "Ray: none is selected".into() };
-        let [x, y] = history.pixel;
         let place = self.model.place;
         let rows = history.rows.iter().filter(|row| !is_up_to_here || row.is_within(place)).count();
-        format!("Ray of pixel {x},{y}: {}", counted(rows, "row"))
+        format!("Ray of {}: {}", history.name(), counted(rows, "row"))
     }
 
     fn which_stream(&self, stream: raystep_kernels::Stream) -> String {

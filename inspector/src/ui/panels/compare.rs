@@ -75,7 +75,7 @@ impl Panel for Compare {
                 other.ask(Request::Plan(Box::new(settings)));
                 other.ask(Request::Step(Target::End));
                 if let Some(pixel) = selection.pixel {
-                    other.ask(Request::Follow(pixel));
+                    other.ask(Request::Follow(pixel.into()));
                 }
             }
             if ui.button(Command::EndCompare.name()).clicked() {
@@ -112,7 +112,7 @@ impl Panel for Compare {
                 other.ask(Request::Plan(Box::new(Settings { size, view, ray, ..b.settings.clone() })));
                 other.ask(Request::Step(Target::End));
                 if let Some(pixel) = selection.pixel {
-                    other.ask(Request::Follow(pixel));
+                    other.ask(Request::Follow(pixel.into()));
                 }
             }
             return;
@@ -192,8 +192,8 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
         )
     };
     let lives = [("A", a), ("B", b)].map(|(name, history)| {
-        let [x, y] = history?.pixel;
-        Some(format!("{name}: ray {x},{y}: {}", line(history?)))
+        let history = history?;
+        Some(format!("{name}: ray of {}: {}", history.name(), line(history)))
     });
     let lives: Vec<String> = lives.into_iter().flatten().collect();
     if !lives.is_empty() {

@@ -143,8 +143,7 @@ impl Panel for LightTreeView {
         let view = View { name: "light tree", heads, rows: &list, version: version(of), current: now };
         let sample = at.map_or(0, |at| tree.vertices[at].sample);
         ui.horizontal_wrapped(|ui| {
-            let [x, y] = history.pixel;
-            strong(ui, format!("pixel {x},{y}"));
+            strong(ui, history.name());
             ui.label(tree.sentence(sample));
         });
         ui.horizontal_wrapped(|ui| {
@@ -204,7 +203,7 @@ fn go_to_wanted(cx: &mut Context<'_>, history: &Trace, tree: &LightTree) {
 fn why_none(opened: &Opened) -> Option<&'static str> {
     if opened.plan.program.rays.is_none_or(|rays| rays.tree.is_none()) {
         return Some(
-            "No ray leaves a hit in this run. With --integrator shadows, rays go on to the lights; with whitted, mirrors and glass send on rays, too; with path, all surfaces do.",
+            "No ray leaves a hit in this run. With --integrator shadows, rays go on to the lights; with whitted, mirrors and glass send on rays, too; with path, all surfaces do. With photons, the ray's history tells which photons bring the light of a pixel.",
         );
     }
     if opened.data.features.whole_paths {

@@ -80,7 +80,7 @@ impl Panel for Passes {
         .filter(|(column, _)| *column != Column::Loops || !is_tree && !self.tree.is_list())
         .collect();
         let (columns, heads): (Vec<Column>, Vec<Head<'_>>) = columns.into_iter().unzip();
-        let history = history.map(|history| (history.pixel, history.rows.len()));
+        let history = history.map(|history| (history.pixel, history.element, history.rows.len()));
         let bookmarks = &cx.bookmarks.list;
         let marked: Vec<usize> = bookmarks.iter().map(|bookmark| bookmark.place).collect();
         let of = (cx.model.generation, cx.model.edition, self.tree.is_list(), is_tree);

@@ -124,12 +124,11 @@ impl RayView {
     }
 }
 
-fn summary(ui: &mut Ui, history: &Trace, cx: &Context<'_>) {
-    let [x, y] = history.pixel;
+fn summary(ui: &mut Ui, history: &Trace, cx: &mut Context<'_>) {
     let scale = Scale::of(cx.display.units, history);
     let unit = scale.units.name();
     ui.horizontal_wrapped(|ui| {
-        let pixel = strong(ui, format!("pixel {x},{y}"));
+        let pixel = strong(ui, history.name());
         if let Some(first) = history.rows.first() {
             pixel.on_hover_text(ray(&first.after, &scale));
         }
@@ -137,7 +136,13 @@ fn summary(ui: &mut Ui, history: &Trace, cx: &Context<'_>) {
             Some(passes) => format!("processed by {} of {}", history.rows.len(), counted(passes, "pass")),
             None => format!("processed by {}", counted(history.rows.len(), "pass")),
         });
-        if let Some(last) = history.rows.last() {
+        if history.element.is_some() {
+            if let Some([x, y]) = cx.selection.pixel
+                && ui.button(format!("Back to pixel {x},{y}")).clicked()
+            {
+                cx.asks.select = cx.selection.pixel;
+            }
+        } else if let Some(last) = history.rows.last() {
             match (last.after.triangle, last.after.t) {
                 (Some(triangle), Some(t)) => {
                     let shown = scale.t(t);

@@ -28,8 +28,8 @@ use crate::command::Command;
 use crate::draw::stream::{Colors, Meaning};
 use crate::exports::EXPORTING;
 use crate::link::{LinkStream, Shown};
-use crate::session::Pinned;
 use crate::session::request::Request;
+use crate::session::{Pinned, Subject};
 use crate::ui::canvas::{Picture, Still, png};
 use crate::ui::pane::{Context, Panel};
 use crate::ui::state::kept_runs::Flipped;
@@ -130,8 +130,10 @@ impl Panel for StreamView {
         self.take_kept(cx, stream);
         let texture = self.pinned.as_ref().map(|pinned| &pinned.texture).or_else(|| cx.model.texture(stream));
         let size = texture.map_or([plan.width, plan.height], |texture| [texture.width(), texture.height()]);
-        // What is selected is an element of the first set.
-        let can_select = stream.info().elements == plan.program.elements[0];
+        // What is selected is an element of the first set, or of another one whose elements have histories, too.
+        let set = stream.info().elements;
+        let can_select = set == plan.program.elements[0];
+        let can_follow = !can_select && plan.program.decoding_of(set).is_some();
         let texels = vec2(size[0] as f32, size[1] as f32);
         self.look.zoom.follow_within(ui, &response, rect, texels, ZOOM);
         let placed = self.look.zoom.place(rect, size);
@@ -141,11 +143,17 @@ impl Panel for StreamView {
         if under.is_some() && can_select {
             cx.selection.hovered = under;
         }
-        let clicked = response.interact_pointer_pos().filter(|_| response.clicked() && can_select);
-        cx.asks.select = clicked.and_then(|at| placed.texel(at)).or(cx.asks.select);
+        let clicked = response.interact_pointer_pos().filter(|_| response.clicked());
+        let clicked = clicked.and_then(|at| placed.texel(at));
+        cx.asks.select = clicked.filter(|_| can_select).or(cx.asks.select);
+        let element = clicked.filter(|_| can_follow).map(|texel| Subject { set: Some(set), texel });
+        cx.asks.follow = element.or(cx.asks.follow);
         numbers::draw(ui, cx, &placed, stream, self.whose(stream));
         if can_select {
             placed.mark_clearly(ui, cx.selection.pixel, Color32::WHITE);
+        } else {
+            let selected = cx.selection.element.filter(|element| element.set == Some(set));
+            placed.mark_clearly(ui, selected.map(|element| element.texel), Color32::WHITE);
         }
         if !response.hovered() && can_select {
             placed.mark_clearly(ui, cx.selection.hovered, Color32::from_white_alpha(120));

@@ -106,7 +106,8 @@ impl Panel for Walk2d {
         }
         self.tools(ui, cx);
         self.about.show(ui, cx.model, cx.selection, cx.display);
-        let found = self.second_walk(ui, history.pixel, cx);
+        // Another element than a ray is of this run alone.
+        let found = if history.element.is_none() { self.second_walk(ui, history.pixel, cx) } else { None };
         cx.display.beside = found.as_ref().map(|found| found.data.clone());
         let (Some(whole), Some((_, progress))) = (&self.whole, &self.progress) else { return };
         if let Some(found) = &found {

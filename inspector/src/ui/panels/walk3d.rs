@@ -8,6 +8,7 @@ mod glance;
 mod heat;
 mod labels;
 mod lit;
+mod photons;
 mod pick;
 mod tools;
 
@@ -35,6 +36,7 @@ use camera::Framed;
 use heat::{Heat, Paint};
 use labels::{LabelStyle, Ready, Subject};
 use lit::Lit;
+use photons::Layer;
 
 /// The saved part of the view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, SmartDefault)]
@@ -63,6 +65,7 @@ struct Drawn {
     settings: Settings,
     around: Around,
     painted: u64,
+    photons: u64,
     size: [u32; 2],
 }
 
@@ -91,6 +94,7 @@ pub(in crate::ui) struct Walk3d {
     about: picked::About,
     heat: Heat,
     lit: Lit,
+    photons: Layer,
 }
 
 impl Panel for Walk3d {
@@ -106,6 +110,10 @@ impl Panel for Walk3d {
         {
             scene.show_light(self.lit.branches.clone());
         }
+        let photons = self.photons.update(cx, &opened, &self.walked, &self.look.settings, &traced_bounds);
+        if let Some((scene, photons)) = self.scene.as_mut().zip(photons) {
+            scene.show_photons(photons);
+        }
         if let Some(scene) = &mut self.scene {
             self.heat.update(cx, self.look.paint, scene, &opened.data);
         }
@@ -113,7 +121,7 @@ impl Panel for Walk3d {
         let scale = opened.data.units.scale();
         let aspect = f64::from(ui.available_rect_before_wrap().aspect_ratio());
         let mut camera = self.camera(&opened, &traced_bounds, scale, aspect);
-        let wish = self.tools(ui, cx).or(self.wish.take());
+        let wish = self.tools(ui, cx, &opened).or(self.wish.take());
         self.heat.show(ui, cx, self.look.paint);
         self.about.show(ui, cx.model, cx.selection, cx.display);
         let size = ui.available_size().max(vec2(16.0, 16.0));
@@ -150,11 +158,14 @@ impl Panel for Walk3d {
         if self.look.settings.light && !self.lit.told.is_empty() {
             what += &format!("; {}", self.lit.told);
         }
+        for told in self.photons.told(&self.look.settings, &style.scale) {
+            what += &format!("; {told}");
+        }
         if self.look.is_moved {
             what += "; view moved by hand";
         }
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
-        self.pick(&response, &traced, around, cx);
+        self.pick(&response, &traced, around, cx, &opened);
         self.follow_camera(ui, &camera, &opened, cx);
     }
 
@@ -233,7 +244,8 @@ impl Walk3d {
         let size = [rect.width(), rect.height()].map(|side| ((side * points).round() as u32).clamp(1, most));
         let settings = Settings { is_dark: ui.visuals().dark_mode, line_width_px: 1.25 * points, ..self.look.settings };
         let (generation, walk, painted) = (self.generation, self.walked.version, self.heat.version);
-        let drawn = Drawn { generation, walk, camera, settings, around, painted, size };
+        let photons = self.photons.version;
+        let drawn = Drawn { generation, walk, camera, settings, around, painted, photons, size };
         let target = self.picture.target(cx.canvas, size, self.drawn != Some(drawn));
         if let Some((scene, target)) = self.scene.as_mut().zip(target) {
             scene.draw(target, size, &camera, self.walked.walk.as_ref(), &around, &settings);
@@ -243,14 +255,17 @@ impl Walk3d {
     }
 
     /// Hovering tells what is under the cursor, and a click picks it and goes to its pass.
-    fn pick(&self, response: &egui::Response, camera: &Orbit, around: Around, cx: &mut Context<'_>) {
-        let (Some(at), Some(history)) = (response.hover_pos().filter(|_| !response.dragged()), &self.walked.history)
-        else {
+    fn pick(&self, response: &egui::Response, camera: &Orbit, around: Around, cx: &mut Context<'_>, opened: &Opened) {
+        let Some(at) = response.hover_pos().filter(|_| !response.dragged()) else { return };
+        let [at, size] = [at - response.rect.min, response.rect.size()].map(|v| DVec2::new(v.x.into(), v.y.into()));
+        if let Some(photon) = self.photons.under(camera, at, size, &self.look.settings) {
+            if response.clicked() {
+                cx.asks.follow = Some(photons::subject_of(&photon, opened));
+            }
+            response.clone().on_hover_text_at_pointer(photons::name(&photon));
             return;
-        };
-        let (Some(walk), at) = (&self.walked.walk, at - response.rect.min) else { return };
-        let size = response.rect.size();
-        let [at, size] = [at, size].map(|v| DVec2::new(v.x.into(), v.y.into()));
+        }
+        let (Some(history), Some(walk)) = (&self.walked.history, &self.walked.walk) else { return };
         let cut = around.cut.filter(|_| self.look.settings.cut);
         let found = pick::under(walk, camera, at, size, cut);
         if response.clicked() && !found.is_empty() {
@@ -314,10 +329,11 @@ impl Walk3d {
         let shown = self.scene.as_ref().map(|scene| scene.shown().to_string()).filter(|text| !text.is_empty());
         let unit =
             (drawn.is_some() && self.walked.walk.is_some()).then(|| format!("t in {}", style.scale.units.name()));
-        let shown: Vec<String> = shown.into_iter().chain(unit).collect();
+        let photons = self.photons.told(&self.look.settings, &style.scale);
+        let shown: Vec<String> = shown.into_iter().chain(photons).chain(unit).collect();
         if !shown.is_empty() {
             let font = egui::TextStyle::Small.resolve(ui.style());
-            let galley = painter.layout_no_wrap(shown.join("; "), font, ui.visuals().text_color());
+            let galley = painter.layout(shown.join("; "), font, ui.visuals().text_color(), rect.width() - 12.0);
             let place = Rect::from_min_size(rect.left_bottom() + vec2(6.0, -4.0 - galley.size().y), galley.size());
             painter.rect_filled(place.expand2(vec2(4.0, 1.0)), 3.0, ui.visuals().extreme_bg_color);
             painter.galley(place.min, galley, ui.visuals().text_color());

@@ -131,8 +131,8 @@ impl Watches {
 /// Requests a change to the run, and follows the ray again.
 fn again(cx: &mut Context<'_>, request: Request) {
     cx.model.ask(request);
-    if let Some(pixel) = cx.selection.pixel {
-        cx.model.ask(Request::Follow(pixel));
+    if let Some(subject) = cx.selection.subject(cx.model) {
+        cx.model.ask(Request::Follow(subject));
     }
 }
 

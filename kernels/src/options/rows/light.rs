@@ -17,12 +17,13 @@ pub(super) const INTEGRATOR: Row = Row::new(
     |c, value| parse(value, &mut c.integrator),
     "What light a pixel receives: from every light, by equation (1) of Mølhave's paper (local); only from lights that a \
      shadow ray reaches (shadows); also what mirrors and smooth glass reflect and refract (whitted); all light, in \
-     physical units, along random paths (path); or the same estimated from a map of photons (photons). Rough metal and rough glass are drawn as diffuse surfaces",
+     physical units, along random paths (path), or estimated from photons that are followed from the lights (photons). \
+     Rough metal and rough glass are drawn as diffuse surfaces",
 )
 .panel(
     "light",
     "what light a pixel receives: from every light, only from those that a shadow ray reaches, also by mirrors and \
-     smooth glass, or all light, along random paths or by a map of photons",
+     smooth glass, or all light, along random paths or from photons",
 )
 .applies(traces_rays)
 .refused(|c| {
@@ -40,10 +41,10 @@ pub(super) const MAX_DEPTH: Row = Row::new(
     Values::Whole(0, MOST_BOUNCES),
     |c| Value::Number(c.max_depth),
     |c, value| whole(value, 0, MOST_BOUNCES).map(|number| c.max_depth = number),
-    "Most reflections and refractions of a ray, with --integrator whitted, or bounces of a path, with path, or of a \
-     photon, with photons",
+    "How often a ray may be reflected or refracted, with --integrator whitted; or how often light may bounce on its way \
+     from a lamp to the eye, with path and photons",
 )
-.panel("bounces", "most reflections and refractions of a ray, or bounces of a path or photon")
+.panel("bounces", "most reflections and refractions of a ray, or bounces of light from a lamp to the eye")
 .applies(|c| traces_rays(c) && bounces(c))
 .refused(|c| {
     let depth = c.max_depth;

@@ -33,7 +33,7 @@ pub(super) const PHOTONS: Row = whole!(
     "photons",
     Photons::MOST,
     count,
-    "How many photons are emitted with --integrator photons, rounded up to whole rows of a texture"
+    "How many photons are emitted, with --integrator photons; rounded up to whole rows of a texture"
 )
 .panel("photons", "how many photons are emitted");
 
@@ -42,10 +42,10 @@ pub(super) const SORT: Row = Row::new(
     Values::Names(|| PhotonSort::ALL.iter().map(|of| of.name()).collect()),
     |c| text(c.photons.sort),
     |c, value| parse(value, &mut c.photons.sort),
-    "How the photons of a map get into the order of its cells, with --integrator photons: by a bitonic sort and a binary \
-     search, as in the paper of Purcell et al. (bitonic), or by a radix sort and prefix sums (scan); the map is the same",
+    "How photons are sorted by the cells of their map, with --integrator photons: by a bitonic sort, as in the paper of \
+     Purcell et al. (bitonic), or by a radix sort, which takes fewer passes (scan). The map is the same",
 )
-.panel("photon map", "how photons get into the order of the map's cells")
+.panel("photon map", "how photons are sorted by the cells of their map")
 .applies(has_photons)
 .refused(|c| idle("--photon-map", c.photons.sort == PhotonSort::default(), c));
 
@@ -54,8 +54,8 @@ pub(super) const NEIGHBOURS: Row = Row::new(
     Values::Names(|| Neighbours::ALL.iter().map(|of| of.name()).collect()),
     |c| text(c.photons.neighbours),
     |c, value| parse(value, &mut c.photons.neighbours),
-    "Which photons the light at a point is estimated from, with --integrator photons: those that the search through cells \
-     by growing distance finds, as in the paper of Purcell et al. (knn-grid), or the nearest (exact)",
+    "Which photons the light at a point is estimated from, with --integrator photons: all within the distance at which \
+     --nearest were found, cell by cell, as in the paper of Purcell et al. (knn-grid), or exactly the nearest (exact)",
 )
 .panel("neighbours", "which photons the light at a point is estimated from")
 .applies(has_photons)
@@ -66,10 +66,10 @@ pub(super) const GATHER: Row = Row::new(
     Values::Names(|| Place::ALL.iter().map(|of| of.name()).collect()),
     |c| text(c.photons.gather),
     |c, value| parse(value, &mut c.photons.gather),
-    "Where photons are looked up, with --integrator photons: at the surface that is seen (direct), or, but for caustics, \
-     where rays arrive that are sent on from it (final)",
+    "Where photons are looked up, with --integrator photons: at the surface that is seen (direct); or there for caustics \
+     alone, and for all other light where a ray from there arrives, which turns blotches into noise (final)",
 )
-.panel("gather", "where photons are looked up: at the surface that is seen, or where rays go on to from it")
+.panel("gather", "where photons are looked up: at the surface that is seen, or where a ray from there arrives")
 .applies(has_photons)
 .refused(|c| idle("--gather", c.photons.gather == Place::default(), c));
 
@@ -77,7 +77,7 @@ pub(super) const NEAREST: Row = whole!(
     "nearest",
     Photons::MOST_NEAREST,
     nearest,
-    "How many photons the light at a point is estimated from, with --integrator photons"
+    "How many photons the light at a point is estimated from, with --integrator photons, if so many are near enough"
 )
 .panel("nearest photons", "how many photons the light at a point is estimated from");
 
@@ -85,6 +85,7 @@ pub(super) const RADIUS: Row = whole!(
     "gather-radius",
     Photons::MOST_RADIUS,
     radius,
-    "How far these photons may be away, in thousandths of the diagonal of the scene's box"
+    "How near photons must be to count at a point, with --integrator photons, in thousandths of the diagonal of the \
+     scene's box"
 )
-.panel("radius", "how far these photons may be away, in thousandths of the scene's diagonal");
+.panel("radius", "how near photons must be to count at a point, in thousandths of the scene's diagonal");

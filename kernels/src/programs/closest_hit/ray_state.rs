@@ -42,6 +42,7 @@ pub(in crate::programs) const DECODING: Decoding = Decoding {
     tested: super::explain::tested,
     tree: None,
     paths: None,
+    others: &[],
 };
 
 fn decode(texel: Texel<'_>) -> RayState {
@@ -86,5 +87,7 @@ fn decode(texel: Texel<'_>) -> RayState {
         pending: if is_shadow { floats(PENDING) } else { None },
         bounce: texel(BOUNCE).map(of_tree),
         samples: texel(ACCUMULATED).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),
+        gather: None,
+        photon: None,
     }
 }

@@ -52,7 +52,8 @@ pub const PHOTON_LEAVES: Tag = 22;
 /// A photon was absorbed, or has left the scene.
 pub const PHOTON_DONE: Tag = 23;
 
-/// The state of any ray: that of a shadow ray is called as in the walk of the ray before it.
+/// The state of any ray: that of a shadow ray is called as in the walk of the ray before it, and that of a photon as in the
+/// walk of a ray.
 #[must_use]
 pub const fn of_any_ray(tag: Tag) -> Tag {
     match tag {
@@ -61,6 +62,14 @@ pub const fn of_any_ray(tag: Tag) -> Tag {
         SHADOW_ISECT => ISECT_NO_HIT,
         OCCLUDED => SHADE,
         VISIBLE => BACKGROUND,
+        PHOTON_UNBORN => UNWRITTEN,
+        PHOTON_SETUP => TRAV_SETUP,
+        PHOTON_TRAV => TRAV,
+        PHOTON_NO_HIT => ISECT_NO_HIT,
+        PHOTON_HIT => ISECT_HIT,
+        PHOTON_ARRIVED => SHADE,
+        PHOTON_LEAVES => BACKGROUND,
+        PHOTON_DONE => DONE,
         of_ray => of_ray,
     }
 }

@@ -28,11 +28,13 @@ mod kernels;
 pub mod key_photons;
 pub mod look_up;
 mod plan;
+mod ray_state;
 mod reflected;
 mod rounding;
 pub mod scatter_photons;
 mod schedule;
 pub mod search_cells;
+pub mod stored;
 
 use std::borrow::Cow;
 use std::sync::LazyLock;
@@ -48,7 +50,7 @@ use super::closest_hit::streams::{PHOTON_STATE, STREAMS};
 use super::path::kernels::OF_SAMPLE_LIGHT;
 use super::{closest_hit, light, path, primitives};
 use crate::options::features::Features;
-use crate::program::{Course, Decoding, Instance, Kernel, Program};
+use crate::program::{Course, Instance, Kernel, Program};
 use crate::scene_data::buffer::uniform;
 use instances::{IN_WALK, LISTS, OWN, Own, SETS_OF_PHOTONS, photon_walk};
 pub(super) use plan::others;
@@ -85,7 +87,7 @@ pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
         courses: Box::leak(Box::new([Course { given_up, ..closest_hit::COURSE }, OF_PHOTONS])),
         buffers: Vec::leak(BUFFERS.iter().copied().chain([map]).collect()),
         kernels: Vec::leak(kernels.collect()),
-        rays: closest_hit::PROGRAM.rays.map(|rays| Decoding { tree: None, paths: None, ..rays }),
+        rays: Some(ray_state::decoding()),
         modules,
         ..*path::PROGRAM
     }

@@ -13,7 +13,7 @@ const DASHES: u32 = 24;
 const MOST: usize = 5_000;
 
 /// The hue of some light at full brightness: a dim lamp is visible, too.
-fn hue(light: [f32; 3]) -> Color {
+pub(super) fn hue(light: [f32; 3]) -> Color {
     let most = light.into_iter().fold(0.0, f32::max);
     if !(most.is_finite() && most > 0.0) {
         return [128, 128, 128, 255];

@@ -159,7 +159,7 @@ impl Sought {
 
     async fn has_row(&self, session: &mut Session, [x, y]: [u32; 2]) -> Result<bool, String> {
         let Some((number, text)) = &self.row else { return Ok(true) };
-        let history = session.follow(x, y, &mut go_on).await.map_err(|error| error.to_string())?;
+        let history = session.follow([x, y], &mut go_on).await.map_err(|error| error.to_string())?;
         Ok(history.rows.iter().filter(|row| row.why.contains(text)).nth(number - 1).is_some())
     }
 }

@@ -67,7 +67,12 @@ impl StreamView {
     fn values(&mut self, cx: &mut Context<'_>, stream: Stream, texel: [u32; 2]) -> Vec<Value> {
         let Some(opened) = cx.model.opened.as_ref() else { return Vec::new() };
         let (plan, data) = (opened.plan.clone(), opened.data.clone());
-        let t_scale = cx.model.history.as_ref().filter(|history| history.pixel == texel).map(|history| history.t_scale);
+        let t_scale = cx
+            .model
+            .history
+            .as_ref()
+            .filter(|history| history.pixel == texel && history.element.is_none())
+            .map(|history| history.t_scale);
         let bits = match &self.pinned {
             Some(pinned) => self.magnifier.tiles.texel(cx.model, &cx.canvas.gpu, pinned, texel),
             None => {

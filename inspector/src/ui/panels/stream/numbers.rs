@@ -95,7 +95,7 @@ fn size(scale: f32, layers: usize, longest: usize) -> Option<f32> {
 
 /// A component in readable form.
 fn text(program: &Program, stream: Stream, layer: usize, bits: u32, in_units: &Scale) -> String {
-    if program.state_stream() == Some(stream) && layer == STATE_TAG {
+    if program.has_states(stream) && layer == STATE_TAG {
         return program.states.name(bits).into();
     }
     if stream.is_float_layer(layer) {

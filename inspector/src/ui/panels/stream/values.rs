@@ -70,7 +70,7 @@ impl<'a> Reader<'a> {
     }
 
     fn integer(&self, layer: usize, bits: u32) -> (String, Option<String>) {
-        if self.program.state_stream() == Some(self.stream) && layer == STATE_TAG {
+        if self.program.has_states(self.stream) && layer == STATE_TAG {
             let meaning = self.program.states.0.get(bits as usize).map_or("not a state", |state| state.meaning);
             return (self.program.states.name(bits).into(), Some(format!("{TAG}{bits}, {meaning}")));
         }

@@ -9,6 +9,7 @@ use raystep_lab::text::counted;
 use super::super::walked::number;
 use super::progress::Progress;
 use super::{Scene, Under, Walk2d, Whole, picture, strip, strip_height};
+use crate::exports::ray_name;
 use crate::ui::host::FileToSave;
 use crate::ui::svg::{self, Titles};
 use crate::walk::{Both, Outcome, Spacing, Strip, Structure, TestedTriangle, WalkGeometry};
@@ -32,8 +33,7 @@ impl Walk2d {
             let both = Both::of([&first.walk, &whole.walk], [&first.strip, &whole.strip]);
             (format!("The same ray through the {}{until}", found.name), whole, both)
         });
-        let [x, y] = history.pixel;
-        let title = format!("Ray of pixel {x},{y}{}", up_to(history, self.walked.row));
+        let title = format!("Ray of {}{}", history.name(), up_to(history, self.walked.row));
         let text = svg::drawing(WIDTH, self.is_dark, |ui, titles| {
             ui.heading(&title);
             ui.label(summary(&first.walk));
@@ -56,7 +56,11 @@ impl Walk2d {
                 ui.label(format!("Tested only in the {which}: {}", text.trim_end_matches([':', ' '])));
             }
         });
-        Some(FileToSave { name: format!("ray-{x}-{y}.svg"), bytes: text.into_bytes(), holds: "a drawing".into() })
+        Some(FileToSave {
+            name: format!("{}.svg", ray_name(history)),
+            bytes: text.into_bytes(),
+            holds: "a drawing".into(),
+        })
     }
 }
 

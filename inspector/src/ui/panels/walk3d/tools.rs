@@ -1,6 +1,6 @@
 //! The toolbar of the 3D view.
 
-use super::{Context, Heat, TriangleStyle, Walk3d, Wish, event_buttons};
+use super::{Context, Heat, Layer, Opened, TriangleStyle, Walk3d, Wish, event_buttons};
 
 use crate::ui::choice::Choices as _;
 
@@ -13,7 +13,7 @@ const STYLES: [(TriangleStyle, &str, &str); 4] = [
 
 impl Walk3d {
     /// Shows the toolbar; returns requests to the camera.
-    pub(super) fn tools(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) -> Option<Wish> {
+    pub(super) fn tools(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>, opened: &Opened) -> Option<Wish> {
         let mut wish = None;
         // One line in a small tile: the rest goes into a menu.
         let is_wide = ui.available_width() >= 640.0;
@@ -29,7 +29,7 @@ impl Walk3d {
             } else {
                 ui.menu_button("Camera", |ui| self.camera_buttons(ui, &mut wish));
             }
-            ui.menu_button("Show", |ui| self.choices(ui)).response.on_hover_text("visible items");
+            ui.menu_button("Show", |ui| self.choices(ui, cx, opened)).response.on_hover_text("visible items");
         });
         wish
     }
@@ -80,7 +80,7 @@ impl Walk3d {
         }
     }
 
-    fn choices(&mut self, ui: &mut egui::Ui) {
+    fn choices(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>, opened: &Opened) {
         let s = &mut self.look.settings;
         ui.checkbox(&mut self.look.labels, "labels").on_hover_text("labels with cell, tmax and triangle");
         for (is_on, name, text) in [
@@ -105,6 +105,9 @@ impl Walk3d {
             ),
         ] {
             ui.checkbox(is_on, name).on_hover_text(text);
+        }
+        if Layer::is_there(opened) {
+            Layer::choices(ui, &mut self.look.settings, cx, opened);
         }
         ui.separator();
         ui.weak(
