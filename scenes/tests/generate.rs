@@ -151,9 +151,9 @@ fn lamps_of_caustics_face_what_they_light() {
     }
     let mut balls = generate::cornell_balls(2).unwrap();
     assert_eq!((balls.triangles.len(), balls.materials.len()), (12 + 2 * 320, 6));
-    for (ball, center) in [("mirror", Vec3::new(-0.42, -0.64, -0.35)), ("glass", Vec3::new(0.42, -0.64, 0.3))] {
+    for (ball, center) in [("mirror", Vec3::new(-0.42, -0.62, -0.35)), ("glass", Vec3::new(0.42, -0.62, 0.3))] {
         for (corners, normal) in of_material(&balls, ball) {
-            assert!(corners.iter().all(|p| p.x.abs() < 0.8 && p.y >= -1.0 && p.z > -0.8), "{ball}: {corners:?}");
+            assert!(corners.iter().all(|p| p.x.abs() < 0.8 && p.y > -0.99 && p.z > -0.8), "{ball}: {corners:?}");
             assert!(corners.iter().all(|&p| normal.dot(p - center) > 0.0), "{ball}: {corners:?} faces inward");
         }
     }

@@ -121,8 +121,8 @@ pub fn cornell_balls(subdivisions: u64) -> Result<Scene, GenerateError> {
             add(&mut scene, material, [a, b, c], [(b - a).cross(c - a).normalize(); 3]);
         }
     }
-    ball(&mut scene, first, subdivisions, Vec3::new(-0.42, -0.64, -0.35), 0.36);
-    ball(&mut scene, first + 1, subdivisions, Vec3::new(0.42, -0.64, 0.3), 0.36);
+    ball(&mut scene, first, subdivisions, Vec3::new(-0.42, -0.62, -0.35), 0.36);
+    ball(&mut scene, first + 1, subdivisions, Vec3::new(0.42, -0.62, 0.3), 0.36);
     scene.cameras = room.cameras;
     Ok(scene)
 }
