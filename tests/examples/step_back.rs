@@ -48,7 +48,7 @@ fn main() {
                 times.push(start.elapsed());
             }
             let start = Instant::now();
-            session.follow(size[0] / 2, size[1] / 2, &mut go_on).await.expect("a ray");
+            session.follow([size[0] / 2, size[1] / 2], &mut go_on).await.expect("a ray");
             let follow = start.elapsed();
             times.sort_unstable();
             println!(

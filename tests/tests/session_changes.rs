@@ -60,7 +60,7 @@ fn a_ray_is_watched_forward_and_back() {
             block_on(gpu_of(&device), async {
                 let mut session = new_session(configuration, &device).await;
                 session.select(9, 7);
-                let history = session.follow(9, 7, &mut go_on).await.expect("a history");
+                let history = session.follow([9, 7], &mut go_on).await.expect("a history");
                 let changes = history
                     .rows
                     .iter()

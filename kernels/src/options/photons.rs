@@ -8,7 +8,7 @@ use crate::numbers::named::named;
 pub enum PhotonSort {
     /// By a bitonic sort, and a binary search for the first photon of each cell (Purcell et al., 2003).
     Bitonic,
-    /// By a radix sort, and prefix sums of the numbers of photons.
+    /// By a radix sort, which counts digits, adds up, and moves photons; and the same search.
     #[default]
     Scan,
 }

@@ -8,11 +8,15 @@
 //!    then `scatter_photons`, which stores each at diffuse surfaces, but for its first, and reflects or absorbs it by Russian
 //!    roulette with the albedo. What light comes straight from an emitter, shadow rays find.
 //! 2. `key_photons` finds the cell of each record, and they are sorted by it: by a bitonic sort and a binary search for the
-//!    first record of each cell, as in the paper; or by a radix sort and prefix sums of the lists' lengths, from
-//!    [`primitives`](super::primitives). The lists are the same, bit for bit.
+//!    first record of each cell, as in the paper; or by a radix sort, from [`primitives`](super::primitives), and the same
+//!    search. The lists are the same, bit for bit.
 //! 3. Rays from the camera are followed through mirrors and glass to a diffuse surface, whose direct light is that of
 //!    `sample_light`, as along paths. `gather` looks for the photons near it, a cell in each pass, and `look_up` adds the
 //!    light that they bring: their density by Jensen's cone filter (1996), of those that came from the side that is seen.
+//!    Photons that came by mirrors and glass alone have a map of their own, that of caustics.
+//!
+//! With final gathering, only caustics are looked up there, and a ray is sent on to where both maps are. With iterations, all
+//! of that is repeated with other photons, and the radius of each pixel shrinks (Hachisuka and Jensen 2009).
 //!
 //! A photon's power is its emitter's by the number of photons and the probability of the emitter. Every photon is a sample of
 //! one sequence, so photons are spread evenly over emitters, points and directions. What photons carry, what surfaces have

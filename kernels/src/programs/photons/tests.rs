@@ -134,12 +134,24 @@ fn cells(renderer: &Renderer) -> Vec<(u32, u32)> {
 /// Both ways to sort give the lists of a stable sort by cell.
 #[test]
 fn sorted_lists_are_those_of_a_stable_sort() {
-    for (count, depth, radius) in [(1, 2, 60), (60, 8, 15), (1000, 3, 60), (5000, 5, 1), (300, 4, 1000)] {
+    let floor = [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0f32]];
+    // From there, photons leave the scene: all keys are all ones.
+    let mut open = of_quads(&[(floor, matte([0.5; 3]))]);
+    open.lights = vec![Light::Point { position: [0.0, 1.0, 0.0], color: [1.0; 3], intensity: 1.0 }];
+    let room = room();
+    for (scene, count, depth, radius) in [
+        (&room, 1, 2, 60),
+        (&room, 60, 8, 15),
+        (&room, 1000, 3, 60),
+        (&room, 5000, 5, 1),
+        (&room, 300, 4, 1000),
+        (&open, 500, 3, 60),
+    ] {
         let photons = Photons { count, radius, ..few() };
         let mut found = Vec::new();
         for sort in [PhotonSort::Bitonic, PhotonSort::Scan] {
             let options = Options { max_depth: depth, ..options(Photons { sort, ..photons }) };
-            let renderer = run(&room(), &options, async |_| {});
+            let renderer = run(scene, &options, async |_| {});
             let [records, cells_in_all] =
                 [&RECORDS, &MAP_CELLS].map(|set| renderer.size(set).expect("a size").count as usize);
             let (key, first) = (values(&renderer, PHOTON_KEY), values(&renderer, PHOTON_FIRST));
@@ -153,6 +165,7 @@ fn sorted_lists_are_those_of_a_stable_sort() {
             assert_eq!(first.layer(0)[..cells_in_all], starts, "{count} photons by {sort}");
             let stored = expected.iter().filter(|(cell, _)| *cell != NO_CELL).count() as u32;
             assert_eq!(starts.last(), Some(&stored), "the last list ends with the last photon");
+            assert!(if scene.lights == open.lights { stored == 0 } else { stored > 0 || count == 1 }, "{stored}");
             found.push((keys, values(&renderer, COLOR)));
         }
         assert!(found[0] == found[1], "{count} photons");

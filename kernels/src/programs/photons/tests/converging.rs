@@ -1,11 +1,12 @@
 //! Iterations: what is left of a radius, and the light that the mean comes to.
 
-use raystep_scenes::generate;
+use raystep_scenes::{Light, Material, Optics, generate};
 
-use super::{looking, options, run, values};
+use super::{looking, matte, of_quads, options, run, values};
 use crate::options::samples::Samples;
-use crate::options::{Gather, Integrator, Options, Photons};
+use crate::options::{Gather, Integrator, Neighbours, Options, Photons};
 use crate::programs::closest_hit::streams::{COLOR, SHRUNK};
+use crate::shared::samples::Sampler;
 use crate::tables::stream::StreamData;
 
 fn iterated(iterations: u32, photons: Photons) -> Options {
@@ -59,4 +60,36 @@ fn the_light_is_that_of_paths() {
         // Circles that reach over edges lose light, the less the smaller they are.
         assert!((found / expected - 1.0).abs() < tolerance, "{gather}: {found}, not {expected}");
     }
+}
+
+/// On a flat, evenly lit plane, the mean of estimates from the nearest photons is the irradiance: there is no bias.
+#[test]
+fn on_an_evenly_lit_plane_the_estimate_is_the_irradiance() {
+    const RUNS: u32 = 12;
+    let floor = [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0f32]];
+    let wall = [[-2.0, 0.0, 2.0], [-2.0, 0.0, -2.0], [-2.0, 4.0, -2.0], [-2.0, 4.0, 2.0f32]];
+    let mirror = Material { optics: Optics::Mirror, ..matte([1.0; 3]) };
+    let mut scene = of_quads(&[(floor, matte([0.5; 3])), (wall, mirror)]);
+    // From 45 degrees: what the wall reflects lights the whole floor, from 45 degrees on the other side.
+    let of = |color| Light::Directional { direction: [-0.5f32.sqrt(), -0.5f32.sqrt(), 0.0], color, intensity: 2.0 };
+    scene.lights = vec![of([1.0; 3])];
+    let expected = 0.5 / std::f64::consts::PI * 2.0 * 0.5f64.sqrt();
+    let reflected: Vec<f64> = (0..RUNS)
+        .map(|seed| {
+            // Independent photons, of which 50 are found within about a tenth of the floor's side.
+            let samples = Samples { seed, sampler: Sampler::Random, ..Samples::default() };
+            let photons = Photons { count: 60_000, radius: 60, neighbours: Neighbours::Exact, ..Photons::default() };
+            let rays = looking([0.1, 4.0, 0.1], [0.1, 0.0, 0.0], 0.2, 6);
+            let color =
+                values(&run(&scene, &Options { rays, samples, max_depth: 2, ..options(photons) }, async |_| {}), COLOR);
+            (0..36).map(|pixel| f64::from(color.get_f32(0, pixel))).sum::<f64>() / 36.0 - expected
+        })
+        .collect();
+    let mean = reflected.iter().sum::<f64>() / f64::from(RUNS);
+    let variance = reflected.iter().map(|of| (of - mean).powi(2)).sum::<f64>() / f64::from(RUNS - 1);
+    let error = (variance / f64::from(RUNS)).sqrt();
+    println!("{mean} by photons, {expected} by the closed form, standard error {error}");
+    // 99.9% of such means, by Student's t with 11 degrees of freedom.
+    assert!((mean - expected).abs() < 4.44 * error, "{mean}, not {expected}, with an error of {error}");
+    assert!(error < 0.03 * expected, "{error}");
 }
