@@ -114,8 +114,8 @@ pub fn path(history: &Trace, rows: usize, scene: &Aabb) -> Vec<DVec3> {
     let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
     let mut points: Vec<DVec3> = Vec::new();
     let Some(rows) = history.rows.get(..rows) else { return points };
-    let mut photons = rows.iter().map(|row| &row.after).filter(|ray| ray.photon.is_some());
-    for ray in photons.clone() {
+    let photons = rows.iter().map(|row| &row.after).filter(|ray| ray.photon.is_some());
+    for ray in photons {
         let from = vector(ray.origin);
         if ray.photon.is_some_and(|photon| photon.hits == 0) && points.len() > 1 {
             // It is emitted once more.
@@ -125,7 +125,8 @@ pub fn path(history: &Trace, rows: usize, scene: &Aabb) -> Vec<DVec3> {
             points.push(from);
         }
     }
-    if let Some(last) = photons.next_back().filter(|ray| !ray.is_walking) {
+    let last = rows.iter().rev().map(|row| &row.after).find(|ray| ray.photon.is_some());
+    if let Some(last) = last.filter(|ray| !ray.is_walking) {
         let (from, direction) = (vector(last.origin), vector(last.direction));
         let is_over = last.photon.is_some_and(|photon| photon.ended != 0);
         match last.t.filter(|_| last.triangle.is_some()) {
