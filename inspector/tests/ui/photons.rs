@@ -118,16 +118,20 @@ fn the_history_of_a_pixel_tells_its_search_and_that_of_a_photon_its_way() {
     let of_photon = history(&stage);
     assert_eq!(of_photon.name(), "photon 0");
     assert_eq!((of_photon.rows[0].kernel, of_photon.passes), ("emit_photons", of_pixel.passes));
+    stage.perform(Command::Show(PaneKind::Ray));
     assert!(stage.paints("photon 0") && stage.paints("Back to pixel 12,28"), "{:?}", stage.painted());
+    stage.perform(Command::Show(PaneKind::Walk3d));
     assert!(said(&stage).contains("the photon's way has "), "{}", said(&stage));
     // Its rows are steps, and its walk is drawn.
     stage.perform(Command::Start);
     stage.perform(Command::NextEvent);
     let row = of_photon.rows.iter().find(|row| row.kernel != "emit_photons" && row.kernel != "photon_setup");
     assert!(row.and_then(|row| row.place()).is_some_and(|place| stage.place() <= place), "{}", stage.place());
+    stage.perform(Command::Show(PaneKind::Ray));
     stage.click(Role::Button, "Back to pixel 12,28");
     stage.settle();
     assert_eq!(history(&stage).element, None);
+    stage.perform(Command::Show(PaneKind::Walk3d));
     // Without photons, the pixel is what is followed.
     in_menu(&mut stage, Role::Button, "Follow photon");
     let arrival = Arrival { pixel: Some(PIXEL), place: Some(usize::MAX), ..Arrival::default() };

@@ -100,7 +100,7 @@ fn go_on(mut stage: Stage, settings: Settings) {
     let tree =
         history(&Settings { choices: Choices { accelerator: Accelerator::Bvh, ..settings.choices }, ..settings });
     let hit = tree.rows.last().and_then(|row| row.after.triangle.zip(row.after.t)).expect("a hit");
-    let line = format!("B: ray {},{}: ", pixel[0], pixel[1]);
+    let line = format!("B: ray of pixel {},{}: ", pixel[0], pixel[1]);
     let end = format!(
         "{} passes: hits triangle {} at t {:.5} scene units",
         tree.rows.len(),

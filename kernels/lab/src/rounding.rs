@@ -50,9 +50,9 @@ impl Rounding<'_> {
         streams.into_iter().find(|s| s.stream == stream)
     }
 
-    /// A component before the pass; 0 if the run does not have the stream.
+    /// A component before the pass; 0 if the run does not have the stream, or it has no such element.
     fn component(&self, own: Stream, layer: usize, ray: usize) -> u32 {
-        self.bound(own, self.before).map_or(0, |s| s.get(layer, ray))
+        self.bound(own, self.before).and_then(|s| s.layer(layer).get(ray).copied()).unwrap_or(0)
     }
 
     fn floats(&self, stream: Stream, ray: usize) -> [f32; 3] {

@@ -97,10 +97,9 @@ pub struct Gather {
     pub found: u32,
     /// How often all cells were searched before.
     pub sweep: u32,
-    /// At most the distance from the hit to the cell that was searched last; `None` before the first one. Traced units, as
-    /// the next.
-    pub distance: Option<f32>,
-    /// What is farther away is not taken.
+    /// The cells around the hit that were searched, a bit each.
+    pub visited: u32,
+    /// What is farther away is not taken; traced units.
     pub limit: f32,
     /// Of the photons found, the distance of the farthest one.
     pub farthest: f32,

@@ -76,7 +76,7 @@ pub const ALL_FLOORS: &[(&str, &[&[&str]])] = &[
         "raystep_inspector",
         &[
             &["command", "dataflow", "names", "ray_text", "source", "versioned", "walk"],
-            &["branches", "link", "orbit"],
+            &["branches", "link", "orbit", "photons"],
             &["draw", "exports", "saved", "settings"],
             &["hits", "session"],
             &["lesson", "runs"],

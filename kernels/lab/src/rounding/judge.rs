@@ -84,14 +84,17 @@ impl Rounding<'_> {
             .filter(|(ours, _, layer)| is_compared(ours.stream, *layer))
             .map(|(ours, twin, layer)| (ours.stream, layer, ours.layer(layer), twin.layer(layer)))
             .collect();
-        let rays = layers.iter().map(|(_, _, ours, twin)| ours.len().min(twin.len())).min().unwrap_or(0);
+        // Sets of elements have different sizes.
+        let rays = layers.iter().map(|(_, _, ours, twin)| ours.len().min(twin.len())).max().unwrap_or(0);
         let hits = self.bound(streams::HIT, after.iter().map(|[_, twin]| *twin));
         let gather = |ray: usize, components: &mut Vec<Component>| {
             components.clear();
             let mut possible = None;
-            for &(stream, layer, ours, twin) in layers.iter().filter(|(_, _, ours, twin)| ours[ray] != twin[ray]) {
-                let (ours, twin) = (ours[ray], twin[ray]);
-                let hit = || hits.map_or(NO_TRIANGLE, |s| s.get(HIT_TRIANGLE, ray));
+            for &(stream, layer, ours, twin) in &layers {
+                let Some((&ours, &twin)) = ours.get(ray).zip(twin.get(ray)).filter(|(ours, twin)| ours != twin) else {
+                    continue;
+                };
+                let hit = || hits.and_then(|s| s.layer(HIT_TRIANGLE).get(ray).copied()).unwrap_or(NO_TRIANGLE);
                 let possible = possible.get_or_insert_with(|| self.tested(ray, hit()));
                 let is_allowed = self.allows((stream, layer), ours, twin, possible.as_ref());
                 components.push(Component { stream, layer, ours, twin, is_allowed });

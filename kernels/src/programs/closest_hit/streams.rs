@@ -425,11 +425,11 @@ streams! {
     PHOTON_FIRST of MAP_CELLS: "photon_first" U32 &["record"], meaning: &[Count], unit: "index of a sorted record",
         unwritten: &[0], why_absent: no_map;
     /// How far the search for the photons near a hit has got.
-    GATHERING of RAYS: "gathering" U32 &["cell", "item", "end", "found", "sweep", "map", "sent"], meaning: &[Id, Id, Id, Count, Count, Id, Id], unit: "which of the cells around, index of a sorted record, count of photons, count of searches, 0 global or 1 caustic, 1 after a diffuse bounce",
-        unwritten: &[NO_CELL, 0, 0, 0, 0, 0, 0], why_absent: no_map;
+    GATHERING of RAYS: "gathering" U32 &["cell", "item", "end", "found", "sweep", "map", "sent", "visited"], meaning: &[Id, Id, Id, Count, Count, Id, Id, Id], unit: "which of the cells around, index of a sorted record, count of photons, count of searches, 0 global or 1 caustic, 1 after a diffuse bounce, a bit for each of the cells around",
+        unwritten: &[NO_CELL, 0, 0, 0, 0, 0, 0, 0], why_absent: no_map;
     /// What it has found.
-    GATHERED_POWER of RAYS: "gathered" F32 &["distance", "limit", "low", "high", "farthest", "r", "g", "b", "weighted_r", "weighted_g", "weighted_b"], meaning: &[Float; 11], unit: "traced units squared; sums of photon_power, and of it times the distance",
-        unwritten: &[0; 11], why_absent: no_map;
+    GATHERED_POWER of RAYS: "gathered" F32 &["limit", "low", "high", "farthest", "r", "g", "b", "weighted_r", "weighted_g", "weighted_b"], meaning: &[Float; 10], unit: "traced units squared; sums of photon_power, and of it times the distance",
+        unwritten: &[0; 10], why_absent: no_map;
     /// What iterations have left of the photons found and of the squared radius: of a place that is seen in the global map and in that of caustics, and of one beyond a diffuse surface.
     SHRUNK of RAYS: "shrunk" F32 &["photons_global", "squared_global", "photons_caustic", "squared_caustic", "photons_global_sent", "squared_global_sent", "photons_caustic_sent", "squared_caustic_sent"], meaning: &[Float; 8], unit: "count of photons, traced units squared",
         unwritten: &[0; 8], why_absent: no_iterations;

@@ -19,7 +19,7 @@ pub(in crate::programs) fn on_circle<R: Real>(turns: R) -> [R; 2] {
 }
 
 /// What is at right angles to a normal of length 1, with these coordinates along two axes there (Duff et al. 2017).
-pub(in crate::programs) fn across<R: Real>(normal: Vec3<R>, [x, y]: [R; 2]) -> Vec3<R> {
+pub(in crate::programs) fn perpendicular<R: Real>(normal: Vec3<R>, [x, y]: [R; 2]) -> Vec3<R> {
     let one = R::one();
     let side = if normal.z >= R::zero() { one } else { -one };
     let a = -one / (side + normal.z);
@@ -32,7 +32,7 @@ pub(in crate::programs) fn across<R: Real>(normal: Vec3<R>, [x, y]: [R; 2]) -> V
 /// A direction of length 1 about a normal of length 1, with a pdf of cosine / π, by two numbers from 0 to below 1.
 pub(in crate::programs) fn cosine_weighted<R: Real>(normal: Vec3<R>, by: [R; 2]) -> Vec3<R> {
     let at = on_circle(by[1]).map(|v| v * by[0].sqrt());
-    unit3(across(normal, at) + normal * (R::one() - by[0]).sqrt())
+    unit3(perpendicular(normal, at) + normal * (R::one() - by[0]).sqrt())
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ fn on_circle(turns: f32) -> vec2f {
 }
 
 // What is at right angles to a normal of length 1, with these coordinates along two axes there (Duff et al. 2017).
-fn across(normal: vec3f, at: vec2f) -> vec3f {
+fn perpendicular(normal: vec3f, at: vec2f) -> vec3f {
     let side = select(-1.0, 1.0, normal.z >= 0.0);
     let a = -1.0 / (side + normal.z);
     let b = normal.x * normal.y * a;
@@ -28,5 +28,5 @@ fn across(normal: vec3f, at: vec2f) -> vec3f {
 // A direction of length 1 about a normal of length 1, with a pdf of cosine / pi, by two numbers from 0 to below 1.
 fn cosine_weighted(normal: vec3f, by: vec2f) -> vec3f {
     let at = on_circle(by.y) * sqrt(by.x);
-    return unit3(across(normal, at) + normal * sqrt(1.0 - by.x));
+    return unit3(perpendicular(normal, at) + normal * sqrt(1.0 - by.x));
 }

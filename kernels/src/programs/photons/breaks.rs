@@ -49,6 +49,6 @@ pub(super) const OF_GATHER: &[Break] = &[
     Break::new(as_it_is, "search.found >= photon_map.nearest", "false"),
     Break::new(as_it_is, "index + 1u", "index"),
     Break::new(as_it_is, "power * sqrt(squared)", "power * squared"),
-    Break::new(as_it_is, "away == search.distance && around > search.cell", "false"),
+    Break::new(as_it_is, "next.visited |= 1u << nearest", ""),
     Break::new(exact, "next.low = search.limit", "next.low = 0.0"),
 ];

@@ -3,7 +3,7 @@
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::shade::surface::material_of;
 use crate::programs::path::connected::INVERSE_PI;
-use crate::programs::path::direction::{across, cosine_weighted, on_circle};
+use crate::programs::path::direction::{cosine_weighted, on_circle, perpendicular};
 use crate::programs::path::emitters::{cone_of, pdf_by_area, picked};
 use crate::programs::path::random::{FOR_CHANCE, FOR_DIRECTION, FOR_EMITTER, FOR_POINT, OF_PHOTONS, decided_by};
 use crate::scene_data::SceneData;
@@ -26,7 +26,7 @@ pub(super) struct Emitted<R> {
 /// A direction at an angle with this cosine to an axis of length 1.
 fn about<R: Real>(axis: Vec3<R>, cosine: R, turns: R) -> Vec3<R> {
     let sine = (R::one() - cosine * cosine).max(R::zero()).sqrt();
-    unit3(across(axis, on_circle(turns).map(|v| v * sine)) + axis * cosine)
+    unit3(perpendicular(axis, on_circle(turns).map(|v| v * sine)) + axis * cosine)
 }
 
 /// The photon of this index.
@@ -67,7 +67,7 @@ fn of_light<R: Real>(scene: &SceneData, light: &Light, toward: [R; 2], power: Ve
     if light.kind == DIRECTIONAL {
         let at = on_circle(toward[1]).map(|v| v * (toward[0].sqrt() * reach));
         let direction = unit3(Vec3::from_f32(light.direction));
-        let origin = center + across(direction, at) - direction * reach;
+        let origin = center + perpendicular(direction, at) - direction * reach;
         return Emitted { origin, direction, power: power * (reach * reach / inverse_pi), leaves };
     }
     let is_spot = scene.features.spot_lights && light.kind == SPOT;

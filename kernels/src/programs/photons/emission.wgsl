@@ -4,7 +4,7 @@
 import package::connected::{INVERSE_PI};
 import package::constants::{NO_TRIANGLE};
 import package::corners::{vertex};
-import package::direction::{across, cosine_weighted, on_circle};
+import package::direction::{cosine_weighted, on_circle, perpendicular};
 import package::emitters::{PUNCTUAL, cone_of, pdf_by_area, picked};
 import package::photon_map::{photon_map};
 import package::random::{FOR_CHANCE, FOR_DIRECTION, FOR_EMITTER, FOR_POINT, OF_PHOTONS, decided_by};
@@ -25,7 +25,7 @@ struct Emitted {
 // A direction at an angle with this cosine to an axis of length 1.
 fn about(axis: vec3f, cosine: f32, turns: f32) -> vec3f {
     let at = on_circle(turns) * sqrt(max(1.0 - cosine * cosine, 0.0));
-    return unit3(across(axis, at) + axis * cosine);
+    return unit3(perpendicular(axis, at) + axis * cosine);
 }
 
 fn emitted_photon(index: u32) -> Emitted {
@@ -41,7 +41,7 @@ fn emitted_photon(index: u32) -> Emitted {
             // Through a disc that covers the scene.
             let at = on_circle(toward.y) * (sqrt(toward.x) * photon_map.reach);
             photon.direction = unit3(light.direction);
-            photon.origin = photon_map.center + across(photon.direction, at) - photon.direction * photon_map.reach;
+            photon.origin = photon_map.center + perpendicular(photon.direction, at) - photon.direction * photon_map.reach;
             photon.power *= photon_map.reach * photon_map.reach / INVERSE_PI;
             return photon;
         }

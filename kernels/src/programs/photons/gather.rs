@@ -28,7 +28,7 @@ struct Search {
     found: u32,
     sweep: u32,
     map: u32,
-    distance: f32,
+    visited: u32,
     limit: f32,
     low: f32,
     high: f32,
@@ -77,21 +77,22 @@ impl Search {
             found: word(3),
             sweep: word(4),
             map: word(5),
-            distance: float(0),
-            limit: float(1),
-            low: float(2),
-            high: float(3),
-            farthest: float(4),
-            power: Vec3::new(float(5), float(6), float(7)),
-            weighted: Vec3::new(float(8), float(9), float(10)),
+            visited: word(7),
+            limit: float(0),
+            low: float(1),
+            high: float(2),
+            farthest: float(3),
+            power: Vec3::new(float(4), float(5), float(6)),
+            weighted: Vec3::new(float(7), float(8), float(9)),
         }
     }
 
     fn store(&self, columns: &mut dyn Columns, of: &Streams, ray: usize) {
         let words = [self.cell, self.item, self.end, self.found, self.sweep, self.map];
-        let floats = [self.distance, self.limit, self.low, self.high, self.farthest];
+        let floats = [self.limit, self.low, self.high, self.farthest];
         let floats = floats.into_iter().chain(self.power.to_array()).chain(self.weighted.to_array());
         words.into_iter().enumerate().for_each(|(layer, word)| columns.store(of.gathering, layer, ray, word));
+        columns.store(of.gathering, 7, ray, self.visited);
         floats.enumerate().for_each(|(layer, float)| columns.store(of.gathered, layer, ray, float.to_bits()));
     }
 
@@ -110,8 +111,8 @@ impl Search {
         let (mut nearest, mut distance) = (NO_CELL, INF);
         for around in 0..AROUND {
             let away: f32 = map.distance_to(place, cell, step_to(around));
-            let is_later = away > self.distance || (away == self.distance && around > self.cell);
-            if map.has_cell(there(around)) && (self.cell == NO_CELL || is_later) && away < distance {
+            let is_visited = self.visited >> around & 1 != 0;
+            if map.has_cell(there(around)) && !is_visited && away < distance {
                 (nearest, distance) = (around, away);
             }
         }
@@ -120,7 +121,7 @@ impl Search {
         }
         let index = map.index_of(self.map, there(nearest)) as usize;
         let [item, end] = [index, index + 1].map(|cell| columns.load(of.first, 0, cell));
-        Self { cell: nearest, distance, item, end, ..self }
+        Self { cell: nearest, visited: self.visited | 1 << nearest, item, end, ..self }
     }
 
     fn with_photons(
@@ -173,7 +174,7 @@ impl Search {
             found: 0,
             sweep: self.sweep + 1,
             map: self.map,
-            distance: -1.0,
+            visited: 0,
             limit,
             low,
             high,

@@ -42,9 +42,10 @@ struct Search {
     // How often all cells have been searched.
     sweep: u32,
     map: u32,
-    // Of the cell; this and what follows are squared.
-    distance: f32,
-    // What is farther away is not taken.
+    // The cells around that have been searched, a bit each: whoever finds the next one by distances needs no distance of the
+    // last.
+    visited: u32,
+    // What is farther away is not taken; this and what follows are squared.
     limit: f32,
     // Within these there are too few photons, and enough.
     low: f32,
@@ -64,17 +65,17 @@ fn load_search(pixel: vec2u) -> Search {
     search.found = textureLoad(gathering, pixel, 3).x;
     search.sweep = textureLoad(gathering, pixel, 4).x;
     search.map = textureLoad(gathering, pixel, 5).x;
-    search.distance = textureLoad(gathered, pixel, 0).x;
-    search.limit = textureLoad(gathered, pixel, 1).x;
-    search.low = textureLoad(gathered, pixel, 2).x;
-    search.high = textureLoad(gathered, pixel, 3).x;
-    search.farthest = textureLoad(gathered, pixel, 4).x;
-    search.power.x = textureLoad(gathered, pixel, 5).x;
-    search.power.y = textureLoad(gathered, pixel, 6).x;
-    search.power.z = textureLoad(gathered, pixel, 7).x;
-    search.weighted.x = textureLoad(gathered, pixel, 8).x;
-    search.weighted.y = textureLoad(gathered, pixel, 9).x;
-    search.weighted.z = textureLoad(gathered, pixel, 10).x;
+    search.visited = textureLoad(gathering, pixel, 7).x;
+    search.limit = textureLoad(gathered, pixel, 0).x;
+    search.low = textureLoad(gathered, pixel, 1).x;
+    search.high = textureLoad(gathered, pixel, 2).x;
+    search.farthest = textureLoad(gathered, pixel, 3).x;
+    search.power.x = textureLoad(gathered, pixel, 4).x;
+    search.power.y = textureLoad(gathered, pixel, 5).x;
+    search.power.z = textureLoad(gathered, pixel, 6).x;
+    search.weighted.x = textureLoad(gathered, pixel, 7).x;
+    search.weighted.y = textureLoad(gathered, pixel, 8).x;
+    search.weighted.z = textureLoad(gathered, pixel, 9).x;
     return search;
 }
 
@@ -84,17 +85,17 @@ fn store_search(pixel: vec2u, search: Search) {
     textureStore(gathering, pixel, 2, vec4u(search.end));
     textureStore(gathering, pixel, 3, vec4u(search.found));
     textureStore(gathering, pixel, 4, vec4u(search.sweep));
-    textureStore(gathered, pixel, 0, vec4f(search.distance));
-    textureStore(gathered, pixel, 1, vec4f(search.limit));
-    textureStore(gathered, pixel, 2, vec4f(search.low));
-    textureStore(gathered, pixel, 3, vec4f(search.high));
-    textureStore(gathered, pixel, 4, vec4f(search.farthest));
-    textureStore(gathered, pixel, 5, vec4f(search.power.x));
-    textureStore(gathered, pixel, 6, vec4f(search.power.y));
-    textureStore(gathered, pixel, 7, vec4f(search.power.z));
-    textureStore(gathered, pixel, 8, vec4f(search.weighted.x));
-    textureStore(gathered, pixel, 9, vec4f(search.weighted.y));
-    textureStore(gathered, pixel, 10, vec4f(search.weighted.z));
+    textureStore(gathering, pixel, 7, vec4u(search.visited));
+    textureStore(gathered, pixel, 0, vec4f(search.limit));
+    textureStore(gathered, pixel, 1, vec4f(search.low));
+    textureStore(gathered, pixel, 2, vec4f(search.high));
+    textureStore(gathered, pixel, 3, vec4f(search.farthest));
+    textureStore(gathered, pixel, 4, vec4f(search.power.x));
+    textureStore(gathered, pixel, 5, vec4f(search.power.y));
+    textureStore(gathered, pixel, 6, vec4f(search.power.z));
+    textureStore(gathered, pixel, 7, vec4f(search.weighted.x));
+    textureStore(gathered, pixel, 8, vec4f(search.weighted.y));
+    textureStore(gathered, pixel, 9, vec4f(search.weighted.z));
 }
 
 // How far away a photon may be that is taken next.
@@ -112,8 +113,8 @@ fn next_cell(search: Search, point: vec3f) -> Search {
     for (var around = 0u; around < AROUND; around++) {
         let step = vec3i(vec3u(around % 3u, around / 3u % 3u, around / 9u)) - vec3i(1);
         let away = distance_to(place, cell, step);
-        let is_later = away > search.distance || (away == search.distance && around > search.cell);
-        if (has_cell(cell + step) && (search.cell == NO_CELL || is_later) && away < distance) {
+        let is_visited = ((search.visited >> around) & 1u) != 0u;
+        if (has_cell(cell + step) && !is_visited && away < distance) {
             nearest = around;
             distance = away;
         }
@@ -125,7 +126,7 @@ fn next_cell(search: Search, point: vec3f) -> Search {
         let index = index_of(search.map, cell + step);
         let width = textureDimensions(photon_first).x;
         next.cell = nearest;
-        next.distance = distance;
+        next.visited |= 1u << nearest;
         next.item = textureLoad(photon_first, texel(index, width), 0, 0).x;
         next.end = textureLoad(photon_first, texel(index + 1u, width), 0, 0).x;
     }
@@ -193,7 +194,6 @@ fn next_sweep(search: Search) -> Search {
     next.sweep = search.sweep + 1u;
     next.map = search.map;
     next.cell = NO_CELL;
-    next.distance = -1.0;
     return next;
 }
 

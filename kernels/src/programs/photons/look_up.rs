@@ -50,13 +50,12 @@ fn search<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, map: u32, is_sent
     let before = radius_before(ray, scene, map, is_sent);
     let has_radius = before > R::zero();
     let limit = if has_radius { before } else { radius * radius };
-    for (layer, word) in [NO_CELL, 0, 0, 0, u32::from(has_radius), map, is_sent].into_iter().enumerate() {
+    for (layer, word) in [NO_CELL, 0, 0, 0, u32::from(has_radius), map, is_sent, 0].into_iter().enumerate() {
         ray.store_u32(GATHERING, layer, word);
     }
     (0..GATHERED_POWER.layers()).for_each(|layer| ray.store(GATHERED_POWER, layer, R::zero()));
-    ray.store(GATHERED_POWER, 0, -R::one());
-    ray.store(GATHERED_POWER, 1, limit);
-    ray.store(GATHERED_POWER, 3, limit);
+    ray.store(GATHERED_POWER, 0, limit);
+    ray.store(GATHERED_POWER, 2, limit);
     ray.store_u32(STATE, 0, GATHER);
 }
 
@@ -64,11 +63,11 @@ fn search<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, map: u32, is_sent
 fn irradiance<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, map: u32, is_sent: u32) -> Vec3<R> {
     let (grid, f) = (&scene.photon_map, R::from_f32);
     let vec3 = |first: usize| Vec3::from([0, 1, 2].map(|part| ray.load(GATHERED_POWER, first + part)));
-    let (power, weighted): (Vec3<R>, Vec3<R>) = (vec3(5), vec3(8));
+    let (power, weighted): (Vec3<R>, Vec3<R>) = (vec3(4), vec3(7));
     let whole = f(grid.radius) * f(grid.radius);
     let before = radius_before(ray, scene, map, is_sent);
     let found = ray.load_u32(GATHERING, 3);
-    let of_search = if found >= grid.nearest { ray.load(GATHERED_POWER, 4) } else { whole };
+    let of_search = if found >= grid.nearest { ray.load(GATHERED_POWER, 3) } else { whole };
     let squared = if before > R::zero() { before } else { of_search }.max(whole * f(1e-6));
     if scene.features.samples {
         let (slot, found) = (slot(map, is_sent), f(found as f32));

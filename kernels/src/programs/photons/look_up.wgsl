@@ -87,12 +87,9 @@ fn begin_search(texel: vec2u, map: u32, is_sent: u32) {
     textureStore(gathering, texel, 4, vec4u(select(0u, 1u, has_radius)));
     textureStore(gathering, texel, 5, vec4u(map));
     textureStore(gathering, texel, 6, vec4u(is_sent));
-    textureStore(gathered, texel, 0, vec4f(-1.0));
-    textureStore(gathered, texel, 1, vec4f(limit));
-    textureStore(gathered, texel, 2, vec4f(0.0));
-    textureStore(gathered, texel, 3, vec4f(limit));
-    for (var layer = 4u; layer < 11u; layer++) {
-        textureStore(gathered, texel, layer, vec4f(0.0));
+    textureStore(gathering, texel, 7, vec4u(0u));
+    for (var layer = 0u; layer < 10u; layer++) {
+        textureStore(gathered, texel, layer, vec4f(select(0.0, limit, layer == 0u || layer == 2u)));
     }
 }
 
@@ -109,20 +106,20 @@ fn first_map(depth: u32, is_sent: u32) -> u32 {
 @if(mapped)
 fn irradiance(texel: vec2u, map: u32, is_sent: u32) -> vec3f {
     let power = vec3f(
+        textureLoad(gathered, texel, 4).x,
         textureLoad(gathered, texel, 5).x,
         textureLoad(gathered, texel, 6).x,
-        textureLoad(gathered, texel, 7).x,
     );
     let weighted = vec3f(
+        textureLoad(gathered, texel, 7).x,
         textureLoad(gathered, texel, 8).x,
         textureLoad(gathered, texel, 9).x,
-        textureLoad(gathered, texel, 10).x,
     );
     // With fewer photons than wanted, there are no others within the radius.
     let whole = photon_map.radius * photon_map.radius;
     let before = radius_before(texel, map, is_sent);
     let found = textureLoad(gathering, texel, 3).x;
-    let of_search = select(whole, textureLoad(gathered, texel, 4).x, found >= photon_map.nearest);
+    let of_search = select(whole, textureLoad(gathered, texel, 3).x, found >= photon_map.nearest);
     let squared = max(select(of_search, before, before > 0.0), whole * 1e-6);
     @if(samples) {
         let slot = 4u * is_sent + 2u * map;

@@ -49,17 +49,16 @@ fn ray(texel: Texel<'_>) -> RayState {
     let all = texel(GATHERING).zip(texel(GATHERED_POWER)).filter(|_| matches!(ray.tag, GATHER | GATHERED));
     let gather = all.map(|(words, floats)| {
         let length = |layer: usize| f32::from_bits(floats[layer]).max(0.0).sqrt();
-        let map = GATHERING.info().layers.iter().position(|&layer| layer == "map");
         Gather {
-            is_caustic: map.and_then(|layer| words.get(layer)) == Some(&1),
+            is_caustic: words[5] == 1,
             around: Some(words[0]).filter(|&around| around != NO_CELL),
             item: words[1],
             end: words[2],
             found: words[3],
             sweep: words[4],
-            distance: (f32::from_bits(floats[0]) >= 0.0).then(|| length(0)),
-            limit: length(1),
-            farthest: length(4),
+            visited: words[7],
+            limit: length(0),
+            farthest: length(3),
         }
     });
     RayState { gather, ..ray }

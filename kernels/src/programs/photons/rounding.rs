@@ -67,6 +67,6 @@ pub(super) const OF_LOOK_UP: Rounding = Rounding {
 
 /// Distances of cells and photons, with which others are compared, and sums over many photons.
 pub(super) const OF_GATHER: Rounding = Rounding {
-    floats: &[(GATHERED_POWER, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10], Off::RoundingsOfLight(256.0))],
+    floats: &[(GATHERED_POWER, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], Off::RoundingsOfLight(256.0))],
     ties: Ties::Many,
 };

@@ -93,17 +93,12 @@ fn there(cell: [i32; 3], around: u32) -> [i32; 3] {
 
 /// The cells that a search from this hit has come to by now, by growing distance.
 fn cells_searched(data: &SceneData, gather: &Gather, point: Vec3<f32>) -> Vec<[i32; 3]> {
-    let Some(last) = gather.distance else { return Vec::new() };
     let map = &data.photon_map;
     let place = map.place_of(point);
     let cell = map.cell_of(place);
-    let distance = |around: u32| map.distance_to(place, cell, step_to(around));
-    // The device may have rounded the distance of the last cell otherwise.
-    let (farthest, at) = gather.around.map_or((last * last * 1.000_01, u32::MAX), |now| (distance(now), now));
-    let mut cells: Vec<(f32, u32)> = (0..27).map(|around| (distance(around), around)).collect();
-    cells.retain(|&(away, around)| map.has_cell(there(cell, around)) && (away, around) <= (farthest, at));
-    cells.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    cells.into_iter().map(|(_, around)| there(cell, around)).collect()
+    let mut cells: Vec<u32> = (0..27).filter(|around| gather.visited >> around & 1 != 0).collect();
+    cells.sort_by_key(|&around| map.distance_to(place, cell, step_to(around)).to_bits());
+    cells.into_iter().map(|around| there(cell, around)).collect()
 }
 
 /// How far away photons may be that a search takes, as far as it is known by now: as far as the farthest of as many as are

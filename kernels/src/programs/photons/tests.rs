@@ -173,8 +173,7 @@ fn sorted_lists_are_those_of_a_stable_sort() {
 }
 
 /// Squared distances of the photons that count at a pixel's hit, in f64, ascending; `None` if it sees none.
-fn distances(renderer: &Renderer, pixel: usize) -> Option<Vec<f64>> {
-    let (hit, direction) = (values(renderer, HIT), values(renderer, RAY_DIRECTION));
+fn distances(renderer: &Renderer, [hit, direction, records]: &[StreamData; 3], pixel: usize) -> Option<Vec<f64>> {
     let triangle = hit.get(2, pixel);
     if triangle == NO_TRIANGLE {
         return None;
@@ -187,7 +186,7 @@ fn distances(renderer: &Renderer, pixel: usize) -> Option<Vec<f64>> {
         crate::numbers::real::Vec3::from(along.to_array()),
     );
     let [point, normal] = [start.point, start.normal].map(|v| DVec3::from(v.to_f64()));
-    let (map, records) = (renderer.data().photon_map, values(renderer, PHOTON_RECORDS));
+    let map = renderer.data().photon_map;
     let vec3 = |first, photon| DVec3::from([0, 1, 2].map(|axis| f64::from(records.get_f32(first + axis, photon))));
     let mut all = Vec::new();
     for record in 0..map.records {
@@ -201,21 +200,23 @@ fn distances(renderer: &Renderer, pixel: usize) -> Option<Vec<f64>> {
 }
 
 /// By brute force in f64: the exact search finds the nearest, the kNN-grid all within some distance, and both no fewer than
-/// there are within the radius.
+/// there are within the radius. With RAYSTEP_THOROUGH, for more than 10⁵ searches by each.
 #[test]
 fn the_photons_that_count_are_the_nearest() {
     let scene = generate::cornell_box();
-    let rays = looking([0.0, 0.0, 3.3], [0.0; 3], 0.75, 12);
+    let side = if std::env::var_os("RAYSTEP_THOROUGH").is_some_and(|value| !value.is_empty()) { 190 } else { 12 };
+    let rays = looking([0.0, 0.0, 3.3], [0.0; 3], 0.75, side);
     for neighbours in [Neighbours::Exact, Neighbours::KnnGrid] {
         for nearest in [1, 7, 50] {
             let photons = Photons { count: 4000, radius: 150, nearest, neighbours, ..Photons::default() };
             let renderer = run(&scene, &Options { rays: rays.clone(), ..options(photons) }, async |_| {});
             let (gathering, gathered) = (values(&renderer, GATHERING), values(&renderer, GATHERED_POWER));
             let radius = f64::from(renderer.data().photon_map.radius).powi(2);
-            let mut enough = 0;
-            for pixel in 0..144 {
-                let Some(all) = distances(&renderer, pixel) else { continue };
-                let (found, farthest) = (gathering.get(3, pixel) as usize, f64::from(gathered.get_f32(4, pixel)));
+            let streams = [HIT, RAY_DIRECTION, PHOTON_RECORDS].map(|stream| values(&renderer, stream));
+            let (mut enough, mut taken, mut farther) = (0, 0, 0.0);
+            for pixel in 0..(side * side) as usize {
+                let Some(all) = distances(&renderer, &streams, pixel) else { continue };
+                let (found, farthest) = (gathering.get(3, pixel) as usize, f64::from(gathered.get_f32(3, pixel)));
                 // What f32 makes of a distance: the places have some roundings of their own size.
                 let off = 1e-5 * farthest + 1e-12;
                 let at_most = all.partition_point(|&squared| squared <= farthest + off);
@@ -224,7 +225,8 @@ fn the_photons_that_count_are_the_nearest() {
                 let there = all.partition_point(|&squared| squared <= radius * (1.0 - 1e-5));
                 assert!(found >= there.min(nearest as usize), "{neighbours} {nearest}, pixel {pixel}: {found}");
                 if found >= nearest as usize {
-                    enough += 1;
+                    (enough, taken) = (enough + 1, taken + found);
+                    farther += (farthest / all[nearest as usize - 1]).sqrt();
                     let wanted = all[nearest as usize - 1];
                     match neighbours {
                         Neighbours::Exact => assert!((farthest - wanted).abs() <= off, "{nearest}, pixel {pixel}"),
@@ -232,7 +234,13 @@ fn the_photons_that_count_are_the_nearest() {
                     }
                 }
             }
-            assert!(enough > 60, "{neighbours} {nearest}: {enough}");
+            let of = |sum: f64| sum / f64::from(enough);
+            println!(
+                "{neighbours} {nearest}: {enough} searches, {} taken, {} times as far",
+                of(taken as f64),
+                of(farther)
+            );
+            assert!(enough > 60 * side * side / 144, "{neighbours} {nearest}: {enough}");
         }
     }
 }

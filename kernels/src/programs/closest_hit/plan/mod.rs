@@ -146,7 +146,8 @@ pub(in crate::programs) fn plan(
     };
     let mut outcome = compiled(&features);
     // A kernel that does everything also binds everything.
-    if features.whole_paths && outcome.is_err() {
+    let does_not_fit = |error: &PlanError| !matches!(error, PlanError::Shader(_));
+    if features.whole_paths && outcome.as_ref().is_err_and(does_not_fit) {
         features.whole_paths = false;
         outcome = compiled(&features);
     }

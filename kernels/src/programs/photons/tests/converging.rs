@@ -93,3 +93,68 @@ fn on_an_evenly_lit_plane_the_estimate_is_the_irradiance() {
     assert!((mean - expected).abs() < 4.44 * error, "{mean}, not {expected}, with an error of {error}");
     assert!(error < 0.03 * expected, "{error}");
 }
+
+/// Beside a mirror, the light of its lamp's image is a caustic. The mean of the iterations is, within its interval, what the
+/// filter makes of that light with the radius of each, by quadrature in f64; and the radius falls as it should.
+#[test]
+fn bias_falls_with_the_radius_as_predicted() {
+    const RUNS: u32 = 8;
+    const ITERATIONS: u32 = 24;
+    let floor = [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0f32]];
+    let wall = [[-4.0, -0.5, -2.0], [4.0, -0.5, -2.0], [4.0, 4.0, -2.0], [-4.0, 4.0, -2.0f32]];
+    let mirror = Material { optics: Optics::Mirror, ..matte([1.0; 3]) };
+    let mut scene = of_quads(&[(floor, matte([0.5; 3])), (wall, mirror)]);
+    let (height, intensity) = (0.5f64, 3.0);
+    scene.lights = vec![Light::Point { position: [0.0, 0.5, -1.9], color: [1.0; 3], intensity: intensity as f32 }];
+    // By the lamp, and by its image behind the wall, at a place of the floor.
+    let of =
+        |foot: f64, [x, z]: [f64; 2]| intensity * height / (height * height + x * x + (z - foot).powi(2)).powf(1.5);
+    let at = [0.0, -1.4];
+    let filtered = |radius: f64| {
+        const SIDE: usize = 200;
+        let ring = |i: usize| {
+            let r = (i as f64 + 0.5) / SIDE as f64;
+            let around = (0..SIDE).map(|j| {
+                let turn = std::f64::consts::TAU * j as f64 / SIDE as f64;
+                of(-2.1, [at[0] + radius * r * turn.cos(), at[1] + radius * r * turn.sin()])
+            });
+            around.sum::<f64>() / SIDE as f64 * (1.0 - r) * 2.0 * r / SIDE as f64
+        };
+        3.0 * (0..SIDE).map(ring).sum::<f64>()
+    };
+    let photons = Photons { count: 20_000, radius: 60, nearest: Photons::MOST_NEAREST, ..Photons::default() };
+    let (mut off, mut bias) = (Vec::new(), [0.0; 2]);
+    for seed in 0..RUNS {
+        let samples = Samples { count: ITERATIONS, seed, sampler: Sampler::Random, ..Samples::default() };
+        let rays = looking([0.0, 3.0, -1.399], [0.0, 0.0, -1.4], 1e-4, 1);
+        let mut squared = Vec::new();
+        let renderer = run(&scene, &Options { rays, samples, max_depth: 2, ..options(photons) }, async |renderer| {
+            let now = renderer.values(SHRUNK).await.expect("values").get_f32(3, 0);
+            if squared.last() != Some(&now) {
+                squared.push(now);
+            }
+        });
+        let (data, color) = (renderer.data(), f64::from(values(&renderer, COLOR).get_f32(0, 0)));
+        squared[0] = data.photon_map.radius.powi(2);
+        squared.truncate(ITERATIONS as usize);
+        assert_eq!(squared.len(), ITERATIONS as usize, "{squared:?}");
+        let unit = data.units.scene_units_per_stream_unit();
+        let radii: Vec<f64> = squared.iter().map(|&squared| f64::from(squared).sqrt() * unit).collect();
+        let estimate = radii.iter().map(|&radius| filtered(radius)).sum::<f64>() / radii.len() as f64;
+        off.push(color * 2.0 * std::f64::consts::PI - of(-1.9, at) - estimate);
+        bias[0] += filtered(radii[0]) - of(-2.1, at);
+        bias[1] += estimate - of(-2.1, at);
+        // After so many iterations, each of which finds about as many photons by area.
+        let rate = (squared[23] / squared[5]).powf(3.0);
+        assert!((rate / (6.0 / 24.0) - 1.0).abs() < 0.25, "{rate}");
+    }
+    let mean = off.iter().sum::<f64>() / f64::from(RUNS);
+    let variance = off.iter().map(|of| (of - mean).powi(2)).sum::<f64>() / f64::from(RUNS - 1);
+    let error = (variance / f64::from(RUNS)).sqrt();
+    let [first, all] = bias.map(|bias| bias / f64::from(RUNS) / of(-2.1, at));
+    println!("off by {mean} with an error of {error}; bias {first} of the light at first, {all} in the mean");
+    // 99.9% of such means, by Student's t with 7 degrees of freedom.
+    assert!(mean.abs() < 5.41 * error, "{mean}, with an error of {error}");
+    // The interval is so narrow that it tells the bias of the mean from that of the first radius, and from none.
+    assert!(5.41 * error < 0.5 * all.abs().min((first - all).abs()) * of(-2.1, at), "{error}: {first}, {all}");
+}
