@@ -4,6 +4,7 @@ use raystep_kernels::options::{Gather, Integrator, Neighbours, PhotonSort, Photo
 use raystep_kernels::programs::closest_hit::streams::{PHOTON_FIRST, PHOTON_KEY};
 use raystep_kernels::programs::photons::PROGRAM;
 use raystep_kernels::{Accelerator, Options, Samples, ScheduleKind};
+use raystep_scenes::generate;
 use raystep_tests::configurations::Configuration;
 use raystep_tests::{devices, options, scene, traced, values};
 
@@ -40,9 +41,15 @@ fn pictures_are_the_same_however_they_are_traced() {
 
 #[test]
 fn a_broken_kernel_is_named() {
-    let base = Configuration::new(Accelerator::Bvh, ScheduleKind::Compact, 8).of(&options(&glowing(), 16, 16));
+    // Where photons meet everything: a lamp with an area and one without, walls, a mirror, and glass.
+    let mut scene = generate::cornell_balls(1).expect("a scene");
+    scene.lights = generate::cornell_box().lights;
+    let base = Configuration::new(Accelerator::Bvh, ScheduleKind::Compact, 8).of(&options(&scene, 16, 16));
     for name in ["emit_photons", "scatter_photons", "key_photons", "search_cells", "look_up", "gather"] {
-        breaks_are_named(PROGRAM.kernel(name).expect("a kernel"), &glowing(), &by_photons(base.clone()));
+        // Some searches find more than they want.
+        let photons = Photons { count: 1000, nearest: 5, radius: 200, ..few() };
+        let options = Options { photons, ..by_photons(base.clone()) };
+        breaks_are_named(PROGRAM.kernel(name).expect("a kernel"), &scene, &options);
     }
 }
 

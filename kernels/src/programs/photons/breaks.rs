@@ -7,6 +7,11 @@ fn counted(options: &mut Options) {
     options.counters = true;
 }
 
+/// Rays in glass have bounced as often as they may.
+fn shallow(options: &mut Options) {
+    options.max_depth = 1;
+}
+
 fn exact(options: &mut Options) {
     (options.photons.neighbours, options.photons.nearest) = (Neighbours::Exact, 5);
 }
@@ -39,7 +44,7 @@ pub(super) const OF_LOOK_UP: &[Break] = &[
     Break::new(as_it_is, "if (tag == VISIBLE)", "if (tag == OCCLUDED)"),
     Break::new(as_it_is, "power - weighted", "power"),
     Break::new(as_it_is, "3.0 * INVERSE_PI / squared", "INVERSE_PI / squared"),
-    Break::new(as_it_is, "depth < DEPTH", "depth <= DEPTH"),
+    Break::new(shallow, "depth < DEPTH", "depth <= DEPTH"),
     Break::new(as_it_is, "textureStore(ended, texel, 0, vec4u(why))", ""),
     Break::new(counted, "if (tag != SCATTER) {", "if (tag == SCATTER) {"),
 ];

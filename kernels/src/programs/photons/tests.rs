@@ -165,7 +165,8 @@ fn sorted_lists_are_those_of_a_stable_sort() {
             assert_eq!(first.layer(0)[..cells_in_all], starts, "{count} photons by {sort}");
             let stored = expected.iter().filter(|(cell, _)| *cell != NO_CELL).count() as u32;
             assert_eq!(starts.last(), Some(&stored), "the last list ends with the last photon");
-            assert!(if scene.lights == open.lights { stored == 0 } else { stored > 0 || count == 1 }, "{stored}");
+            let is_open = scene.lights == open.lights;
+            assert!(if is_open { stored == 0 } else { stored > 0 || count < 100 }, "{count} photons, {stored} stored");
             found.push((keys, values(&renderer, COLOR)));
         }
         assert!(found[0] == found[1], "{count} photons");
