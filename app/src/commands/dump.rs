@@ -43,7 +43,7 @@ Examples:
   raystep dump cornell-box --pass last --stream hit -o hits
   raystep dump cornell-box --pass 7 --stream state,tmax -o pass7
   raystep dump cornell-box --stream hit --buffers grid_cells,grid_items,vertices -o data
-  raystep dump cornell-box --integrator photons --photons 1000 --stream photon_records,photon_key -o photons
+  raystep dump cornell-box --integrator photons --photons 999 --stream photon_key -o photons
   raystep dump teapot --pass all --stream all --size 64x64 --format both -o all
   raystep dump my-program --pass 3 -o pass3")]
 pub(crate) struct DumpArgs {

@@ -1,5 +1,7 @@
 //! The options of photon maps.
 
+use std::fmt;
+
 use super::{Refusal, Row, Values, parse, text};
 use crate::options::row::{Value, whole};
 use crate::options::{Choices, Gather as Place, Integrator, Neighbours, PhotonSort, Photons, ProgramName};
@@ -9,8 +11,8 @@ pub(super) fn has_photons(c: &Choices) -> bool {
 }
 
 /// An option of photons, where there are none.
-fn idle(option: &str, is_default: bool, c: &Choices) -> Option<Refusal> {
-    let why = || format!("{option} applies to --integrator photons, not to {}: omit it", c.integrator);
+fn idle(option: &str, value: impl fmt::Display, is_default: bool, c: &Choices) -> Option<Refusal> {
+    let why = || format!("{option} {value} applies to --integrator photons, not to {}: omit it", c.integrator);
     (!is_default && !has_photons(c)).then(|| Refusal::Idle(why()))
 }
 
@@ -25,7 +27,7 @@ macro_rules! whole {
             $help,
         )
         .applies(has_photons)
-        .refused(|c| idle(concat!("--", $name), c.photons.$field == Photons::default().$field, c))
+        .refused(|c| idle(concat!("--", $name), c.photons.$field, c.photons.$field == Photons::default().$field, c))
     };
 }
 
@@ -47,7 +49,7 @@ pub(super) const SORT: Row = Row::new(
 )
 .panel("photon map", "how photons are sorted by the cells of their map")
 .applies(has_photons)
-.refused(|c| idle("--photon-map", c.photons.sort == PhotonSort::default(), c));
+.refused(|c| idle("--photon-map", c.photons.sort, c.photons.sort == PhotonSort::default(), c));
 
 pub(super) const NEIGHBOURS: Row = Row::new(
     "neighbours",
@@ -59,7 +61,7 @@ pub(super) const NEIGHBOURS: Row = Row::new(
 )
 .panel("neighbours", "which photons the light at a point is estimated from")
 .applies(has_photons)
-.refused(|c| idle("--neighbours", c.photons.neighbours == Neighbours::default(), c));
+.refused(|c| idle("--neighbours", c.photons.neighbours, c.photons.neighbours == Neighbours::default(), c));
 
 pub(super) const GATHER: Row = Row::new(
     "gather",
@@ -71,7 +73,7 @@ pub(super) const GATHER: Row = Row::new(
 )
 .panel("gather", "where photons are looked up: at the surface that is seen, or where a ray from there arrives")
 .applies(has_photons)
-.refused(|c| idle("--gather", c.photons.gather == Place::default(), c));
+.refused(|c| idle("--gather", c.photons.gather, c.photons.gather == Place::default(), c));
 
 pub(super) const NEAREST: Row = whole!(
     "nearest",
