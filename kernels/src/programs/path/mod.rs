@@ -94,6 +94,7 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("emitters", include_str!("emitters.wgsl")),
         ("random", include_str!("random.wgsl")),
         ("scattered", include_str!("scattered.wgsl")),
+        ("shadow_cost", include_str!("shadow_cost.wgsl")),
         ("toward", include_str!("toward.wgsl")),
         ("vertex", include_str!("vertex.wgsl")),
     ];

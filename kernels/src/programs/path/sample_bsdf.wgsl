@@ -7,6 +7,7 @@ import package::constants::{DEPTH, LIST_SIDE, NOBODY, NO_TRIANGLE};
 import package::state::{TRAV_SETUP, OCCLUDED, VISIBLE, SCATTER, DONE};
 import package::live::{book, tiled_texel};
 import package::scattered::{BY_DEPTH, BY_ESCAPE, Next, scattered};
+@if(counters) import package::shadow_cost::{cost_of_shadow};
 import package::vector::{unit3};
 import package::vertex::{vertex_at};
 
@@ -15,20 +16,6 @@ import package::vertex::{vertex_at};
 @group(0) @binding(10) var pdf: texture_storage_2d_array<r32float, write>;
 @group(0) @binding(13) var ended: texture_storage_2d_array<r32uint, write>;
 @if(shadows) @group(0) @binding(14) var pending: texture_2d_array<f32>;
-@if(counters && shadows) @group(0) @binding(16) var shadow_counters: texture_2d_array<u32>;
-
-// The cost of the shadow ray, if one was cast.
-@if(counters)
-fn cost_of_shadow(texel: vec2u, tag: u32) -> vec3u {
-    @if(shadows) if (tag != SCATTER) {
-        return vec3u(
-            textureLoad(shadow_counters, texel, 0, 0).x,
-            textureLoad(shadow_counters, texel, 1, 0).x,
-            textureLoad(shadow_counters, texel, 2, 0).x,
-        );
-    }
-    return vec3u(0u);
-}
 
 fn scattered_at_hit(texel: vec2u, depth: u32, triangle: u32, carried: vec3f) -> Next {
     let u = bitcast<f32>(textureLoad(hit, texel, 0).x);

@@ -88,12 +88,14 @@ fn send_on<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, at: &Vertex<'_, 
         return end(ray, scene, next.ended, sum);
     }
     ray.store_u32(GATHERING, 6, 1);
-    go_on(ray, &next, at.triangle, at.depth);
+    go_on(ray, scene, &next, at.triangle, at.depth);
 }
 
-fn go_on<R: Real>(ray: &mut Texels<'_, R>, next: &Next<R>, triangle: u32, depth: u32) {
+fn go_on<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, next: &Next<R>, triangle: u32, depth: u32) {
     begin_ray(ray, [next.origin, next.direction, next.throughput], triangle, depth + 1);
-    ray.store(PDF, 0, next.pdf);
+    // A lamp that a mirror shows to a diffuse surface is in the map of caustics there: as if light had been picked for it.
+    let is_sent = scene.features.mapped && scene.features.gathers_later && ray.load_u32(GATHERING, 6) != 0;
+    ray.store(PDF, 0, if is_sent { R::one() } else { next.pdf });
 }
 
 /// After a search: adds what its photons bring, and looks in the other map, or sends the ray on, or ends it.
@@ -152,7 +154,7 @@ pub fn look_up<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         return search(ray, scene, if features.specular { CAUSTIC } else { GLOBAL }, is_sent);
     }
     let Some(next) = next.filter(|_| ended == 0) else { return end(ray, scene, ended, sum) };
-    go_on(ray, &next, triangle, depth);
+    go_on(ray, scene, &next, triangle, depth);
 }
 
 fn end<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, why: u32, sum: Vec3<R>) {

@@ -125,7 +125,11 @@ fn before_own() -> usize {
 /// WGSL modules that kernels import from: those of paths, and more.
 fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let mut modules = (path::PROGRAM.modules)(features);
-    let own = [("emission", include_str!("emission.wgsl")), ("reflected", include_str!("reflected.wgsl"))];
+    let own = [
+        ("emission", include_str!("emission.wgsl")),
+        ("reflected", include_str!("reflected.wgsl")),
+        ("searches", include_str!("searches.wgsl")),
+    ];
     let more = own.iter().chain(primitives::MODULES);
     modules.extend(more.map(|&(name, source)| (name, Cow::Borrowed(source))));
     modules

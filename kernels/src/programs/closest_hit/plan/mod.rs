@@ -67,6 +67,9 @@ impl Tracer {
     }
 }
 
+/// Steps per pass of what is no walk, with the schedule `fused`.
+const STEPS_OF_WHOLE: u32 = 64;
+
 /// Whether rays can be sent on from their hits.
 fn check_scattering(features: &Features) -> Result<(), PlanError> {
     if !(features.specular || features.path || features.photons) {
@@ -162,7 +165,8 @@ pub(in crate::programs) fn plan(
     }
     let info = SceneInfo {
         triangles: triangles as u32,
-        steps: options.steps_per_pass,
+        // Where walks are whole, searches for photons are, unless they are long.
+        steps: if is_fused { options.steps_per_pass.max(STEPS_OF_WHOLE) } else { options.steps_per_pass },
         rays: rays as u32,
         size: [width, height],
         ..SceneInfo::default()

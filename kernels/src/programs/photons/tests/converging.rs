@@ -62,6 +62,25 @@ fn the_light_is_that_of_paths() {
     }
 }
 
+/// With mirrors and a lamp that glows, too: what a ray finds by a mirror, after a diffuse surface, is in the map of caustics.
+#[test]
+fn light_by_mirrors_counts_once() {
+    let mut scene = generate::cornell_lamp();
+    let white = scene.materials.iter().position(|of| of.emissive == [0.0; 3] && of.base_color[0] == of.base_color[1]);
+    scene.materials[white.expect("a white material")].optics = Optics::Mirror;
+    let mean = |options: &Options| -> f64 {
+        let color = values(&run(&scene, options, async |_| {}), COLOR);
+        let sum = |layer| color.layer(layer).iter().map(|&bits| f64::from(f32::from_bits(bits))).sum::<f64>();
+        (sum(0) + sum(1) + sum(2)) / 432.0
+    };
+    let expected = mean(&Options { integrator: Integrator::Path, ..iterated(1024, Photons::default()) });
+    for gather in [Gather::Direct, Gather::Final] {
+        let found = mean(&iterated(48, Photons { count: 2000, radius: 40, gather, ..Photons::default() }));
+        println!("{gather}: {found}, path {expected}");
+        assert!((found / expected - 1.0).abs() < 0.06, "{gather}: {found}, not {expected}");
+    }
+}
+
 /// On a flat, evenly lit plane, the mean of estimates from the nearest photons is the irradiance: there is no bias.
 #[test]
 fn on_an_evenly_lit_plane_the_estimate_is_the_irradiance() {
