@@ -165,7 +165,7 @@ class Run(unittest.TestCase):
             command("render", "cornell-box", "-o", f"{folder}/p.png", *words)
             with open(f"{folder}/p.png", "rb") as file:
                 self.assertEqual(file.read(), run.image().png())
-        with self.assertRaisesRegex(OptionError, "--photons applies to --integrator photons, not to path"):
+        with self.assertRaisesRegex(OptionError, "--photons 100 applies to --integrator photons, not to path"):
             Renderer("cornell-box", integrator="path", photons=100, **SMALL)
 
     def test_a_kernel_of_ones_own_runs_in_place_of_the_built_in_one(self) -> None:

@@ -112,7 +112,7 @@ fn light_of_other_rays_than_an_images_is_refused() {
     {
         place.fails(2, wanted, &bench(&file, &[&rays[..], &["--integrators", "local,shadows", "-o", "out"]].concat()));
     }
-    let idle = "--photons applies to --integrator photons, not to local: omit it";
+    let idle = "--photons 500 applies to --integrator photons, not to local: omit it";
     place.fails(2, idle, &bench(&file, &["--photons", "500", "-o", "out"]));
     place.fails(2, "--integrators sun: expected local", &bench(&file, &["--integrators", "sun", "-o", "out"]));
 }
