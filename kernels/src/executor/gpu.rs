@@ -1,6 +1,7 @@
 //! Runs passes on a wgpu adapter. Nothing here blocks: results come back from the GPU as futures.
 
 mod adapters;
+mod bands;
 mod batch;
 mod books;
 mod buffers;

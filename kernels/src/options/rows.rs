@@ -1,36 +1,24 @@
 //! Every option of a run that people choose, in one table: what reads an option from a command line, a link or a panel, or
 //! writes it to one of them, reads its row here and names no option.
 
+#[macro_use]
+mod macros;
+
 mod light;
 mod photons;
+mod sampling;
 
 use super::keep::Keep;
-use super::mapping::{Cull, Fragment, Mapping, MappingName, ONE_SAMPLE, Targets, Until, Update, fault_of};
+use super::mapping::{Cull, Fragment, Mapping, MappingName, Targets, Until, Update, fault_of};
 pub use super::row::{Refusal, Row, Value, Values};
 use super::row::{parse, text, whole};
-use super::samples::Samples;
 use super::scene_data::SceneDataKind;
 use super::{
     Accelerator, BuiltBy, Choices, GridSize, MOST_ELEMENTS, Numerics, ProgramName, ScheduleKind, Skip, Traversal,
 };
-use crate::shared::samples::Sampler;
 
 /// Most steps of a ray in one pass.
 pub const MOST_STEPS: u32 = 4096;
-
-/// The row of an option whose values have names.
-macro_rules! named {
-    ($name:literal, $type:ident, $field:ident, $help:literal) => {
-        Row::new($name, Values::Names(names!($type)), |c| text(c.$field), |c, value| parse(value, &mut c.$field), $help)
-    };
-}
-
-/// The names of a type's values.
-macro_rules! names {
-    ($type:ident) => {
-        || $type::ALL.iter().map(|value| value.name()).collect()
-    };
-}
 
 /// The row of a choice of the fragment mapping: `$implies` is what goes with it, unless it is chosen too.
 macro_rules! fragment {
@@ -60,19 +48,6 @@ macro_rules! fragment {
             how.fault().filter(|_| how.faulty() == $name).map(impossible)
         })
         .in_tables(None)
-    };
-}
-
-/// The row of an option that is an integer.
-macro_rules! whole {
-    ($name:literal, $least:expr, $most:expr, $($field:ident).+, $help:literal) => {
-        Row::new(
-            $name,
-            Values::Whole($least, $most),
-            |c| Value::Number(c.$($field).+),
-            |c, value| whole(value, $least, $most).map(|number| c.$($field).+ = number),
-            $help,
-        )
     };
 }
 
@@ -316,29 +291,9 @@ pub static ROWS: &[Row] = &[
         "keep what is not needed",
         "also run kernels and keep streams that the result does not need, as --keep-all does",
     ),
-    whole!(
-        "spp",
-        1,
-        Samples::MOST,
-        samples.count,
-        "Samples per pixel, averaged. 1 samples the pixel's centre; with more, all streams except color and accumulated \
-         belong to the last sample. With --integrator photons, each is an iteration, which emits new photons and looks for \
-         them within a smaller radius"
-    )
-    .alias("iterations")
-    .refused(|c| (c.samples.are_spread() && c.mapping != Mapping::Compute).then(|| impossible(ONE_SAMPLE))),
-    Row::new(
-        "sampler",
-        Values::Names(names!(Sampler)),
-        |c| text(c.samples.sampler),
-        |c, value| parse(value, &mut c.samples.sampler),
-        "Distribution of samples in a pixel: even, by a scrambled Sobol' sequence (sobol), or independent (random)",
-    )
-    .in_tables(Some(|c| if is_sampled(c) { text(c.samples.sampler) } else { Value::Nothing }))
-    .refused(|c| if c.samples.sampler == Sampler::Random { idle_for_one_sample("--sampler random", c) } else { None }),
-    whole!("seed", 0, u32::MAX, samples.seed, "Seed of the samples; the same seed gives the same image")
-        .in_tables(Some(|c| if is_sampled(c) { Value::Number(c.samples.seed) } else { Value::Nothing }))
-        .refused(|c| if c.samples.seed != 0 { idle_for_one_sample("--seed", c) } else { None }),
+    sampling::SPP,
+    sampling::SAMPLER,
+    sampling::SEED,
 ];
 
 impl Row {
@@ -389,16 +344,6 @@ fn idle_without_grid(option: &str, c: &Choices) -> Option<Refusal> {
     };
     let why = format!("{option} applies to a uniform grid, and {why}: omit it, or use --accelerator grid");
     Some(Refusal::Idle(why))
-}
-
-/// Whether anything is distributed: samples of pixels, or photons.
-fn is_sampled(c: &Choices) -> bool {
-    c.samples.count > 1 || photons::has_photons(c)
-}
-
-fn idle_for_one_sample(option: &str, c: &Choices) -> Option<Refusal> {
-    let why = || format!("{option} requires several samples per pixel: omit it, or add --spp N");
-    (!is_sampled(c)).then(why).map(Refusal::Idle)
 }
 
 #[cfg(test)]

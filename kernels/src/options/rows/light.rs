@@ -10,15 +10,14 @@ const fn traces_rays(c: &Choices) -> bool {
     matches!(c.program, ProgramName::ClosestHit)
 }
 
-pub(super) const INTEGRATOR: Row = Row::new(
+pub(super) const INTEGRATOR: Row = named!(
     "integrator",
-    Values::Names(|| Integrator::ALL.iter().map(|of| of.name()).collect()),
-    |c| text(c.integrator),
-    |c, value| parse(value, &mut c.integrator),
+    Integrator,
+    integrator,
     "What light a pixel receives: from every light, by equation (1) of Mølhave's paper (local); only from lights that a \
      shadow ray reaches (shadows); also what mirrors and smooth glass reflect and refract (whitted); all light, in \
      physical units, along random paths (path), or estimated from photons that are followed from the lights (photons). \
-     Rough metal and rough glass are drawn as diffuse surfaces",
+     Rough metal and rough glass are drawn as diffuse surfaces"
 )
 .panel(
     "light",
@@ -66,14 +65,13 @@ pub(super) const MAX_DEPTH: Row = Row::new(
     is_idle.then(|| Refusal::Idle(why()))
 });
 
-pub(super) const STRATEGY: Row = Row::new(
+pub(super) const STRATEGY: Row = named!(
     "strategy",
-    Values::Names(|| Found::ALL.iter().map(|of| of.name()).collect()),
-    |c| text(c.strategy),
-    |c, value| parse(value, &mut c.strategy),
+    Found,
+    strategy,
     "How a path finds surfaces that glow, with --integrator path: it casts shadow rays to points of them (light), its \
      random directions hit them (bsdf), or both, each weighted by its pdf (mis). Point, directional and spot lights \
-     always get shadow rays",
+     always get shadow rays"
 )
 .panel(
     "strategy",
@@ -86,14 +84,13 @@ pub(super) const STRATEGY: Row = Row::new(
     is_idle.then(|| Refusal::Idle(why()))
 });
 
-pub(super) const ENVIRONMENT: Row = Row::new(
+pub(super) const ENVIRONMENT: Row = named!(
     "environment",
-    Values::Names(|| Environment::ALL.iter().map(|of| of.name()).collect()),
-    |c| text(c.environment),
-    |c, value| parse(value, &mut c.environment),
+    Environment,
+    environment,
     "What a path sees that leaves the scene, with --integrator path: a radiance of 1 from everywhere (white), nothing \
      (black), or the background of every picture, which is nearly black, and white only if nothing in the scene gives \
-     light (auto)",
+     light (auto)"
 )
 .panel("environment", "the light from around the scene: white, none, or white only if nothing in the scene gives light")
 .applies(|c| traces_rays(c) && c.integrator == Integrator::Path)

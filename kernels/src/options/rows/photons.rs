@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use super::{Refusal, Row, Values, parse, text};
-use crate::options::row::{Value, whole};
+use super::{Refusal, Row, Value, Values, parse, text, whole};
 use crate::options::{Choices, Gather as Place, Integrator, Neighbours, PhotonSort, Photons, ProgramName};
 
 pub(super) fn has_photons(c: &Choices) -> bool {
@@ -16,22 +15,27 @@ fn idle(option: &str, value: impl fmt::Display, is_default: bool, c: &Choices) -
     (!is_default && !has_photons(c)).then(|| Refusal::Idle(why()))
 }
 
-/// The row of an option of photons that is an integer.
-macro_rules! whole {
-    ($name:literal, $most:expr, $field:ident, $help:literal) => {
-        Row::new(
-            $name,
-            Values::Whole(1, $most),
-            |c| Value::Number(c.photons.$field),
-            |c, value| whole(value, 1, $most).map(|number| c.photons.$field = number),
-            $help,
-        )
-        .applies(has_photons)
-        .refused(|c| idle(concat!("--", $name), c.photons.$field, c.photons.$field == Photons::default().$field, c))
+/// A row that applies only where there are photons.
+macro_rules! of_photons {
+    ($name:literal, $field:ident, $row:expr) => {
+        $row.applies(has_photons)
+            .refused(|c| idle(concat!("--", $name), c.photons.$field, c.photons.$field == Photons::default().$field, c))
     };
 }
 
-pub(super) const PHOTONS: Row = whole!(
+macro_rules! number {
+    ($name:literal, $most:expr, $field:ident, $help:literal) => {
+        of_photons!($name, $field, whole!($name, 1, $most, photons.$field, $help))
+    };
+}
+
+macro_rules! choice {
+    ($name:literal, $type:ident, $field:ident, $help:literal) => {
+        of_photons!($name, $field, named!($name, $type, photons.$field, $help))
+    };
+}
+
+pub(super) const PHOTONS: Row = number!(
     "photons",
     Photons::MOST,
     count,
@@ -39,43 +43,34 @@ pub(super) const PHOTONS: Row = whole!(
 )
 .panel("photons", "how many photons are emitted");
 
-pub(super) const SORT: Row = Row::new(
+pub(super) const SORT: Row = choice!(
     "photon-map",
-    Values::Names(|| PhotonSort::ALL.iter().map(|of| of.name()).collect()),
-    |c| text(c.photons.sort),
-    |c, value| parse(value, &mut c.photons.sort),
+    PhotonSort,
+    sort,
     "How photons are sorted by the cells of their map, with --integrator photons: by a bitonic sort, as in the paper of \
-     Purcell et al. (bitonic), or by a radix sort, which takes fewer passes (scan). The map is the same",
+     Purcell et al. (bitonic), or by a radix sort, which takes fewer passes (scan). The map is the same"
 )
-.panel("photon map", "how photons are sorted by the cells of their map")
-.applies(has_photons)
-.refused(|c| idle("--photon-map", c.photons.sort, c.photons.sort == PhotonSort::default(), c));
+.panel("photon map", "how photons are sorted by the cells of their map");
 
-pub(super) const NEIGHBOURS: Row = Row::new(
+pub(super) const NEIGHBOURS: Row = choice!(
     "neighbours",
-    Values::Names(|| Neighbours::ALL.iter().map(|of| of.name()).collect()),
-    |c| text(c.photons.neighbours),
-    |c, value| parse(value, &mut c.photons.neighbours),
+    Neighbours,
+    neighbours,
     "Which photons the light at a point is estimated from, with --integrator photons: all within the distance at which \
-     --nearest were found, cell by cell, as in the paper of Purcell et al. (knn-grid), or exactly the nearest (exact)",
+     --nearest were found, cell by cell, as in the paper of Purcell et al. (knn-grid), or exactly the nearest (exact)"
 )
-.panel("neighbours", "which photons the light at a point is estimated from")
-.applies(has_photons)
-.refused(|c| idle("--neighbours", c.photons.neighbours, c.photons.neighbours == Neighbours::default(), c));
+.panel("neighbours", "which photons the light at a point is estimated from");
 
-pub(super) const GATHER: Row = Row::new(
+pub(super) const GATHER: Row = choice!(
     "gather",
-    Values::Names(|| Place::ALL.iter().map(|of| of.name()).collect()),
-    |c| text(c.photons.gather),
-    |c, value| parse(value, &mut c.photons.gather),
+    Place,
+    gather,
     "Where photons are looked up, with --integrator photons: at the surface that is seen (direct); or there for caustics \
-     alone, and for all other light where a ray from there arrives, which turns blotches into noise (final)",
+     alone, and for all other light where a ray from there arrives, which turns blotches into noise (final)"
 )
-.panel("gather", "where photons are looked up: at the surface that is seen, or where a ray from there arrives")
-.applies(has_photons)
-.refused(|c| idle("--gather", c.photons.gather, c.photons.gather == Place::default(), c));
+.panel("gather", "where photons are looked up: at the surface that is seen, or where a ray from there arrives");
 
-pub(super) const NEAREST: Row = whole!(
+pub(super) const NEAREST: Row = number!(
     "nearest",
     Photons::MOST_NEAREST,
     nearest,
@@ -83,7 +78,7 @@ pub(super) const NEAREST: Row = whole!(
 )
 .panel("nearest photons", "how many photons the light at a point is estimated from");
 
-pub(super) const RADIUS: Row = whole!(
+pub(super) const RADIUS: Row = number!(
     "gather-radius",
     Photons::MOST_RADIUS,
     radius,

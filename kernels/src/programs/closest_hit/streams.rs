@@ -39,13 +39,15 @@
 //! photon_origin … photon_trail           of photons: the same as of rays
 //! photon_power   f32  r  g  b            what the photon carries, traced units squared times radiance
 //! photon_energy  f32  emitted absorbed escaped, r g b each    what it carried at first, and what became of that
-//! photon_bounce  u32  hits  specular  ended   hits before this one; whether all were on mirrors and glass; why it ended
+//! photon_bounce  u32  hits  specular  ended  emissions   hits before this one; whether all were on mirrors and glass; why it
+//!                                        ended; how often it was emitted
 //! photon_records u32  x y z dx dy dz r g b map ended   for each bounce: where the photon arrived, in which direction and with
 //!                                        what (f32 bits); 0 global, 1 caustic, all ones: no photon; why it ended there
 //! photon_key     u32  cell  record       of records: the cell, all ones without a photon, and which record
 //! photon_first   u32  record             of cells: where the list of each begins among the sorted keys
-//! gathering      u32  cell  item  end  found  sweep   of rays: how far the search for photons has got
-//! gathered       f32  distance limit low high farthest r g b wr wg wb   bounds, squared, and sums of what was found
+//! gathering      u32  cell  item  end  found  sweep  map  sent  visited   of rays: how far the search for photons has got
+//! gathered       f32  limit low high farthest r g b wr wg wb   bounds, squared, and sums of what was found
+//! shrunk         f32  photons  squared   of rays, for each map, at what is seen and after a bounce: what iterations have left
 //! ```
 //!
 //! The seven from `shadow_origin` on, and the next eight, are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
@@ -63,17 +65,25 @@
 //! With several samples per pixel, the rays of all samples use the same texels: all streams but `accumulated` and `blocks`
 //! hold the values of the latest sample. At the end of a run, only `color` is replaced by the mean.
 
+mod absent;
+mod layers;
+
 use super::elements::{
     ALL_RECORD_TALLIES, MAP_CELLS, PHOTONS, RAYS, RECORD_TALLIES, RECORD_TALLY_BLOCKS, RECORDS, no_map, no_photon_walk,
     no_scan,
 };
 use super::states::PHOTON_UNBORN;
 use crate::options::features::Features;
-use crate::options::reasons::{Because, EYE_RAYS, NO_SHADE, ONE_SAMPLE, On, Passes, Reason, Run};
-use crate::options::{Integrator, MOST_DEPTH};
-use crate::shared::constants::{BRANCH, INF, NO_CELL, NO_NODE, NO_TRIANGLE, RECORD};
+use crate::options::reasons::{Because, EYE_RAYS, NO_SHADE, ONE_SAMPLE, On, Passes};
+use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
 use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
-use crate::tables::stream::{Meaning, Stream, StreamInfo, streams};
+use crate::tables::stream::{Stream, StreamInfo, streams};
+use absent::{
+    NO_WALK_WAITS, no_bounces, no_dielectric, no_iterations, no_path, no_shadow_counters, no_spent, of_control,
+    of_steps, of_tmax,
+};
+pub(in crate::programs) use absent::{no_emitters, no_shadows, no_specular};
+use layers::{BRANCH_LAYERS, BRANCH_MEANING, RECORD_LAYERS, RECORD_MEANING, UNRECORDED};
 
 /// Layer of the `state` stream: bits of the nearest t so far, [`INF`] without a hit.
 pub const STATE_T: usize = 1;
@@ -86,178 +96,11 @@ pub const HIT_TRIANGLE: usize = 2;
 /// Layer of the `accumulated` stream: the samples so far, of all blocks; exact, as a float counts to 2²⁴.
 pub const ACCUMULATED_SAMPLES: usize = 4;
 
-/// No ray waits for another dispatch.
-const NO_WALK_WAITS: Reason =
-    (Because::Options, "needed only if a walk may take more loop turns than one dispatch allows");
-
-/// Why a stream that only passes of steps need is left out.
-fn of_steps(run: &Run<'_>) -> Reason {
-    run.needed_only(On::Any, Passes::Stepped)
-}
-
-fn of_tmax(run: &Run<'_>) -> Reason {
-    if run.features.dda && !run.is_fused() {
-        return (Because::Options, "needed only with --traversal amanatides-woo");
-    }
-    // Robust rules compute it from the cell; the paper's accumulate it from pass to pass.
-    run.needed_only(On::Cells, if run.features.robust { Passes::OneStep } else { Passes::Stepped })
-}
-
-fn of_control(run: &Run<'_>) -> Reason {
-    match run.is_fused() {
-        true if run.features.dda => run.needed_only(On::Any, Passes::Stepped),
-        true => (
-            Because::Options,
-            "needed only with --accelerator grid --numerics paper --traversal 3d-dda and --schedule first, second or compact",
-        ),
-        false => (Because::Options, "needed only with --accelerator grid --numerics paper --traversal 3d-dda"),
-    }
-}
-
 /// The stream in which a walk through a uniform grid keeps what decides its next step.
 #[must_use]
 pub fn of_walk(features: &Features) -> Stream {
     if features.dda { CONTROL } else { TMAX }
 }
-
-/// Why nothing casts a shadow ray.
-pub(in crate::programs) fn no_shadows(run: &Run<'_>) -> Reason {
-    if run.features.whole_paths && run.features.shadows {
-        return of_steps(run);
-    }
-    match (run.options.integrator, run.options.shade) {
-        (Integrator::Local, _) => (Because::Options, "needed only with --integrator shadows, whitted, path or photons"),
-        (Integrator::Path | Integrator::Photons, true) => {
-            (Because::Scene, "nothing gives light that a shadow ray could be cast to")
-        }
-        (_, true) => (Because::Scene, "no light: one headlight at the eye, from where every hit is visible"),
-        (_, false) => NO_SHADE,
-    }
-}
-
-/// Why no ray goes on from a hit.
-pub(in crate::programs) fn no_specular(run: &Run<'_>) -> Reason {
-    match (run.options.integrator, run.options.shade) {
-        (Integrator::Local | Integrator::Shadows, _) => {
-            (Because::Options, "needed only with --integrator whitted, path or photons")
-        }
-        (_, true) => (Because::Scene, "no mirror and no transparent surface"),
-        (_, false) => NO_SHADE,
-    }
-}
-
-/// Why what a pixel's rays carry from one to the next is not kept.
-fn no_bounces(run: &Run<'_>) -> Reason {
-    if run.features.whole_paths { of_steps(run) } else { no_specular(run) }
-}
-
-/// Why no ray is split in two.
-fn no_dielectric(run: &Run<'_>) -> Reason {
-    match run.features.specular {
-        true if run.options.integrator.is_physical() => {
-            (Because::Options, "needed only with --integrator whitted: a path goes one way")
-        }
-        true => (Because::Scene, "no transparent surface: a mirror reflects one ray"),
-        false => no_specular(run),
-    }
-}
-
-/// Why the cost of the rays before is not kept.
-fn no_spent(run: &Run<'_>) -> Reason {
-    match (run.features.specular || run.features.path || run.features.photons) && !run.features.whole_paths {
-        true => (Because::Options, "needed only with --counters"),
-        false => no_bounces(run),
-    }
-}
-
-/// Why nothing is followed along paths.
-fn no_path(run: &Run<'_>) -> Reason {
-    match run.options.shade {
-        true if run.features.whole_paths => of_steps(run),
-        true => (Because::Options, "needed only with --integrator path or photons"),
-        false => NO_SHADE,
-    }
-}
-
-/// Why no emitter is picked.
-pub(in crate::programs) fn no_emitters(run: &Run<'_>) -> Reason {
-    if run.options.integrator.is_physical() { no_shadows(run) } else { no_path(run) }
-}
-
-/// The names of what is kept of a ray that waits at each depth.
-macro_rules! branches {
-    ($($depth:literal)*) => {
-        &[$(
-            concat!("x_", $depth), concat!("y_", $depth), concat!("z_", $depth),
-            concat!("dx_", $depth), concat!("dy_", $depth), concat!("dz_", $depth),
-            concat!("r_", $depth), concat!("g_", $depth), concat!("b_", $depth),
-            concat!("triangle_", $depth),
-        )*]
-    };
-}
-const BRANCH_LAYERS: &[&str] = branches!(0 1 2 3 4 5 6 7);
-const _: () = assert!(BRANCH_LAYERS.len() == (BRANCH * MOST_DEPTH) as usize);
-
-/// What each of them is.
-const BRANCH_MEANING: [Meaning; BRANCH_LAYERS.len()] = {
-    let mut meaning = [Float; BRANCH_LAYERS.len()];
-    let mut last = BRANCH as usize - 1;
-    while last < meaning.len() {
-        meaning[last] = Id;
-        last += BRANCH as usize;
-    }
-    meaning
-};
-
-/// Why the cost of shadow rays is not counted.
-fn no_shadow_counters(run: &Run<'_>) -> Reason {
-    match run.features.shadows && !run.features.whole_paths {
-        true => (Because::Options, "needed only with --counters"),
-        false => no_shadows(run),
-    }
-}
-
-/// Why no radius shrinks.
-fn no_iterations(run: &Run<'_>) -> Reason {
-    if run.features.mapped { (Because::Options, "needed only with --iterations") } else { no_map(run) }
-}
-
-/// The names of what is kept of a photon at each place where it is stored.
-macro_rules! records {
-    ($($bounce:literal)*) => {
-        &[$(
-            concat!("x_", $bounce), concat!("y_", $bounce), concat!("z_", $bounce),
-            concat!("dx_", $bounce), concat!("dy_", $bounce), concat!("dz_", $bounce),
-            concat!("r_", $bounce), concat!("g_", $bounce), concat!("b_", $bounce),
-            concat!("map_", $bounce), concat!("ended_", $bounce),
-        )*]
-    };
-}
-const RECORD_LAYERS: &[&str] = records!(1 2 3 4 5 6 7);
-const _: () = assert!(RECORD_LAYERS.len() == (RECORD * (MOST_DEPTH - 1)) as usize);
-
-/// What each of them is: the last two of a record are ids.
-const RECORD_MEANING: [Meaning; RECORD_LAYERS.len()] = {
-    let mut meaning = [Float; RECORD_LAYERS.len()];
-    let mut end = RECORD as usize;
-    while end <= meaning.len() {
-        meaning[end - 2] = Id;
-        meaning[end - 1] = Id;
-        end += RECORD as usize;
-    }
-    meaning
-};
-
-/// Before they are written: no photon.
-const UNRECORDED: [u32; RECORD_LAYERS.len()] = {
-    let mut unwritten = [0; RECORD_LAYERS.len()];
-    let mut end = RECORD as usize;
-    while end <= unwritten.len() {
-        unwritten[end - 2] = NO_CELL;
-        end += RECORD as usize;
-    }
-    unwritten
-};
 
 /// The streams of the program `closest_hit`: all but those of shadow rays.
 pub static OWN: &[StreamInfo] = STREAMS.split_at(SHADOW_ORIGIN.index()).0;

@@ -81,20 +81,13 @@ pub(super) const OF_SAMPLE_BSDF: KernelInfo = KernelInfo {
         send(VISIBLE, "adds the light, the path goes on", TRAV_SETUP),
         send(VISIBLE, "adds the light, the path ends", DONE),
     ],
-    role: Role::Finish,
-    workgroup: LIST_SIDE,
-    launch: Launch::Whole,
-    counts: Counts::Sent,
-    resumes: |_| false,
-    list: None,
-    proof: Proof::NONE,
     colour: [60, 150, 170],
     why_absent: absent,
     summary: "adds what the shadow ray brought, and sends the path on in a random direction, or ends it",
     explain: explain::of_sample_bsdf,
-    path: Path::Stays,
     rounding: rounding::OF_SAMPLE_BSDF,
     breaks: breaks::OF_SAMPLE_BSDF,
+    ..OF_SAMPLE_LIGHT
 };
 
 /// Follows a path from its first ray to its end.

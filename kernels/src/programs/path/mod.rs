@@ -11,6 +11,7 @@
 //! What decides a path is a table of pairs of numbers (`random`): at each depth one picks an emitter, one a point of it, one a
 //! direction, and one whether glass reflects and whether the path goes on.
 
+pub(super) mod at_hit;
 mod breaks;
 pub(super) mod connected;
 mod densities;
@@ -89,12 +90,12 @@ enum Own {
 fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let mut modules = (light::PROGRAM.modules)(features);
     let more = [
+        ("at_hit", include_str!("at_hit.wgsl")),
         ("connected", include_str!("connected.wgsl")),
         ("direction", include_str!("direction.wgsl")),
         ("emitters", include_str!("emitters.wgsl")),
         ("random", include_str!("random.wgsl")),
         ("scattered", include_str!("scattered.wgsl")),
-        ("shadow_cost", include_str!("shadow_cost.wgsl")),
         ("toward", include_str!("toward.wgsl")),
         ("vertex", include_str!("vertex.wgsl")),
     ];

@@ -20,7 +20,7 @@ pub(super) const OF_EMIT_PHOTONS: &[Break] = &[
     Break::new(as_it_is, "1.0 / (photons * emitter.chance)", "1.0 / photons"),
     Break::new(as_it_is, "record * RECORD + 9u", "record * RECORD + 8u"),
     Break::new(as_it_is, "side * (1.0 - by.y)", "side * by.y"),
-    Break::new(as_it_is, "photon_bounce, texel, 1, vec4u(1u)", "photon_bounce, texel, 1, vec4u(0u)"),
+    Break::new(as_it_is, "photon.leaves, 0u, 1u", "photon.leaves, 0u, 0u"),
 ];
 
 pub(super) const OF_SCATTER_PHOTONS: &[Break] = &[

@@ -1,14 +1,12 @@
 //! Twin of `emit_photons.wgsl`: emits every photon.
 
+use super::begins::begin_way;
 use super::emission::emitted_photon;
 use crate::numbers::real::Real;
-use crate::programs::closest_hit::states::{PHOTON_DONE, PHOTON_SETUP, PHOTON_UNBORN};
-use crate::programs::closest_hit::streams::{
-    PHOTON_AT, PHOTON_BOUNCE, PHOTON_DIRECTION, PHOTON_ENERGY, PHOTON_ORIGIN, PHOTON_POWER, PHOTON_RECORDS,
-    PHOTON_STATE, PHOTON_SURFACE,
-};
+use crate::programs::closest_hit::states::{PHOTON_DONE, PHOTON_UNBORN};
+use crate::programs::closest_hit::streams::{PHOTON_BOUNCE, PHOTON_ENERGY, PHOTON_RECORDS, PHOTON_STATE};
 use crate::scene_data::SceneData;
-use crate::shared::constants::{INF, NO_CELL, NO_TRIANGLE, RECORD};
+use crate::shared::constants::{NO_CELL, RECORD};
 use crate::tables::texels::Texels;
 
 /// Which of all photons this is after so many emissions: they are samples of one sequence.
@@ -24,9 +22,6 @@ pub fn emit_photons<R: Real>(photon: &mut Texels<'_, R>, scene: &SceneData) {
     }
     let emissions = photon.load_u32(PHOTON_BOUNCE, 3);
     let emitted = emitted_photon(scene, sample_of(photon, scene, emissions));
-    photon.store_vec3(PHOTON_ORIGIN, emitted.origin);
-    photon.store_vec3(PHOTON_DIRECTION, emitted.direction);
-    photon.store_vec3(PHOTON_POWER, emitted.power);
     photon.store_vec3(PHOTON_ENERGY, emitted.power);
     for layer in 3..9 {
         photon.store(PHOTON_ENERGY, layer, R::zero());
@@ -34,16 +29,7 @@ pub fn emit_photons<R: Real>(photon: &mut Texels<'_, R>, scene: &SceneData) {
     for record in 0..scene.features.depth.saturating_sub(1) {
         photon.store_u32(PHOTON_RECORDS, (record * RECORD + 9) as usize, NO_CELL);
     }
-    photon.store_u32(PHOTON_SURFACE, 0, emitted.leaves);
-    photon.store_u32(PHOTON_BOUNCE, 0, 0);
-    photon.store_u32(PHOTON_BOUNCE, 1, 1);
     photon.store_u32(PHOTON_BOUNCE, 2, 0);
     photon.store_u32(PHOTON_BOUNCE, 3, emissions + 1);
-    photon.store(PHOTON_AT, 0, R::zero());
-    photon.store(PHOTON_AT, 1, R::zero());
-    photon.store_u32(PHOTON_AT, 2, NO_TRIANGLE);
-    photon.store(PHOTON_STATE, 1, R::from_f32(INF));
-    photon.store_u32(PHOTON_STATE, 2, 0);
-    photon.store_u32(PHOTON_STATE, 3, 0);
-    photon.store_u32(PHOTON_STATE, 0, PHOTON_SETUP);
+    begin_way(photon, [emitted.origin, emitted.direction, emitted.power], emitted.leaves, [0, 1]);
 }

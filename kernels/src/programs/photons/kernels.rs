@@ -11,7 +11,8 @@ use crate::programs::closest_hit::states::{
     SCATTER, TRAV_SETUP, VISIBLE,
 };
 use crate::programs::closest_hit::streams;
-use crate::shared::constants::{LIST_SIDE, WORKGROUP};
+use crate::programs::path::kernels::OF_SAMPLE_LIGHT;
+use crate::shared::constants::WORKGROUP;
 use crate::tables::kernel::{Counts, Launch, Role, Transition};
 use crate::tables::state::Tag;
 
@@ -69,20 +70,13 @@ pub(super) const OF_SCATTER_PHOTONS: KernelInfo = KernelInfo {
         send(PHOTON_ARRIVED, "absorbed, or has bounced as often as it may", PHOTON_DONE),
         send(PHOTON_LEAVES, "has left the scene", PHOTON_DONE),
     ],
-    role: Role::Finish,
-    workgroup: LIST_SIDE,
-    launch: Launch::Whole,
-    counts: Counts::Sent,
-    resumes: |_| false,
-    list: None,
-    proof: Proof::NONE,
     colour: [180, 120, 60],
     why_absent: no_map,
     summary: "stores the photon where it has arrived, and reflects or refracts it, or ends it by chance",
     explain: explain::of_scatter_photons,
-    path: Path::Stays,
     rounding: rounding::OF_SCATTER_PHOTONS,
     breaks: breaks::OF_SCATTER_PHOTONS,
+    ..OF_SAMPLE_LIGHT
 };
 
 /// Finds the cell of each place where a photon is stored.
@@ -124,20 +118,13 @@ pub(super) const OF_LOOK_UP: KernelInfo = KernelInfo {
         send(GATHERED, "adds the light of caustics, and is sent on once", TRAV_SETUP),
         send(GATHERED, "adds the light that photons bring", DONE),
     ],
-    role: Role::Finish,
-    workgroup: LIST_SIDE,
-    launch: Launch::Whole,
-    counts: Counts::Sent,
-    resumes: |_| false,
-    list: None,
-    proof: Proof::NONE,
     colour: [60, 150, 170],
     why_absent: no_photons,
     summary: "adds what the shadow ray brought, or what photons bring, and sends the ray on at a mirror or glass",
     explain: explain::of_look_up,
-    path: Path::Stays,
     rounding: rounding::OF_LOOK_UP,
     breaks: breaks::OF_LOOK_UP,
+    ..OF_SAMPLE_LIGHT
 };
 
 /// Looks for the photons near a hit.
@@ -151,18 +138,11 @@ pub(super) const OF_GATHER: KernelInfo = KernelInfo {
         send(GATHER, "a cell was searched, or a part of it", GATHER),
         send(GATHER, "no cell is left that is near enough", GATHERED),
     ],
-    role: Role::Finish,
-    workgroup: LIST_SIDE,
-    launch: Launch::Whole,
-    counts: Counts::Sent,
-    resumes: |_| false,
-    list: None,
-    proof: Proof::NONE,
     colour: [120, 170, 90],
     why_absent: no_map,
     summary: "looks for the photons near the hit, in the nearest cell that is left",
     explain: explain::of_gather,
-    path: Path::Stays,
     rounding: rounding::OF_GATHER,
     breaks: breaks::OF_GATHER,
+    ..OF_SAMPLE_LIGHT
 };

@@ -22,6 +22,7 @@
 //! one sequence, so photons are spread evenly over emitters, points and directions. What photons carry, what surfaces have
 //! absorbed and what has left the scene adds up to what was emitted, photon by photon, after every pass.
 
+mod begins;
 mod breaks;
 mod emission;
 pub mod emit_photons;
@@ -38,6 +39,7 @@ mod rounding;
 pub mod scatter_photons;
 mod schedule;
 pub mod search_cells;
+mod searches;
 pub mod stored;
 
 use std::borrow::Cow;
@@ -126,6 +128,7 @@ fn before_own() -> usize {
 fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let mut modules = (path::PROGRAM.modules)(features);
     let own = [
+        ("begins", include_str!("begins.wgsl")),
         ("emission", include_str!("emission.wgsl")),
         ("reflected", include_str!("reflected.wgsl")),
         ("searches", include_str!("searches.wgsl")),

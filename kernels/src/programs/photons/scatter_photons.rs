@@ -1,17 +1,17 @@
 //! Twin of `scatter_photons.wgsl`: stores a photon where it has arrived, and sends it on, or ends it.
 
+use super::begins::begin_way;
 use super::emit_photons::sample_of;
 use super::reflected::{is_diffuse, reflected_photon};
 use crate::numbers::real::{Real, Vec3};
-use crate::programs::closest_hit::states::{PHOTON_ARRIVED, PHOTON_DONE, PHOTON_LEAVES, PHOTON_SETUP};
+use crate::programs::closest_hit::states::{PHOTON_ARRIVED, PHOTON_DONE, PHOTON_LEAVES};
 use crate::programs::closest_hit::streams::{
-    PHOTON_AT, PHOTON_BOUNCE, PHOTON_DIRECTION, PHOTON_ENERGY, PHOTON_ORIGIN, PHOTON_POWER, PHOTON_RECORDS,
-    PHOTON_STATE, PHOTON_SURFACE,
+    PHOTON_AT, PHOTON_BOUNCE, PHOTON_DIRECTION, PHOTON_ENERGY, PHOTON_POWER, PHOTON_RECORDS, PHOTON_STATE,
 };
-use crate::programs::path::scattered::{BY_DEPTH, BY_ESCAPE, Next};
+use crate::programs::path::scattered::{BY_DEPTH, BY_ESCAPE};
 use crate::programs::path::vertex::Vertex;
 use crate::scene_data::SceneData;
-use crate::shared::constants::{INF, NO_TRIANGLE, RECORD};
+use crate::shared::constants::RECORD;
 use crate::shared::vector::unit3;
 use crate::tables::texels::Texels;
 
@@ -37,22 +37,6 @@ fn record<R: Real>(photon: &mut Texels<'_, R>, at: &Vertex<'_, R>, is_caustic: u
     }
     photon.store_u32(PHOTON_RECORDS, first + 9, is_caustic);
     photon.store_u32(PHOTON_RECORDS, first + 10, ended);
-}
-
-fn begin_way<R: Real>(photon: &mut Texels<'_, R>, next: &Next<R>, leaves: u32, [hits, specular]: [u32; 2]) {
-    photon.store_vec3(PHOTON_ORIGIN, next.origin);
-    photon.store_vec3(PHOTON_DIRECTION, next.direction);
-    photon.store_vec3(PHOTON_POWER, next.throughput);
-    photon.store_u32(PHOTON_SURFACE, 0, leaves);
-    photon.store_u32(PHOTON_BOUNCE, 0, hits);
-    photon.store_u32(PHOTON_BOUNCE, 1, specular);
-    photon.store(PHOTON_AT, 0, R::zero());
-    photon.store(PHOTON_AT, 1, R::zero());
-    photon.store_u32(PHOTON_AT, 2, NO_TRIANGLE);
-    photon.store(PHOTON_STATE, 1, R::from_f32(INF));
-    photon.store_u32(PHOTON_STATE, 2, 0);
-    photon.store_u32(PHOTON_STATE, 3, 0);
-    photon.store_u32(PHOTON_STATE, 0, PHOTON_SETUP);
 }
 
 fn end<R: Real>(photon: &mut Texels<'_, R>, why: u32) {
@@ -88,5 +72,6 @@ pub fn scatter_photons<R: Real>(photon: &mut Texels<'_, R>, scene: &SceneData) {
         return end(photon, ended);
     };
     book_energy(photon, ABSORBED, power - next.throughput);
-    begin_way(photon, &next, at.triangle, [hits + 1, if is_matte { 0 } else { specular }]);
+    let specular = if is_matte { 0 } else { specular };
+    begin_way(photon, [next.origin, next.direction, next.throughput], at.triangle, [hits + 1, specular]);
 }

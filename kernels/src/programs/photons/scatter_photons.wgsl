@@ -3,8 +3,9 @@
 //
 // Light that comes straight from an emitter is not stored: shadow rays find it.
 
-import package::constants::{DEPTH, INF, LIST_SIDE, NOBODY, NO_TRIANGLE, RECORD};
-import package::state::{PHOTON_SETUP, PHOTON_ARRIVED, PHOTON_LEAVES, PHOTON_DONE};
+import package::begins::{photon_direction, photon_state, photon_at, photon_power, photon_bounce, begin_way, store_power};
+import package::constants::{DEPTH, LIST_SIDE, NOBODY, RECORD};
+import package::state::{PHOTON_ARRIVED, PHOTON_LEAVES, PHOTON_DONE};
 import package::live::{book, tiled_texel};
 import package::photon_map::{photon_map};
 import package::random::{OF_PHOTONS};
@@ -13,14 +14,7 @@ import package::scattered::{BY_DEPTH, BY_ESCAPE, Next};
 import package::vector::{unit3};
 import package::vertex::{Vertex, vertex_at};
 
-@group(0) @binding(0) var photon_origin: texture_storage_2d_array<r32float, write>;
-@group(0) @binding(1) var photon_direction: texture_storage_2d_array<r32float, read_write>;
-@group(0) @binding(2) var photon_state: texture_storage_2d_array<r32uint, read_write>;
-@group(0) @binding(3) var photon_at: texture_storage_2d_array<r32uint, read_write>;
-@group(0) @binding(4) var photon_surface: texture_storage_2d_array<r32uint, write>;
-@group(0) @binding(5) var photon_power: texture_storage_2d_array<r32float, read_write>;
 @group(0) @binding(6) var photon_energy: texture_storage_2d_array<r32float, read_write>;
-@group(0) @binding(7) var photon_bounce: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(8) var photon_records: texture_storage_2d_array<r32uint, write>;
 
 fn load_power(texel: vec2u) -> vec3f {
@@ -29,12 +23,6 @@ fn load_power(texel: vec2u) -> vec3f {
         textureLoad(photon_power, texel, 1).x,
         textureLoad(photon_power, texel, 2).x,
     );
-}
-
-fn store_power(texel: vec2u, power: vec3f) {
-    textureStore(photon_power, texel, 0, vec4f(power.x));
-    textureStore(photon_power, texel, 1, vec4f(power.y));
-    textureStore(photon_power, texel, 2, vec4f(power.z));
 }
 
 // Adds to what surfaces have taken, from layer 3 on, or to what has left the scene, from layer 6 on.
@@ -71,24 +59,6 @@ fn record(texel: vec2u, at: Vertex, is_caustic: u32, ended: u32) {
     }
     textureStore(photon_records, texel, first + 9u, vec4u(is_caustic));
     textureStore(photon_records, texel, first + 10u, vec4u(ended));
-}
-
-fn begin_way(texel: vec2u, next: Next, leaves: u32, hits: u32, specular: u32) {
-    for (var axis = 0u; axis < 3u; axis++) {
-        textureStore(photon_origin, texel, axis, vec4f(next.origin[axis]));
-        textureStore(photon_direction, texel, axis, vec4f(next.direction[axis]));
-    }
-    store_power(texel, next.throughput);
-    textureStore(photon_surface, texel, 0, vec4u(leaves));
-    textureStore(photon_bounce, texel, 0, vec4u(hits));
-    textureStore(photon_bounce, texel, 1, vec4u(specular));
-    textureStore(photon_at, texel, 0, vec4u(0u));
-    textureStore(photon_at, texel, 1, vec4u(0u));
-    textureStore(photon_at, texel, 2, vec4u(NO_TRIANGLE));
-    textureStore(photon_state, texel, 1, vec4u(bitcast<u32>(INF)));
-    textureStore(photon_state, texel, 2, vec4u(0u));
-    textureStore(photon_state, texel, 3, vec4u(0u));
-    textureStore(photon_state, texel, 0, vec4u(PHOTON_SETUP));
 }
 
 fn end(texel: vec2u, why: u32) -> u32 {
@@ -129,8 +99,8 @@ fn next_way(texel: vec2u) -> u32 {
         return end(texel, next.ended);
     }
     book_energy(texel, 3u, power - next.throughput);
-    begin_way(texel, next, at.triangle, hits + 1u, select(specular, 0u, is_matte));
-    return PHOTON_SETUP;
+    let all_specular = select(specular, 0u, is_matte);
+    return begin_way(texel, next.origin, next.direction, next.throughput, at.triangle, hits + 1u, all_specular);
 }
 
 @compute @workgroup_size(LIST_SIDE, LIST_SIDE)

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use raystep_scenes::{Scene, generate};
+use raystep_scenes::{Camera, Scene, generate};
 
 use super::*;
-use crate::options::{Accelerator, GridSize, Options, ProgramName, RaySource};
+use crate::options::{Accelerator, GridSize, Integrator, Options, PhotonSort, Photons, ProgramName, RaySource};
 use crate::plan::{Limits, Plan};
 use crate::program::schedule::Cursor;
 use crate::program::{Kernel, Twin};
@@ -78,6 +78,14 @@ fn every_kernel_whose_elements_read_each_other_is_interpreted_as_its_twin_comput
         (&Scene { materials: room.materials.clone(), ..Scene::default() }, &build),
     ] {
         let (plan, data) = planned(scene, options);
+        ran.extend(agree::<f32>(plan, &data));
+    }
+    let glass = generate::whitted(0).expect("a scene");
+    let rays = RaySource::Camera { camera: Camera::framing(&glass.bounds()), width: 8, height: 8 };
+    for sort in PhotonSort::ALL {
+        let photons = Photons { count: 300, sort, nearest: 8, ..Photons::default() };
+        let options = Options { integrator: Integrator::Photons, photons, ..Options::new(rays.clone()) };
+        let (plan, data) = planned(&glass, &options);
         ran.extend(agree::<f32>(plan, &data));
     }
     let is_pass = |kernel: &Kernel| matches!(kernel.info().twin, Twin::Pass(_));
