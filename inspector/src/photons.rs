@@ -7,7 +7,7 @@ use raystep_kernels::programs::photons::stored::{Search, Stored};
 use raystep_kernels::scene_data::SceneData;
 use raystep_lab::text::counted;
 
-use crate::walk::Aabb;
+use crate::walk::{Aabb, to_f64};
 
 /// Most places that are drawn: of more, one in so many.
 pub const MOST_DOTS: usize = 20_000;
@@ -15,22 +15,12 @@ pub const MOST_DOTS: usize = 20_000;
 /// A search for the photons near a pixel's hit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Searched {
-    /// The hit.
-    pub point: DVec3,
-    /// Of its surface; length 1.
-    pub normal: DVec3,
+    /// How far it has got.
+    pub search: Search,
     /// Within which photons are taken.
     pub radius: f64,
-    /// The cells searched, in order; the last one is being searched.
-    pub cells: Vec<Aabb>,
-    /// Whether the search is over.
-    pub is_over: bool,
     /// The photons taken.
     pub taken: Vec<Stored>,
-    /// How many the device has found.
-    pub found: u32,
-    /// Whether it is in the caustic map.
-    pub is_caustic: bool,
 }
 
 impl Searched {
@@ -39,27 +29,19 @@ impl Searched {
     pub fn of(rows: &[TraceRow], data: &SceneData, stored: &[Stored]) -> Option<Self> {
         let search = Search::of(data, rows.iter().map(|row| &row.after))?;
         let taken = search.taken(data, stored).filter_map(|index| stored.get(index).copied()).collect();
-        Some(Self {
-            radius: search.radius(data),
-            cells: search.cells.iter().map(|&[min, max]| Aabb { min, max }).collect(),
-            point: search.point,
-            normal: search.normal,
-            is_over: search.is_over,
-            taken,
-            found: search.gather.found,
-            is_caustic: search.gather.is_caustic,
-        })
+        Some(Self { radius: search.radius(data), taken, search })
     }
 
     /// In words; lengths are multiplied by this.
     #[must_use]
     pub fn sentence(&self, number: impl Fn(f64) -> String) -> String {
-        let map = if self.is_caustic { " of the caustic map" } else { "" };
+        let Search { gather, cells, is_over, .. } = &self.search;
+        let map = if gather.is_caustic { " of the caustic map" } else { "" };
         format!(
             "the pixel's search {} {}{map} in {}, none farther away than {}",
-            if self.is_over { "found" } else { "has found" },
-            counted(u64::from(self.found), "photon"),
-            counted(self.cells.len(), "cell"),
+            if *is_over { "found" } else { "has found" },
+            counted(u64::from(gather.found), "photon"),
+            counted(cells.len(), "cell"),
             number(self.radius)
         )
     }
@@ -111,13 +93,12 @@ impl Photons {
 /// or leaves the box of the scene and goes on for a while.
 #[must_use]
 pub fn path(history: &Trace, rows: usize, scene: &Aabb) -> Vec<DVec3> {
-    let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
     let mut points: Vec<DVec3> = Vec::new();
     let Some(rows) = history.rows.get(..rows) else { return points };
-    let photons = rows.iter().map(|row| &row.after).filter(|ray| ray.photon.is_some());
-    for ray in photons {
-        let from = vector(ray.origin);
-        if ray.photon.is_some_and(|photon| photon.hits == 0) && points.len() > 1 {
+    let mut states = rows.iter().filter_map(|row| Some((&row.after, row.after.photon?)));
+    for (ray, photon) in states.clone() {
+        let from = to_f64(ray.origin);
+        if photon.hits == 0 && points.len() > 1 {
             // It is emitted once more.
             points.clear();
         }
@@ -125,13 +106,11 @@ pub fn path(history: &Trace, rows: usize, scene: &Aabb) -> Vec<DVec3> {
             points.push(from);
         }
     }
-    let last = rows.iter().rev().map(|row| &row.after).find(|ray| ray.photon.is_some());
-    if let Some(last) = last.filter(|ray| !ray.is_walking) {
-        let (from, direction) = (vector(last.origin), vector(last.direction));
-        let is_over = last.photon.is_some_and(|photon| photon.ended != 0);
+    if let Some((last, photon)) = states.next_back().filter(|(ray, _)| !ray.is_walking) {
+        let [from, direction] = [last.origin, last.direction].map(to_f64);
         match last.t.filter(|_| last.triangle.is_some()) {
             Some(t) => points.push(from + direction * f64::from(t)),
-            None if is_over => {
+            None if photon.ended != 0 => {
                 let leaves = scene.interval(from, direction).map_or(0.0, |[_, leaves]| leaves);
                 points.push(from + direction * leaves + direction.normalize_or_zero() * (0.3 * scene.radius()));
             }
@@ -174,7 +153,7 @@ mod tests {
             assert!(way.len() > 1, "{way:?}");
             let records = stored::stored(&pollster::block_on(renderer.values(stored::RECORDS)).expect("values"));
             for at in records.iter().filter(|at| at.photon == photon) {
-                let place = DVec3::from_array(at.point.map(f64::from));
+                let place = to_f64(at.point);
                 let nearest = way.iter().map(|point| (*point - place).length()).fold(f64::MAX, f64::min);
                 assert!(nearest < 1e-4, "{place} is {nearest} off {way:?}");
             }
@@ -221,11 +200,16 @@ mod tests {
             let history = pollster::block_on(history).expect("a history");
             let records = stored::stored(&pollster::block_on(renderer.values(stored::RECORDS)).expect("values"));
             let Some(found) = Searched::of(&history.rows, &renderer.shared_data(), &records) else { continue };
-            assert_eq!(found.taken.len() as u32, found.found);
-            assert!(found.is_over && found.radius > 0.0, "{found:?}");
-            assert!(found.cells[0].min.cmple(found.point).all() && found.cells[0].max.cmpge(found.point).all());
+            let search = &found.search;
+            assert_eq!(found.taken.len() as u32, search.gather.found);
+            assert!(search.is_over && found.radius > 0.0, "{found:?}");
+            let [min, max] = search.cells[0];
+            assert!(min.cmple(search.point).all() && max.cmpge(search.point).all());
             let told = found.sentence(|radius| format!("{radius:.2}"));
-            assert!(told.contains(&format!(" found {} photon", found.found)) && told.contains(" in "), "{told}");
+            assert!(
+                told.contains(&format!(" found {} photon", search.gather.found)) && told.contains(" in "),
+                "{told}"
+            );
             searches += 1;
         }
         assert!(searches > 1, "{searches}");

@@ -295,7 +295,7 @@ pub(crate) fn coordinates(data: &SceneData, cell: u32) -> [i32; 3] {
     data.grid.cell_of_index(cell)
 }
 
-fn to_f64(v: [f32; 3]) -> DVec3 {
+pub(crate) fn to_f64(v: [f32; 3]) -> DVec3 {
     DVec3::from_array(v.map(f64::from))
 }
 

@@ -35,7 +35,7 @@ pub struct Scene3d {
     triangles: Triangles,
     boxes: Vec<PaintedBox>,
     branches: Vec<Branch>,
-    photons: Photons,
+    photons: Arc<Photons>,
     frustum: Option<Frustum>,
     bounds: Aabb,
     targets: Option<Targets>,
@@ -73,7 +73,7 @@ impl Scene3d {
             triangles: Triangles::default(),
             boxes: Vec::new(),
             branches: Vec::new(),
-            photons: Photons::default(),
+            photons: Arc::default(),
             frustum: None,
             bounds: Aabb { min: DVec3::ZERO, max: DVec3::ZERO },
             targets: None,
@@ -102,7 +102,7 @@ impl Scene3d {
     }
 
     /// Shows these photons.
-    pub fn show_photons(&mut self, photons: Photons) {
+    pub fn show_photons(&mut self, photons: Arc<Photons>) {
         self.photons = photons;
     }
 

@@ -2,8 +2,8 @@
 //! Graphics Hardware* (2003), from descriptions. Each has a small surface that glows, so that paths find its light as well.
 
 use super::cornell::cornell_lamp;
-use super::draft::{Attributes, camera, check, draft, matte};
-use super::icosphere::{sphere, triangles};
+use super::draft::{Attributes, add, camera, check, draft, matte, specular};
+use super::icosphere::{ball, triangles};
 use super::{GenerateError, Parameter};
 use crate::{Material, Optics, Scene};
 use glam::{DVec3, Vec3};
@@ -19,18 +19,8 @@ const ALL: Attributes = Attributes { normals: true, colors: false };
 const RADIANCE: f32 = 120.0;
 const HALF_LAMP: f32 = 0.1;
 
-fn with(name: &str, base_color: [f32; 3], optics: Optics) -> Material {
-    Material { optics, ..matte(name, base_color) }
-}
-
 fn glass() -> Material {
-    with("glass", [1.0; 3], Optics::Dielectric { ior: 1.5, is_thin: false })
-}
-
-fn add(scene: &mut Scene, material: u32, corners: [Vec3; 3], normals: [Vec3; 3]) {
-    scene.triangles.push(corners.map(<[f32; 3]>::from));
-    scene.normals.get_or_insert_default().push(normals.map(<[f32; 3]>::from));
-    scene.triangle_materials.push(material);
+    specular("glass", [1.0; 3], Optics::Dielectric { ior: 1.5, is_thin: false })
 }
 
 /// A square around a point that faces along `normal`, whose length is 1.
@@ -40,12 +30,6 @@ fn square(scene: &mut Scene, material: u32, center: Vec3, normal: Vec3, half: f3
     let [a, b, c, d] = [-across - up, across - up, across + up, up - across].map(|corner| center + corner);
     add(scene, material, [a, b, c], [normal; 3]);
     add(scene, material, [a, c, d], [normal; 3]);
-}
-
-fn ball(scene: &mut Scene, material: u32, subdivisions: u64, center: Vec3, radius: f32) {
-    sphere(subdivisions, |corners| {
-        add(scene, material, corners.map(|corner| center + corner * radius), corners);
-    });
 }
 
 /// A white floor, with room for `more` triangles of material 1, and then for a lamp, whose material is 2.
@@ -86,7 +70,7 @@ pub fn ring(sides: u64) -> Result<Scene, GenerateError> {
     const RADIUS: f32 = 0.8;
     const HEIGHT: f32 = 0.35;
     check(NAME, &SIDES, sides)?;
-    let mut scene = over_a_floor(NAME, 2 * sides, with("metal", [0.95, 0.8, 0.5], Optics::Mirror))?;
+    let mut scene = over_a_floor(NAME, 2 * sides, specular("metal", [0.95, 0.8, 0.5], Optics::Mirror))?;
     // The last side ends where the first begins, bit for bit.
     let outward = |side: u64| {
         let (sin, cos) = (TAU * ((side % sides) as f32 / sides as f32)).sin_cos();
@@ -111,7 +95,7 @@ pub fn cornell_balls(subdivisions: u64) -> Result<Scene, GenerateError> {
     check(NAME, &SUBDIVISIONS, subdivisions)?;
     let room = cornell_lamp();
     let first = room.materials.len() as u32;
-    let optics = [with("mirror", [0.95; 3], Optics::Mirror), glass()];
+    let optics = [specular("mirror", [0.95; 3], Optics::Mirror), glass()];
     let materials = room.materials.into_iter().chain(optics).collect();
     let mut scene = draft(NAME, 12 + 2 * triangles(subdivisions), ALL, materials)?;
     for (i, (corners, material)) in room.triangles.into_iter().zip(room.triangle_materials).enumerate() {

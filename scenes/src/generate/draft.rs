@@ -1,7 +1,7 @@
 //! What the generators share: a scene filled triangle by triangle, lights, cameras, materials.
 
 use super::{GenerateError, MAX_TRIANGLES, Parameter};
-use crate::{Camera, Light, Material, Projection, Scene};
+use crate::{Camera, Light, Material, Optics, Projection, Scene};
 use glam::{DVec3, Vec3};
 
 /// Attributes of a draft in addition to positions and materials.
@@ -54,6 +54,18 @@ pub(super) fn draft(
 /// A material of one colour, linear.
 pub(super) fn matte(name: &str, base_color: [f32; 3]) -> Material {
     Material { name: name.to_owned(), base_color, ..Material::default() }
+}
+
+/// A material through which, or from which, rays go on.
+pub(super) fn specular(name: &str, base_color: [f32; 3], optics: Optics) -> Material {
+    Material { optics, ..matte(name, base_color) }
+}
+
+/// Adds a triangle to a draft with normals.
+pub(super) fn add(scene: &mut Scene, material: u32, corners: [Vec3; 3], normals: [Vec3; 3]) {
+    scene.triangles.push(corners.map(<[f32; 3]>::from));
+    scene.normals.get_or_insert_default().push(normals.map(<[f32; 3]>::from));
+    scene.triangle_materials.push(material);
 }
 
 /// A white point light. Equation (1) has no falloff, so `intensity` is for other viewers: the square of a well-lit

@@ -1,6 +1,6 @@
 //! A closed sphere.
 
-use super::draft::{Attributes, camera, check, draft, lamp, matte};
+use super::draft::{Attributes, add, camera, check, draft, lamp, matte};
 use super::{GenerateError, Parameter};
 use crate::Scene;
 use glam::{DVec3, Vec3};
@@ -24,12 +24,7 @@ pub fn icosphere(subdivisions: u64) -> Result<Scene, GenerateError> {
     check(NAME, &SUBDIVISIONS, subdivisions)?;
     let attributes = Attributes { normals: true, colors: false };
     let mut scene = draft(NAME, triangles(subdivisions), attributes, vec![matte("sphere", [0.62, 0.68, 0.75])])?;
-    sphere(subdivisions, |corners| {
-        let corners = corners.map(<[f32; 3]>::from);
-        scene.triangles.push(corners);
-        scene.normals.get_or_insert_default().push(corners);
-        scene.triangle_materials.push(0);
-    });
+    sphere(subdivisions, |corners| add(&mut scene, 0, corners, corners));
     scene.lights =
         vec![lamp([2.5, 3.0, 4.0], [1.0, 0.96, 0.9], 30.0), lamp([-4.0, -0.5, 1.5], [0.12, 0.16, 0.25], 20.0)];
     scene.cameras = camera("camera", DVec3::new(0.0, 0.6, 3.6), DVec3::ZERO, 38.0).into_iter().collect();
@@ -39,6 +34,13 @@ pub fn icosphere(subdivisions: u64) -> Result<Scene, GenerateError> {
 /// The number of triangles of [`sphere`].
 pub(super) fn triangles(subdivisions: u64) -> u64 {
     u32::try_from(2 * subdivisions).ok().and_then(|s| 20u64.checked_shl(s)).unwrap_or(u64::MAX)
+}
+
+/// Adds a ball to a draft with normals.
+pub(super) fn ball(scene: &mut Scene, material: u32, subdivisions: u64, center: Vec3, radius: f32) {
+    sphere(subdivisions, |corners| {
+        add(scene, material, corners.map(|corner| center + corner * radius), corners);
+    });
 }
 
 /// Calls `each` with every triangle, counter-clockwise from outside.

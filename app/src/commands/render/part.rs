@@ -7,7 +7,7 @@ use std::path::Path;
 use raystep_kernels::export::npy;
 use raystep_kernels::options::Integrator;
 use raystep_kernels::renderer::image::Merge;
-use raystep_kernels::{Choices, Image, RaySource, Samples};
+use raystep_kernels::{Image, RaySource, Samples};
 use raystep_lab::Hash;
 use serde_json::json;
 
@@ -104,7 +104,7 @@ fn refuse_other_outputs(args: &RenderArgs) -> Result<(), Error> {
 /// Refuses light whose samples are no independent ones: with photons, each gathers within a radius that those before it
 /// leave.
 fn refuse_what_goes_on(args: &RenderArgs) -> Result<(), Error> {
-    let Choices { integrator, .. } = args.run.tracing.values;
+    let integrator = args.run.tracing.values.integrator;
     if integrator == Integrator::Photons {
         return Err(Error::usage(format!(
             "--shard divides samples, and with --integrator {integrator} each depends on those before it: omit one of them"

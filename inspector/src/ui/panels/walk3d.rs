@@ -110,9 +110,10 @@ impl Panel for Walk3d {
         {
             scene.show_light(self.lit.branches.clone());
         }
-        let photons = self.photons.update(cx, &opened, &self.walked, &self.look.settings, &traced_bounds);
-        if let Some((scene, photons)) = self.scene.as_mut().zip(photons) {
-            scene.show_photons(photons);
+        if self.photons.update(cx, &opened, &self.walked, &self.look.settings, &traced_bounds)
+            && let Some(scene) = &mut self.scene
+        {
+            scene.show_photons(self.photons.shown.clone());
         }
         if let Some(scene) = &mut self.scene {
             self.heat.update(cx, self.look.paint, scene, &opened.data);
@@ -260,7 +261,7 @@ impl Walk3d {
         let [at, size] = [at - response.rect.min, response.rect.size()].map(|v| DVec2::new(v.x.into(), v.y.into()));
         if let Some(photon) = self.photons.under(camera, at, size, &self.look.settings) {
             if response.clicked() {
-                cx.asks.follow = Some(photons::subject_of(&photon, opened));
+                cx.asks.follow = Some(photons::subject(photon.photon, opened));
             }
             response.clone().on_hover_text_at_pointer(photons::name(&photon));
             return;

@@ -1,7 +1,10 @@
 //! Images of few and many samples beside a reference: what the sections on light share.
 //!
-//! A seed's image of few samples is the beginning of its image of many; seeds are independent. The reference and its own
-//! error are made as in the section on samples.
+//! A seed's image of few samples is the beginning of its image of many; seeds are independent. The reference is the mean of two
+//! images with more samples and with seeds of their own; half the difference of the two estimates its own error, which is
+//! independent of the measured one, so its square is subtracted from the square of the difference.
+
+pub(super) mod plots;
 
 use std::sync::Arc;
 
@@ -14,12 +17,37 @@ use crate::flip::flip;
 use crate::statistics::{interval, median};
 use crate::tidy::Row;
 
-/// How many times larger than the reference's own error the errors of all seeds must be.
-const CLEARLY: f64 = 3.0;
-
 /// This many samples of a seed.
 pub(super) fn of_seed(count: u32, seed: u32) -> Samples {
     Samples { count, seed, ..Samples::default() }
+}
+
+/// Two images of `each` samples; `None` if they take too long.
+pub(super) fn halves(
+    work: &Work<'_>,
+    each: u32,
+    options: impl Fn(Samples) -> Options,
+) -> Result<Option<[Image; 2]>, Error> {
+    work.stage(&format!("{}: the reference", work.section));
+    let mut halves = Vec::new();
+    // After the seeds of the measured images.
+    let first = work.seed().wrapping_add(work.seeds);
+    for seed in [first, first.wrapping_add(1)] {
+        let mut renderer = work.wait(work.build(&options(of_seed(each, seed))))?.renderer;
+        if !run_to(work, &mut renderer, each)? {
+            return Ok(None);
+        }
+        halves.push(work.wait(renderer.image())?);
+    }
+    Ok(halves.try_into().ok())
+}
+
+/// The mean of two images.
+pub(super) fn mean(mut image: Image, other: &Image) -> Image {
+    for (pixel, other) in image.pixels.iter_mut().zip(&other.pixels) {
+        (0..4).for_each(|c| pixel[c] = 0.5 * (pixel[c] + other[c]));
+    }
+    image
 }
 
 /// What images are compared with.
@@ -33,24 +61,9 @@ pub(super) struct Reference {
 impl Reference {
     /// The mean of two images of `each` samples, and half their difference; `None` if they take too long.
     pub(super) fn new(work: &Work<'_>, each: u32, options: impl Fn(Samples) -> Options) -> Result<Option<Self>, Error> {
-        work.stage(&format!("{}: the reference", work.section));
-        let mut halves = Vec::new();
-        // After the seeds of the measured images.
-        let first = work.seed().wrapping_add(work.seeds);
-        for seed in [first, first.wrapping_add(1)] {
-            let mut renderer = work.wait(work.build(&options(of_seed(each, seed))))?.renderer;
-            if !run_to(work, &mut renderer, each)? {
-                return Ok(None);
-            }
-            halves.push(work.wait(renderer.image())?);
-        }
-        let [one, other] = &halves[..] else { return Ok(None) };
-        let error = rmse(one, other, None).map(|difference| 0.5 * difference);
-        let mut image = one.clone();
-        for (pixel, other) in image.pixels.iter_mut().zip(&other.pixels) {
-            (0..4).for_each(|c| pixel[c] = 0.5 * (pixel[c] + other[c]));
-        }
-        Ok(Some(Self { image, samples: 2 * each, error }))
+        let Some([one, other]) = halves(work, each, options)? else { return Ok(None) };
+        let error = rmse(&one, &other, None).map(|difference| 0.5 * difference);
+        Ok(Some(Self { image: mean(one, &other), samples: 2 * each, error }))
     }
 
     /// Fills the columns of an image: its size, and how it differs.
@@ -87,18 +100,22 @@ pub(super) fn images(
     Ok(Some(images))
 }
 
-/// 2, 4, 8… samples.
+/// 2, 4, 8… samples. Not from 1: one of several samples is anywhere in its pixel, whereas an image with a single sample uses
+/// the pixel's centre.
 pub(super) fn counts(most: u32) -> impl Iterator<Item = u32> {
     (1..=most.ilog2()).map(|doublings| 1 << doublings)
 }
 
+/// Whether an error is so much larger than the reference's own that it hardly depends on the estimate of that.
+pub(super) fn is_clear(row: &Row) -> bool {
+    const CLEARLY: f64 = 3.0;
+    let apart = row.number("rmse").zip(row.number("reference_rmse"));
+    apart.is_some_and(|(rmse, own)| rmse > 0.0 && rmse > CLEARLY * own)
+}
+
 /// Fills a row with medians over the rows of seeds, with their intervals, and with what these share.
 pub(super) fn medians(row: Row, seeds: &[&Row], seed: u32) -> Row {
-    let is_clear = |row: &&Row| {
-        let apart = row.number("rmse").zip(row.number("reference_rmse"));
-        apart.is_some_and(|(rmse, own)| rmse > 0.0 && rmse > CLEARLY * own)
-    };
-    let row = row.set("seeds", seeds.len()).set("is_fitted", seeds.iter().all(is_clear));
+    let row = row.set("seeds", seeds.len()).set("is_fitted", seeds.iter().all(|row| is_clear(row)));
     let shared = ["accelerator", "max_depth", "width_px", "height_px", "reference_samples", "reference_rmse"];
     let first = seeds.first();
     let row = shared.into_iter().fold(row, |row, column| row.set(column, first.map_or("", |first| first.get(column))));

@@ -7,7 +7,6 @@ mod plots;
 
 use raystep_kernels::options::{Gather, Integrator, MOST_DEPTH, Photons};
 use raystep_kernels::{Accelerator, Image, Options, ScheduleKind};
-use raystep_scenes::Optics;
 
 use super::images::{self, Reference, counts, images, of_seed};
 use super::page::{Part, number};
@@ -57,7 +56,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         part.notes.push("nothing to compare: light is traced with a grid, an irregular grid or a BVH".into());
         return Ok(part);
     };
-    if !scene.lights.is_empty() && scene.materials.iter().any(|material| is_specular(material.optics)) {
+    if !scene.lights.is_empty() && scene.materials.iter().any(|material| material.optics.is_specular()) {
         let why = "paths cannot find them there, photons can: their caustics count as errors of photons";
         part.notes.push(format!("the scene has mirrors or glass, and lights without an area: {why}"));
     }
@@ -82,10 +81,6 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     say(work, &ways, &rows, &mut part);
     table.rows.extend(rows);
     Ok(part)
-}
-
-const fn is_specular(optics: Optics) -> bool {
-    matches!(optics, Optics::Mirror | Optics::Dielectric { .. })
 }
 
 /// Paths, and photons by each way to gather them. A sample of a path takes far less time than one of a map.

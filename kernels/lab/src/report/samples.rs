@@ -4,19 +4,17 @@
 //! errors of one seed depend on each other. A slope is fitted to every seed, and only the slopes are independent
 //! observations with an interval.
 //!
-//! The reference is the mean of two images with more samples and with seeds of their own; half the difference of the two
-//! estimates its own error, which is independent of the measured one, so its square is subtracted from the square of
-//! the difference. An error that is less than three times as large depends on that estimate, and is not fitted.
+//! An error that is less than three times as large as the reference's own depends on the estimate of that, and is not fitted.
 
 mod plots;
 mod slopes;
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::time::Duration;
 
 use raystep_kernels::{Image, Options, RaySource, Renderer, Sampler, Samples, ScheduleKind};
 
+use super::images::{halves, images, mean};
 use super::page::{Part, number};
 use super::words::{compared, with_interval};
 use super::work::{Planned, Work};
@@ -130,26 +128,10 @@ pub(super) fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32) -> 
 }
 
 fn reference(work: &Work<'_>, most: u32) -> Result<Option<Reference>, Error> {
-    work.stage("samples: the reference");
-    let each = 4 * most;
-    let mut halves = Vec::new();
-    // After the seeds of the measured images.
-    let first = work.seed().wrapping_add(work.seeds);
-    for seed in [first, first.wrapping_add(1)] {
-        let samples = Samples { count: each, sampler: Sampler::Sobol, seed, first: 0 };
-        let mut renderer = work.wait(work.build(&options(work, samples)))?.renderer;
-        if !run_to(work, &mut renderer, each)? {
-            return Ok(None);
-        }
-        halves.push(work.wait(renderer.image())?);
-    }
-    let (Some(mut image), Some(other)) = (halves.pop(), halves.pop()) else { return Ok(None) };
+    let Some([one, other]) = halves(work, 4 * most, |samples| options(work, samples))? else { return Ok(None) };
     let is_edge = edges(work)?;
-    let error = [None, Some(&is_edge)].map(|of| rmse(&image, &other, of.map(Vec::as_slice)).map(|e| 0.5 * e));
-    for (pixel, other) in image.pixels.iter_mut().zip(&other.pixels) {
-        (0..4).for_each(|c| pixel[c] = 0.5 * (pixel[c] + other[c]));
-    }
-    Ok(Some(Reference { image, samples: 2 * each, is_edge, error }))
+    let error = [None, Some(&is_edge)].map(|of| rmse(&one, &other, of.map(Vec::as_slice)).map(|e| 0.5 * e));
+    Ok(Some(Reference { image: mean(one, &other), samples: 8 * most, is_edge, error }))
 }
 
 /// Pixels where a neighbour's centre hits another triangle.
@@ -195,20 +177,9 @@ impl Images<'_> {
     fn of_seed(&self, planned: &Planned, sampler: Sampler, seed: u32) -> Result<Option<Vec<Row>>, Error> {
         let Self { work, most, reference } = self;
         let samples = Samples { count: *most, sampler, seed, first: 0 };
-        let mut data = planned.data().clone();
-        data.sampling.seed = seed;
-        let (plan, data, device) = (planned.plan(), Arc::new(data), &work.machine().device);
-        let options = options(work, samples);
-        let mut renderer = work.wait(Renderer::from_plan(plan, data, &options, device))?;
+        let Some(images) = images(work, planned, &options(work, samples))? else { return Ok(None) };
         let mut rows = Vec::new();
-        // Not from 1: one of several samples is anywhere in its pixel, whereas an image with a single sample uses the
-        // pixel's centre.
-        let mut count = 2;
-        while count <= *most {
-            if !run_to(work, &mut renderer, count)? {
-                return Ok(None);
-            }
-            let image = work.wait(renderer.image())?;
+        for (count, image) in &images {
             for (of, own) in Of::ALL.into_iter().zip(reference.error) {
                 let is_edge = (of == Of::Edges).then_some(reference.is_edge.as_slice());
                 let pixels = is_edge.map_or(image.pixels.len(), |is| is.iter().filter(|is| **is).count());
@@ -216,12 +187,11 @@ impl Images<'_> {
                     .row(COLUMNS)
                     .set("configuration", work.configuration(&[sampler.name(), &format!("seed-{seed}")]));
                 let row = row.set("quantity", "error").set("sampler", sampler.name()).set("pixels", of.name());
-                let row = row.set("seed", seed).set("samples", count);
+                let row = row.set("seed", seed).set("samples", *count);
                 let row = row.set("width_px", image.width).set("height_px", image.height).set("pixel_count", pixels);
-                let row = row.set("rmse", rmse(&image, &reference.image, is_edge));
+                let row = row.set("rmse", rmse(image, &reference.image, is_edge));
                 rows.push(row.set("reference_samples", reference.samples).set("reference_rmse", own));
             }
-            count *= 2;
         }
         Ok(Some(rows))
     }

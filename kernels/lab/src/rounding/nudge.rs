@@ -77,7 +77,7 @@ impl Rounding<'_> {
         Ok(are)
     }
 
-    /// The streams after the twin's pass, with `part` of every ray changed.
+    /// The streams after the twin's pass, with this stream of every ray changed.
     fn after_moving(
         &self,
         own: Stream,

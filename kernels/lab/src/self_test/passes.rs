@@ -7,7 +7,6 @@ use raystep_kernels::options::Integrator;
 use raystep_kernels::options::ProgramName::{GridBuild, Sort};
 use raystep_kernels::options::features::Features;
 use raystep_kernels::options::mapping::{Cull, Fragment, Mapping, Targets, Update};
-use raystep_kernels::program::Course;
 use raystep_kernels::programs::{light, named, path, photons};
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Kernel, Limits, Options};
@@ -58,8 +57,7 @@ pub(super) fn checks_of_building() -> Vec<Check> {
 /// Whether a kernel can be drawn: it works on the pixels' rays, and what it always binds, itself or by a module, fits texels of
 /// four components.
 pub(super) fn is_drawn(kernel: &Kernel) -> bool {
-    let stream = |course: Option<&Course>| course.map(|course| course.stream);
-    if stream(kernel.course()) != stream(kernel.program().course()) {
+    if kernel.course().map(|course| course.stream) != kernel.program().state_stream() {
         return false;
     }
     let modules = (kernel.program().modules)(&Features::default());

@@ -1,6 +1,5 @@
 //! The rays that kernels cast while a run goes on, by kind: to what a hit reflects, and to lights.
 
-use raystep_kernels::program::Course;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, Pass, Plan};
@@ -47,11 +46,10 @@ impl Cast {
 
 /// The states into which a kernel casts rays, and whether those are shadow rays.
 fn cast_to(kernel: Kernel, plan: &Plan) -> Vec<(bool, Vec<Tag>)> {
-    let stream = |course: Option<&Course>| course.map(|course| course.stream);
     let casts = match kernel.role() {
         Role::Finish => true,
         // Other elements than the camera's rays.
-        Role::Source => stream(kernel.course()) != stream(plan.program.course()),
+        Role::Source => kernel.course().map(|course| course.stream) != plan.program.state_stream(),
         _ => false,
     };
     if !casts {

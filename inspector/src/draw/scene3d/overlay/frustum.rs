@@ -3,7 +3,7 @@
 use glam::DVec3;
 use raystep_kernels::scene_data::SceneData;
 
-use crate::walk::Aabb;
+use crate::walk::{Aabb, to_f64};
 
 /// Position and view of the traced camera, in traced units.
 pub(in super::super) struct Frustum {
@@ -17,9 +17,8 @@ pub(in super::super) struct Frustum {
 impl Frustum {
     /// `None` for input rays.
     pub(in super::super) fn of(data: &SceneData) -> Option<Self> {
-        let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         let camera = &data.camera;
-        let [eye, right, up, forward] = [camera.eye, camera.right, camera.up, camera.forward].map(vector);
+        let [eye, right, up, forward] = [camera.eye, camera.right, camera.up, camera.forward].map(to_f64);
         let is_camera = [right, up, forward].iter().all(|v| v.length_squared() > 0.0);
         is_camera.then_some(Self { eye, right, up, forward, is_perspective: data.features.perspective })
     }

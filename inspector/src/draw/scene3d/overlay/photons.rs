@@ -2,20 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
-use raystep_kernels::programs::photons::stored::Stored;
-
 use super::light::hue;
 use super::{Color, Overlay, Palette, Settings, faded};
 use crate::draw::scene3d::settings::PhotonPaint;
 use crate::photons::{Photons, Searched};
+use crate::walk::{Aabb, to_f64};
 
 /// Sides of a circle.
 const SIDES: u32 = 64;
-
-fn place(of: &Stored) -> DVec3 {
-    DVec3::from_array(of.point.map(f64::from))
-}
 
 fn largest(power: [f32; 3]) -> f32 {
     power.into_iter().fold(0.0, f32::max)
@@ -38,7 +32,7 @@ impl Overlay {
                     PhotonPaint::Map => of_map(dot.is_caustic, palette),
                 };
                 // A photon that came by mirrors and glass alone is seen among the others in any colour.
-                self.dot(place(dot), if dot.is_caustic { 3.6 } else { 2.2 }, color);
+                self.dot(to_f64(dot.point), if dot.is_caustic { 3.6 } else { 2.2 }, color);
             }
         }
         if let Some(search) = photons.search.as_ref().filter(|_| settings.search) {
@@ -52,33 +46,36 @@ impl Overlay {
             self.dot(first, 8.0, palette.current);
         }
         for stop in &photons.stops {
-            self.dot(place(stop), 8.0, palette.ray);
-            self.dot(place(stop), 6.0, of_map(stop.is_caustic, palette));
+            self.dot(to_f64(stop.point), 8.0, palette.ray);
+            self.dot(to_f64(stop.point), 6.0, of_map(stop.is_caustic, palette));
         }
     }
 
     /// The cells, the circle within which photons are taken, and those taken, with their directions.
-    fn search(&mut self, search: &Searched, palette: &Palette) {
-        let last = search.cells.len().saturating_sub(1);
-        for (i, cell) in search.cells.iter().enumerate() {
-            let is_current = i == last && !search.is_over;
+    fn search(&mut self, Searched { search, radius, taken }: &Searched, palette: &Palette) {
+        for (i, &[min, max]) in search.cells.iter().enumerate() {
+            let is_current = i + 1 == search.cells.len() && !search.is_over;
             let color = if is_current { palette.current } else { palette.in_order(i, search.cells.len()) };
-            self.edges(cell, if is_current { 2.0 } else { 1.0 }, if is_current { color } else { faded(color, 0.6) });
+            self.edges(
+                &Aabb { min, max },
+                if is_current { 2.0 } else { 1.0 },
+                if is_current { color } else { faded(color, 0.6) },
+            );
         }
         let (right, up) = search.normal.any_orthonormal_pair();
         let at = |side: u32| {
             let turn = TAU * f64::from(side) / f64::from(SIDES);
-            search.point + (right * turn.cos() + up * turn.sin()) * search.radius
+            search.point + (right * turn.cos() + up * turn.sin()) * *radius
         };
         for side in 0..SIDES {
             self.line(at(side), at(side + 1), 2.0, palette.picked);
         }
         self.dot(search.point, 7.0, palette.picked);
-        for taken in &search.taken {
-            let came = DVec3::from_array(taken.direction.map(f64::from));
-            self.line(place(taken) - came * (0.35 * search.radius), place(taken), 0.8, faded(palette.current, 0.5));
-            self.dot(place(taken), 5.0, palette.edge);
-            self.dot(place(taken), 4.0, of_map(taken.is_caustic, palette));
+        for photon in taken {
+            let [place, came] = [photon.point, photon.direction].map(to_f64);
+            self.line(place - came * (0.35 * radius), place, 0.8, faded(palette.current, 0.5));
+            self.dot(place, 5.0, palette.edge);
+            self.dot(place, 4.0, of_map(photon.is_caustic, palette));
         }
     }
 }

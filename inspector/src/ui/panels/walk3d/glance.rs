@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use raystep_kernels::export::trace::Trace;
 
 use crate::orbit::Orbit;
-use crate::walk::Aabb;
+use crate::walk::{Aabb, to_f64};
 
 /// Parts of the line: those that the camera does not see are left out.
 const PARTS: usize = 64;
@@ -13,7 +13,7 @@ const PARTS: usize = 64;
 /// The ends of the ray in traced units: its hit, or where it leaves the scene; and whether it hits.
 fn ends(trace: &Trace, bounds: &Aabb) -> Option<([DVec3; 2], bool)> {
     let ray = &trace.rows.first()?.after;
-    let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from_array(v.map(f64::from)));
+    let [origin, direction] = [ray.origin, ray.direction].map(to_f64);
     let last = &trace.rows.last()?.after;
     let hit = last.triangle.and(last.t).map(f64::from);
     let beyond = || bounds.interval(origin, direction).map_or(1.0, |[_, out]| out);
@@ -54,7 +54,7 @@ mod tests {
         let bounds = Aabb::of_vertices(&data.vertices);
         let ([origin, end], is_hit) = ends(&trace, &bounds).expect("a line");
         let ray = trace.rows[0].after;
-        let direction = DVec3::from_array(ray.direction.map(f64::from));
+        let direction = to_f64(ray.direction);
         let t = (end - origin).dot(direction) / direction.length_squared();
         assert!(is_hit);
         let last = trace.rows.last_mut().expect("a row");

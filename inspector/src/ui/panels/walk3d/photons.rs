@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use egui::{DragValue, Ui};
-use glam::{DVec2, DVec3};
-use raystep_kernels::export::trace::Trace;
+use glam::DVec2;
+use raystep_kernels::Kernel;
 use raystep_kernels::programs::photons::stored::{self, Stored};
 use raystep_lab::text::counted;
 
@@ -17,7 +17,7 @@ use crate::session::{Model, Subject};
 use crate::ui::choice::Choices as _;
 use crate::ui::pane::Context;
 use crate::ui::units::Scale;
-use crate::walk::Aabb;
+use crate::walk::{Aabb, to_f64};
 
 /// The engine's job, named while it runs.
 const READING: &str = "reading stored photons";
@@ -47,7 +47,7 @@ pub(super) struct Layer {
     asked: Option<Written>,
     /// What `shown` was made from: what is known, and the walk's version.
     made: Option<(Option<Written>, u64)>,
-    shown: Photons,
+    pub(super) shown: Arc<Photons>,
     /// Incremented with every change.
     pub(super) version: u64,
 }
@@ -55,18 +55,15 @@ pub(super) struct Layer {
 /// How many of the passes so far may have stored photons; `None` if the run stores none.
 fn written(model: &Model, opened: &Opened, place: usize) -> Option<Written> {
     let plan = stored::has_photons(&opened.plan).then_some(&opened.plan)?;
-    let writes = |kernel| plan.variant(kernel).is_some_and(|v| v.written_streams().any(|s| s == stored::RECORDS));
+    // Looked up once: there may be many passes, and this is for every frame.
+    let writers = plan.variants.iter().filter(|variant| variant.written_streams().any(|s| s == stored::RECORDS));
+    let writers: Vec<Kernel> = writers.map(|variant| variant.kernel).collect();
     let passes = model.passes.get(..place).unwrap_or(&model.passes);
-    Some((model.edition, passes.iter().filter(|pass| writes(pass.kernel)).count()))
+    Some((model.edition, passes.iter().filter(|pass| writers.contains(&pass.kernel)).count()))
 }
 
 impl Layer {
-    /// Whether the run has photons.
-    pub(super) fn is_there(opened: &Opened) -> bool {
-        stored::has_photons(&opened.plan)
-    }
-
-    /// Reads photons where those that are known are not those of this pass. Returns what is to be drawn if that is new.
+    /// Reads photons where those that are known are not those of this pass. Returns whether what is to be drawn is new.
     pub(super) fn update(
         &mut self,
         cx: &mut Context<'_>,
@@ -74,7 +71,7 @@ impl Layer {
         walked: &Walked,
         settings: &Settings,
         scene: &Aabb,
-    ) -> Option<Photons> {
+    ) -> bool {
         while let Some(read) = cx.model.take_answer::<Read>(READING) {
             let Read { edition, place, photons } = *read;
             let of = written(cx.model, opened, place).filter(|now| now.0 == edition);
@@ -82,35 +79,38 @@ impl Layer {
         }
         let now = written(cx.model, opened, cx.model.place);
         let is_wanted = settings.photons || settings.search || cx.selection.element.is_some();
-        let is_known = self.known.as_ref().map(|(of, _)| *of) == now;
-        if now.is_some_and(|(_, writes)| writes == 0) {
-            self.known = now.map(|now| (now, Vec::new()));
-        } else if !is_known && is_wanted && now.is_some() && self.asked != now && !cx.model.is_busy() {
-            self.asked = now;
-            cx.model.ask(Request::Job(READING, read(cx.model.edition)));
+        match now {
+            None => (self.known, self.asked) = (None, None),
+            Some((_, 0)) => self.known = now.map(|now| (now, Vec::new())),
+            _ if self.of() != now && is_wanted && self.asked != now && !cx.model.is_busy() => {
+                self.asked = now;
+                cx.model.ask(Request::Job(READING, read(cx.model.edition)));
+            }
+            _ => {}
         }
-        if now.is_none() {
-            (self.known, self.asked) = (None, None);
-        }
-        let made = (self.known.as_ref().map(|(of, _)| *of), walked.version);
+        let made = (self.of(), walked.version);
         if self.made.replace(made) == Some(made) {
-            return None;
+            return false;
         }
         self.make(opened, walked, scene);
         self.version += 1;
-        Some(self.shown.clone())
+        true
+    }
+
+    /// What the known photons are of.
+    fn of(&self) -> Option<Written> {
+        self.known.as_ref().map(|(of, _)| *of)
     }
 
     fn make(&mut self, opened: &Opened, walked: &Walked, scene: &Aabb) {
         let photons = self.known.as_ref().map_or(&[][..], |(_, photons)| photons);
-        let shown = Photons::of(photons);
-        let history: Option<&Arc<Trace>> = walked.history.as_ref();
+        let history = walked.history.as_ref();
         let rows = walked.row.map_or(0, |row| row + 1);
         // The pixel's search stays while a photon that it took is looked at.
         let (search, path, stops) = match history.and_then(|history| Some((history, history.element?))) {
             Some((history, element)) if element.set == stored::SET.name => {
                 let stops = photons.iter().filter(|at| at.photon == element.index).copied();
-                (self.shown.search.take(), path(history, rows, scene), stops.collect())
+                (self.shown.search.clone(), path(history, rows, scene), stops.collect())
             }
             _ => {
                 let rows = history.and_then(|history| history.rows.get(..rows));
@@ -118,7 +118,7 @@ impl Layer {
                 (search, Vec::new(), Vec::new())
             }
         };
-        self.shown = Photons { search, path, stops, ..shown };
+        self.shown = Arc::new(Photons { search, path, stops, ..Photons::of(photons) });
     }
 
     /// What is shown, in words; lengths in the units of the panel.
@@ -143,7 +143,7 @@ impl Layer {
         let dots = self.shown.dots.iter().filter(|_| settings.photons);
         let taken = self.shown.search.iter().filter(|_| settings.search).flat_map(|search| &search.taken);
         let seen = dots.chain(taken).chain(&self.shown.stops).filter_map(|photon| {
-            let (pixel, depth) = camera.pixel(DVec3::from_array(photon.point.map(f64::from)), size)?;
+            let (pixel, depth) = camera.pixel(to_f64(photon.point), size)?;
             ((pixel - at).length() <= NEAR).then_some((depth, *photon))
         });
         seen.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, photon)| photon)
@@ -164,9 +164,8 @@ impl Layer {
             "the cells that it searches, dark (first) to bright (last), the circle, and the photons taken",
         );
         let map = &opened.data.photon_map;
-        let row = map.row.max(1);
         let selected = cx.selection.element.filter(|element| element.set == Some(stored::SET));
-        let mut index = selected.map_or(0, |Subject { texel: [x, y], .. }| y * row + x);
+        let mut index = selected.map_or(0, |Subject { texel: [x, y], .. }| y * map.row + x);
         ui.horizontal(|ui| {
             let label = ui.label("photon");
             let field = DragValue::new(&mut index).range(0..=map.photons.saturating_sub(1));
@@ -175,20 +174,16 @@ impl Layer {
             let text = "its history is in the panel of the ray, and its way in this view";
             let is_asked = ui.button("Follow photon").on_hover_text(text).clicked();
             if is_asked || field.on_hover_text(text).changed() {
-                cx.asks.follow = Some(subject(index, row));
+                cx.asks.follow = Some(subject(index, opened));
             }
         });
     }
 }
 
-/// A photon, where photons are in rows of so many.
-fn subject(index: u32, row: u32) -> Subject {
-    Subject { set: Some(stored::SET), texel: [index % row.max(1), index / row.max(1)] }
-}
-
-/// The photon, to be selected.
-pub(super) fn subject_of(photon: &Stored, opened: &Opened) -> Subject {
-    subject(photon.photon, opened.data.photon_map.row)
+/// A photon, to be selected.
+pub(super) fn subject(index: u32, opened: &Opened) -> Subject {
+    let row = opened.data.photon_map.row.max(1);
+    Subject { set: Some(stored::SET), texel: [index % row, index / row] }
 }
 
 /// A photon in words, for what is under the cursor.

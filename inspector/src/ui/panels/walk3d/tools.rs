@@ -1,7 +1,8 @@
 //! The toolbar of the 3D view.
 
-use super::{Context, Heat, Layer, Opened, TriangleStyle, Walk3d, Wish, event_buttons};
+use raystep_kernels::programs::photons::stored;
 
+use super::{Context, Heat, Layer, Opened, TriangleStyle, Walk3d, Wish, event_buttons};
 use crate::ui::choice::Choices as _;
 
 const STYLES: [(TriangleStyle, &str, &str); 4] = [
@@ -106,7 +107,7 @@ impl Walk3d {
         ] {
             ui.checkbox(is_on, name).on_hover_text(text);
         }
-        if Layer::is_there(opened) {
+        if stored::has_photons(&opened.plan) {
             Layer::choices(ui, &mut self.look.settings, cx, opened);
         }
         ui.separator();

@@ -2,12 +2,10 @@
 
 use raystep_kernels::{Sampler, named};
 
+use super::super::images::is_clear;
 use crate::statistics::interval;
 use crate::statistics::{median, power_law};
 use crate::tidy::Row;
-
-/// How many times larger than the reference's own error an error must be.
-const CLEARLY: f64 = 3.0;
 
 /// Pixels in which the error is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,8 +62,6 @@ pub(super) fn fill(rows: &mut [Row]) {
         let error = error.map(|(rmse, own)| (rmse * rmse - own * own).max(0.0).sqrt());
         *row = row.clone().set("error", error);
     }
-    let of_rmse = |row: &Row| row.number("rmse").zip(row.number("reference_rmse"));
-    let is_clear = |row: &Row| of_rmse(row).is_some_and(|(rmse, own)| rmse > 0.0 && rmse > CLEARLY * own);
     let key = |row: &Row| ["sampler", "pixels", "samples"].map(|column| row.get(column).to_owned());
     let unclear: Vec<_> = rows.iter().filter(|row| !is_clear(row)).map(key).collect();
     for row in rows.iter_mut() {

@@ -3,35 +3,25 @@
 use raystep_kernels::Accelerator;
 use raystep_kernels::options::Strategy;
 
+use super::super::images::plots::{measure, of_measure};
 use super::super::page::number;
 use super::super::work::Work;
 use super::{STRUCTURES, of};
-use crate::plots::{Axis, Dash, Plot, Scale, Series, Stroke};
+use crate::plots::{Dash, Plot, Series, Stroke};
 use crate::tidy::Row;
 
 /// A measure of error over the time of an image: every strategy with one structure, and mis with the others.
 pub(super) fn over_time(rows: &[Row], first: Accelerator, column: &str) -> Plot {
-    let series_of = |strategy: Strategy, structure: Accelerator| {
-        let wanted = |row: &&Row| row.get("accelerator") == structure.name();
-        let known = |row: &Row| {
-            let ends = ["low", "high"].map(|end| row.number(&format!("{column}_{end}")));
-            let point = (row.number("image_ns")? * 1e-9, row.number(column).filter(|&error| error > 0.0)?);
-            Some((point, ends[0].zip(ends[1])))
-        };
-        let is_clear = |row: &&Row| row.get("is_fitted") == "true" || column != "error";
-        of(rows, "convergence", strategy).filter(wanted).filter(is_clear).filter_map(known).unzip()
+    let line = |strategy: Strategy, structure: Accelerator, color| {
+        let rows = of(rows, "convergence", strategy).filter(|row| row.get("accelerator") == structure.name());
+        measure(format!("{strategy}, {structure}"), color, rows, column)
     };
-    let mut series = Vec::new();
-    for (color, &strategy) in Strategy::ALL.iter().enumerate() {
-        let (points, whiskers): (Vec<_>, Vec<_>) = series_of(strategy, first);
-        let whiskers = whiskers.into_iter().collect::<Option<Vec<_>>>().unwrap_or_default();
-        series.push(Series { whiskers, ..Series::line(format!("{strategy}, {first}"), color, points) });
-    }
+    let strategies = Strategy::ALL.iter().enumerate();
+    let mut series: Vec<Series> = strategies.map(|(color, &strategy)| line(strategy, first, color)).collect();
     let others = STRUCTURES.into_iter().filter(|&structure| structure != first);
     for (structure, (color, dash)) in others.zip([(3, Dash::Dashed), (4, Dash::DashDot)]) {
-        let (points, _): (Vec<_>, Vec<_>) = series_of(Strategy::Mis, structure);
-        let name = format!("{}, {structure}", Strategy::Mis);
-        series.push(Series { stroke: Stroke::Line(dash), ..Series::line(name, color, points) });
+        let line = line(Strategy::Mis, structure, color);
+        series.push(Series { stroke: Stroke::Line(dash), whiskers: Vec::new(), ..line });
     }
     series.retain(|series| !series.points.is_empty());
     let own = rows.iter().find_map(|row| row.number("reference_rmse")).filter(|_| column == "error");
@@ -41,11 +31,7 @@ pub(super) fn over_time(rows: &[Row], first: Accelerator, column: &str) -> Plot 
         let stroke = Stroke::Line(Dash::Dotted);
         series.push(Series { stroke, ..Series::dashed("the reference's own", 6, vec![(begin, own), (end, own)]) });
     }
-    let (title, axis) = match column {
-        "error" => ("Error over time, by strategy", "root mean square error, linear light"),
-        _ => ("FLIP over time, by strategy", "mean of FLIP"),
-    };
-    Plot::new(title, Axis::new("time of the image, s", Scale::Log), Axis::new(axis, Scale::Log), series)
+    of_measure("by strategy", column, series)
 }
 
 pub(super) fn caption(work: &Work<'_>, rows: &[Row], column: &str) -> String {
