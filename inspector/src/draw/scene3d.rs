@@ -135,7 +135,7 @@ impl Scene3d {
         let center = self.bounds.center().as_vec3();
         let view = view(camera, settings, around.cut.filter(|_| settings.cut), &self.bounds, size);
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        let over = (&self.branches[..], &self.photons);
+        let over = (&self.branches[..], &*self.photons);
         let mut overlay = Overlay::new(walk, over, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
         overlay.boxes(&self.boxes);
         if let Some(marked) = &around.marked {

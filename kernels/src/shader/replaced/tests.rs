@@ -318,7 +318,7 @@ fn an_excerpt_has_a_caret_below_the_place() {
 fn option_sets(scene: &Scene) -> Vec<Options> {
     let base = options_of(scene);
     let mut all = Vec::new();
-    for integrator in Integrator::ALL {
+    for &integrator in Integrator::ALL {
         for accelerator in [Accelerator::Grid, Accelerator::Irregular, Accelerator::Bvh, Accelerator::None] {
             for (schedule, steps_per_pass) in [
                 (ScheduleKind::Second, 1),

@@ -82,7 +82,7 @@ fn every_kernel_whose_elements_read_each_other_is_interpreted_as_its_twin_comput
     }
     let glass = generate::whitted(0).expect("a scene");
     let rays = RaySource::Camera { camera: Camera::framing(&glass.bounds()), width: 8, height: 8 };
-    for sort in PhotonSort::ALL {
+    for &sort in PhotonSort::ALL {
         let photons = Photons { count: 300, sort, nearest: 8, ..Photons::default() };
         let options = Options { integrator: Integrator::Photons, photons, ..Options::new(rays.clone()) };
         let (plan, data) = planned(&glass, &options);
