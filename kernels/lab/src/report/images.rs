@@ -6,16 +6,22 @@
 
 pub(super) mod plots;
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::time::Duration;
 
 use raystep_kernels::{Image, Options, Renderer, Samples};
 
-use super::samples::{rmse, run_to};
 use super::work::{Planned, Work};
 use crate::Error;
 use crate::flip::flip;
-use crate::statistics::{interval, median};
+use crate::statistics::{interval, median, root_mean_square};
 use crate::tidy::Row;
+
+/// Time limit of the section where it has none of its own; what is not measured by then is omitted.
+const LONGEST: Duration = Duration::from_secs(600);
+/// Share of the section's time for images; the rest is for the time of a sample.
+const FOR_IMAGES: f64 = 0.8;
 
 /// This many samples of a seed.
 pub(super) fn of_seed(count: u32, seed: u32) -> Samples {
@@ -48,6 +54,27 @@ pub(super) fn mean(mut image: Image, other: &Image) -> Image {
         (0..4).for_each(|c| pixel[c] = 0.5 * (pixel[c] + other[c]));
     }
     image
+}
+
+/// Runs until this many samples are complete; `false` if that takes too long.
+pub(super) fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32) -> Result<bool, Error> {
+    let longest = work.time.map_or(LONGEST, |time| time.mul_f64(FOR_IMAGES));
+    let watch = |progress: &raystep_kernels::Progress| {
+        work.reporter.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));
+        if work.begin.elapsed() > longest { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    match crate::block_on(work.machine().gpu(), renderer.run_to_sample(samples, watch)) {
+        Ok(()) => Ok(true),
+        Err(raystep_kernels::RenderError::Cancelled { .. }) => Ok(false),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Error of linear red, green and blue, over all pixels or some.
+pub(super) fn rmse(a: &Image, b: &Image, of: Option<&[bool]>) -> Option<f64> {
+    let pixels = a.pixels.iter().zip(&b.pixels).enumerate();
+    let wanted = pixels.filter(|(i, _)| of.is_none_or(|of| of[*i]));
+    root_mean_square(wanted.flat_map(|(_, (a, b))| [0, 1, 2].map(|c| f64::from(a[c]) - f64::from(b[c]))))
 }
 
 /// What images are compared with.

@@ -10,16 +10,14 @@ mod plots;
 mod slopes;
 
 use std::ops::ControlFlow;
-use std::time::Duration;
 
-use raystep_kernels::{Image, Options, RaySource, Renderer, Sampler, Samples, ScheduleKind};
+use raystep_kernels::{Image, Options, RaySource, Sampler, Samples, ScheduleKind};
 
-use super::images::{halves, images, mean};
+use super::images::{halves, images, mean, rmse};
 use super::page::{Part, number};
 use super::words::{compared, with_interval};
 use super::work::{Planned, Work};
 use crate::Error;
-use crate::statistics::root_mean_square;
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, count, joined};
 use slopes::{Of, of_quantity};
 
@@ -35,12 +33,6 @@ const GROUPS: &[&[&str]] = &[
 ];
 
 pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
-
-/// Time limit of the section where it has none of its own; what is not measured by then is omitted.
-const LONGEST: Duration = Duration::from_secs(600);
-
-/// Share of the section's time for images; the rest is for the time of a sample.
-const FOR_IMAGES: f64 = 0.8;
 
 /// Samples of a timed run.
 const TIMED: u32 = 16;
@@ -113,20 +105,6 @@ pub(super) fn rays(work: &Work<'_>) -> RaySource {
     Work { size, ..*work }.camera_rays()
 }
 
-/// Runs until this many samples are complete; `false` if that takes too long.
-pub(super) fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32) -> Result<bool, Error> {
-    let longest = work.time.map_or(LONGEST, |time| time.mul_f64(FOR_IMAGES));
-    let watch = |progress: &raystep_kernels::Progress| {
-        work.reporter.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));
-        if work.begin.elapsed() > longest { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    match crate::block_on(work.machine().gpu(), renderer.run_to_sample(samples, watch)) {
-        Ok(()) => Ok(true),
-        Err(raystep_kernels::RenderError::Cancelled { .. }) => Ok(false),
-        Err(error) => Err(error.into()),
-    }
-}
-
 fn reference(work: &Work<'_>, most: u32) -> Result<Option<Reference>, Error> {
     let Some([one, other]) = halves(work, 4 * most, |samples| options(work, samples))? else { return Ok(None) };
     let is_edge = edges(work)?;
@@ -155,13 +133,6 @@ fn edges_of(seen: &[Option<u32>], width: usize, height: usize) -> Vec<bool> {
             || y + 1 < height && at(x, y + 1) != at(x, y)
     };
     (0..width * height).map(is_edge).collect()
-}
-
-/// Error of linear red, green and blue, over all pixels or some.
-pub(super) fn rmse(a: &Image, b: &Image, of: Option<&[bool]>) -> Option<f64> {
-    let pixels = a.pixels.iter().zip(&b.pixels).enumerate();
-    let wanted = pixels.filter(|(i, _)| of.is_none_or(|of| of[*i]));
-    root_mean_square(wanted.flat_map(|(_, (a, b))| [0, 1, 2].map(|c| f64::from(a[c]) - f64::from(b[c]))))
 }
 
 /// What the images of all seeds share.

@@ -45,6 +45,7 @@ pub(crate) fn agree<R: Precision>(plan: Plan, data: &SceneData) -> BTreeSet<Kern
             assert!(same, "{kernel:?}, parameter {}: other values in {stream:?}", call.parameter);
         }
         population.in_set = result.sizes;
+        population.in_state = result.counts.unwrap_or_default();
         ran.insert(kernel);
     }
     ran
@@ -83,7 +84,7 @@ fn every_kernel_whose_elements_read_each_other_is_interpreted_as_its_twin_comput
     let glass = generate::whitted(0).expect("a scene");
     let rays = RaySource::Camera { camera: Camera::framing(&glass.bounds()), width: 8, height: 8 };
     for &sort in PhotonSort::ALL {
-        let photons = Photons { count: 300, sort, nearest: 8, ..Photons::default() };
+        let photons = Photons { count: 64, sort, nearest: 8, radius: 100, ..Photons::default() };
         let options = Options { integrator: Integrator::Photons, photons, ..Options::new(rays.clone()) };
         let (plan, data) = planned(&glass, &options);
         ran.extend(agree::<f32>(plan, &data));
