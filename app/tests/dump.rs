@@ -205,7 +205,8 @@ fn dump_leaves_a_folder_with_files_alone_unless_forced() {
 #[test]
 fn photons_are_dumped_with_their_number() {
     let place = Place::new();
-    let dump = ["dump", &cornell_box(), "--stream", "color,photon_bounce,photon_records,photon_key", "-o", "out"];
+    let dump =
+        ["dump", &cornell_box(), "--stream", "color,photon_bounce,photon_records,photon_key,photon_first", "-o", "out"];
     let way = ["--integrator", "photons", "--photons", "100", "--max-depth", "3", "--size", "8x6", "--device", "cpu"];
     place.ok(&[&dump[..], &way, &["--quiet"]].concat());
     let index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
@@ -219,10 +220,13 @@ fn photons_are_dumped_with_their_number() {
         assert_eq!(shape[0], stream["layers"].as_array().expect("layers").len(), "{name}");
         // Whole rows, but for the last one.
         assert!((1..=shape[2]).contains(&(count - (shape[1] - 1) * shape[2])), "{name}: {shape:?}");
-        counts.push((stream["elements"].as_str().expect("a set"), count));
+        counts.push((stream["elements"].as_str().expect("a set"), count, shape[1] * shape[2] - count));
     }
     // Rows of 16 photons, each of which may be stored at two bounces: at the last one, photons are looked up.
-    assert_eq!(counts, [("rays", 48), ("photons", 112), ("photons", 112), ("records", 224)]);
+    assert_eq!(counts[..4], [("rays", 48, 0), ("photons", 112, 0), ("photons", 112, 0), ("records", 224, 0)]);
+    // Where each cell begins, and where the last one ends: no whole rows.
+    let [.., (set, cells, left)] = counts[..] else { panic!("{counts:?}") };
+    assert!(counts.len() == 5 && set == "map_cells" && cells > 1 && left > 0, "{counts:?}");
 }
 
 /// The scene data of the paper's Figure 5: grid, lists, vertices, materials.

@@ -14,7 +14,7 @@ use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Device, Kernel, Options, Plan, Ray, RaySource, Renderer, Samples, ScheduleKind};
 use raystep_lab::reference::Triangles;
 use raystep_scenes::{Camera, Light, Projection, Scene};
-use raystep_tests::configurations::{Configuration, STEPPED};
+use raystep_tests::configurations::Configuration;
 use raystep_tests::{block_on, devices, gpu, gpu_of, options, parity, scene, scene_files, thorough, traced, values};
 
 mod stiff;
@@ -234,10 +234,10 @@ fn change(kernel: Kernel, from: &str, to: &str) -> impl FnOnce(&mut Plan) {
 fn a_broken_kernel_is_named() {
     let scene = scene("lights.gltf");
     let illuminate = PROGRAM.kernel("illuminate").expect("a kernel");
-    breaks_are_named(illuminate, &scene, &with_shadows(STEPPED.of(&options(&scene, 24, 24))));
     let several = Configuration::new(Accelerator::Grid, ScheduleKind::Compact, 8).of(&options(&scene, 24, 24));
-    // More lights than a dispatch has loop iterations: without one to cast a ray to, the next waits.
     let several = with_shadows(several);
+    breaks_are_named(illuminate, &scene, &several);
+    // More lights than a dispatch has loop iterations: without one to cast a ray to, the next waits.
     let whole = parity::compare_in_turns(&gpu(), &scene, &several, 1);
     assert!(!whole.is_broken(), "{:?} {:?}", whole.breaches, whole.miscounts);
     let (from, to) = ("LIGHTS_SUMMED + end", "LIGHTS_SUMMED + end + 1u");

@@ -78,7 +78,8 @@ fn light_by_mirrors_counts_once() {
     for gather in [Gather::Direct, Gather::Final] {
         let found = mean(&iterated(48, Photons { count: 2000, radius: 40, gather, ..Photons::default() }));
         println!("{gather}: {found}, path {expected}");
-        assert!((found / expected - 1.0).abs() < 0.06, "{gather}: {found}, not {expected}");
+        // Chance and circles over edges cost 0.3%; a lamp that counts twice adds 3%.
+        assert!((found / expected - 1.0).abs() < 0.012, "{gather}: {found}, not {expected}");
     }
 }
 
