@@ -8,7 +8,7 @@
 //!    then `scatter_photons`, which stores each at diffuse surfaces, but for its first, and reflects or absorbs it by Russian
 //!    roulette with the albedo. What light comes straight from an emitter, shadow rays find.
 //! 2. `key_photons` finds the cell of each record, and they are sorted by it: by a bitonic sort and a binary search for the
-//!    first record of each cell, as in the paper; or by a radix sort, from [`primitives`](super::primitives), and the same
+//!    first record of each cell, as in the paper; or by a radix sort, from [`primitives`], and the same
 //!    search. The lists are the same, bit for bit.
 //! 3. Rays from the camera are followed through mirrors and glass to a diffuse surface, whose direct light is that of
 //!    `sample_light`, as along paths. `gather` looks for the photons near it, a cell in each pass, and `look_up` adds the
