@@ -53,12 +53,13 @@ fn with_intervals(rays: &[Ray], any_hit: bool) -> Vec<Ray> {
 fn slices_of_any_length_hit_what_a_run_alone_hits() {
     let scene = Arc::new(scene("primitives.gltf"));
     let whole = rays::random(&scene, 9000, 4);
-    for (name, device) in devices() {
+    for (name, device) in devices().into_iter().chain([("f64", Device::CpuF64(None))]) {
         for (accelerator, schedule) in [
             (Accelerator::Bvh, ScheduleKind::Fused),
             (Accelerator::Bvh, ScheduleKind::Compact),
             (Accelerator::Grid, ScheduleKind::Fused),
             (Accelerator::Grid, ScheduleKind::Compact),
+            (Accelerator::Irregular, ScheduleKind::Fused),
             (Accelerator::None, ScheduleKind::Fused),
         ] {
             for any_hit in [false, true] {

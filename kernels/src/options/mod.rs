@@ -26,7 +26,7 @@ use keep::Keep;
 pub use light::{Environment, Integrator, MAX_DEPTH, MOST_BOUNCES, MOST_DEPTH, Strategy};
 use mapping::Mapping;
 pub use photons::{Gather, Neighbours, PhotonSort, Photons};
-pub use rays::{Ray, RaySource};
+pub use rays::{FileRay, Ray, RayColumns, RayLayout, RaySource};
 use replacement::Replacement;
 use samples::Samples;
 use scene_data::SceneDataKind;

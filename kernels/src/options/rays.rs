@@ -88,3 +88,73 @@ impl RaySource {
         self
     }
 }
+
+/// A ray as a file has it, in the coordinates of a scene's file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FileRay {
+    /// Where it starts.
+    pub origin: [f64; 3],
+    /// Direction; any length but 0.
+    pub direction: [f32; 3],
+    /// The t between which hits count.
+    pub interval: [f32; 2],
+}
+
+impl FileRay {
+    /// The ray in a scene with this offset, see [`raystep_scenes::Scene::offset`].
+    #[must_use]
+    pub fn in_scene(&self, offset: DVec3) -> Ray {
+        let [t_min, t_max] = self.interval;
+        let origin = (DVec3::from_array(self.origin) - offset).as_vec3().to_array();
+        Ray::new(origin, self.direction).between(t_min, t_max)
+    }
+}
+
+/// How a file has its rays: floats of 4 or 8 bytes, little-endian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayLayout {
+    /// Whether they have 8 bytes.
+    pub is_wide: bool,
+    /// Numbers of a ray.
+    pub columns: RayColumns,
+}
+
+/// The numbers of a ray in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayColumns {
+    /// Six: origin, direction.
+    Plain,
+    /// Eight: origin, t_min, direction, t_max.
+    WithInterval,
+    /// Eight, the fourth and the last unused.
+    Padded,
+}
+
+impl RayLayout {
+    /// Bytes of a ray.
+    #[must_use]
+    pub fn stride(self) -> usize {
+        let columns = if self.columns == RayColumns::Plain { 6 } else { 8 };
+        columns * if self.is_wide { 8 } else { 4 }
+    }
+
+    /// The ray in [`stride`](Self::stride) bytes.
+    #[must_use]
+    pub fn ray(self, bytes: &[u8]) -> FileRay {
+        let number = |i: usize| match self.is_wide {
+            true => bytes[8 * i..].first_chunk().map_or(0.0, |bytes| f64::from_le_bytes(*bytes)),
+            false => bytes[4 * i..].first_chunk().map_or(0.0, |bytes| f32::from_le_bytes(*bytes).into()),
+        };
+        let three = |i: usize| [number(i), number(i + 1), number(i + 2)];
+        let direction = three(if self.columns == RayColumns::Plain { 3 } else { 4 }).map(|d| d as f32);
+        let has_interval = self.columns == RayColumns::WithInterval;
+        let interval = if has_interval { [number(3), number(7)] } else { [0.0, f64::INFINITY] };
+        FileRay { origin: three(0), direction, interval: interval.map(|t| t as f32) }
+    }
+
+    /// Appends all rays in these bytes, in a scene with this offset. Here, as crates that convert them may be compiled
+    /// for size.
+    pub fn rays_in_scene(self, bytes: &[u8], offset: DVec3, rays: &mut Vec<Ray>) {
+        rays.extend(bytes.chunks_exact(self.stride()).map(|bytes| self.ray(bytes).in_scene(offset)));
+    }
+}

@@ -1,5 +1,6 @@
 //! Where the results of a program's rays are, so that images, hits and costs are read alike from every such program.
 
+use crate::options::Ray;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::stream::{Component, Stream, StreamData};
@@ -30,7 +31,13 @@ pub struct Results {
     pub counters: Stream,
     /// What a surface reflects of red, green and blue light, by triangle and weights of vertices 1 and 2, if the run shades.
     pub albedo: fn(&SceneData, u32, [f32; 2]) -> [f32; 3],
+    /// What a twin that traces a ray in one pass stores for it, in f32 and in f64.
+    pub hit_of: [HitOf; 2],
 }
+
+/// The triangle that a ray in traced units hits, t, and the weights of vertices 1 and 2, by a twin that takes no stream: in a run
+/// that reads its rays, and whose walks never wait.
+pub type HitOf = fn(&Ray, &SceneData) -> Option<(u32, [f32; 3])>;
 
 impl Results {
     /// The streams that every ray's hit follows from: origin, direction, t and triangle.

@@ -2,19 +2,21 @@
 //! it, one call after the other. Carr, Hall and Hart, *The Ray Engine* (2002), use a GPU in this way, as a coprocessor
 //! that intersects rays and triangles for a program on the CPU.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use raystep_scenes::Scene;
 
 use super::{Device, RenderError, Renderer};
-use crate::numbers::units::Units;
+use crate::numbers::parallel::{for_chunks, map_ranges};
+use crate::numbers::units::{Units, exp2};
 use crate::options::mapping::Mapping;
 use crate::options::samples::Samples;
 use crate::options::{Accelerator, Options, ProgramName, Ray, RaySource, ScheduleKind};
 use crate::plan::{FARTHEST, Plan, PlanError, tiled, why_untraceable};
-use crate::scene_data::{SceneData, as_f32};
+use crate::program::results::HitOf;
+use crate::scene_data::{SceneData, as_f32, traced_ray};
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::stream::Region;
 
@@ -61,6 +63,12 @@ const FEWEST_RAYS_GPU: u64 = 1 << 12;
 /// The same for the twins, which take longer for each texel.
 const FEWEST_RAYS_CPU: u64 = 1 << 4;
 
+/// Rays per task of their check.
+const RAYS_A_CHECK: usize = 1 << 12;
+
+/// Rays per task that casts them without streams: enough to be worth scheduling, few enough to balance the load.
+const RAYS_A_TASK: usize = 1 << 9;
+
 /// The structure is built for rays that start this many times as far from the world's origin as the scene reaches.
 const ORIGINS: f32 = 3.0;
 
@@ -103,6 +111,15 @@ pub struct Caster {
     unfinished: u64,
 }
 
+/// What rays need of the structure and the kernels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Needs {
+    /// Largest coordinate of an origin, in traced units.
+    farthest_origin: f32,
+    /// Whether their intervals must be looked up.
+    intervals: bool,
+}
+
 impl Caster {
     /// The options that are fastest for rays of any kind: the structure for the scene and the device, in one kernel.
     #[must_use]
@@ -136,8 +153,10 @@ impl Caster {
         let batch = batch.min(device.limits().rays);
         let (device, runs) = (device.clone(), Vec::new());
         let mut caster = Self { scene, options, device, plan, data, batch, farthest_origin, runs, unfinished: 0 };
-        // Uploads the scene, and shows now whether the device takes the kernels.
-        caster.run_for(1).await?;
+        if caster.hit_of().is_none() {
+            // Uploads the scene, and shows now whether the device takes the kernels.
+            caster.run_for(1).await?;
+        }
         Ok(caster)
     }
 
@@ -193,12 +212,12 @@ impl Caster {
     /// # Errors
     /// As for `cast`; `hits` may then have the results of some batches.
     pub async fn cast_into(&mut self, rays: &[Ray], hits: &mut Vec<CastHit>) -> Result<(), RenderError> {
-        for (index, ray) in rays.iter().enumerate() {
-            if let Some(reason) = self.fault(ray) {
-                return Err(PlanError::Ray { index, reason }.into());
-            }
+        let needs = self.needs(rays)?;
+        self.make_room_for(needs).await?;
+        if let Some(hit_of) = self.hit_of() {
+            self.cast_at_once(hit_of, rays, hits);
+            return Ok(());
         }
-        self.make_room_for(rays).await?;
         hits.reserve(rays.len());
         for batch in rays.chunks(usize::try_from(self.batch).unwrap_or(usize::MAX)) {
             self.cast_batch(batch, hits).await?;
@@ -206,10 +225,31 @@ impl Caster {
         Ok(())
     }
 
-    /// Builds the structure or composes the kernels anew if these rays need it.
-    async fn make_room_for(&mut self, rays: &[Ray]) -> Result<(), RenderError> {
-        let units = self.data.units;
-        let farthest = rays.iter().flat_map(|ray| ray.origin).fold(0.0, |m: f32, v| m.max(units.to_traced(v).abs()));
+    /// Checks the rays, and finds what they need.
+    fn needs(&self, rays: &[Ray]) -> Result<Needs, PlanError> {
+        let (units, any_hit) = (self.data.units, self.plan.features.any_hit);
+        let of_part = |range: Range<usize>| {
+            let mut needs = Needs::default();
+            for (index, ray) in range.clone().zip(&rays[range]) {
+                if let Some(reason) = self.fault(ray) {
+                    return Err(PlanError::Ray { index, reason });
+                }
+                let farthest = ray.origin.iter().fold(0.0, |m: f32, &v| m.max(units.to_traced(v).abs()));
+                needs.farthest_origin = needs.farthest_origin.max(farthest);
+                needs.intervals |= ray.needs_interval(any_hit);
+            }
+            Ok(needs)
+        };
+        map_ranges(rays.len(), RAYS_A_CHECK, of_part).into_iter().try_fold(Needs::default(), |all, part| {
+            let part = part?;
+            let farthest_origin = all.farthest_origin.max(part.farthest_origin);
+            Ok(Needs { farthest_origin, intervals: all.intervals || part.intervals })
+        })
+    }
+
+    /// Builds the structure or composes the kernels anew if rays need it.
+    async fn make_room_for(&mut self, needs: Needs) -> Result<(), RenderError> {
+        let farthest = needs.farthest_origin;
         let has_intervals = self.plan.features.intervals;
         // Boxes that are grown for each ray serve all of them.
         let serves_all = self.plan.features.bvh && self.plan.features.ray_padding;
@@ -221,8 +261,7 @@ impl Caster {
                 self.plan.read_intervals(Arc::make_mut(&mut self.data))?;
             }
         }
-        let any_hit = self.plan.features.any_hit;
-        if !self.plan.features.intervals && rays.iter().any(|ray| ray.needs_interval(any_hit)) {
+        if !self.plan.features.intervals && needs.intervals {
             self.runs.clear();
             self.plan.read_intervals(Arc::make_mut(&mut self.data))?;
         }
@@ -244,6 +283,33 @@ impl Caster {
             self.runs.insert(place, run);
         }
         Ok(&mut self.runs[place])
+    }
+
+    /// What a ray hits, if the twins can keep it in registers from its start to its hit.
+    fn hit_of(&self) -> Option<HitOf> {
+        let Plan { program, features, .. } = &self.plan;
+        let is_at_once = self.options.schedule == ScheduleKind::Fused && !features.resumes;
+        let [in_f32, in_f64] = program.results.filter(|_| is_at_once && self.plan.replaced().is_empty())?.hit_of;
+        match self.device {
+            #[cfg(feature = "gpu")]
+            Device::Gpu(_) => None,
+            Device::Cpu(_) => Some(in_f32),
+            Device::CpuF64(_) => Some(in_f64),
+        }
+    }
+
+    /// Casts all rays on all cores, without streams.
+    fn cast_at_once(&self, hit_of: HitOf, rays: &[Ray], hits: &mut Vec<CastHit>) {
+        let first = hits.len();
+        hits.resize(first + rays.len(), CastHit::MISS);
+        for_chunks(&mut hits[first..], RAYS_A_TASK, |begin, hits| {
+            for (hit, ray) in hits.iter_mut().zip(&rays[begin..]) {
+                let (traced, exponent) = traced_ray(ray, self.data.units);
+                if let Some((triangle, values)) = hit_of(&traced, &self.data) {
+                    *hit = hit_in_scene(&self.scene, triangle, values, exp2(exponent));
+                }
+            }
+        });
     }
 
     async fn cast_batch(&mut self, rays: &[Ray], hits: &mut Vec<CastHit>) -> Result<(), RenderError> {
@@ -273,13 +339,17 @@ impl Caster {
         hits.extend((0..rays.len()).map(place).map(|ray| {
             let Some((triangle, t)) = results.hit(&state, &hit, ray) else { return CastHit::MISS };
             let [u, v] = results.weights.map(|layer| hit.get_f32(layer, ray));
-            let t = as_f32(f64::from(t) * run.t_scale(ray));
-            let material = scene.triangle_materials.get(triangle as usize).copied().unwrap_or(u32::MAX);
-            CastHit { t, u, v, triangle, material }
+            hit_in_scene(&scene, triangle, [t, u, v], run.t_scale(ray))
         }));
         self.unfinished = any_unfinished + run.unfinished();
         Ok(())
     }
+}
+
+/// The result of a ray, from its hit in traced units.
+fn hit_in_scene(scene: &Scene, triangle: u32, [t, u, v]: [f32; 3], t_scale: f64) -> CastHit {
+    let material = scene.triangle_materials.get(triangle as usize).copied().unwrap_or(u32::MAX);
+    CastHit { t: as_f32(f64::from(t) * t_scale), u, v, triangle, material }
 }
 
 /// Largest coordinate of a scene, in traced units.

@@ -55,29 +55,29 @@ impl<R: Real> Shear<R> {
         Self { x: -(x / z), y: -(y / z), z: R::one() / z, axis }
     }
 
-    /// A corner relative to the origin, projected across the ray.
+    /// The corners relative to the origin, their axes changed.
     #[inline(always)]
-    fn across<const CONTRACTED: bool>(&self, corner: Vec3<R>) -> [R; 2] {
-        let [x, y, z] = with_largest_last(corner, self.axis);
+    fn seen(&self, origin: Vec3<R>, [a, b, c]: [Vec3<R>; 3]) -> [[R; 3]; 3] {
+        let seen = |corner: Vec3<R>| with_largest_last(corner - origin, self.axis);
+        [seen(a), seen(b), seen(c)]
+    }
+
+    /// Such a corner, projected across the ray.
+    #[inline(always)]
+    fn across<const CONTRACTED: bool>(&self, [x, y, z]: [R; 3]) -> [R; 2] {
         if CONTRACTED {
             return [z.fused(self.x, x), z.fused(self.y, y)];
         }
         [z * self.x + x, z * self.y + y]
-    }
-
-    /// A corner's depth along the ray, in units of t.
-    #[inline(always)]
-    fn along(&self, corner: Vec3<R>) -> R {
-        corner.to_array()[self.axis] * self.z
     }
 }
 
 /// A vector whose z and component `axis` have changed places.
 #[inline(always)]
 fn with_largest_last<R: Real>(v: Vec3<R>, axis: usize) -> [R; 3] {
-    let mut v = v.to_array();
-    v.swap(axis, 2);
-    v
+    let (is_x, is_y) = (axis == 0, axis == 1);
+    let last = if is_y { v.y } else { v.z };
+    [if is_x { v.z } else { v.x }, if is_y { v.z } else { v.y }, if is_x { v.x } else { last }]
 }
 
 /// The rules of the triangle test.
@@ -90,7 +90,7 @@ pub struct TriangleRules {
 }
 
 /// Tests a triangle by the rules of a run; `shear` belongs to the direction.
-#[inline]
+#[inline(always)]
 pub fn hit_triangle<R: Real>(
     rules: TriangleRules,
     origin: Vec3<R>,
@@ -106,18 +106,18 @@ pub fn hit_triangle<R: Real>(
 }
 
 /// Woop, Benthin and Wald (2013): no ray passes between two triangles that share an edge.
-#[inline]
+#[inline(always)]
 pub fn watertight<R: Real, const CONTRACTED: bool>(
     origin: Vec3<R>,
     shear: &Shear<R>,
-    [a, b, c]: [Vec3<R>; 3],
+    corners: [Vec3<R>; 3],
 ) -> Candidate<R> {
-    let corners = [a - origin, b - origin, c - origin];
-    let (weights, is_inside) = weights::<R, CONTRACTED>(shear, &corners);
+    let seen = shear.seen(origin, corners);
+    let (weights, is_inside) = weights::<R, CONTRACTED>(shear, seen);
     if !is_inside {
         return Candidate { t: R::zero(), u: R::zero(), v: R::zero(), is_hit: false };
     }
-    let on_plane = on_plane::<R, CONTRACTED>(shear, &corners, weights);
+    let on_plane = on_plane::<R, CONTRACTED>(shear, seen, weights);
     let det = weights[0] + weights[1] + weights[2];
     let is_hit = det != R::zero() && on_plane.t > R::zero() && on_plane.t < R::from_f32(INF);
     Candidate { is_hit, ..on_plane }
@@ -125,15 +125,14 @@ pub fn watertight<R: Real, const CONTRACTED: bool>(
 
 /// Where the ray meets the triangle's plane, inside the triangle or not: explains why [`watertight`] missed.
 pub fn plane_hit<R: Real>(origin: Vec3<R>, shear: &Shear<R>, corners: [Vec3<R>; 3]) -> Candidate<R> {
-    let corners = corners.map(|corner| corner - origin);
-    on_plane::<R, false>(shear, &corners, weights::<R, false>(shear, &corners).0)
+    let seen = shear.seen(origin, corners);
+    on_plane::<R, false>(shear, seen, weights::<R, false>(shear, seen).0)
 }
 
-/// The corners' weights, not yet divided by their sum, and whether all have the same sign. The corners are relative to
-/// the origin.
+/// The corners' weights, not yet divided by their sum, and whether all have the same sign.
 #[inline(always)]
-fn weights<R: Real, const CONTRACTED: bool>(shear: &Shear<R>, [a, b, c]: &[Vec3<R>; 3]) -> ([R; 3], bool) {
-    let [p, q, r] = [a, b, c].map(|corner| shear.across::<CONTRACTED>(*corner));
+fn weights<R: Real, const CONTRACTED: bool>(shear: &Shear<R>, [a, b, c]: [[R; 3]; 3]) -> ([R; 3], bool) {
+    let [p, q, r] = [shear.across::<CONTRACTED>(a), shear.across::<CONTRACTED>(b), shear.across::<CONTRACTED>(c)];
     let qr = q[0] * r[1];
     let rq = q[1] * r[0];
     let rp = r[0] * p[1];
@@ -143,31 +142,36 @@ fn weights<R: Real, const CONTRACTED: bool>(shear: &Shear<R>, [a, b, c]: &[Vec3<
     let front = qr >= rq && rp >= pr && pq >= qp;
     let back = qr <= rq && rp <= pr && pq <= qp;
     let minus = |x: R, y: R, product: R, other: R| if CONTRACTED { x.fused(y, -other) } else { product - other };
-    let mut weights = [minus(q[0], r[1], qr, rq), minus(r[0], p[1], rp, pr), minus(p[0], q[1], pq, qp)];
+    let weights = [minus(q[0], r[1], qr, rq), minus(r[0], p[1], rp, pr), minus(p[0], q[1], pq, qp)];
     if !(front || back) {
         return (weights, false);
     }
-    if qr == rq || rp == pr || pq == qp {
-        let (mut tail, mut head) = (q, r);
-        for (edge, next) in [p, q, r].into_iter().enumerate() {
-            if tail[0] * head[1] == tail[1] * head[0] {
-                weights[edge] = R::below_rounding([tail[0], head[1]], [tail[1], head[0]]);
-            }
-            (tail, head) = (head, next);
-        }
-        let (one, other) = (weights.iter().any(|w| *w < R::zero()), weights.iter().any(|w| *w > R::zero()));
-        return (weights, !(one && other));
-    }
-    (weights, true)
+    if qr == rq || rp == pr || pq == qp { on_edges([p, q, r], weights) } else { (weights, true) }
 }
 
+/// The same for a ray on an edge, as far as f32's products tell.
+#[cold]
+fn on_edges<R: Real>([p, q, r]: [[R; 2]; 3], mut weights: [R; 3]) -> ([R; 3], bool) {
+    let (mut tail, mut head) = (q, r);
+    for (edge, next) in [p, q, r].into_iter().enumerate() {
+        if tail[0] * head[1] == tail[1] * head[0] {
+            weights[edge] = R::below_rounding([tail[0], head[1]], [tail[1], head[0]]);
+        }
+        (tail, head) = (head, next);
+    }
+    let (one, other) = (weights.iter().any(|w| *w < R::zero()), weights.iter().any(|w| *w > R::zero()));
+    (weights, !(one && other))
+}
+
+#[inline(always)]
 fn on_plane<R: Real, const CONTRACTED: bool>(
     shear: &Shear<R>,
-    corners: &[Vec3<R>; 3],
+    corners: [[R; 3]; 3],
     [a, b, c]: [R; 3],
 ) -> Candidate<R> {
     let inverse = R::one() / (a + b + c);
-    let [p, q, r] = corners.map(|corner| shear.along(corner));
+    // Depths, in units of t.
+    let [p, q, r] = corners.map(|[_, _, depth]| depth * shear.z);
     // Divided first: a weight times a depth is a cubed length, which underflows long before either factor does.
     let [w, u, v] = [a * inverse, b * inverse, c * inverse];
     let t = if CONTRACTED { w.fused(p, u.fused(q, v * r)) } else { w * p + (u * q + v * r) };

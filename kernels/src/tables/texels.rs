@@ -29,6 +29,9 @@ impl Layout {
     }
 }
 
+/// That of no streams.
+static NO_STREAMS: Layout = Layout { first: [None; MOST_STREAMS], stride: 0, table: &[] };
+
 /// The texels of one ray in every stream.
 pub struct Texels<'a, R: Real> {
     row: &'a mut [R::Bits],
@@ -44,6 +47,12 @@ impl<'a, R: Real> Texels<'a, R> {
     pub(crate) fn new(row: &'a mut [R::Bits], layout: &'a Layout, x: u32, y: u32) -> Self {
         Self { row, layout, x, y }
     }
+
+    /// A ray without streams, for what keeps it in registers.
+    pub(crate) fn none() -> Self {
+        Self { row: &mut [], layout: &NO_STREAMS, x: 0, y: 0 }
+    }
+
     fn index(&self, stream: Stream, layer: usize) -> usize {
         debug_assert!(
             self.layout.table.get(stream.index()).is_some_and(|info| Stream::of(info) == stream),

@@ -15,7 +15,8 @@ use std::io::{self, Read};
 use glam::DVec3;
 use raystep_kernels::named;
 use raystep_kernels::numbers::npy::{Header, NpyError, fill};
-use raystep_kernels::options::Ray;
+pub use raystep_kernels::options::FileRay;
+use raystep_kernels::options::{Ray, RayColumns, RayLayout};
 use raystep_scenes::Scene;
 
 use crate::Hash;
@@ -46,27 +47,6 @@ pub enum BadRays {
 }
 
 named!(BadRays, "error, miss", Error "error", Miss "miss");
-
-/// A ray as a file has it, in the coordinates of a scene's file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FileRay {
-    /// Where it starts.
-    pub origin: [f64; 3],
-    /// Direction; any length but 0.
-    pub direction: [f32; 3],
-    /// The t between which hits count.
-    pub interval: [f32; 2],
-}
-
-impl FileRay {
-    /// The ray in a scene with this offset, see [`raystep_scenes::Scene::offset`].
-    #[must_use]
-    pub fn in_scene(&self, offset: DVec3) -> Ray {
-        let [t_min, t_max] = self.interval;
-        let origin = (DVec3::from_array(self.origin) - offset).as_vec3().to_array();
-        Ray::new(origin, self.direction).between(t_min, t_max)
-    }
-}
 
 /// Rays of a file in a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -150,12 +130,7 @@ fn of(rays: Option<u64>) -> String {
 /// Reads rays in batches.
 pub struct RaysReader<R> {
     input: R,
-    /// Numbers per ray.
-    columns: usize,
-    /// Bytes per number: 4 or 8.
-    width: usize,
-    /// Whether the fourth and eighth of eight numbers are t_min and t_max.
-    has_intervals: bool,
+    layout: RayLayout,
     bad_rays: BadRays,
     total: Option<u64>,
     done: u64,
@@ -168,21 +143,21 @@ impl<R: Read> RaysReader<R> {
     /// # Errors
     /// If the stream fails, or has no rays in this format.
     pub fn new(mut input: R, format: RaysFormat, rays: Option<u64>) -> Result<Self, RaysError> {
-        let (columns, width, has_intervals, total) = match format {
-            RaysFormat::F32 => (8, 4, false, rays),
+        let (layout, total) = match format {
+            RaysFormat::F32 => (RayLayout { is_wide: false, columns: RayColumns::Padded }, rays),
             RaysFormat::Npy => {
                 let header = Header::read(&mut input)?;
                 let types = ["<f4", "<f8"];
                 let found = header.expect_type(&types, "'<f4' or '<f8' (float32 or float64, little-endian)")?;
-                let width = if found == types[1] { 8 } else { 4 };
+                let is_wide = found == types[1];
                 match header.shape[..] {
-                    [rays, columns @ (6 | 8)] => (columns as usize, width, columns == 8, Some(rays)),
+                    [rays, 6] => (RayLayout { is_wide, columns: RayColumns::Plain }, Some(rays)),
+                    [rays, 8] => (RayLayout { is_wide, columns: RayColumns::WithInterval }, Some(rays)),
                     _ => return Err(header.wrong_shape("(N, 6) or (N, 8)").into()),
                 }
             }
         };
-        let bad_rays = BadRays::default();
-        Ok(Self { input, columns, width, has_intervals, bad_rays, total, done: 0, bytes: Vec::new() })
+        Ok(Self { input, layout, bad_rays: BadRays::default(), total, done: 0, bytes: Vec::new() })
     }
 
     /// What becomes of rays that cannot be traced in any scene.
@@ -209,17 +184,18 @@ impl<R: Read> RaysReader<R> {
     /// # Errors
     /// If the stream fails or ends within a ray, or a ray cannot be traced in any scene.
     pub fn read(&mut self, most: usize, offset: DVec3, batch: &mut Batch) -> Result<usize, RaysError> {
-        let bad_rays = self.bad_rays;
-        self.read_each(most, |ray| {
-            let ray = ray.in_scene(offset);
-            batch.rays.push(ray);
-            match ray.fault() {
-                Some(fault) if bad_rays == BadRays::Error => return Some(fault),
-                Some(_) => batch.replace(batch.rays.len() - 1),
+        let (count, end) = self.fill(most)?;
+        let first = batch.rays.len();
+        self.layout.rays_in_scene(&self.bytes[..count * self.layout.stride()], offset, &mut batch.rays);
+        for index in first..batch.rays.len() {
+            match batch.rays[index].fault() {
+                Some(reason) if self.bad_rays == BadRays::Error => return Err(self.wrong(index - first, reason)),
+                Some(_) => batch.replace(index),
                 None => {}
             }
-            None
-        })
+        }
+        self.done += count as u64;
+        end.map(|()| count)
     }
 
     /// Hands on up to `most` rays, and ends with an error where `take` tells one.
@@ -228,34 +204,32 @@ impl<R: Read> RaysReader<R> {
         most: usize,
         mut take: impl FnMut(FileRay) -> Option<&'static str>,
     ) -> Result<usize, RaysError> {
-        let left = self.total.map_or(u64::MAX, |total| total - self.done);
-        let wanted = most.min(usize::try_from(left).unwrap_or(usize::MAX));
-        let stride = self.width * self.columns;
-        self.bytes.resize(wanted * stride, 0);
-        let read = fill(&mut self.input, &mut self.bytes)?;
-        let (count, rest) = (read / stride, read % stride);
-        for ray in self.bytes[..count * stride].chunks_exact(stride) {
-            if let Some(reason) = take(self.ray(ray)) {
-                return Err(RaysError::Ray { index: self.done, rays: self.total, reason });
+        let (count, end) = self.fill(most)?;
+        for (index, ray) in self.bytes.chunks_exact(self.layout.stride()).take(count).enumerate() {
+            if let Some(reason) = take(self.layout.ray(ray)) {
+                return Err(self.wrong(index, reason));
             }
-            self.done += 1;
         }
-        if rest > 0 || (count < wanted && self.total.is_some()) {
-            return Err(RaysError::Truncated { after: self.done, rays: self.total, bytes: rest });
-        }
-        Ok(count)
+        self.done += count as u64;
+        end.map(|()| count)
     }
 
-    /// The ray in these bytes.
-    fn ray(&self, bytes: &[u8]) -> FileRay {
-        let number = |i: usize| match self.width {
-            8 => bytes[8 * i..].first_chunk().map_or(0.0, |bytes| f64::from_le_bytes(*bytes)),
-            _ => bytes[4 * i..].first_chunk().map_or(0.0, |bytes| f32::from_le_bytes(*bytes).into()),
-        };
-        let three = |i: usize| [number(i), number(i + 1), number(i + 2)];
-        let direction = three(if self.columns == 6 { 3 } else { 4 }).map(|d| d as f32);
-        let interval = if self.has_intervals { [number(3), number(7)] } else { [0.0, f64::INFINITY] };
-        FileRay { origin: three(0), direction, interval: interval.map(|t| t as f32) }
+    /// Reads the bytes of up to `most` rays. Returns how many are complete, and the error if there should be more.
+    fn fill(&mut self, most: usize) -> Result<(usize, Result<(), RaysError>), RaysError> {
+        let left = self.total.map_or(u64::MAX, |total| total - self.done);
+        let wanted = most.min(usize::try_from(left).unwrap_or(usize::MAX));
+        let stride = self.layout.stride();
+        self.bytes.resize(wanted * stride, 0);
+        let read = fill(&mut self.input, &mut self.bytes)?;
+        let (count, bytes) = (read / stride, read % stride);
+        let is_short = bytes > 0 || (count < wanted && self.total.is_some());
+        let truncated = RaysError::Truncated { after: self.done + count as u64, rays: self.total, bytes };
+        Ok((count, if is_short { Err(truncated) } else { Ok(()) }))
+    }
+
+    /// The error of a ray among those that were read last.
+    fn wrong(&self, index: usize, reason: &'static str) -> RaysError {
+        RaysError::Ray { index: self.done + index as u64, rays: self.total, reason }
     }
 
     /// Checks that nothing follows the last ray.

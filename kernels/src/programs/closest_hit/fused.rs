@@ -8,14 +8,15 @@ mod irregular;
 mod waiting;
 mod waiting_in_grid;
 
-use crate::numbers::real::Real;
-use crate::options::features::StructureKind;
+use crate::numbers::real::{Real, Vec3};
+use crate::options::Ray;
+use crate::options::features::{Features, StructureKind};
 use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_surface};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
 use crate::shared::camera::eye_ray;
-use crate::shared::constants::INF;
+use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::texels::Texels;
 use waiting::Wait;
 
@@ -46,6 +47,19 @@ fn walk<R: Real>(trace: &mut Trace<R>, wait: &mut Wait, ray: &mut Texels<'_, R>,
 /// The same of a ray in registers, in a run whose walks never wait.
 pub(in crate::programs) fn traced<R: Real>(trace: &mut Trace<R>, ray: &mut Texels<'_, R>, scene: &SceneData) {
     walk(trace, &mut Wait::default(), ray, scene);
+}
+
+/// [`HitOf`](crate::program::results::HitOf): what [`fused`] stores for a ray.
+pub(super) fn hit_of<R: Real>(ray: &Ray, scene: &SceneData) -> Option<(u32, [f32; 3])> {
+    let Features { any_hit, intervals, .. } = scene.features;
+    let ends = [ray.t_min, ray.t_max].map(R::from_f32);
+    let far = R::from_f32(INF);
+    let (t, interval) = (if any_hit { ends[1] } else { far }, if intervals { ends } else { [R::zero(), far] });
+    let [origin, direction] = [ray.origin, ray.direction].map(Vec3::from_f32);
+    let mut trace = Trace::new(origin, direction, interval, NO_TRIANGLE, t);
+    traced(&mut trace, &mut Texels::none(), scene);
+    let [t, u, v] = [trace.t, trace.u, trace.v].map(|value| value.to_f64() as f32);
+    (trace.triangle != NO_TRIANGLE && t < INF).then_some((trace.triangle, [t, u, v]))
 }
 
 /// Processes one ray.

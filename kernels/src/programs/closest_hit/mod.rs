@@ -64,6 +64,7 @@ pub(in crate::programs) const RESULTS: Results = Results {
     blocks: streams::BLOCKS,
     counters: streams::COUNTERS,
     albedo: shade::surface::albedo,
+    hit_of: [fused::hit_of::<f32>, fused::hit_of::<f64>],
 };
 
 /// The program.

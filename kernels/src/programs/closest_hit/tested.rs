@@ -8,7 +8,7 @@ use crate::shared::triangle::{hit_triangle, is_nearer};
 
 impl<R: Real> Trace<R> {
     /// Tests one triangle; `cell` matters only if hits must lie in it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn test(&mut self, scene: &SceneData, entry: u32, cell: [i32; 3]) {
         let features = &scene.features;
         let packed = &scene.packed_triangles[entry as usize];
