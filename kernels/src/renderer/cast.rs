@@ -54,7 +54,7 @@ impl CastHit {
 /// Rays per batch on a GPU, unless it has room for fewer: enough to keep it busy, in about 150 MB.
 pub const RAYS_A_BATCH_GPU: u64 = 1 << 20;
 
-/// Rays per batch of the twins: more would fall out of the CPU's caches between two passes over them.
+/// Rays per batch of the twins, if they take streams: more would fall out of the CPU's caches between two passes over them.
 pub const RAYS_A_BATCH_CPU: u64 = 1 << 16;
 
 /// Fewest rays that streams are allocated for on a GPU, which takes as long for one.
@@ -75,7 +75,8 @@ const ORIGINS: f32 = 3.0;
 /// A scene on a device, through which rays are cast.
 ///
 /// A slice of any length is traced in batches. Their streams are allocated once for each power of four of rays; a batch
-/// takes the smallest that hold it. The structure's cells or boxes are grown by a bound on rounding errors that depends
+/// takes the smallest that hold it. On a CPU, where one kernel traces a ray from start to end, there are neither: rays stay
+/// in registers. The structure's cells or boxes are grown by a bound on rounding errors that depends
 /// on where rays start: if a ray starts farther from the world's origin than three times the scene's farthest point, and
 /// farther than every ray before, the structure is built anew once. A BVH whose boxes are grown for each ray stays.
 ///
