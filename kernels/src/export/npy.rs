@@ -162,6 +162,9 @@ impl HitsArray {
 
     /// Appends hits.
     pub fn write(self, out: &mut Vec<u8>, hits: &[CastHit]) {
+        if self == Self::Structured && cfg!(target_endian = "little") {
+            return out.extend_from_slice(bytemuck::cast_slice(hits));
+        }
         for hit in hits {
             let words = [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.triangle, hit.material];
             match self {

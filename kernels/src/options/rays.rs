@@ -35,10 +35,14 @@ impl Ray {
 
     /// What is wrong with the ray in any scene: a component that is not finite, a direction of 0, an empty interval.
     #[must_use]
+    #[inline]
     pub fn fault(&self) -> Option<&'static str> {
-        if self.direction.iter().chain(&self.origin).any(|v| !v.is_finite()) {
+        // Without branches between the numbers: every ray of a file is asked.
+        let are_finite = |[x, y, z]: [f32; 3]| x.is_finite() & y.is_finite() & z.is_finite();
+        let [x, y, z] = self.direction;
+        if !(are_finite(self.origin) & are_finite(self.direction)) {
             Some("a component is not finite")
-        } else if self.direction == [0.0; 3] {
+        } else if (x == 0.0) & (y == 0.0) & (z == 0.0) {
             Some("its direction is 0")
         } else if !self.t_min.is_finite() || self.t_min < 0.0 {
             Some("its t_min is not a finite number from 0 on")
@@ -47,6 +51,13 @@ impl Ray {
         } else {
             None
         }
+    }
+
+    /// The first of these rays with a [`fault`](Self::fault), and what is wrong. Here, as crates that read many rays may be
+    /// compiled for size.
+    #[must_use]
+    pub fn first_fault(rays: &[Self]) -> Option<(usize, &'static str)> {
+        rays.iter().enumerate().find_map(|(index, ray)| Some((index, ray.fault()?)))
     }
 
     /// Whether the kernels must look up its interval. The t_max of a ray that ends at any hit is its initial t.
@@ -103,6 +114,7 @@ pub struct FileRay {
 impl FileRay {
     /// The ray in a scene with this offset, see [`raystep_scenes::Scene::offset`].
     #[must_use]
+    #[inline(always)]
     pub fn in_scene(&self, offset: DVec3) -> Ray {
         let [t_min, t_max] = self.interval;
         let origin = (DVec3::from_array(self.origin) - offset).as_vec3().to_array();
@@ -133,6 +145,7 @@ pub enum RayColumns {
 impl RayLayout {
     /// Bytes of a ray.
     #[must_use]
+    #[inline(always)]
     pub fn stride(self) -> usize {
         let columns = if self.columns == RayColumns::Plain { 6 } else { 8 };
         columns * if self.is_wide { 8 } else { 4 }
@@ -140,21 +153,46 @@ impl RayLayout {
 
     /// The ray in [`stride`](Self::stride) bytes.
     #[must_use]
+    #[inline(always)]
     pub fn ray(self, bytes: &[u8]) -> FileRay {
-        let number = |i: usize| match self.is_wide {
-            true => bytes[8 * i..].first_chunk().map_or(0.0, |bytes| f64::from_le_bytes(*bytes)),
-            false => bytes[4 * i..].first_chunk().map_or(0.0, |bytes| f32::from_le_bytes(*bytes).into()),
+        let mut numbers = [0.0; 8];
+        if self.is_wide {
+            let each = bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
+            numbers.iter_mut().zip(each).for_each(|(number, read)| *number = read);
+        } else {
+            let each = bytes.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes).into());
+            numbers.iter_mut().zip(each).for_each(|(number, read)| *number = read);
+        }
+        let [x, y, z, fourth, fifth, sixth, seventh, last] = numbers;
+        let (direction, interval) = match self.columns {
+            RayColumns::Plain => ([fourth, fifth, sixth], [0.0, f64::INFINITY]),
+            RayColumns::WithInterval => ([fifth, sixth, seventh], [fourth, last]),
+            RayColumns::Padded => ([fifth, sixth, seventh], [0.0, f64::INFINITY]),
         };
-        let three = |i: usize| [number(i), number(i + 1), number(i + 2)];
-        let direction = three(if self.columns == RayColumns::Plain { 3 } else { 4 }).map(|d| d as f32);
-        let has_interval = self.columns == RayColumns::WithInterval;
-        let interval = if has_interval { [number(3), number(7)] } else { [0.0, f64::INFINITY] };
-        FileRay { origin: three(0), direction, interval: interval.map(|t| t as f32) }
+        let [dx, dy, dz] = direction;
+        let [t_min, t_max] = interval;
+        FileRay {
+            origin: [x, y, z],
+            direction: [dx as f32, dy as f32, dz as f32],
+            interval: [t_min as f32, t_max as f32],
+        }
     }
 
     /// Appends all rays in these bytes, in a scene with this offset. Here, as crates that convert them may be compiled
     /// for size.
     pub fn rays_in_scene(self, bytes: &[u8], offset: DVec3, rays: &mut Vec<Ray>) {
-        rays.extend(bytes.chunks_exact(self.stride()).map(|bytes| self.ray(bytes).in_scene(offset)));
+        // A loop for each layout, which is known in it.
+        macro_rules! each {
+            ($($is_wide:literal $columns:ident),+) => {
+                match (self.is_wide, self.columns) {
+                    $(($is_wide, RayColumns::$columns) => {
+                        let layout = Self { is_wide: $is_wide, columns: RayColumns::$columns };
+                        let each = bytes.chunks_exact(layout.stride());
+                        rays.extend(each.map(|bytes| layout.ray(bytes).in_scene(offset)));
+                    })+
+                }
+            };
+        }
+        each!(false Plain, false WithInterval, false Padded, true Plain, true WithInterval, true Padded);
     }
 }

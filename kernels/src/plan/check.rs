@@ -266,6 +266,7 @@ pub(crate) fn check_rays(options: &Options, units: Units) -> Result<(), PlanErro
 }
 
 /// Why an input ray cannot be traced, if it cannot.
+#[inline]
 pub(crate) fn why_untraceable(ray: &Ray, units: Units) -> Option<&'static str> {
     let is_far = |v: &f32| f64::from(units.to_traced(*v).abs()) > FARTHEST;
     let far = || ray.origin.iter().any(is_far).then_some("its origin is too far from the scene for its size");

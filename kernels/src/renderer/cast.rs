@@ -232,10 +232,12 @@ impl Caster {
         let of_part = |range: Range<usize>| {
             let mut needs = Needs::default();
             for (index, ray) in range.clone().zip(&rays[range]) {
-                if let Some(reason) = self.fault(ray) {
+                let farthest = ray.origin.iter().fold(0.0, |m: f32, &v| m.max(units.to_traced(v).abs()));
+                if (ray.fault().is_some() || f64::from(farthest) > FARTHEST)
+                    && let Some(reason) = self.fault(ray)
+                {
                     return Err(PlanError::Ray { index, reason });
                 }
-                let farthest = ray.origin.iter().fold(0.0, |m: f32, &v| m.max(units.to_traced(v).abs()));
                 needs.farthest_origin = needs.farthest_origin.max(farthest);
                 needs.intervals |= ray.needs_interval(any_hit);
             }

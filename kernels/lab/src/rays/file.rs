@@ -187,12 +187,13 @@ impl<R: Read> RaysReader<R> {
         let (count, end) = self.fill(most)?;
         let first = batch.rays.len();
         self.layout.rays_in_scene(&self.bytes[..count * self.layout.stride()], offset, &mut batch.rays);
-        for index in first..batch.rays.len() {
-            match batch.rays[index].fault() {
-                Some(reason) if self.bad_rays == BadRays::Error => return Err(self.wrong(index - first, reason)),
-                Some(_) => batch.replace(index),
-                None => {}
+        let mut from = first;
+        while let Some((index, reason)) = Ray::first_fault(&batch.rays[from..]) {
+            if self.bad_rays == BadRays::Error {
+                return Err(self.wrong(from + index - first, reason));
             }
+            batch.replace(from + index);
+            from += index + 1;
         }
         self.done += count as u64;
         end.map(|()| count)
