@@ -7,6 +7,7 @@ pub mod camera;
 pub mod constants;
 pub mod dda;
 pub mod emitters;
+pub mod exact;
 pub mod grid_walk;
 pub mod irregular_walk;
 pub mod launch;
@@ -40,6 +41,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("grid", include_str!("grid.wgsl")),
     ("irregular_walk", include_str!("irregular_walk.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),
+    ("exact", include_str!("exact.wgsl")),
     ("texture", include_str!("texture.wgsl")),
     ("start", include_str!("start.wgsl")),
     ("photon_map", include_str!("photon_map.wgsl")),

@@ -21,11 +21,11 @@ use crate::structures::irregular::{self, IrregularData, Layout, Site};
 /// A kernel and its imports, as one text.
 pub(crate) fn composed(root: &str, wgsl: &str) -> String {
     let modules = modules(&Features::default());
-    let source = |name: &str| {
-        if name == root {
-            return Some(wgsl);
-        }
-        modules.iter().find(|(module, _)| *module == name).map(|(_, source)| source.as_ref())
+    let constants = crate::shared::constants::wgsl_module(0, 0, 0);
+    let source = |name: &str| match name {
+        "constants" => Some(constants.as_str()),
+        _ if name == root => Some(wgsl),
+        _ => modules.iter().find(|(module, _)| *module == name).map(|(_, source)| source.as_ref()),
     };
     compose(root, root, &source, &|_| None).expect("a text")
 }
@@ -43,6 +43,58 @@ pub(crate) fn gpu() -> Option<Arc<Gpu>> {
             None
         }
     }
+}
+
+/// What a shader leaves in its second buffer of so many words, from these bytes in its first, in workgroups of 64.
+#[cfg(feature = "gpu")]
+pub(crate) fn computed(gpu: &Gpu, (root, wgsl): (&str, &str), given: &[u8], words: usize, groups: u32) -> Vec<u32> {
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(root),
+        source: wgpu::ShaderSource::Wgsl(composed(root, wgsl).into()),
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(root),
+        layout: None,
+        module: &module,
+        entry_point: Some(root),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let inputs = gpu.filled_buffer("given", given, wgpu::BufferUsages::STORAGE);
+    let outputs = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("results"),
+        size: 4 * words as u64,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: inputs.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: outputs.as_entire_binding() },
+        ],
+    });
+    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read back"),
+        size: outputs.size(),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(groups, 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&outputs, 0, &copy, 0, outputs.size());
+    gpu.submit([encoder.finish()]);
+    copy.map_async(wgpu::MapMode::Read, .., |result| result.expect("mapped"));
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("a device that answers");
+    gpu.health().expect("a device that works");
+    let view = copy.get_mapped_range(..).expect("mapped");
+    bytemuck::pod_collect_to_vec(&view)
 }
 
 /// A run that builds these lists.

@@ -1,7 +1,6 @@
 //! Compares soft f64 with the processor's f64, bit for bit.
 
-use crate::executor::gpu::Gpu;
-use crate::programs::grid_build::device::tests::{composed, gpu};
+use crate::programs::grid_build::device::tests::{computed, gpu};
 
 /// Input of the shader: a and b, low word second, the bits of an f32 and of an i32.
 type Given = [u32; 6];
@@ -74,40 +73,9 @@ fn same(got: f64, wanted: f64, zeros: bool) -> bool {
     got.to_bits() == wanted.to_bits() || (got.is_nan() && wanted.is_nan()) || (zeros && got == 0.0 && wanted == 0.0)
 }
 
-/// All words of a buffer.
-fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<u32> {
-    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("read back"),
-        size: buffer.size(),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
-    gpu.submit([encoder.finish()]);
-    copy.map_async(wgpu::MapMode::Read, .., |result| result.expect("mapped"));
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("a device that answers");
-    gpu.health().expect("a device that works");
-    let view = copy.get_mapped_range(..).expect("mapped");
-    bytemuck::pod_collect_to_vec(&view)
-}
-
 #[test]
 fn every_operation_gives_the_bits_of_the_processors_f64() {
     let Some(gpu) = gpu() else { return };
-    let source = composed("ops", include_str!("ops.wgsl"));
-    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("soft f64"),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
-    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("soft f64"),
-        layout: None,
-        module: &module,
-        entry_point: Some("ops"),
-        compilation_options: Default::default(),
-        cache: None,
-    });
     const PAIRS: u32 = 1 << 18;
     for round in 0..4 {
         let mut random = fastrand::Rng::with_seed(round);
@@ -121,30 +89,8 @@ fn every_operation_gives_the_bits_of_the_processors_f64() {
                 [a_high, a_low, b_high, b_low, f32_bits, i32_bits]
             })
             .collect();
-        let inputs = gpu.filled_buffer("given", bytemuck::cast_slice(&given), wgpu::BufferUsages::STORAGE);
-        let outputs = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("results"),
-            size: 4 * WORDS as u64 * u64::from(PAIRS),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: inputs.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: outputs.as_entire_binding() },
-            ],
-        });
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(PAIRS / 64, 1, 1);
-        }
-        gpu.submit([encoder.finish()]);
-        let results = read(&gpu, &outputs);
+        let shader = ("ops", include_str!("ops.wgsl"));
+        let results = computed(&gpu, shader, bytemuck::cast_slice(&given), WORDS * PAIRS as usize, PAIRS / 64);
         assert_eq!(results.len(), WORDS * PAIRS as usize);
         for ((&(a, b), given), results) in pairs.iter().zip(&given).zip(results.chunks_exact(WORDS)) {
             let wanted = [

@@ -1,0 +1,165 @@
+//! Compares what integers of a fixed size decide with arbitrary ones, and a device with its twin.
+
+use std::cmp::Ordering;
+
+use num_bigint::{BigInt, Sign};
+
+use super::*;
+
+/// A ray and two triangles.
+type Given = [Point; 8];
+
+/// `value` · 2¹⁴⁹
+fn integer(value: f32) -> BigInt {
+    let (bits, exponent) = (value.to_bits(), value.to_bits() >> 23 & 0xff);
+    let fraction = BigInt::from(bits & 0x7f_ffff | if exponent > 0 { 0x80_0000 } else { 0 });
+    let magnitude = fraction << (exponent.max(1) - 1);
+    if bits >> 31 == 1 { -magnitude } else { magnitude }
+}
+
+fn dot(a: &[BigInt; 3], b: &[BigInt; 3]) -> BigInt {
+    (0..3).map(|i| &a[i] * &b[i]).sum()
+}
+
+fn minus(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
+    [0, 1, 2].map(|i| &a[i] - &b[i])
+}
+
+fn cross(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &a[i] * &b[j] - &a[j] * &b[i])
+}
+
+/// The distance of the plane and the weights of the three corners, in parts of the last number, which is not negative.
+fn parts(o: Point, d: Point, corners: [Point; 3]) -> ([BigInt; 4], BigInt) {
+    let [o, d] = [o, d].map(|point| point.map(integer));
+    let p = corners.map(|corner| minus(&corner.map(integer), &o));
+    let normal = cross(&minus(&p[1], &p[0]), &minus(&p[2], &p[0]));
+    let side = |i: usize, j: usize| dot(&d, &cross(&p[i], &p[j]));
+    let (along, mut parts) = (dot(&d, &normal), [dot(&p[0], &normal), side(1, 2), side(2, 0), side(0, 1)]);
+    if along.sign() == Sign::Minus {
+        parts = parts.map(|part| -part);
+    }
+    (parts, along.magnitude().clone().into())
+}
+
+fn meets(o: Point, d: Point, corners: [Point; 3]) -> bool {
+    let ([t, weights @ ..], along) = parts(o, d, corners);
+    along.sign() == Sign::Plus && t.sign() == Sign::Plus && weights.iter().all(|weight| weight.sign() != Sign::Minus)
+}
+
+fn two([o, d, a, b, c, e, f, g]: Given) -> (Point, Point, [Point; 3], [Point; 3]) {
+    (o, d, [a, b, c], [e, f, g])
+}
+
+/// A ray and two triangles of one of several kinds, most of which it meets.
+fn given(random: &mut fastrand::Rng, kind: u32) -> Given {
+    let signed = |random: &mut fastrand::Rng| random.f32() * 2.0 - 1.0;
+    let point = |random: &mut fastrand::Rng| [0; 3].map(|_| signed(random));
+    let lattice = |random: &mut fastrand::Rng| [0; 3].map(|_| random.i32(-2..3) as f32);
+    let mut all = [0; 8].map(|_| point(random));
+    // Towards the first triangle, through a point of it, of an edge, or a corner.
+    let aim = |random: &mut fastrand::Rng, all: &mut Given| {
+        let share = [[random.f32(), random.f32()], [random.f32(), 0.0], [0.0; 2]][random.usize(0..3)];
+        let [o, _, a, b, c, ..] = *all;
+        all[1] = [0, 1, 2].map(|i| a[i] + share[0] * (b[i] - a[i]) + share[1] * (c[i] - a[i]) - o[i]);
+    };
+    aim(random, &mut all);
+    match kind {
+        0 => {}
+        // Whole numbers: rays through edges and corners, edge-on, in planes; triangles without an area.
+        1 => {
+            all = [0; 8].map(|_| lattice(random));
+            if random.bool() {
+                aim(random, &mut all);
+            }
+        }
+        // The same plane, or the same triangle, or nearly.
+        2 => {
+            let [.., a, b, c, _, _, _] = all;
+            all[5..].copy_from_slice(&[b, c, a]);
+            if random.bool() {
+                let (corner, axis) = (random.usize(5..8), random.usize(0..3));
+                all[corner][axis] = f32::from_bits(all[corner][axis].to_bits() ^ 1);
+            }
+        }
+        // Across each other in a line that the ray meets.
+        3 => (all[5], all[6]) = (all[2], all[3]),
+        // Needles.
+        4 => {
+            let along = random.f32();
+            all[4] = [0, 1, 2].map(|i| all[2][i] + along * (all[3][i] - all[2][i]));
+            aim(random, &mut all);
+        }
+        // Any exponents, and any bits.
+        5 => all = all.map(|p| p.map(|v| v * 2f32.powi(random.i32(-149..120)))),
+        6 => {
+            let exponent = random.i32(-140..100);
+            all = all.map(|p| p.map(|v| v * 2f32.powi(exponent + random.i32(-4..5))));
+            aim(random, &mut all);
+        }
+        // Far away, and small.
+        _ => {
+            let far = 2f32.powi(random.i32(0..20));
+            let at = point(random).map(|v| v * far);
+            for point in &mut all[2..] {
+                *point = [0, 1, 2].map(|i| point[i] + at[i]);
+            }
+            aim(random, &mut all);
+        }
+    }
+    // Rays of a device have finite directions.
+    all.map(|p| p.map(|v| if v.is_finite() { v } else { 1.0 }))
+}
+
+const KINDS: u32 = 8;
+
+#[test]
+fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
+    let mut random = fastrand::Rng::with_seed(47);
+    let (mut met, mut orders) = ([0; KINDS as usize], [0; 3]);
+    for i in 0..40_000 {
+        let kind = i % KINDS;
+        let given = given(&mut random, kind);
+        let (o, d, corners, others) = two(given);
+        let wanted = [corners, others].map(|corners| meets(o, d, corners));
+        assert_eq!([corners, others].map(|corners| meets_exactly(o, d, corners)), wanted, "{kind}: {given:?}");
+        let (parts_here, along) = parts(o, d, corners);
+        if wanted[0] {
+            met[kind as usize] += 1;
+        }
+        if wanted == [true; 2] {
+            let (parts_there, along_there) = parts(o, d, others);
+            let order = (&parts_here[0] * &along_there).cmp(&(&parts_there[0] * &along));
+            assert_eq!(compare_exactly(o, d, corners, others), order, "{kind}: {given:?}");
+            orders[match order {
+                Ordering::Less => 0,
+                Ordering::Equal => 1,
+                Ordering::Greater => 2,
+            }] += 1;
+        }
+    }
+    assert!(met.iter().all(|&met| met > 50) && orders.iter().all(|&of| of > 100), "{met:?} {orders:?}");
+}
+
+/// What the twin makes of a ray and two triangles, as `asked.wgsl` writes it.
+fn answers(given: Given) -> [u32; 2] {
+    let (o, d, corners, others) = two(given);
+    let [meets, other] = [corners, others].map(|corners| meets_exactly(o, d, corners));
+    let order = if meets && other { compare_exactly(o, d, corners, others) as i32 } else { 0 };
+    [u32::from(meets) | u32::from(other) << 1, (order + 1) as u32]
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn a_device_decides_as_its_twin() {
+    use crate::programs::grid_build::device::tests::{computed, gpu};
+    const RAYS: u32 = 1 << 13;
+    let Some(gpu) = gpu() else { return };
+    let mut random = fastrand::Rng::with_seed(48);
+    let all: Vec<Given> = (0..RAYS).map(|i| given(&mut random, i % KINDS)).collect();
+    let shader = ("asked", include_str!("asked.wgsl"));
+    let results = computed(&gpu, shader, bytemuck::cast_slice(&all), 2 * RAYS as usize, RAYS / 64);
+    for (i, (given, found)) in all.iter().zip(results.chunks_exact(2)).enumerate() {
+        assert_eq!(found, answers(*given), "{}: {given:?}", i as u32 % KINDS);
+    }
+}
