@@ -78,6 +78,8 @@ pub struct Possible {
     pub is_exact: bool,
     /// Depth of the farthest vertex, which the arithmetic's rounding error is relative to.
     pub far: f64,
+    /// Its place among all that the exact ray hits, by exact t, of equal ones by id.
+    pub place: usize,
 }
 
 /// Tests one triangle (nine floats each in `vertices`) in f64. `None` if f32, too, must find a miss.
@@ -146,7 +148,8 @@ impl Candidates {
         if p.is_definite {
             self.surely_by = Some(self.surely_by.map_or(p.t + p.t_bound, |by| by.min(p.t + p.t_bound)));
         }
-        if p.is_exact && self.exact.is_none_or(|(_, t)| p.t < t) {
+        let is_before = |of: &Possible| p.place < of.place;
+        if p.is_exact && self.exact.and_then(|(triangle, _)| self.of(triangle)).is_none_or(is_before) {
             self.exact = Some((p.triangle, p.t));
         }
         self.possible.push(p);
@@ -230,7 +233,23 @@ impl<'a> Triangles<'a> {
         let mut possible = Vec::new();
         self.tree.visit(origin, direction, |triangle| possible.extend(self.test(origin, direction, triangle)));
         possible.sort_unstable_by_key(|p: &Possible| p.triangle);
+        self.place(origin, direction, &mut possible);
         Candidates::of_possible(possible)
+    }
+
+    /// Puts what the exact ray hits in order: by f64 where its t differ by more than f32 errs, which f64 tells for sure,
+    /// else by integers.
+    fn place(&self, origin: [f32; 3], direction: [f32; 3], possible: &mut [Possible]) {
+        let mut hits: Vec<usize> = (0..possible.len()).filter(|&i| possible[i].is_exact).collect();
+        hits.sort_by(|&i, &j| {
+            let [a, b] = [possible[i], possible[j]];
+            if (a.t - b.t).abs() > a.t_bound + b.t_bound {
+                return a.t.total_cmp(&b.t);
+            }
+            let corners = [a, b].map(|p| self.corners(p.triangle));
+            rational::compare_t(origin, direction, corners).then(a.triangle.cmp(&b.triangle))
+        });
+        hits.into_iter().enumerate().for_each(|(place, i)| possible[i].place = place);
     }
 
     /// The same without the hierarchy, by looking at every triangle: what [`candidates`](Self::candidates) is tested
@@ -239,6 +258,7 @@ impl<'a> Triangles<'a> {
     pub fn brute_force(&self, origin: [f32; 3], direction: [f32; 3]) -> Candidates {
         let mut possible = Vec::new();
         self.tree.visit_all(origin, direction, |triangle| possible.extend(self.test(origin, direction, triangle)));
+        self.place(origin, direction, &mut possible);
         Candidates::of_possible(possible)
     }
 
@@ -308,7 +328,9 @@ impl<'a> Triangles<'a> {
         let clear = |sign: f64| edges.iter().all(|e| sign * e.value > e.bound);
         // f64's own error is far below 2⁻²⁰ of f32's.
         let certain = edges.iter().all(|e| e.value.abs() > e.bound * exp2_minus_20());
-        let is_exact = t > 0.0
+        // Likewise where it tells the sign of t.
+        let is_in_front = if t.abs() > t_bound { t > 0.0 } else { rational::is_in_front(origin, direction, corners) };
+        let is_exact = is_in_front
             && if certain {
                 edges.iter().all(|e| e.value > 0.0) || edges.iter().all(|e| e.value < 0.0)
             } else {
@@ -317,7 +339,7 @@ impl<'a> Triangles<'a> {
         let is_definite = (clear(1.0) || clear(-1.0)) && t > t_bound;
         let (u, v) = (edges[1].value / det, edges[2].value / det);
         let far = near.abs().max(far.abs());
-        Some(Possible { triangle, t, t_bound, u, v, weight_bound, is_definite, is_exact, far })
+        Some(Possible { triangle, t, t_bound, u, v, weight_bound, is_definite, is_exact, far, place: 0 })
     }
 }
 

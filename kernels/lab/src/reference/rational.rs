@@ -1,5 +1,7 @@
 //! A second witness for t: rational arithmetic, without any rounding or bound of the other reference.
 
+use std::cmp::Ordering;
+
 use num_bigint::{BigInt, Sign};
 
 use super::exact::integer;
@@ -11,18 +13,10 @@ pub fn error_of_t(t: f64, origin: [f32; 3], direction: [f32; 3], corners: [[f32;
     if !t.is_finite() {
         return None;
     }
-    let [o, d] = [origin, direction].map(|v| v.map(integer));
-    let p = corners.map(|corner| corner.map(integer));
-    let [ab, ac] = [1, 2].map(|k| [0, 1, 2].map(|axis| &p[k][axis] - &p[0][axis]));
-    let normal = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &ab[i] * &ac[j] - &ab[j] * &ac[i]);
-    let dot = |v: [&BigInt; 3]| (0..3).map(|axis| &normal[axis] * v[axis]).sum::<BigInt>();
-    let along = dot([&d[0], &d[1], &d[2]]);
+    let [off, along] = fraction(origin, direction, corners);
     if along.sign() == Sign::NoSign {
         return None;
     }
-    let off = [0, 1, 2].map(|axis| &p[0][axis] - &o[axis]);
-    // t = off / along; both have the same scale.
-    let off = dot([&off[0], &off[1], &off[2]]);
     let (mantissa, exponent) = parts(t);
     // t - off / along = (mantissa * along * 2^exponent - off) / along
     let difference = match exponent {
@@ -31,6 +25,29 @@ pub fn error_of_t(t: f64, origin: [f32; 3], direction: [f32; 3], corners: [[f32;
     };
     let denominator = if exponent < 0 { along << exponent.unsigned_abs() } else { along };
     Some(quotient(&difference, &denominator).abs())
+}
+
+/// Numerator and denominator of t, in the same units; the denominator is not negative, and 0 if the triangle is edge-on.
+fn fraction(origin: [f32; 3], direction: [f32; 3], corners: [[f32; 3]; 3]) -> [BigInt; 2] {
+    let [o, d] = [origin, direction].map(|v| v.map(integer));
+    let p = corners.map(|corner| corner.map(integer));
+    let [ab, ac] = [1, 2].map(|k| [0, 1, 2].map(|axis| &p[k][axis] - &p[0][axis]));
+    let normal = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &ab[i] * &ac[j] - &ab[j] * &ac[i]);
+    let dot = |v: [&BigInt; 3]| (0..3).map(|axis| &normal[axis] * v[axis]).sum::<BigInt>();
+    let off = [0, 1, 2].map(|axis| &p[0][axis] - &o[axis]);
+    let fraction = [dot([&off[0], &off[1], &off[2]]), dot([&d[0], &d[1], &d[2]])];
+    if fraction[1].sign() == Sign::Minus { fraction.map(|part| -part) } else { fraction }
+}
+
+/// Compares the t at which a ray meets the planes of two triangles, neither of which it sees edge-on.
+pub(super) fn compare_t(origin: [f32; 3], direction: [f32; 3], corners: [[[f32; 3]; 3]; 2]) -> Ordering {
+    let [[off, along], [other_off, other_along]] = corners.map(|corners| fraction(origin, direction, corners));
+    (off * other_along).cmp(&(other_off * along))
+}
+
+/// Whether a ray meets the plane of a triangle at t > 0.
+pub(super) fn is_in_front(origin: [f32; 3], direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
+    fraction(origin, direction, corners).iter().all(|part| part.sign() == Sign::Plus)
 }
 
 /// `value = mantissa * 2^exponent`
