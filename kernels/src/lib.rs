@@ -67,7 +67,7 @@ pub use options::Choices;
 pub use options::keep::{Item, Keep};
 pub use options::samples::Samples;
 pub use options::{
-    Accelerator, BuiltBy, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip, Traversal,
+    Accelerator, BuiltBy, GridSize, Numerics, Options, Order, Ray, RaySource, Rule, ScheduleKind, Skip, Traversal,
 };
 pub use plan::{Limits, Loops, Plan, PlanError};
 pub use program::{Kernel, Program};

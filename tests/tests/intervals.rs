@@ -144,10 +144,10 @@ fn kernels_and_twins_agree_on_intervals_and_a_broken_one_is_named() {
         (
             kernels::TRAVERSE_BVH,
             Configuration::new(Bvh, Second, 1),
-            ["min(nearest_t, load_interval(texel).y)", "nearest_t"],
+            ["min(latest_of(texel, nearest_t), load_interval(texel).y)", "nearest_t"],
         ),
         (kernels::WALK, Configuration::new(Grid, Compact, 8), ["trace.interval.y <= exit", "false"]),
-        (kernels::WALK, Configuration::new(Bvh, Compact, 8), ["min(trace.t, trace.interval.y)", "0.5 * trace.t"]),
+        (kernels::WALK, Configuration::new(Bvh, Compact, 8), ["min(latest(trace), trace.interval.y)", "0.5 * trace.t"]),
         (
             kernels::FUSED,
             Configuration::new(Grid, Fused, 1),

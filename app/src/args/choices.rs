@@ -58,7 +58,7 @@ groups! {
 
 /// What rays have wherever they come from.
 fn is_of_any_rays(row: &str) -> bool {
-    matches!(row, "numerics" | "grid" | "skip" | "steps-per-pass" | "build" | "keep-all")
+    matches!(row, "numerics" | "order" | "grid" | "skip" | "steps-per-pass" | "build" | "keep-all")
 }
 
 /// What maps of photons have: their number alone decides what a run takes.

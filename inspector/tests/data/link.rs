@@ -151,8 +151,8 @@ fn a_link_reads_as_the_options_do() {
 #[test]
 fn the_defaults_of_version_1_stay() {
     let all = "raystep:1?size=512x512&program=closest-hit&elements=4096&integrator=local&accelerator=grid&mapping=compute&scene-data=\
-               buffers&schedule=compact&numerics=robust&grid=auto&skip=auto&steps-per-pass=1&keep-all=false&spp=1&sampler=sobol\
-               &seed=0&device=auto";
+               buffers&schedule=compact&numerics=robust&order=rounded&grid=auto&skip=auto&steps-per-pass=1&keep-all=false&spp=1\
+               &sampler=sobol&seed=0&device=auto";
     assert_eq!(all.parse(), Ok(Link::default()));
     for row in ROWS.iter().filter(|row| row.is_linked && (row.applies)(&Choices::stepped())) {
         assert!(all.contains(&format!("&{}=", row.name)), "{}", row.name);

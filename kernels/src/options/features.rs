@@ -43,6 +43,8 @@ macro_rules! features {
 features! {
     robust: "`--numerics robust`, else `paper`.",
     watertight: "Triangles are tested by Woop, Benthin and Wald (2013), else by Möller and Trumbore (1997).",
+    exact_order: "The nearest hit is the one at the smallest exact t: what rounding leaves open is decided in integers.",
+    decides: "The kernel decides in integers.",
     contracted: "The watertight test has an explicit fma wherever a compiler may contract.",
     dda: "A grid is walked by a 3D-DDA, else as Amanatides and Woo do.",
     drifting: "tMax is accumulated: it grows by tDelta per cell; else it is computed from the cell.",
@@ -51,12 +53,14 @@ features! {
     irregular: "The scene is traced through an irregular grid.",
     aside: "Triangles much farther away than the others are tested before a ray enters the irregular grid.",
     bvh: "The scene is traced through a BVH.",
+    wide: "The BVH has up to eight children a node.",
     ray_padding: "Boxes of the BVH are grown as they are tested, by their distance; else when they are built.",
     skip: "Rays skip empty cells of the grid, several at a time.",
     live_lists: "Only rays that wait for a kernel are launched.",
     fragments: "Kernels run as fragment programs.",
     many_steps: "A ray may take several steps in one pass.",
     resumes: "A walk may take more loop iterations than one dispatch allows: it continues in the next.",
+    resumes_exact: "The same where integers decide.",
     resumes_scan: "The same for the search for repeated tests.",
     resumes_light: "The same for the sum over the lights.",
     intervals: "Rays have a smallest or a largest t: other hits do not count.",
@@ -141,7 +145,7 @@ impl Features {
     /// The options that the triangle test depends on.
     #[must_use]
     pub fn triangle_rules(&self) -> TriangleRules {
-        TriangleRules { watertight: self.watertight, contracted: self.contracted }
+        TriangleRules { watertight: self.watertight, contracted: self.contracted, exact_order: self.exact_order }
     }
 
     /// How samples are distributed over a pixel that has several.

@@ -116,6 +116,16 @@ pub enum Numerics {
     Paper,
 }
 
+/// Which of several hits is the nearest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Order {
+    /// The one with the smallest t as f32 has it. Of two that are closer than rounding, the structure may decide.
+    #[default]
+    Rounded,
+    /// The one with the smallest exact t, whatever the structure, the schedule and the device.
+    Exact,
+}
+
 /// How rays walk through a uniform grid. Both visit the same cells, but for rounding and ties.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Traversal {
@@ -168,6 +178,7 @@ named!(
     BoxPadding "box-padding"
 );
 named!(Numerics, "robust, paper", Robust "robust", Paper "paper");
+named!(Order, "rounded, exact", Rounded "rounded", Exact "exact");
 named!(Traversal, "amanatides-woo, 3d-dda", AmanatidesWoo "amanatides-woo", Dda3d "3d-dda");
 
 impl Accelerator {
@@ -239,6 +250,8 @@ pub struct Options {
     pub scene_data: SceneDataKind,
     /// `--numerics`
     pub numerics: Numerics,
+    /// `--order`
+    pub order: Order,
     /// `--traversal`
     pub traversal: Traversal,
     /// A rule of robust numerics to switch off.
@@ -298,6 +311,7 @@ impl Options {
             mapping: Mapping::default(),
             scene_data: SceneDataKind::default(),
             numerics: Numerics::default(),
+            order: Order::default(),
             traversal: Traversal::default(),
             without: None,
             contracted: false,
@@ -361,6 +375,7 @@ choices! {
     scene_data: SceneDataKind,
     schedule: ScheduleKind,
     numerics: Numerics,
+    order: Order,
     traversal: Traversal,
     grid: GridSize,
     skip: Skip,

@@ -14,7 +14,8 @@ pub use super::row::{Refusal, Row, Value, Values};
 use super::row::{parse, text, whole};
 use super::scene_data::SceneDataKind;
 use super::{
-    Accelerator, BuiltBy, Choices, GridSize, MOST_ELEMENTS, Numerics, ProgramName, ScheduleKind, Skip, Traversal,
+    Accelerator, BuiltBy, Choices, GridSize, Integrator, MOST_ELEMENTS, Numerics, Order, ProgramName, ScheduleKind,
+    Skip, Traversal,
 };
 
 /// Most steps of a ray in one pass.
@@ -193,6 +194,29 @@ pub static ROWS: &[Row] = &[
     )
     .column()
     .panel("numerics", "the rules for planes, steps and hits"),
+    named!(
+        "order",
+        Order,
+        order,
+        "Which of several hits is the nearest: by t as f32 has it (rounded), or by exact t (exact), so that a ray hits the \
+         same triangle whatever the structure, schedule and device; integers decide what rounding leaves open, which \
+         takes longer on a GPU"
+    )
+    .panel("order", "which of several hits is the nearest: by t as f32 has it, or by exact t")
+    .applies(|c| c.program == ProgramName::ClosestHit)
+    .refused(|c| {
+        let why = match c.order {
+            Order::Rounded => return None,
+            Order::Exact if c.program != ProgramName::ClosestHit => {
+                return Some(Refusal::Idle("--order is for rays: omit it, or use --program closest-hit".into()));
+            }
+            Order::Exact if c.numerics == Numerics::Paper => "--order exact: the paper accepts the first hit in a cell; use --numerics robust",
+            Order::Exact if c.mapping != Mapping::Compute => "--order exact: fragment programs have no outputs left for its bounds; use --mapping compute",
+            Order::Exact if c.integrator != Integrator::Local => "--order exact: not for rays after the first; use --integrator local",
+            Order::Exact => return None,
+        };
+        Some(impossible(why))
+    }),
     named!(
         "traversal",
         Traversal,

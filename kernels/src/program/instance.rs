@@ -33,6 +33,8 @@ pub struct Instance {
     pub renamed: Option<&'static Renamed>,
     /// Options of the WGSL that are others in this instance than in the run.
     pub sets: &'static [(&'static str, bool)],
+    /// Options of the WGSL that are in this instance what another option is in the run.
+    pub follows: &'static [(&'static str, &'static str)],
     /// Sets whose numbers of elements are read again before it runs. Their streams are unwritten then, unless the number
     /// is the same.
     pub renews: &'static [&'static Elements],
@@ -56,6 +58,7 @@ impl Instance {
             binds: &[],
             renamed: None,
             sets: &[],
+            follows: &[],
             renews: &[],
             adopts: &[],
             copies: &[],
@@ -216,6 +219,10 @@ impl Kernel {
     #[must_use]
     pub fn features(self, of_run: &Features) -> Features {
         let mut features = *of_run;
+        for &(name, other) in self.instance().follows {
+            let is_on = of_run.list().into_iter().any(|(option, is_on)| option == other && is_on);
+            features.set(name, is_on);
+        }
         for &(name, is_on) in self.instance().sets {
             features.set(name, is_on);
         }
@@ -340,13 +347,13 @@ impl fmt::Debug for Kernel {
 /// Defines a program's table of kernels, and a constant for each of them. A kernel's twin is the function of the same
 /// name in the module of the same name.
 macro_rules! kernels {
-    ($($(#[doc = $doc:literal])* $kernel:ident $module:ident of $over:ident, twin: $twin:ident, { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, $(proof: $proof:expr,)? colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, explain: $explain:expr, path: $path:expr, rounding: $rounding:expr, breaks: $breaks:expr, })*) => {
+    ($($(#[doc = $doc:literal])* $kernel:ident $module:ident of $over:ident, twin: $twin:ident, { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, $(proof: $proof:expr,)? $(sets: $sets:expr, follows: $follows:expr,)? colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, explain: $explain:expr, path: $path:expr, rounding: $rounding:expr, breaks: $breaks:expr, })*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Index { $($kernel),* }
 
         /// Every kernel.
         pub static KERNELS: [$crate::program::Instance; [$(Index::$kernel as usize),*].len()] =
-            [$($crate::program::Instance::of(
+            [$($crate::program::Instance { $(sets: $sets, follows: $follows,)? ..$crate::program::Instance::of(
                 $crate::program::KernelInfo {
                     name: stringify!($module),
                     wgsl: include_str!(concat!(stringify!($module), ".wgsl")),
@@ -370,7 +377,7 @@ macro_rules! kernels {
                     breaks: $breaks,
                 },
                 &$over,
-            )),*];
+            ) }),*];
 
         $($(#[doc = $doc])* pub const $kernel: Kernel = Kernel::at(&PROGRAM, Index::$kernel as usize);)*
     };

@@ -78,13 +78,18 @@ impl Schedule {
 mod tests {
     use super::*;
     use crate::options::ScheduleKind;
-    use crate::options::features::StructureKind;
+    use crate::options::features::Features;
     use crate::programs::closest_hit::kernels::{ACCUMULATE, INTERSECT, SHADE, TRAVERSE_GRID};
     use crate::programs::{closest_hit, sort};
 
     #[test]
     fn turns_are_named_by_what_a_schedule_repeats() {
-        let walk = closest_hit::schedule::new(ScheduleKind::First, StructureKind::Grid, false, true, false, false);
+        let walk = closest_hit::schedule::new(
+            ScheduleKind::First,
+            &Features { grid: true, ..Features::default() },
+            false,
+            true,
+        );
         let samples = closest_hit::schedule::for_samples(walk.clone());
         let sort = sort::schedule(64);
         for (schedule, kernel, depth, names) in [
@@ -104,7 +109,12 @@ mod tests {
 
     #[test]
     fn a_loop_that_repeats_one_pass_is_no_turn_of_several() {
-        let walk = closest_hit::schedule::new(ScheduleKind::First, StructureKind::Grid, false, true, false, false);
+        let walk = closest_hit::schedule::new(
+            ScheduleKind::First,
+            &Features { grid: true, ..Features::default() },
+            false,
+            true,
+        );
         let samples = closest_hit::schedule::for_samples(walk);
         assert_eq!(samples.turns_of_several_passes(INTERSECT, &[2, 7]), [2, 7]);
         assert_eq!(samples.turns_of_several_passes(SHADE, &[2]), [2]);

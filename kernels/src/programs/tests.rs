@@ -120,11 +120,15 @@ fn every_fault_is_found_and_said() {
 fn a_guest_needs_every_state_that_it_names() {
     use closest_hit::kernels::INTERSECT;
     let state = |tag, name| StateInfo { tag, name, role: StateRole::Active, colour: [0; 3], meaning: "" };
-    let names = ["TRAV", "SHADE", "BACKGROUND", "TESTS", "KEEPS"];
+    let names = ["TRAV", "SHADE", "BACKGROUND", "TESTS", "KEEPS", "EXACT"];
     let states = States(leaked((0..).zip(names).map(|(tag, name)| state(tag, name)).collect()));
     let pairs = [("ISECT_NO_HIT", "TESTS"), ("ISECT_HIT", "KEEPS")];
     let renamed = Renamed::new(INTERSECT.info(), states, &pairs).expect("its states");
-    assert_eq!(renamed.tags, [(2, 0), (3, 3), (4, 4), (5, 1), (6, 2)], "those that no pair names have the same name");
+    assert_eq!(
+        renamed.tags,
+        [(2, 0), (3, 3), (4, 4), (5, 5), (6, 1), (7, 2)],
+        "those that no pair names have the same name"
+    );
     assert!(Renamed::new(INTERSECT.info(), states, &pairs[..1]).is_none(), "ISECT_HIT is missing");
     assert!(Renamed::new(INTERSECT.info(), states, &[pairs[0], pairs[1], ("NOTHING", "TRAV")]).is_none());
 }

@@ -21,6 +21,17 @@ pub const MIN_NORMAL: f32 = f32::MIN_POSITIVE;
 /// The triangle of a ray that hit nothing.
 pub const NO_TRIANGLE: u32 = 0xffff_ffff;
 
+/// Bounds of the rounding errors of the triangle test, see `triangle.wgsl`: of an edge function, of a sheared corner and of
+/// t, in parts of 2⁻²⁴ of what they are relative to. Each is larger than what is derived, by the rounding of the bound itself.
+pub const EDGE_ERROR: f32 = 36.0 / (1 << 24) as f32;
+/// See [`EDGE_ERROR`].
+pub const CORNER_ERROR: f32 = 4.0 / (1 << 24) as f32;
+/// See [`EDGE_ERROR`].
+pub const DEPTH_ERROR: f32 = 34.0 / (1 << 24) as f32;
+
+/// More than products lose that underflow in the triangle test, 2⁻¹²⁰.
+pub const UNDERFLOW: f32 = 7.523_164e-37;
+
 /// How much a box of the BVH is grown per distance from the ray's origin: 2⁻¹⁸, 64 roundings. See
 /// [`Padding`](crate::structures::bvh::Padding).
 pub const BOX_PADDING: f32 = 3.814_697_3e-6;
@@ -66,6 +77,9 @@ pub const LIGHTS_SUMMED: u32 = 1 << 31;
 /// Loop iterations that a triangle test counts as: one of the list's loop, and three of the loop over its edges.
 pub const TURNS_A_TEST: u32 = 4;
 
+/// Loop iterations that integers take to decide about a triangle, with some to spare.
+pub const TURNS_TO_DECIDE: u32 = 2_048;
+
 /// Words that a ray takes which waits for the other ray of a surface.
 pub const BRANCH: u32 = 10;
 
@@ -87,10 +101,12 @@ pub fn wgsl_module(stack: u32, turns: u32, depth: u32) -> String {
         "const INF: f32 = {INF:e}f;\nconst PARALLEL: f32 = {PARALLEL:e}f;\n\
          const PAPER_PARALLEL: f32 = {PAPER_PARALLEL:e}f;\nconst PAPER_EPSILON: f32 = {PAPER_EPSILON:e}f;\n\
          const MIN_NORMAL: f32 = {MIN_NORMAL:e}f;\nconst BOX_PADDING: f32 = {BOX_PADDING:e}f;\n\
+         const EDGE_ERROR: f32 = {EDGE_ERROR:e}f;\nconst CORNER_ERROR: f32 = {CORNER_ERROR:e}f;\n\
+         const DEPTH_ERROR: f32 = {DEPTH_ERROR:e}f;\nconst UNDERFLOW: f32 = {UNDERFLOW:e}f;\n\
          const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n\
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
          const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n\
-         const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst NO_LIST: u32 = {NO_LIST}u;\nconst OUTSIDE: u32 = {OUTSIDE}u;\nconst LAST_ITEM: u32 = {LAST_ITEM}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n\
+         const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst TURNS_TO_DECIDE: u32 = {TURNS_TO_DECIDE}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst NO_LIST: u32 = {NO_LIST}u;\nconst OUTSIDE: u32 = {OUTSIDE}u;\nconst LAST_ITEM: u32 = {LAST_ITEM}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n\
          const DEPTH: u32 = {depth}u;\nconst BRANCH: u32 = {BRANCH}u;\nconst RECORD: u32 = {RECORD}u;\n",
         wide_stack(stack)
     )
@@ -105,5 +121,6 @@ mod tests {
         assert_eq!(INF, 100f32.exp2());
         assert_eq!(PARALLEL, (-64f32).exp2());
         assert_eq!(BOX_PADDING, (-18f32).exp2());
+        assert_eq!(UNDERFLOW, (-120f32).exp2());
     }
 }

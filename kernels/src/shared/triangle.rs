@@ -1,6 +1,6 @@
 //! Twin of `triangle.wgsl`: tests a ray against a triangle.
 
-use super::constants::{INF, PAPER_EPSILON};
+use super::constants::{CORNER_ERROR, DEPTH_ERROR, EDGE_ERROR, INF, PAPER_EPSILON, UNDERFLOW};
 use super::vector::{cross3, dot3};
 use crate::numbers::real::{Real, Vec3};
 
@@ -13,8 +13,12 @@ pub struct Candidate<R> {
     pub u: R,
     /// Weight of vertex 2.
     pub v: R,
-    /// Whether the ray meets the triangle at `0 < t < INF`.
+    /// Whether the ray meets the triangle at `0 < t < INF`; with an exact order, whether it may.
     pub is_hit: bool,
+    /// Whether it does for sure, at a t that is off by at most the error.
+    pub is_sure: bool,
+    /// With an exact order, a bound on the error of t.
+    pub error: R,
 }
 
 /// A ray's direction in the form that the watertight test uses: z and the axis of its largest component change places,
@@ -30,6 +34,10 @@ pub struct Shear<R> {
 }
 
 impl<R: Real> Candidate<R> {
+    fn miss() -> Self {
+        Self { t: R::zero(), u: R::zero(), v: R::zero(), is_hit: false, is_sure: false, error: R::zero() }
+    }
+
     /// The candidate, which is a hit only between two t; neither end counts.
     #[must_use]
     #[inline]
@@ -87,6 +95,8 @@ pub struct TriangleRules {
     pub watertight: bool,
     /// With an explicit fma for every product that is added to something, as a compiler may contract.
     pub contracted: bool,
+    /// With bounds on all errors, see [`bounded`].
+    pub exact_order: bool,
 }
 
 /// Tests a triangle by the rules of a run; `shear` belongs to the direction.
@@ -99,10 +109,66 @@ pub fn hit_triangle<R: Real>(
     corners: [Vec3<R>; 3],
 ) -> Candidate<R> {
     match rules {
-        TriangleRules { watertight: true, contracted: false } => watertight::<R, false>(origin, shear, corners),
-        TriangleRules { watertight: true, contracted: true } => watertight::<R, true>(origin, shear, corners),
+        TriangleRules { exact_order: true, contracted: false, .. } => bounded::<R, false>(origin, shear, corners),
+        TriangleRules { exact_order: true, contracted: true, .. } => bounded::<R, true>(origin, shear, corners),
+        TriangleRules { watertight: true, contracted: false, .. } => watertight::<R, false>(origin, shear, corners),
+        TriangleRules { watertight: true, contracted: true, .. } => watertight::<R, true>(origin, shear, corners),
         TriangleRules { watertight: false, .. } => moller_trumbore(origin, direction, corners),
     }
+}
+
+/// The same projection and edge functions as in [`watertight`], with bounds on all of their errors: what they cannot tell
+/// for sure is left to [integers](super::exact).
+#[inline(always)]
+pub fn bounded<R: Real, const CONTRACTED: bool>(
+    origin: Vec3<R>,
+    shear: &Shear<R>,
+    corners: [Vec3<R>; 3],
+) -> Candidate<R> {
+    // In f64, errors are as much smaller as its unit is.
+    let unit = R::from_f64(R::UNIT_ROUNDOFF * f64::from(1 << 24));
+    let errors = [EDGE_ERROR, CORNER_ERROR, DEPTH_ERROR].map(|error| R::from_f32(error) * unit);
+    bounded_by::<R, CONTRACTED>(errors, origin, shear, corners)
+}
+
+/// The same with these bounds: of an edge function, of a sheared corner, and of t.
+#[inline(always)]
+fn bounded_by<R: Real, const CONTRACTED: bool>(
+    [edge, corner, depth]: [R; 3],
+    origin: Vec3<R>,
+    shear: &Shear<R>,
+    corners: [Vec3<R>; 3],
+) -> Candidate<R> {
+    let seen = shear.seen(origin, corners);
+    let [p, q, r] = [0, 1, 2].map(|corner: usize| shear.across::<CONTRACTED>(seen[corner]));
+    let minus = |x: R, y: R, other: R| if CONTRACTED { x.fused(y, -other) } else { x * y - other };
+    let weights = [minus(q[0], r[1], q[1] * r[0]), minus(r[0], p[1], r[1] * p[0]), minus(p[0], q[1], p[1] * q[0])];
+
+    let underflow = R::from_f32(UNDERFLOW);
+    let wide = |axis: usize| p[axis].abs().max(q[axis].abs()).max(r[axis].abs());
+    let m = wide(0).max(wide(1));
+    let reach = seen[0][2].abs().max(seen[1][2].abs()).max(seen[2][2].abs()) + m;
+    let bound = edge * reach * (corner * reach + m) + underflow;
+    let least = weights[0].min(weights[1]).min(weights[2]);
+    let most = weights[0].max(weights[1]).max(weights[2]);
+    if least < -bound && most > bound {
+        return Candidate::miss();
+    }
+    let det = weights[0] + weights[1] + weights[2];
+    let on_plane = on_plane::<R, CONTRACTED>(shear, seen, weights);
+    let z = [seen[0][2] * shear.z, seen[1][2] * shear.z, seen[2][2] * shear.z];
+    let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
+    let two = R::from_f32(2.0);
+    let half = R::from_f32(0.5);
+    let (t, moved) = if det.abs() < R::from_f32(8.0) * bound {
+        (half * (far + near), half * (far - near))
+    } else {
+        let off = |z: R| (z - on_plane.t).abs();
+        (on_plane.t, two * bound * (off(z[0]) + off(z[1]) + off(z[2])) * (R::one() / det).abs())
+    };
+    let error = moved + (depth * near.abs().max(far.abs()) + underflow);
+    let is_sure = (least > bound || most < -bound) && t > error;
+    Candidate { t, error, is_sure, is_hit: t > -error && t < R::from_f32(INF), ..on_plane }
 }
 
 /// Woop, Benthin and Wald (2013): no ray passes between two triangles that share an edge.
@@ -115,7 +181,7 @@ pub fn watertight<R: Real, const CONTRACTED: bool>(
     let seen = shear.seen(origin, corners);
     let (weights, is_inside) = weights::<R, CONTRACTED>(shear, seen);
     if !is_inside {
-        return Candidate { t: R::zero(), u: R::zero(), v: R::zero(), is_hit: false };
+        return Candidate::miss();
     }
     let on_plane = on_plane::<R, CONTRACTED>(shear, seen, weights);
     let det = weights[0] + weights[1] + weights[2];
@@ -175,7 +241,7 @@ fn on_plane<R: Real, const CONTRACTED: bool>(
     // Divided first: a weight times a depth is a cubed length, which underflows long before either factor does.
     let [w, u, v] = [a * inverse, b * inverse, c * inverse];
     let t = if CONTRACTED { w.fused(p, u.fused(q, v * r)) } else { w * p + (u * q + v * r) };
-    Candidate { t, u, v, is_hit: false }
+    Candidate { t, u, v, ..Candidate::miss() }
 }
 
 /// Möller and Trumbore (1997), as published, with its threshold on the determinant.
@@ -193,10 +259,13 @@ pub fn moller_trumbore<R: Real>(origin: Vec3<R>, direction: Vec3<R>, [a, b, c]: 
     let (zero, one) = (R::zero(), R::one());
     let is_hit =
         det.abs() >= R::from_f32(PAPER_EPSILON) && u >= zero && u <= one && v >= zero && v <= one - u && t > zero;
-    Candidate { t, u, v, is_hit }
+    Candidate { t, u, v, is_hit, ..Candidate::miss() }
 }
 
 /// Orders hits: nearer first, then by smaller triangle id.
 pub fn is_nearer<R: Real>(t: R, triangle: u32, nearest_t: R, nearest_triangle: u32) -> bool {
     t < nearest_t || (t == nearest_t && triangle < nearest_triangle)
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,17 +7,24 @@
 //
 // contracted: the same with an explicit fma for every product that is added to something, as a compiler may contract.
 //
+// exact_order: what f32 cannot tell for sure is left to integers (exact.wgsl). The same sheared corners and edge functions,
+// with bounds on all of their errors: the ray misses for sure, hits for sure, or may hit.
+//
 // moller_trumbore: Möller and Trumbore (1997) as published, the paper's test.
 
-import package::constants::{INF, MIN_NORMAL, PAPER_EPSILON};
-import package::vector::{dot3, cross3};
+import package::constants::{INF, MIN_NORMAL, PAPER_EPSILON, EDGE_ERROR, CORNER_ERROR, DEPTH_ERROR, UNDERFLOW};
+import package::vector::{dot3, cross3, smallest3, largest3};
 
 struct Candidate {
     t: f32,
     // Weights of vertices 1 and 2.
     u: f32,
     v: f32,
+    // exact_order: it may be one.
     is_hit: bool,
+    // The ray hits the triangle at a t that is off by at most the error.
+    @if(exact_order) is_sure: bool,
+    @if(exact_order) error: f32,
 }
 
 // A ray's direction in the form that the watertight test uses: z and the axis of its largest component change places,
@@ -51,15 +58,17 @@ fn with_largest_last(v: vec3f, axis: u32) -> vec3f {
 }
 
 fn hit_triangle(origin: vec3f, direction: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
-    @if(watertight) return watertight(origin, shear, a, b, c);
+    @if(exact_order) return bounded(origin, shear, a, b, c);
+    @else @if(watertight) return watertight(origin, shear, a, b, c);
     @else return moller_trumbore(origin, direction, a, b, c);
 }
 
 // The candidate, which is a hit only between two t; neither end counts.
 @if(intervals)
 fn between(candidate: Candidate, interval: vec2f) -> Candidate {
-    let is_hit = candidate.is_hit && candidate.t > interval.x && candidate.t < interval.y;
-    return Candidate(candidate.t, candidate.u, candidate.v, is_hit);
+    var found = candidate;
+    found.is_hit = candidate.is_hit && candidate.t > interval.x && candidate.t < interval.y;
+    return found;
 }
 
 // a b + c
@@ -98,6 +107,54 @@ fn below_rounding(a: f32, b: f32, c: f32, d: f32) -> f32 {
     return f32(magnitude) * power_of_two(half) * power_of_two(exponent - half);
 }
 
+// With u = 2^-24 (see docs/numerics.md): m is the largest sheared coordinate, r the largest depth. A sheared coordinate is
+// off by at most 8 u r + 2 u m, and an edge function by 32 u r m + 12 u m^2 + 2 (8 u r + 2 u m)^2, which is less than
+// 34 u (r + m) (m + 4 u (r + m)); what underflows is below 2^-120. t, a mean of the depths with the edge functions as
+// weights, moves by 2 sum |z - t| / |det| of that if det is at least 8 times as large, and by 30 u of the largest depth
+// in its own arithmetic; else it lies somewhere between the depths.
+@if(exact_order)
+fn bounded(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
+    let oa = with_largest_last(a - origin, shear.axis);
+    let ob = with_largest_last(b - origin, shear.axis);
+    let oc = with_largest_last(c - origin, shear.axis);
+    let p = across(oa, shear);
+    let q = across(ob, shear);
+    let r = across(oc, shear);
+    let weight_a = times_plus(q.x, r.y, -(q.y * r.x));
+    let weight_b = times_plus(r.x, p.y, -(r.y * p.x));
+    let weight_c = times_plus(p.x, q.y, -(p.y * q.x));
+
+    let widest = max(max(abs(p), abs(q)), abs(r));
+    let m = max(widest.x, widest.y);
+    let reach = largest3(abs(vec3f(oa.z, ob.z, oc.z))) + m;
+    let bound = EDGE_ERROR * reach * (CORNER_ERROR * reach + m) + UNDERFLOW;
+    let least = min(min(weight_a, weight_b), weight_c);
+    let most = max(max(weight_a, weight_b), weight_c);
+    var candidate: Candidate;
+    if (least < -bound && most > bound) {
+        return candidate;
+    }
+    let det = weight_a + weight_b + weight_c;
+    let inverse = 1.0 / det;
+    let w = weight_a * inverse;
+    candidate.u = weight_b * inverse;
+    candidate.v = weight_c * inverse;
+    // Depths, in units of t.
+    let z = vec3f(oa.z, ob.z, oc.z) * shear.z;
+    let t = times_plus(w, z.x, times_plus(candidate.u, z.y, candidate.v * z.z));
+    let near = smallest3(z);
+    let far = largest3(z);
+    let is_thin = abs(det) < 8.0 * bound;
+    let off = abs(z - t);
+    let moved = select(2.0 * bound * (off.x + off.y + off.z) * abs(inverse), 0.5 * (far - near), is_thin);
+    candidate.t = select(t, 0.5 * (far + near), is_thin);
+    candidate.error = moved + (DEPTH_ERROR * max(abs(near), abs(far)) + UNDERFLOW);
+    candidate.is_sure = (least > bound || most < -bound) && candidate.t > candidate.error;
+    candidate.is_hit = candidate.t > -candidate.error && candidate.t < INF;
+    return candidate;
+}
+
+@if(!exact_order)
 fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
     let oa = with_largest_last(a - origin, shear.axis);
     let ob = with_largest_last(b - origin, shear.axis);
@@ -152,6 +209,7 @@ fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Cand
     return Candidate(t, u, v, det != 0.0 && t > 0.0 && t < INF);
 }
 
+@if(!exact_order)
 fn moller_trumbore(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
     let edge1 = b - a;
     let edge2 = c - a;

@@ -177,6 +177,7 @@ class Renderer:
         until: str | None = None,
         traversal: str | None = None,
         numerics: str | None = None,
+        order: str | None = None,
         grid: int | tuple[int, int, int] | str | None = None,
         skip: str | None = None,
         steps_per_pass: int | None = None,

@@ -91,6 +91,8 @@ fn traced() -> Vec<Traced> {
     all.extend([3, 19].map(|samples| of(Place::Room)(Configuration::new(Grid, Compact, 8)).sampled(samples)));
     let several = |structure| Configuration::new(structure, Compact, 8);
     all.extend([several(Grid), Configuration::new(Bvh, Fused, 1)].map(of(Place::Segments)));
+    // What begins on a surface is open at its start.
+    all.extend([several(Grid), Configuration::new(Bvh, Fused, 1)].map(|one| of(Place::Segments)(one).exactly()));
     all.push(of(Place::Room)(several(Grid)).contracted());
     // Few iterations a dispatch, so that everything that can continue in the next one does.
     let in_parts =

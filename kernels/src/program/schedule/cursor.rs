@@ -181,7 +181,7 @@ impl Cursor {
             }
         }
         // Only inside of the loop may a pass be repeated for nothing.
-        if !cursor.in_walk(schedule) {
+        if !cursor.in_walk(schedule) || is_alone(last) {
             return calls;
         }
         while calls.len() < most.max(1) {
@@ -190,6 +190,7 @@ impl Cursor {
                 // A kernel that runs once per iteration is idle right after; guessing it again would be a waste.
                 Some(kernel)
                     if ahead.in_walk(schedule)
+                        && !is_alone(kernel)
                         && (calls.last().is_none_or(|last| last.kernel != kernel) || ahead.stays(schedule, kernel)) =>
                 {
                     calls.push(call(kernel, &ahead));

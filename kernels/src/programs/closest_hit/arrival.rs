@@ -2,6 +2,7 @@
 
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;
+use crate::programs::closest_hit::bounds::ended_with;
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE};
 use crate::programs::closest_hit::streams::{COUNTERS, STATE, of_walk};
 use crate::shared::constants::INF;
@@ -15,7 +16,8 @@ fn keeps_hit<R: Real>(ray: &Texels<'_, R>, features: &Features) -> bool {
 
 /// The ray has left the grid.
 pub fn leave<R: Real>(ray: &mut Texels<'_, R>, features: &Features) {
-    ray.store_u32(STATE, 0, if keeps_hit(ray, features) { SHADE } else { BACKGROUND });
+    let ended = if keeps_hit(ray, features) { SHADE } else { BACKGROUND };
+    ray.store_u32(STATE, 0, ended_with(ray, features, ended, ray.load(STATE, 1)));
 }
 
 /// The ray is in a cell; `per_axis` decides by which face it leaves it.

@@ -2,6 +2,7 @@
 
 import package::constants::{INF};
 import package::state::{ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
+import package::bounds::{ended_with};
 import package::per_axis::{store_per_axis};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
@@ -15,7 +16,9 @@ fn keeps_hit(texel: vec2u) -> bool {
 
 // The ray has left the grid.
 fn leave(texel: vec2u) -> u32 {
-    let ended = select(BACKGROUND, SHADE, keeps_hit(texel));
+    let tag = select(BACKGROUND, SHADE, keeps_hit(texel));
+    @if(exact_order) let ended = ended_with(texel, tag, bitcast<f32>(textureLoad(state, texel, 1).x));
+    @else let ended = tag;
     textureStore(state, texel, 0, vec4u(ended));
     return ended;
 }

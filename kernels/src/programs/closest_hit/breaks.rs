@@ -1,7 +1,7 @@
 //! Deliberate defects of each kernel.
 
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Numerics, Options, ScheduleKind, Skip, Traversal};
+use crate::options::{Accelerator, Numerics, Options, Order, ScheduleKind, Skip, Traversal};
 pub(super) use crate::program::breaks::{Break, as_it_is};
 use crate::shared::samples::Sampler;
 
@@ -185,6 +185,27 @@ pub(super) const OF_FUSED: &[Break] = &[
     Break::new(fused_bvh, "level + 1u, NO_CHILD", "level + 1u, 0u").in_parts(),
     Break::new(fused_bvh, "(1u << (24u + child)) - 1u", "(2u << (24u + child)) - 1u").in_parts(),
     Break::new(fused_none, "wait_at(0u, triangle + 1u)", "wait_at(0u, triangle + 2u)").in_parts(),
+];
+
+/// Rays that pass near edges, in integers.
+fn exactly(options: &mut Options) {
+    options.order = Order::Exact;
+}
+
+fn fused_exactly(options: &mut Options) {
+    fused_bvh(options);
+    exactly(options);
+}
+
+fn stepped_exactly_bvh(options: &mut Options) {
+    bvh(options);
+    exactly(options);
+}
+
+pub(super) const OF_DECIDE: &[Break] = &[
+    Break::new(exactly, "return tag == EXACT", "return false"),
+    Break::new(fused_exactly, "(*sum).words[half + place] = all", "(*sum).words[half + place] = before"),
+    Break::new(stepped_exactly_bvh, "at.in_leaf = waiting_item() > 0u", "at.in_leaf = true"),
 ];
 
 pub(super) const OF_SHADE: &[Break] =

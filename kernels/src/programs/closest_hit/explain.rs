@@ -58,6 +58,10 @@ pub(super) fn of_fused(_: &SceneData, _: &RayState, _: &RayState) -> Why {
     (None, "the whole walk in one kernel".into())
 }
 
+pub(super) fn of_decide(_: &SceneData, _: &RayState, _: &RayState) -> Why {
+    (None, "the whole walk again, in integers where f32 cannot tell what is hit".into())
+}
+
 pub(super) fn of_setup(data: &SceneData, _: &RayState, after: &RayState) -> Why {
     (None, explain_setup(data, after))
 }

@@ -1,11 +1,13 @@
 //! Twin of `intersect.wgsl`: tests the ray against one triangle of its list. [`SceneData::list`] stands for the modules of
 //! the structures.
 
+mod acceptance;
 mod cell_end;
 mod repetition;
 
 use crate::numbers::real::Real;
 use crate::options::features::StructureKind;
+use crate::programs::closest_hit::bounds::{ended_with, latest_of};
 use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_surface};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
@@ -13,6 +15,7 @@ use crate::scene_data::SceneData;
 use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
 use crate::tables::state::Tag;
 use crate::tables::texels::Texels;
+use acceptance::is_kept;
 use cell_end::after_cell;
 use repetition::repetition;
 
@@ -57,7 +60,9 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             candidate = candidate.between(load_interval(ray, features));
         }
         candidate.is_hit = candidate.is_hit && triangle != load_surface(ray, features);
-        let accepted = if features.in_cell {
+        let accepted = if features.exact_order {
+            is_kept(ray, scene, (origin, direction), &candidate, triangle, nearest_t)
+        } else if features.in_cell {
             candidate.t < nearest_t
                 && scene.grid.is_in_cell(origin + direction * candidate.t, scene.grid.cell_of_index(cell))
         } else if features.robust && !features.any_hit {
@@ -83,9 +88,10 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 
     let ended = if features.robust { item >= count } else { !in_list };
     if ended {
-        tag = after_list(ray, scene, tag, nearest_t);
+        tag = after_list(ray, scene, tag, latest_of(ray, features, nearest_t));
+        tag = ended_with(ray, features, tag, nearest_t);
     }
-    if nearest_t < nearest_before {
+    if nearest_t != nearest_before {
         if features.any_hit {
             tag = SHADE;
         }

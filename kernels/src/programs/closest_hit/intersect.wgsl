@@ -1,18 +1,18 @@
 // Tests the ray against one triangle of its list, and decides what is next when the list ends. The list is the cell's, the
 // leaf's, or all triangles: see the file of the structure, intersect/grid.wgsl, irregular.wgsl, bvh.wgsl or all.wgsl.
-//
 // robust keeps the nearest hit and accepts it once it lies within the cells walked; paper accepts a hit only inside its
 // own cell, and needs one more step to notice the list's delimiter (Listing 2).
-//
 // counters: in a grid, also finds out whether an earlier cell listed the triangle too, see intersect/repetition.wgsl.
 
 import package::constants::{NOBODY, LIST_SIDE};
 import package::state::{ISECT_NO_HIT, ISECT_HIT, SHADE};
-import package::triangle::{hit_triangle, between, is_nearer, shear_of};
+import package::triangle::{hit_triangle, is_nearer, shear_of};
+import package::bounds::{ended_with, latest_of};
 import package::corners::{vertex};
-import package::ray::{load_ray, load_interval, load_surface};
+import package::ray::{load_ray};
 import package::grid::{is_in_cell, cell_of_index};
 import package::live::{listed_texel, send};
+import package::intersect_acceptance::{is_kept, that_counts};
 import package::intersect_structure::{list_of, has_item, entry_of, after_list};
 import package::intersect_repetition::{NOT_KNOWN_YET, repetition};
 
@@ -48,9 +48,9 @@ fn step_item(texel: vec2u) -> u32 {
         let b = vertex(entry.triangle, 1u);
         let c = vertex(entry.triangle, 2u);
         var candidate = hit_triangle(ray.origin, ray.direction, shear_of(ray.direction), a, b, c);
-        @if(intervals) candidate = between(candidate, load_interval(texel));
-        @if(leaves) candidate.is_hit = candidate.is_hit && entry.triangle != load_surface(texel);
-        @if(in_cell) let accepted = candidate.t < nearest_t
+        candidate = that_counts(candidate, texel, entry.triangle);
+        @if(exact_order) let accepted = is_kept(candidate, a, b, c, entry.triangle, texel, nearest_t, textureLoad(hit, texel, 2).x);
+        @else @if(in_cell) let accepted = candidate.t < nearest_t
             && is_in_cell(ray.origin + ray.direction * candidate.t, cell_of_index(cell));
         @else @if(robust && !any_hit) let accepted = is_nearer(candidate.t, entry.triangle, nearest_t, textureLoad(hit, texel, 2).x);
         @else let accepted = candidate.t < nearest_t;
@@ -67,12 +67,12 @@ fn step_item(texel: vec2u) -> u32 {
     }
 
     if (ended) {
-        tag = after_list(texel, tag, nearest_t);
+        tag = ended_with(texel, after_list(texel, tag, latest_of(texel, nearest_t)), nearest_t);
     }
-    @if(any_hit) if (nearest_t < nearest_before) {
+    @if(any_hit) if (nearest_t != nearest_before) {
         tag = SHADE;
     }
-    if (nearest_t < nearest_before) {
+    if (nearest_t != nearest_before) {
         textureStore(state, texel, 1, vec4u(bitcast<u32>(nearest_t)));
     }
     textureStore(state, texel, 0, vec4u(tag));

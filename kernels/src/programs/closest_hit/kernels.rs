@@ -1,7 +1,8 @@
 //! Every kernel, in one table: its WGSL, its twin, and the states it works on.
 
 use super::elements::RAYS;
-use super::states::{BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE as SHADED, TRAV, TRAV_SETUP, UNWRITTEN};
+use super::states::{BACKGROUND, DONE, EXACT, ISECT_HIT, ISECT_NO_HIT, SHADE as SHADED, TRAV, TRAV_SETUP, UNWRITTEN};
+use super::streams::no_exact_order;
 use super::{HOME, PROGRAM, breaks, explain, rounding};
 use crate::options::reasons::{Because, EYE_RAYS, GIVEN, NO_SHADE, ONE_SAMPLE, On, Passes, WALKED};
 use crate::program::Kernel;
@@ -30,6 +31,7 @@ const TO_CELLS: &[Transition] = &[
     send(TRAV, "next cell, hit kept", ISECT_HIT),
     send(TRAV, "leaves the grid", BACKGROUND),
     send(TRAV, "leaves the grid, hit kept", SHADED),
+    send(TRAV, "leaves the grid, what is hit is open", EXACT),
 ];
 
 // A kernel is two files, x.wgsl and x.rs, and one row here.
@@ -121,6 +123,7 @@ kernels! {
             send(TRAV, "enters a leaf, hit kept", ISECT_HIT),
             send(TRAV, "tree done", BACKGROUND),
             send(TRAV, "tree done, hit kept", SHADED),
+            send(TRAV, "tree done, what is hit is open", EXACT),
         ],
         role: Role::Step,
         workgroup: LIST_SIDE,
@@ -148,6 +151,8 @@ kernels! {
             send(ISECT_HIT, "list ended, t within this cell", SHADED),
             send(ISECT_HIT, "list ended, t beyond the cell's exit", TRAV),
             send(ISECT_NO_HIT, "without a grid: list ended, nothing hit", BACKGROUND),
+            send(ISECT_NO_HIT, "list ended, what is hit is open", EXACT),
+            send(ISECT_HIT, "list ended, what is hit is open", EXACT),
         ],
         role: Role::Test,
         workgroup: LIST_SIDE,
@@ -176,6 +181,9 @@ kernels! {
             send(TRAV, "steps taken", TRAV),
             send(TRAV, "tree done, hit", SHADED),
             send(TRAV, "tree done, nothing hit", BACKGROUND),
+            send(ISECT_NO_HIT, "walk over, what is hit is open", EXACT),
+            send(ISECT_HIT, "walk over, what is hit is open", EXACT),
+            send(TRAV, "tree done, what is hit is open", EXACT),
         ],
         role: Role::Walk,
         workgroup: LIST_SIDE,
@@ -214,6 +222,11 @@ kernels! {
             send(UNWRITTEN, "no hit", BACKGROUND),
             send(TRAV_SETUP, "hit", SHADED),
             send(TRAV_SETUP, "no hit", BACKGROUND),
+            send(UNWRITTEN, "what is hit is open", EXACT),
+            send(TRAV_SETUP, "what is hit is open", EXACT),
+            send(ISECT_NO_HIT, "what is hit is open", EXACT),
+            send(ISECT_HIT, "what is hit is open", EXACT),
+            send(TRAV, "what is hit is open", EXACT),
         ],
         role: Role::Whole,
         workgroup: WORKGROUP,
@@ -230,6 +243,30 @@ kernels! {
         path: Path::Stays,
         rounding: rounding::OF_FUSED,
         breaks: breaks::OF_FUSED,
+    }
+    /// Decides in integers what a ray hits.
+    DECIDE decide of RAYS, twin: element, {
+        takes: &[EXACT],
+        sends: &[
+            send(EXACT, "loop turns spent", EXACT),
+            send(EXACT, "hit", SHADED),
+            send(EXACT, "no hit", BACKGROUND),
+        ],
+        role: Role::Walk,
+        workgroup: WORKGROUP,
+        launch: Launch::Bands,
+        counts: Counts::Anew,
+        resumes: |features| features.resumes,
+        list: None,
+        sets: &[("decides", true)],
+        follows: &[("resumes", "resumes_exact")],
+        colour: [220, 60, 60],
+        why_absent: no_exact_order,
+        summary: "traces the ray again, and decides in integers what it hits",
+        explain: explain::of_decide,
+        path: Path::Stays,
+        rounding: rounding::OF_FUSED,
+        breaks: breaks::OF_DECIDE,
     }
     /// Colours what was hit.
     SHADE shade of RAYS, twin: element, {

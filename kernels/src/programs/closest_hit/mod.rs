@@ -5,9 +5,11 @@
 
 pub mod accumulate;
 pub mod arrival;
+mod bounds;
 pub(in crate::programs) mod breaks;
 pub mod buffers;
 pub mod count;
+pub mod decide;
 pub mod elements;
 pub mod explain;
 pub mod fused;
@@ -15,6 +17,7 @@ pub mod generate;
 pub mod grid_lists;
 pub mod intersect;
 pub mod kernels;
+mod ordered;
 pub(crate) mod plan;
 pub mod ray;
 pub(in crate::programs) mod ray_state;
@@ -90,20 +93,30 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("ray", include_str!("ray.wgsl")),
         ("per_axis", include_str!("per_axis.wgsl")),
         ("arrival", include_str!("arrival.wgsl")),
+        ("bounds", include_str!("bounds.wgsl")),
         ("grid_lists", include_str!("grid_lists.wgsl")),
         ("tracing", include_str!("tracing.wgsl")),
+        ("ordered", include_str!("ordered.wgsl")),
         ("tested", include_str!("tested.wgsl")),
-        ("fused_waiting", include_str!("fused/waiting.wgsl")),
+        ("fused_whole", include_str!("fused/whole.wgsl")),
         ("fused_waiting_in_grid", include_str!("fused/waiting_in_grid.wgsl")),
         ("shade_surface", include_str!("shade/surface.wgsl")),
         ("shade_light", include_str!("shade/light.wgsl")),
         ("walk_place", include_str!("walk/place.wgsl")),
+        ("intersect_acceptance", include_str!("intersect/acceptance.wgsl")),
         ("intersect_entry", include_str!("intersect/entry.wgsl")),
         ("intersect_cell_end", include_str!("intersect/cell_end.wgsl")),
         ("intersect_repetition", include_str!("intersect/repetition.wgsl")),
     ];
-    let [fused, intersect, walk] = of_structure(features.structure());
-    let chosen = [shared::grid_walk_module(features.walk_rules()), fused, intersect, walk];
+    let [mut fused, intersect, walk] = of_structure(features.structure());
+    let waiting = match features.decides {
+        true => include_str!("fused/waiting_to_decide.wgsl"),
+        false => include_str!("fused/waiting.wgsl"),
+    };
+    if features.bvh && !features.wide {
+        fused.1 = include_str!("fused/bvh_binary.wgsl");
+    }
+    let chosen = [shared::grid_walk_module(features.walk_rules()), ("fused_waiting", waiting), fused, intersect, walk];
     let files = shared::MODULES.iter().chain(&own).chain(&chosen);
     files.map(|&(name, source)| (name, Cow::Borrowed(source))).collect()
 }

@@ -1,24 +1,17 @@
 //! Which kernels run, in what order and until which condition holds.
 
 use super::kernels::{
-    ACCUMULATE, FUSED, GENERATE, INTERSECT, SETUP, SHADE, TRAVERSE_BVH, TRAVERSE_GRID, TRAVERSE_IRREGULAR, WALK,
+    ACCUMULATE, DECIDE, FUSED, GENERATE, INTERSECT, SETUP, SHADE, TRAVERSE_BVH, TRAVERSE_GRID, TRAVERSE_IRREGULAR, WALK,
 };
 use crate::options::features::{Features, StructureKind};
 use crate::options::{Options, RaySource, ScheduleKind};
 use crate::program::Kernel;
 use crate::program::schedule::{Schedule, Step};
 
-/// The paper's schedules (§4.3), and ours. `rays_given`: rays are not generated; `shade`: the image is wanted;
-/// `eye_rays`: the fused kernel generates its rays; `many_steps`: a ray takes several steps per pass.
+/// The paper's schedules (§4.3), and ours. `rays_given`: rays are not generated; `shade`: the image is wanted.
 #[must_use]
-pub fn new(
-    kind: ScheduleKind,
-    structure: StructureKind,
-    rays_given: bool,
-    shade: bool,
-    eye_rays: bool,
-    many_steps: bool,
-) -> Schedule {
+pub fn new(kind: ScheduleKind, features: &Features, rays_given: bool, shade: bool) -> Schedule {
+    let Features { eye_rays, many_steps, exact_order, .. } = *features;
     let mut steps = Vec::new();
     if !rays_given && !eye_rays {
         steps.push(Step::Run(GENERATE));
@@ -27,7 +20,7 @@ pub fn new(
         steps.push(Step::Run(FUSED));
     } else {
         let is_first = kind == ScheduleKind::First;
-        let walk = match structure {
+        let walk = match features.structure() {
             _ if many_steps => Step::RunUntilIdle(WALK),
             StructureKind::None => Step::RunUntilIdle(INTERSECT),
             StructureKind::Grid => steps_and_tests(TRAVERSE_GRID, is_first),
@@ -35,6 +28,9 @@ pub fn new(
             StructureKind::Bvh => steps_and_tests(TRAVERSE_BVH, is_first),
         };
         steps.extend([Step::Run(SETUP), walk]);
+    }
+    if exact_order {
+        steps.push(Step::RunUntilIdle(DECIDE));
     }
     if shade {
         steps.push(Step::Run(SHADE));
@@ -58,10 +54,9 @@ fn steps_and_tests(traverse: Kernel, is_first: bool) -> Step {
 #[must_use]
 pub fn of(options: &Options, features: &Features) -> Schedule {
     let given = matches!(options.rays, RaySource::Given(_));
-    let Features { eye_rays, many_steps, samples, .. } = *features;
-    let mut schedule = new(options.schedule, features.structure(), given, options.shade, eye_rays, many_steps);
+    let mut schedule = new(options.schedule, features, given, options.shade);
     schedule.steps = until_idle(schedule.steps, features);
-    if samples { for_samples(schedule) } else { schedule }
+    if features.samples { for_samples(schedule) } else { schedule }
 }
 
 /// The same, where kernels run again that leave rays for another dispatch; a walk's own loop runs its kernels again anyway.

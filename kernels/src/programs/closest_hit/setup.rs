@@ -4,9 +4,9 @@ use crate::numbers::real::Real;
 use crate::options::features::StructureKind;
 use crate::programs::closest_hit::ray::{load_direction, load_origin, store_voxel};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_NO_HIT, TRAV, TRAV_SETUP};
-use crate::programs::closest_hit::streams::{COUNTERS, PREVIOUS, STATE, TMAX, of_walk};
+use crate::programs::closest_hit::streams::{BOUNDS, COUNTERS, PREVIOUS, STATE, TMAX, of_walk};
 use crate::scene_data::SceneData;
-use crate::shared::constants::NO_NODE;
+use crate::shared::constants::{INF, NO_NODE};
 use crate::tables::texels::Texels;
 
 /// Processes one ray.
@@ -16,6 +16,10 @@ pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     }
     let features = &scene.features;
 
+    if features.exact_order {
+        ray.store(BOUNDS, 0, R::zero());
+        ray.store(BOUNDS, 1, R::from_f32(INF));
+    }
     if features.counters {
         ray.store_u32(COUNTERS, 0, 0);
         ray.store_u32(COUNTERS, 1, 0);

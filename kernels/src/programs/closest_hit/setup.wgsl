@@ -3,6 +3,7 @@
 
 import package::constants::{NOBODY, NO_NODE, LIST_SIDE};
 import package::state::{TRAV_SETUP, TRAV, ISECT_NO_HIT, BACKGROUND};
+import package::bounds::{reset_bounds};
 import package::ray::{load_origin, load_direction, store_voxel};
 import package::live::{send, tiled_texel};
 import package::scene::{scene};
@@ -24,6 +25,7 @@ fn set_up(texel: vec2u) -> u32 {
         return NOBODY;
     }
 
+    reset_bounds(texel);
     @if(counters) {
         textureStore(counters, texel, 0, vec4u(0u));
         textureStore(counters, texel, 1, vec4u(0u));

@@ -12,45 +12,47 @@ pub const TRAV: Tag = 2;
 pub const ISECT_NO_HIT: Tag = 3;
 /// Tests the triangles of its cell or leaf; the nearest hit so far is kept.
 pub const ISECT_HIT: Tag = 4;
+/// Waits for integers to decide what it hits.
+pub const EXACT: Tag = 5;
 /// Waits to be shaded from its hit.
-pub const SHADE: Tag = 5;
+pub const SHADE: Tag = 6;
 /// Waits to be given the background's colour.
-pub const BACKGROUND: Tag = 6;
+pub const BACKGROUND: Tag = 7;
 /// Finished.
-pub const DONE: Tag = 7;
+pub const DONE: Tag = 8;
 /// A shadow ray waits for its set-up kernel.
-pub const SHADOW_SETUP: Tag = 8;
+pub const SHADOW_SETUP: Tag = 9;
 /// A shadow ray continues to its next cell or node.
-pub const SHADOW_TRAV: Tag = 9;
+pub const SHADOW_TRAV: Tag = 10;
 /// A shadow ray tests the triangles of its cell or leaf.
-pub const SHADOW_ISECT: Tag = 10;
+pub const SHADOW_ISECT: Tag = 11;
 /// Something is between the hit and a light.
-pub const OCCLUDED: Tag = 11;
+pub const OCCLUDED: Tag = 12;
 /// Nothing is.
-pub const VISIBLE: Tag = 12;
+pub const VISIBLE: Tag = 13;
 /// Has the light of its hit, and waits for rays that go on from there.
-pub const SCATTER: Tag = 13;
+pub const SCATTER: Tag = 14;
 
 /// Looks for the photons near its hit.
-pub const GATHER: Tag = 14;
+pub const GATHER: Tag = 15;
 /// Has found them.
-pub const GATHERED: Tag = 15;
+pub const GATHERED: Tag = 16;
 /// A photon that has not been emitted.
-pub const PHOTON_UNBORN: Tag = 16;
+pub const PHOTON_UNBORN: Tag = 17;
 /// A photon waits for the set-up kernel.
-pub const PHOTON_SETUP: Tag = 17;
+pub const PHOTON_SETUP: Tag = 18;
 /// A photon continues to its next cell or node.
-pub const PHOTON_TRAV: Tag = 18;
+pub const PHOTON_TRAV: Tag = 19;
 /// A photon tests the triangles of its cell or leaf; nothing hit so far.
-pub const PHOTON_NO_HIT: Tag = 19;
+pub const PHOTON_NO_HIT: Tag = 20;
 /// A photon tests the triangles of its cell or leaf; the nearest hit so far is kept.
-pub const PHOTON_HIT: Tag = 20;
+pub const PHOTON_HIT: Tag = 21;
 /// A photon has reached a surface.
-pub const PHOTON_ARRIVED: Tag = 21;
+pub const PHOTON_ARRIVED: Tag = 22;
 /// A photon leaves the scene.
-pub const PHOTON_LEAVES: Tag = 22;
+pub const PHOTON_LEAVES: Tag = 23;
 /// A photon was absorbed, or has left the scene.
-pub const PHOTON_DONE: Tag = 23;
+pub const PHOTON_DONE: Tag = 24;
 
 /// The state of any ray: that of a shadow ray is called as in the walk of the ray before it, and that of a photon as in the
 /// walk of a ray.
@@ -103,6 +105,7 @@ pub const ALL: States = States(&[
         [240, 120, 40],
         "tests the triangles of its cell or leaf, the nearest hit is kept",
     ),
+    row(EXACT, "EXACT", StateRole::Active, [220, 60, 60], "waits for integers to decide what it hits"),
     row(SHADE, "SHADE", StateRole::Resolved, [127, 201, 127], "waits to be shaded from its hit"),
     row(
         BACKGROUND,
@@ -174,7 +177,7 @@ mod tests {
     fn the_table_is_in_the_order_of_a_rays_course() {
         assert!(STATES.0.is_sorted_by_key(|state| state.role as u8));
         assert_eq!((STATES.name(99), STATES.role(99), STATES.is_decided(99)), ("?", None, false));
-        let counts = [1, 2, 4, 8, 16, 32, 64, 128].into_iter().collect();
-        assert_eq!((STATES.walking(&counts), STATES.decided(&counts)), (30, 224));
+        let counts = [1, 2, 4, 8, 16, 32, 64, 128, 256].into_iter().collect();
+        assert_eq!((STATES.walking(&counts), STATES.decided(&counts)), (62, 448));
     }
 }

@@ -10,6 +10,7 @@
 //! voxel         u32  x  y  z             virtual cell by which the ray came into its cell
 //! previous      u32  node                index of the BVH's previous node
 //! hit           u32  u  v  triangle      u, v as f32 bits
+//! bounds        f32  error  open         t; of the nearest hit, and the smallest t of what only integers can tell
 //! color         f32  r  g  b             linear light
 //! counters      u32  cells  triangles  repeated
 //! accumulated   f32  r  g  b  a  samples mean of the block's samples so far, linear light; a: share that hit
@@ -79,10 +80,10 @@ use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
 use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
 use crate::tables::stream::{Stream, StreamInfo, streams};
 use absent::{
-    NO_WALK_WAITS, no_bounces, no_dielectric, no_iterations, no_path, no_shadow_counters, no_spent, of_control,
-    of_steps, of_tmax,
+    NO_WALK_WAITS, no_bounces, no_dielectric, no_iterations, no_path, no_shadow_counters, no_spent, of_bounds,
+    of_control, of_steps, of_tmax,
 };
-pub(in crate::programs) use absent::{no_emitters, no_shadows, no_specular};
+pub(in crate::programs) use absent::{no_emitters, no_exact_order, no_shadows, no_specular};
 use layers::{BRANCH_LAYERS, BRANCH_MEANING, RECORD_LAYERS, RECORD_MEANING, UNRECORDED};
 
 /// Layer of the `state` stream: bits of the nearest t so far, [`INF`] without a hit.
@@ -135,6 +136,9 @@ streams! {
     /// Barycentrics and triangle of the nearest hit.
     HIT of RAYS: "hit" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
         unwritten: &[0, 0, NO_TRIANGLE], why_absent: of_steps;
+    /// A bound on the error of the nearest hit's t, and the smallest t at which there may be another hit, which only integers can tell; -1 while a ray waits for these to go on.
+    BOUNDS of RAYS: "bounds" F32 &["error", "open"], meaning: &[Distance; 2], unit: "t",
+        unwritten: &[0, INF.to_bits()], why_absent: of_bounds;
     /// Shaded colour.
     COLOR of RAYS: "color" F32 &["r", "g", "b"], meaning: &[Light; 3], unit: "linear light",
         unwritten: &[0; 3], why_absent: |_| NO_SHADE;

@@ -26,6 +26,9 @@ impl<R: Real> Trace<R> {
         if !candidate.is_hit || id == self.leaves {
             return;
         }
+        if features.exact_order {
+            return self.order(scene, &candidate, id, corners);
+        }
         let accepted = if features.in_cell {
             candidate.t < self.t && scene.grid.is_in_cell(self.origin + self.direction * candidate.t, cell)
         } else if features.robust && !self.is_any(features) {
@@ -34,8 +37,7 @@ impl<R: Real> Trace<R> {
             candidate.t < self.t
         };
         if accepted {
-            (self.t, self.u, self.v, self.triangle) = (candidate.t, candidate.u, candidate.v, id);
-            self.ended = self.is_any(features);
+            self.accept(features, &candidate, id);
         }
     }
 }

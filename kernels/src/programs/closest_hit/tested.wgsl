@@ -1,6 +1,7 @@
 // The test of one triangle in a kernel that takes several steps.
 
 import package::constants::{TURNS_A_TEST};
+import package::ordered::{ordered, with_hit};
 import package::triangle::{hit_triangle, between, is_nearer};
 import package::packed_triangles::{packed_triangle};
 import package::grid::{is_in_cell};
@@ -14,7 +15,10 @@ fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
     @if(intervals) candidate = between(candidate, trace.interval);
     @if(leaves) candidate.is_hit = candidate.is_hit && triangle.id != trace.leaves;
     // One inside the other: a miss, as most tests end, then costs no comparison of t.
-    if (candidate.is_hit) {
+    @if(exact_order) if (candidate.is_hit) {
+        trace = ordered(trace, candidate, triangle);
+    }
+    @else if (candidate.is_hit) {
         @if(in_cell) let accepted = candidate.t < trace.t
             && is_in_cell(trace.origin + trace.direction * candidate.t, cell);
         @else @if(robust && whole_paths) let accepted = candidate.t < trace.t
@@ -22,12 +26,7 @@ fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
         @else @if(robust && !any_hit) let accepted = is_nearer(candidate.t, triangle.id, trace.t, trace.triangle);
         @else let accepted = candidate.t < trace.t;
         if (accepted) {
-            trace.t = candidate.t;
-            trace.u = candidate.u;
-            trace.v = candidate.v;
-            trace.triangle = triangle.id;
-            @if(whole_paths) trace.ended = trace.is_shadow;
-            @else @if(any_hit) trace.ended = true;
+            trace = with_hit(trace, candidate, triangle.id);
         }
     }
     @if(counters) trace.tests += 1u;

@@ -2,9 +2,9 @@
 
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;
-use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE};
+use crate::programs::closest_hit::states::{BACKGROUND, EXACT, ISECT_HIT, ISECT_NO_HIT, SHADE};
 use crate::scene_data::SceneData;
-use crate::shared::constants::NO_TRIANGLE;
+use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::shared::triangle::Shear;
 use crate::tables::state::Tag;
 
@@ -16,6 +16,12 @@ pub(crate) struct Trace<R> {
     pub(crate) interval: [R; 2],
     pub(super) shear: Shear<R>,
     pub(crate) t: R,
+    /// A bound on the error of t, if hits have an exact order; else 0.
+    pub(crate) error: R,
+    /// The smallest t at which there may be another hit, which only integers can tell.
+    pub(crate) open: R,
+    /// Integers are asked at once.
+    pub(crate) decides: bool,
     pub(crate) u: R,
     pub(crate) v: R,
     pub(crate) triangle: u32,
@@ -41,6 +47,9 @@ impl<R: Real> Trace<R> {
             leaves,
             shear: Shear::of(direction),
             t,
+            error: R::zero(),
+            open: R::from_f32(INF),
+            decides: false,
             u: R::zero(),
             v: R::zero(),
             triangle: NO_TRIANGLE,
@@ -59,7 +68,13 @@ impl<R: Real> Trace<R> {
 
     /// The state of a ray whose walk is over.
     pub(crate) fn ended_as(&self) -> Tag {
-        if self.triangle == NO_TRIANGLE { BACKGROUND } else { SHADE }
+        if self.is_open() {
+            EXACT
+        } else if self.triangle == NO_TRIANGLE {
+            BACKGROUND
+        } else {
+            SHADE
+        }
     }
 
     /// The state of a ray in a list.
@@ -67,9 +82,19 @@ impl<R: Real> Trace<R> {
         if features.any_hit || self.triangle == NO_TRIANGLE { ISECT_NO_HIT } else { ISECT_HIT }
     }
 
+    /// The largest t that the nearest hit may have.
+    pub(crate) fn latest(&self) -> R {
+        self.t + self.error
+    }
+
+    /// Whether only integers can tell what is hit.
+    pub(crate) fn is_open(&self) -> bool {
+        !self.ended && self.open <= self.latest() && self.open < R::from_f32(INF)
+    }
+
     /// No box or cell behind this t has a hit that is wanted.
     pub(crate) fn farthest(&self) -> R {
-        self.t.min(self.interval[1])
+        self.latest().min(self.interval[1])
     }
 
     /// Whether the rest is left to the next dispatch.

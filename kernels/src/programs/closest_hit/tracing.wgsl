@@ -1,7 +1,7 @@
 // The variables of a ray in a kernel that takes several steps, kept in registers.
 
-import package::constants::{NO_TRIANGLE, TURNS};
-import package::state::{ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
+import package::constants::{INF, NO_TRIANGLE, TURNS};
+import package::state::{ISECT_NO_HIT, ISECT_HIT, EXACT, SHADE, BACKGROUND};
 import package::camera::{Ray};
 import package::triangle::{Shear, shear_of};
 import package::ray::{load_interval, load_surface};
@@ -14,6 +14,10 @@ struct Trace {
     // Hits count between these t.
     @if(intervals) interval: vec2f,
     t: f32,
+    // exact_order: a bound on the error of t, and the smallest t at which there may be another hit, which only integers can
+    // tell.
+    error: f32,
+    open: f32,
     u: f32,
     v: f32,
     triangle: u32,
@@ -45,12 +49,16 @@ fn trace_from(ray: Ray, leaves: u32, t: f32) -> Trace {
     trace.shear = shear_of(ray.direction);
     @if(leaves) trace.leaves = leaves;
     trace.t = t;
+    trace.open = INF;
     trace.triangle = NO_TRIANGLE;
     return trace;
 }
 
 // The state of a ray whose walk is over.
 fn ended_as(trace: Trace) -> u32 {
+    @if(exact_order && !decides) if (is_open(trace)) {
+        return EXACT;
+    }
     return select(SHADE, BACKGROUND, trace.triangle == NO_TRIANGLE);
 }
 
@@ -60,10 +68,21 @@ fn listed_as(trace: Trace) -> u32 {
     @else return select(ISECT_HIT, ISECT_NO_HIT, trace.triangle == NO_TRIANGLE);
 }
 
+// The largest t that the nearest hit may have.
+fn latest(trace: Trace) -> f32 {
+    @if(exact_order) return trace.t + trace.error;
+    @else return trace.t;
+}
+
+// Whether only integers can tell what is hit.
+fn is_open(trace: Trace) -> bool {
+    return !trace.ended && trace.open <= latest(trace) && trace.open < INF;
+}
+
 // No box or cell behind this t has a hit that is wanted.
 fn farthest(trace: Trace) -> f32 {
-    @if(intervals) return min(trace.t, trace.interval.y);
-    @else return trace.t;
+    @if(intervals) return min(latest(trace), trace.interval.y);
+    @else return latest(trace);
 }
 
 // Whether the rest is left to the next dispatch: some adapters end loops after a number of iterations, or dispatches

@@ -3,6 +3,7 @@
 import package::constants::{INF, NOBODY, NO_NODE, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::ray::{load_origin, load_direction, load_interval};
+import package::bounds::{ended_with, latest_of};
 import package::bvh_walk::{Visit, next_node, finite_inverse};
 import package::live::{send, listed_texel};
 
@@ -24,13 +25,13 @@ fn step_node(texel: vec2u) -> u32 {
     @if(any_hit) let has_hit = false;
     @else let has_hit = nearest_t < INF;
     let here = Visit(textureLoad(state, texel, 2).x, textureLoad(previous, texel, 0).x, false);
-    @if(intervals) let farthest = min(nearest_t, load_interval(texel).y);
-    @if(intervals) let at = next_node(here, origin, direction, finite_inverse(direction), farthest);
-    @else let at = next_node(here, origin, direction, finite_inverse(direction), nearest_t);
+    @if(intervals) let farthest = min(latest_of(texel, nearest_t), load_interval(texel).y);
+    @else let farthest = latest_of(texel, nearest_t);
+    let at = next_node(here, origin, direction, finite_inverse(direction), farthest);
 
     @if(counters) textureStore(counters, texel, 0, vec4u(textureLoad(counters, texel, 0).x + 1u));
     if (at.node == NO_NODE) {
-        let ended = select(BACKGROUND, SHADE, has_hit);
+        let ended = ended_with(texel, select(BACKGROUND, SHADE, has_hit), nearest_t);
         textureStore(state, texel, 0, vec4u(ended));
         return ended;
     }

@@ -9,8 +9,8 @@ mod place;
 use crate::numbers::real::Real;
 use crate::options::features::StructureKind;
 use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_surface};
-use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, TRAV};
-use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
+use crate::programs::closest_hit::states::{BACKGROUND, EXACT, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+use crate::programs::closest_hit::streams::{BOUNDS, COUNTERS, HIT, STATE};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
 use crate::tables::texels::Texels;
@@ -27,6 +27,9 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let leaves = load_surface(ray, features);
     let mut trace = Trace::new(load_origin(ray), load_direction(ray), interval, leaves, ray.load(STATE, 1));
     trace.triangle = ray.load_u32(HIT, 2);
+    if features.exact_order {
+        (trace.error, trace.open) = (ray.load(BOUNDS, 0), ray.load(BOUNDS, 1));
+    }
     let before = (trace.triangle, trace.t);
     let mut place = Place { tag, cell: ray.load_u32(STATE, 2), item: ray.load_u32(STATE, 3), trace };
 
@@ -45,7 +48,15 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         ray.store_u32(HIT, 2, trace.triangle);
         ray.store(STATE, 1, trace.t);
     }
-    ray.store_u32(STATE, 0, place.tag);
+    let mut tag = place.tag;
+    if features.exact_order {
+        ray.store(BOUNDS, 0, trace.error);
+        ray.store(BOUNDS, 1, trace.open);
+        if (tag == SHADE || tag == BACKGROUND) && trace.is_open() {
+            tag = EXACT;
+        }
+    }
+    ray.store_u32(STATE, 0, tag);
     if structure != StructureKind::None {
         ray.store_u32(STATE, 2, place.cell);
     }

@@ -6,9 +6,10 @@
 // step, or at an item of its list.
 
 import package::constants::{NOBODY, LIST_SIDE};
-import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT};
+import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, EXACT, SHADE, BACKGROUND};
 import package::ray::{load_ray};
-import package::tracing::{new_trace};
+import package::bounds::{bounds};
+import package::tracing::{is_open, new_trace};
 import package::live::{listed_texel, send};
 import package::walk_place::{Place};
 import package::walk_structure::{walked};
@@ -30,6 +31,8 @@ fn take_steps(texel: vec2u) -> u32 {
     @if(resumes || (!grid && !irregular && !bvh)) place.item = textureLoad(state, texel, 3).x;
     place.trace = new_trace(texel, load_ray(texel), bitcast<f32>(textureLoad(state, texel, 1).x));
     place.trace.triangle = textureLoad(hit, texel, 2).x;
+    @if(exact_order) place.trace.error = textureLoad(bounds, texel, 0).x;
+    @if(exact_order) place.trace.open = textureLoad(bounds, texel, 1).x;
     let t_before = place.trace.t;
     let triangle_before = place.trace.triangle;
 
@@ -40,6 +43,13 @@ fn take_steps(texel: vec2u) -> u32 {
         textureStore(hit, texel, 1, vec4u(bitcast<u32>(place.trace.v)));
         textureStore(hit, texel, 2, vec4u(place.trace.triangle));
         textureStore(state, texel, 1, vec4u(bitcast<u32>(place.trace.t)));
+    }
+    @if(exact_order) {
+        textureStore(bounds, texel, 0, vec4f(place.trace.error));
+        textureStore(bounds, texel, 1, vec4f(place.trace.open));
+        if ((place.tag == SHADE || place.tag == BACKGROUND) && is_open(place.trace)) {
+            place.tag = EXACT;
+        }
     }
     textureStore(state, texel, 0, vec4u(place.tag));
     @if(grid || irregular || bvh) textureStore(state, texel, 2, vec4u(place.cell));

@@ -27,6 +27,7 @@ macro_rules! instances {
             binds: instances!(@list $($binds)?),
             renamed: None,
             sets: &[],
+            follows: &[],
             renews: instances!(@list $($renews)?),
             adopts: instances!(@list $($adopts)?),
             copies: &[],

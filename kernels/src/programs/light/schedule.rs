@@ -15,7 +15,7 @@ pub(in crate::programs) fn of(options: &Options, features: &Features) -> Schedul
         return Schedule { steps: mapped(&of_rays::of(options, features).steps, &here) };
     }
     let given = matches!(options.rays, RaySource::Given(_));
-    let rays = of_rays::new(options.schedule, features.structure(), given, false, false, features.many_steps).steps;
+    let rays = of_rays::new(options.schedule, features, given, false).steps;
     let is_first = |step: &&Step| **step == Step::Run(GENERATE);
     let walk: Vec<Step> = rays.iter().filter(|step| !is_first(step)).cloned().collect();
 

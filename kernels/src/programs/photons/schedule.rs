@@ -24,7 +24,7 @@ pub(in crate::programs) fn of(options: &Options, features: &Features, others: &O
     if !features.photons {
         return Schedule { steps: mapped(&of_rays::of(options, features).steps, &here) };
     }
-    let walk = of_rays::new(options.schedule, features.structure(), true, false, false, features.many_steps).steps;
+    let walk = of_rays::new(options.schedule, features, true, false).steps;
     let run = |kernel| Step::Run(own(kernel));
     let mut steps = Vec::new();
     if features.mapped {

@@ -11,7 +11,7 @@ use crate::compose::{WordKind, words};
 use crate::options::features::Features;
 use crate::options::replacement::Replacement;
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Integrator, Numerics, Options, RaySource, ScheduleKind};
+use crate::options::{Accelerator, Integrator, Numerics, Options, Order, RaySource, ScheduleKind};
 use crate::plan::{Limits, Plan};
 use crate::program::live::{self, LiveList};
 use crate::program::{Kernel, Twin};
@@ -54,7 +54,7 @@ const MISTAKES: &[Case] = &[
     // Globals and what they are bound to.
     (
         "intersect",
-        &[(HIT, ""), ("textureLoad(hit, texel, 2)", "textureLoad(‸hit, texel, 2)")],
+        &[(HIT, ""), ("entry.triangle, nearest_t, textureLoad(hit,", "entry.triangle, nearest_t, textureLoad(‸hit,")],
         "no definition in scope for identifier: `hit`",
     ),
     (
@@ -63,12 +63,12 @@ const MISTAKES: &[Case] = &[
         "hit and state have the same @group(0) @binding(2)",
     ),
     (
-        "intersect",
+        "setup",
         &[
-            ("var hit: texture_storage_2d_array<r32uint", "var hit: texture_storage_2d_array<r32float"),
-            ("0, vec4u(", "0, ‸vec4u("),
+            ("var tmax: texture_storage_2d_array<r32float", "var tmax: texture_storage_2d_array<r32uint"),
+            ("tmax, texel, 0, vec4f(", "tmax, texel, 0, ‸vec4f("),
         ],
-        "cannot convert elements of `vec4<u32>` to `f32`",
+        "cannot convert elements of `vec4<f32>` to `u32`",
     ),
     (
         "intersect",
@@ -331,6 +331,7 @@ fn option_sets(scene: &Scene) -> Vec<Options> {
                 let samples = Samples { count: 32, ..Samples::default() };
                 all.push(Options { counters: true, samples, ..one.clone() });
                 if integrator == Integrator::Local && accelerator == Accelerator::Grid {
+                    all.push(Options { order: Order::Exact, ..one.clone() });
                     all.push(Options { numerics: Numerics::Paper, ..one });
                 }
             }

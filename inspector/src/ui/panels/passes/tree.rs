@@ -282,10 +282,10 @@ mod tests {
     #[test]
     fn samples_have_their_iterations_and_passes_outside_of_loops_stay_outside() {
         use raystep_kernels::options::ScheduleKind;
-        use raystep_kernels::options::features::StructureKind;
+        use raystep_kernels::options::features::Features;
         use raystep_kernels::programs::closest_hit::kernels::{ACCUMULATE, GENERATE, INTERSECT, TRAVERSE_GRID};
         use raystep_kernels::programs::closest_hit::schedule;
-        let walk = schedule::new(ScheduleKind::First, StructureKind::Grid, false, true, false, false);
+        let walk = schedule::new(ScheduleKind::First, &Features { grid: true, ..Features::default() }, false, true);
         let schedule = schedule::for_samples(walk.clone());
         let pass =
             |(index, (kernel, loops)): (usize, (_, &[u32]))| Pass { index, loops: loops.to_vec(), ..Pass::of(kernel) };

@@ -2,7 +2,7 @@
 
 use raystep_kernels::options::mapping::Fragment;
 use raystep_kernels::options::{Integrator, PhotonSort, Photons};
-use raystep_kernels::{GridSize, Options, RaySource, Sampler, Samples, named};
+use raystep_kernels::{GridSize, Options, Order, RaySource, Sampler, Samples, named};
 use raystep_scenes::{Camera, Scene, generate};
 
 use super::as_fragments;
@@ -73,6 +73,7 @@ pub(super) struct Traced {
     sort: PhotonSort,
     samples: u32,
     is_contracted: bool,
+    is_exact: bool,
     how: Option<Fragment>,
     /// Most loop iterations a dispatch, if fewer than the device allows.
     pub(super) turns: Option<u32>,
@@ -88,6 +89,7 @@ impl Traced {
             sort: PhotonSort::Scan,
             samples: 1,
             is_contracted: false,
+            is_exact: false,
             how: None,
             turns: None,
         }
@@ -111,6 +113,10 @@ impl Traced {
 
     pub(super) fn contracted(self) -> Self {
         Self { is_contracted: true, ..self }
+    }
+
+    pub(super) fn exactly(self) -> Self {
+        Self { is_exact: true, ..self }
     }
 
     pub(super) fn in_parts(self) -> Self {
@@ -137,6 +143,7 @@ impl Traced {
             (self.sort == PhotonSort::Bitonic, ", bitonic sort"),
             (self.samples > 1, &samples),
             (self.is_contracted, ", explicit fma"),
+            (self.is_exact, ", exact order"),
             (self.turns.is_some(), ", in parts"),
             (self.how.is_some(), how.as_deref().unwrap_or_default()),
         ] {
@@ -170,6 +177,7 @@ impl Traced {
             any_hit: is_any_hit,
             shade: self.is_shaded && !is_any_hit,
             contracted: self.is_contracted,
+            order: if self.is_exact { Order::Exact } else { Order::Rounded },
             grid: self.place.grid(),
             samples: Samples { count: self.samples, sampler, seed: 5, first: 0 },
             ..self.configuration.of(&Options::new(rays))

@@ -4,6 +4,8 @@
 import package::state::{UNWRITTEN, TRAV_SETUP, TRAV, ISECT_NO_HIT, ISECT_HIT};
 import package::tracing::{Trace, listed_as};
 
+@if(exact_order && resumes) @group(0) @binding(14) var bounds: texture_storage_2d_array<r32float, read_write>;
+
 struct Wait {
     texel: vec2u,
     // Whether it waited before this dispatch, and waits after it.
@@ -49,4 +51,28 @@ fn has_waited() -> bool {
 fn waiting_item() -> u32 {
     @if(resumes) return wait.item;
     @else return 0u;
+}
+
+// What the ray had found out about errors before it waited.
+@if(resumes)
+fn with_bounds(start: Trace) -> Trace {
+    var trace = start;
+    @if(exact_order) {
+        trace.error = textureLoad(bounds, wait.texel, 0).x;
+        trace.open = textureLoad(bounds, wait.texel, 1).x;
+    }
+    return trace;
+}
+
+@if(resumes)
+fn keep_bounds(trace: Trace) {
+    @if(exact_order) {
+        textureStore(bounds, wait.texel, 0, vec4f(trace.error));
+        textureStore(bounds, wait.texel, 1, vec4f(trace.open));
+    }
+}
+
+// Whether the ray's counters begin with what they are.
+fn has_counted() -> bool {
+    return has_waited();
 }

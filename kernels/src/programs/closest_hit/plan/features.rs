@@ -7,7 +7,8 @@ use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::samples::Samples;
 use crate::options::{
-    Accelerator, Gather, Integrator, Neighbours, Numerics, Options, RaySource, Rule, ScheduleKind, Strategy, Traversal,
+    Accelerator, Gather, Integrator, Neighbours, Numerics, Options, Order, RaySource, Rule, ScheduleKind, Strategy,
+    Traversal,
 };
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
@@ -56,6 +57,8 @@ pub(in crate::programs) fn features(
     Features {
         robust,
         watertight: robust && options.without != Some(Rule::TriangleTest),
+        exact_order: options.order == Order::Exact && robust && options.without.is_none(),
+        decides: false,
         contracted: options.contracted && robust,
         drifting: robust && has_grid && options.without == Some(Rule::TMax),
         dda: has_grid && !robust && options.traversal == Traversal::Dda3d,
@@ -66,6 +69,7 @@ pub(in crate::programs) fn features(
         bvh: accelerator == Accelerator::Bvh,
         ray_padding: keep(Item::RayPadding),
         skip: false,
+        wide: false,
         stack: 0,
         live_lists: options.schedule == ScheduleKind::Compact,
         scene_data: options.scene_data,
@@ -104,6 +108,7 @@ pub(in crate::programs) fn features(
         spot_lights: keep(Item::SpotLights) || any_light(|l| matches!(l, Light::Spot { .. })),
         shadows: is_lit && if is_physical { has_emitters } else { specular || !scene.lights.is_empty() },
         resumes: false,
+        resumes_exact: false,
         resumes_scan: false,
         resumes_light: false,
         turns: 0,

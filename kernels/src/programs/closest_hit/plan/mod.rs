@@ -123,7 +123,8 @@ pub(in crate::programs) fn plan(
     let of_path = 2 * (u64::from(features.depth) + 1);
     let whole_paths = features.path && is_fused && !resumes.walk && walk.fits(of_path, limits);
     features.whole_paths = whole_paths;
-    (features.resumes, features.resumes_scan, features.resumes_light) = (resumes.walk, resumes.scan, resumes.light);
+    (features.resumes, features.resumes_exact) = (resumes.walk, resumes.exact);
+    (features.resumes_scan, features.resumes_light) = (resumes.scan, resumes.light);
     features.turns = if resumes == Resumes::default() { 0 } else { limits.turns };
     let pass_bound = Walk { features: &features, structure: &structure, triangles }.most_passes(is_fused);
     // A query finds out with a pass that a kernel has no rays.

@@ -197,7 +197,7 @@ impl Site<'_> {
         };
         if let Structure::Wide(tree) = &structure {
             // The root is not pushed, and a node's siblings wait on the stack while its children are visited.
-            features.stack = tree.depth.saturating_sub(1);
+            (features.wide, features.stack) = (true, tree.depth.saturating_sub(1));
         }
         Ok(Some((features, structure)))
     }

@@ -7,7 +7,7 @@
 
 use crate::options::features::{Features, StructureKind};
 use crate::plan::limits::{Limits, TURNS_WITHOUT_LIMIT};
-use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST};
+use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST, TURNS_TO_DECIDE};
 use crate::structures::Structure;
 
 /// If the adapter ends no loop, walks through a BVH or an irregular grid can wait for the next dispatch only if they may
@@ -21,6 +21,8 @@ const BUDGETS_OF_A_WALK: u64 = 16;
 pub(super) struct Resumes {
     /// A walk: a pass of `walk`, or the whole of `fused`.
     pub(super) walk: bool,
+    /// The walk of a ray for which integers decide.
+    pub(super) exact: bool,
     /// The search for repeated tests.
     pub(super) scan: bool,
     /// The sum over the lights.
@@ -43,7 +45,16 @@ impl Resumes {
             0
         };
         let counts_repeated = features.counters && features.grid && !is_fused && !features.many_steps;
-        Self { walk: turns > most, scan: counts_repeated && walk.turns_of_a_search() > most, light: lights > most }
+        // Where the adapter ends loops, every test may be one that integers decide.
+        let exact =
+            if limits.turns >= TURNS_WITHOUT_LIMIT { walk.turns() / BUDGETS_OF_A_WALK } else { walk.turns_exact() };
+        let exact = features.exact_order && exact > most;
+        Self {
+            walk: turns > most,
+            exact,
+            scan: counts_repeated && walk.turns_of_a_search() > most,
+            light: lights > most,
+        }
     }
 }
 
@@ -94,10 +105,15 @@ impl Walk<'_> {
             Structure::Wide(tree) => {
                 tree.nodes.len() as u64 + test * tree.triangles.len() as u64 + u64::from(tree.depth)
             }
-            // No kernel walks through a whole binary BVH in one dispatch.
-            Structure::Bvh(_) => 0,
+            // A node is entered once, and returned to once.
+            Structure::Bvh(tree) => 2 * tree.nodes.len() as u64 + test * tree.items.len() as u64,
             Structure::None => test * self.triangles,
         }
+    }
+
+    /// The same if integers decide every test.
+    fn turns_exact(&self) -> u64 {
+        self.turns().saturating_mul(1 + u64::from(TURNS_TO_DECIDE / TURNS_A_TEST))
     }
 
     /// Whether so many walks fit into one dispatch, each of which does. Without a limit of the adapter's, the bounds are too
@@ -150,6 +166,9 @@ impl Walk<'_> {
         // A search for repeated tests may take several passes per test.
         let passes_a_test =
             if self.features.resumes_scan { self.turns_of_a_search() / u64::from(self.features.turns) + 2 } else { 1 };
-        (2 * walk).saturating_mul(passes_a_test) + 16
+        // Where integers decide, each test may take a dispatch.
+        let exact =
+            if self.features.resumes_exact { self.turns_exact() / u64::from(self.features.turns) + 1 } else { 0 };
+        (2 * walk).saturating_mul(passes_a_test).saturating_add(exact) + 16
     }
 }

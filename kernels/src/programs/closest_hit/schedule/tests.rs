@@ -18,7 +18,7 @@ fn in_states(rays: &[(Tag, u32)]) -> Population {
 }
 
 fn run(kind: ScheduleKind, structure: StructureKind, script: &[Population]) -> Vec<&'static str> {
-    let schedule = new(kind, structure, false, true, false, false);
+    let schedule = new(kind, &features(structure, false), false, true);
     let mut cursor = Cursor::start();
     let mut now = counts(0, 0, 0);
     let mut names = Vec::new();
@@ -57,8 +57,18 @@ fn without_a_grid_there_is_nothing_to_traverse() {
     assert_eq!(names, ["generate", "setup", "intersect", "intersect", "shade", "end"]);
 }
 
+fn features(structure: StructureKind, many_steps: bool) -> Features {
+    Features {
+        grid: structure == StructureKind::Grid,
+        irregular: structure == StructureKind::Irregular,
+        bvh: structure == StructureKind::Bvh,
+        many_steps,
+        ..Features::default()
+    }
+}
+
 fn sampled(kind: ScheduleKind, structure: StructureKind, many_steps: bool) -> Schedule {
-    for_samples(new(kind, structure, false, true, false, many_steps))
+    for_samples(new(kind, &features(structure, many_steps), false, true))
 }
 
 #[test]
@@ -89,7 +99,8 @@ fn a_walk_that_is_left_goes_on_with_its_own_sample() {
         (ScheduleKind::Compact, StructureKind::Grid, true),
         (ScheduleKind::Second, StructureKind::None, false),
     ] {
-        for schedule in [new(kind, structure, false, true, false, many_steps), sampled(kind, structure, many_steps)] {
+        for schedule in [new(kind, &features(structure, many_steps), false, true), sampled(kind, structure, many_steps)]
+        {
             let mut cursor = Cursor::start();
             let mut unwritten = counts(5, 5, 0);
             unwritten.in_state.add(states::UNWRITTEN, 1);
@@ -141,7 +152,7 @@ fn a_guess_goes_on_to_the_next_sample_and_no_farther_than_its_walk() {
 
 #[test]
 fn a_guess_never_leaves_the_loop() {
-    let schedule = new(ScheduleKind::First, StructureKind::Grid, false, true, false, false);
+    let schedule = new(ScheduleKind::First, &features(StructureKind::Grid, false), false, true);
     let mut cursor = Cursor::start();
     assert_eq!(guess(&cursor, &schedule, &counts(0, 0, 0), 8), [kernels::GENERATE]);
     cursor.next(&schedule, &counts(0, 0, 0));
@@ -151,7 +162,7 @@ fn a_guess_never_leaves_the_loop() {
 
 #[test]
 fn a_guess_never_takes_a_step_that_another_kernel_may_come_before() {
-    let schedule = new(ScheduleKind::First, StructureKind::Bvh, false, true, false, false);
+    let schedule = new(ScheduleKind::First, &features(StructureKind::Bvh, false), false, true);
     let mut cursor = Cursor::start();
     for _ in 0..2 {
         cursor.next(&schedule, &counts(0, 0, 0));

@@ -1,7 +1,7 @@
 //! Why streams are left out.
 
-use crate::options::Integrator;
 use crate::options::reasons::{Because, NO_SHADE, On, Passes, Reason, Run};
+use crate::options::{Integrator, Numerics};
 use crate::programs::closest_hit::elements::no_map;
 
 /// No ray waits for another dispatch.
@@ -11,6 +11,38 @@ pub(super) const NO_WALK_WAITS: Reason =
 /// Why a stream that only passes of steps need is left out.
 pub(super) fn of_steps(run: &Run<'_>) -> Reason {
     run.needed_only(On::Any, Passes::Stepped)
+}
+
+/// Why nothing is kept of what rounding leaves open.
+pub(super) fn of_bounds(run: &Run<'_>) -> Reason {
+    match run.features.exact_order {
+        true => of_steps(run),
+        false => without_order(run)[usize::from(run.is_fused())],
+    }
+}
+
+/// Why integers decide nothing.
+pub(in crate::programs) fn no_exact_order(run: &Run<'_>) -> Reason {
+    without_order(run)[0]
+}
+
+/// The same, and for what only passes of steps need.
+fn without_order(run: &Run<'_>) -> [Reason; 2] {
+    macro_rules! needed {
+        ($with:literal) => {
+            [
+                concat!("needed only with ", $with, "--order exact"),
+                concat!("needed only with ", $with, "--order exact and --schedule first, second or compact"),
+            ]
+        };
+    }
+    let reasons = match (run.options.numerics, run.features.fragments, run.options.integrator) {
+        (Numerics::Paper, ..) => needed!("--numerics robust "),
+        (_, true, _) => needed!("--mapping compute "),
+        (.., Integrator::Local) => needed!(""),
+        _ => needed!("--integrator local "),
+    };
+    reasons.map(|reason| (Because::Options, reason))
 }
 
 pub(super) fn of_tmax(run: &Run<'_>) -> Reason {

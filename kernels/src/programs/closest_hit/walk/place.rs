@@ -23,7 +23,7 @@ impl<R: Real> Place<R> {
 
     /// The state after a cell's list has ended; `exit` is the t at which the ray leaves the cell.
     pub(super) fn after_list(&self, features: &Features, exit: R) -> Tag {
-        let tag = list_ended(features, self.trace.listed_as(features), self.trace.t, exit);
+        let tag = list_ended(features, self.trace.listed_as(features), self.trace.latest(), exit);
         let has_end = features.intervals && !features.in_cell;
         if has_end && tag == TRAV && self.trace.interval[1] <= exit { BACKGROUND } else { tag }
     }

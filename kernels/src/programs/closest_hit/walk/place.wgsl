@@ -1,7 +1,7 @@
 // A ray of the kernel walk between two passes.
 
 import package::state::{TRAV, BACKGROUND};
-import package::tracing::{Trace, listed_as};
+import package::tracing::{Trace, latest, listed_as};
 import package::grid_lists::{list_ended};
 
 struct Place {
@@ -19,7 +19,7 @@ fn waiting_item(place: Place) -> u32 {
 
 // The state after a cell's list has ended; exit is the t at which the ray leaves the cell.
 fn after_list(trace: Trace, exit: f32) -> u32 {
-    let tag = list_ended(listed_as(trace), trace.t, exit);
+    let tag = list_ended(listed_as(trace), latest(trace), exit);
     @if(intervals && !in_cell) if (tag == TRAV && trace.interval.y <= exit) {
         return BACKGROUND;
     }

@@ -1,0 +1,207 @@
+//! With `--order exact`, the nearest hit is the one that rational arithmetic finds, through every structure, by every
+//! schedule and on every device.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use raystep_kernels::programs::closest_hit::kernels::DECIDE;
+use raystep_kernels::{Accelerator, Caster, Device, Options, Order, Ray, RaySource, ScheduleKind};
+use raystep_lab::rays::Random;
+use raystep_lab::reference::Triangles;
+use raystep_scenes::Scene;
+use raystep_tests::configurations::{FAST, STEPPED};
+use raystep_tests::{
+    Checked, block_on, check_each, devices, gpu, gpu_of, options, parity, rays, scene, scene_files, thorough,
+};
+
+type Corners = [[f32; 3]; 3];
+
+/// Numbers from −1 to 1.
+struct Numbers(Random);
+
+impl Numbers {
+    fn one(&mut self) -> f32 {
+        (2.0 * self.0.unit() - 1.0) as f32
+    }
+
+    fn point(&mut self) -> [f32; 3] {
+        [self.one(), self.one(), self.one()]
+    }
+
+    fn below(&mut self, most: usize) -> usize {
+        (self.0.unit() * most as f64) as usize
+    }
+
+    /// A ray to a point of a triangle, of one of its edges, or to a corner.
+    fn towards(&mut self, origin: [f32; 3], [a, b, c]: Corners) -> Ray {
+        let [u, v] = [self.0.unit() as f32, self.0.unit() as f32];
+        let [u, v] = [[0.5 * u, 0.5 * v], [u, 0.0], [0.0, 0.0]][self.below(3)];
+        let direction = [0, 1, 2].map(|i| a[i] + u * (b[i] - a[i]) + v * (c[i] - a[i]) - origin[i]);
+        Ray::new(origin, if direction == [0.0; 3] { [1.0, 0.0, 0.0] } else { direction })
+    }
+}
+
+fn plus(a: [f32; 3], b: [f32; 3], by: f32) -> [f32; 3] {
+    [0, 1, 2].map(|i| a[i] + by * b[i])
+}
+
+/// Triangles of one kind, and as many rays as asked for at them.
+fn family(kind: &str, count: usize) -> (Vec<Corners>, Vec<Ray>) {
+    let mut numbers = Numbers(Random::of(47, kind.len() as u32));
+    let n = &mut numbers;
+    let mut triangles = Vec::new();
+    let mut distance = 2.0;
+    for _ in 0..24 {
+        let [a, b, c] = [n.point(), n.point(), n.point()];
+        match kind {
+            // Two corners, and a third that is nearly between them.
+            "needles" => triangles.push([a, b, plus(plus(a, [0, 1, 2].map(|i| b[i] - a[i]), 0.4), c, 1e-6)]),
+            // The other side is a few roundings away.
+            "boards" => {
+                let off = n.point();
+                triangles.extend([[a, b, c], [a, b, c].map(|corner| plus(corner, off, 2e-7))]);
+            }
+            "duplicates" => triangles.extend([[a, b, c], [b, c, a], [a, c, b]]),
+            // In one tilted plane, as far as f32 has points of it.
+            "coplanar" => triangles.push([a, b, c].map(|[x, y, _]| [x, y, 0.3 * x - 0.7 * y])),
+            "lattice" => triangles.push([a, b, c].map(|corner| corner.map(|v| (2.5 * v).round()))),
+            "far" => triangles.extend([[a, b, c], [b, a, c].map(|corner| plus(corner, [1e-4; 3], 1.0))]),
+            other => panic!("{other}"),
+        }
+    }
+    if kind == "far" {
+        distance = 1000.0;
+    }
+    let rays = (0..count).map(|_| {
+        let target = triangles[n.below(triangles.len())];
+        let origin = match kind {
+            "lattice" => n.point().map(|v| (3.0 * v).round()),
+            _ => n.point().map(|v| distance * v),
+        };
+        n.towards(origin, target)
+    });
+    let rays = rays.collect();
+    (triangles, rays)
+}
+
+/// A hilly surface, and rays that graze it.
+fn terrain(count: usize) -> (Vec<Corners>, Vec<Ray>) {
+    const SIDE: usize = 12;
+    let mut numbers = Numbers(Random::of(47, 99));
+    let n = &mut numbers;
+    let points: Vec<[f32; 3]> =
+        (0..SIDE * SIDE).map(|i| [(i % SIDE) as f32, 0.01 * n.one(), (i / SIDE) as f32]).collect();
+    let mut triangles = Vec::new();
+    for i in (0..SIDE * (SIDE - 1)).filter(|i| i % SIDE + 1 < SIDE) {
+        let [a, b, c, d] = [i, i + 1, i + SIDE, i + SIDE + 1].map(|i| points[i]);
+        triangles.extend([[a, c, b], [b, c, d]]);
+    }
+    let rays = (0..count).map(|_| {
+        let target = triangles[n.below(triangles.len())];
+        let origin = [-3.0, 0.005 * n.one(), 12.0 * n.one()];
+        n.towards(origin, target)
+    });
+    let rays = rays.collect();
+    (triangles, rays)
+}
+
+const COMBINATIONS: [(Accelerator, ScheduleKind, u32); 11] = [
+    (Accelerator::None, ScheduleKind::Fused, 1),
+    (Accelerator::None, ScheduleKind::Second, 1),
+    (Accelerator::Grid, ScheduleKind::Fused, 1),
+    (Accelerator::Grid, ScheduleKind::First, 1),
+    (Accelerator::Grid, ScheduleKind::Compact, 8),
+    (Accelerator::Irregular, ScheduleKind::Fused, 1),
+    (Accelerator::Irregular, ScheduleKind::Compact, 8),
+    (Accelerator::Irregular, ScheduleKind::Second, 1),
+    (Accelerator::Bvh, ScheduleKind::Fused, 1),
+    (Accelerator::Bvh, ScheduleKind::Compact, 8),
+    (Accelerator::Bvh, ScheduleKind::Compact, 1),
+];
+
+/// The triangles that rays hit.
+fn hits(scene: &Arc<Scene>, rays: &[Ray], options: &Options, device: &Device) -> Vec<Option<u32>> {
+    let mut caster = block_on(gpu_of(device), Caster::new(scene.clone(), options, device)).expect("a caster");
+    let hits = block_on(gpu_of(device), caster.cast(rays)).expect("hits");
+    assert_eq!(caster.unfinished(), 0);
+    hits.iter().map(|hit| hit.is_hit().then_some(hit.triangle)).collect()
+}
+
+#[test]
+fn every_combination_hits_what_rational_arithmetic_finds() {
+    let count = if thorough() { 150_000 } else { 400 };
+    let mut rounded_otherwise = 0;
+    for kind in ["needles", "boards", "duplicates", "coplanar", "lattice", "far", "terrain"] {
+        let (triangles, rays) = if kind == "terrain" { terrain(count) } else { family(kind, count) };
+        let scene = Arc::new(Scene::from_triangles(triangles));
+        let vertices: Vec<f32> = scene.triangles.iter().flatten().flatten().copied().collect();
+        let exact = Triangles::new(&vertices);
+        let wanted: Vec<Option<u32>> = rays
+            .iter()
+            .map(|ray| exact.candidates(ray.origin, ray.direction).exact.map(|(triangle, _)| triangle))
+            .collect();
+        let hit = wanted.iter().flatten().count();
+        assert!(4 * hit > count, "{kind}: {hit} of {count} hit anything");
+        for (accelerator, schedule, steps_per_pass) in COMBINATIONS {
+            for (name, device) in devices() {
+                let options = Options { accelerator, schedule, steps_per_pass, ..Caster::options() };
+                let label = format!("{kind}, {accelerator} {schedule} {steps_per_pass} on {name}");
+                let found = hits(&scene, &rays, &Options { order: Order::Exact, ..options.clone() }, &device);
+                for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
+                    assert_eq!(found, wanted, "{label}: {:?}", rays[i]);
+                }
+                let rounded = hits(&scene, &rays, &options, &device);
+                rounded_otherwise += rounded.iter().zip(&wanted).filter(|(found, wanted)| found != wanted).count();
+            }
+        }
+    }
+    // Otherwise nothing would have been tested.
+    assert!(rounded_otherwise > 1000, "rounding changed only {rounded_otherwise} hits");
+}
+
+#[test]
+fn no_ray_of_a_scene_is_left_undecided() {
+    for file in scene_files() {
+        let scene = scene(&file);
+        if scene.triangles.is_empty() || scene.triangles.len() > 2000 {
+            continue;
+        }
+        let side = if thorough() { 512 } else { 80 };
+        let count = if thorough() { 10_000 } else { 500 };
+        let pictures = options(&scene, side, side);
+        let random = Options::new(RaySource::Given(rays::random(&scene, count, 8)));
+        for options in [pictures, random] {
+            let options = Options { order: Order::Exact, shade: false, ..options };
+            for (configurations, device) in [(&FAST[..], Device::Gpu(gpu())), (&[STEPPED][..], Device::Cpu(None))] {
+                for Checked { configuration, report, .. } in check_each(&scene, &options, configurations, &device) {
+                    let label = format!("{file} {configuration}: {report}");
+                    assert_eq!((report.errors(), report.counts.ties), (0, 0), "{label}\n{:#?}", report.mistakes);
+                }
+            }
+        }
+    }
+}
+
+/// Pass by pass, a device leaves what the CPU reference kernels leave, also where rays wait for another dispatch.
+#[test]
+fn integers_decide_alike_on_a_device_and_on_the_cpu() {
+    let mut seen = BTreeSet::new();
+    for kind in ["needles", "coplanar", "terrain"] {
+        let (triangles, rays) = if kind == "terrain" { terrain(200) } else { family(kind, 200) };
+        let scene = Scene::from_triangles(triangles);
+        for (accelerator, schedule, steps_per_pass) in COMBINATIONS {
+            let rays = RaySource::Given(rays.clone());
+            let options = Options { accelerator, schedule, steps_per_pass, order: Order::Exact, ..Options::new(rays) };
+            let options = Options { shade: false, counters: true, ..options };
+            let label = format!("{kind}, {accelerator} {schedule} {steps_per_pass}");
+            // Software Vulkan ends loops that take more.
+            for turns in [40, 2048] {
+                let found = parity::compare_in_turns(&gpu(), &scene, &options, turns);
+                assert_eq!((found.breaches, found.miscounts), (vec![], vec![]), "{label}, {turns} turns");
+                seen.extend(found.transitions.into_iter().filter(|(_, kernel, _)| *kernel == DECIDE));
+            }
+        }
+    }
+    let listed: BTreeSet<_> = DECIDE.sends().iter().map(|sent| (sent.from, DECIDE, sent.to)).collect();
+    assert_eq!(seen, listed, "where decided rays go");
+}
