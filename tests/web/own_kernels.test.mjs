@@ -22,7 +22,11 @@ const NEARER = "is_nearer(candidate.t, entry.triangle, nearest_t, textureLoad(hi
 
 /// Name, texts with those that take their places, and the message that is found without a run.
 const REFUSED = [
-    ["missing-binding", [[HIT, ""], ["textureLoad(hit,", "textureLoad(‸hit,"]], "no definition in scope for identifier: `hit`"],
+    [
+        "missing-binding",
+        [[HIT, ""], ["entry.triangle, nearest_t, textureLoad(hit,", "entry.triangle, nearest_t, textureLoad(‸hit,"]],
+        "no definition in scope for identifier: `hit`",
+    ],
     ["doubled-binding", [["@binding(3) var hit", "@binding(2) ‸var hit"]], "hit and state have the same @group(0) @binding(2)"],
     ["wrong-type", [["let cell = ", "let ‸cell: f32 = "]], "the type of `cell` is expected to be `f32`, but got `u32`"],
     [
