@@ -14,8 +14,7 @@ pub use super::row::{Refusal, Row, Value, Values};
 use super::row::{parse, text, whole};
 use super::scene_data::SceneDataKind;
 use super::{
-    Accelerator, BuiltBy, Choices, GridSize, Integrator, MOST_ELEMENTS, Numerics, Order, ProgramName, ScheduleKind,
-    Skip, Traversal,
+    Accelerator, BuiltBy, Choices, GridSize, MOST_ELEMENTS, Numerics, Order, ProgramName, ScheduleKind, Skip, Traversal,
 };
 
 /// Most steps of a ray in one pass.
@@ -205,17 +204,10 @@ pub static ROWS: &[Row] = &[
     .panel("order", "which of several hits is the nearest: by t as f32 has it, or by exact t")
     .applies(|c| c.program == ProgramName::ClosestHit)
     .refused(|c| {
-        let why = match c.order {
-            Order::Rounded => return None,
-            Order::Exact if c.program != ProgramName::ClosestHit => {
-                return Some(Refusal::Idle("--order is for rays: omit it, or use --program closest-hit".into()));
-            }
-            Order::Exact if c.numerics == Numerics::Paper => "--order exact: the paper accepts the first hit in a cell; use --numerics robust",
-            Order::Exact if c.mapping != Mapping::Compute => "--order exact: fragment programs have no outputs left for its bounds; use --mapping compute",
-            Order::Exact if c.integrator != Integrator::Local => "--order exact: not for rays after the first; use --integrator local",
-            Order::Exact => return None,
-        };
-        Some(impossible(why))
+        if c.order == Order::Exact && c.program != ProgramName::ClosestHit {
+            return Some(Refusal::Idle("--order is for rays: omit it, or use --program closest-hit".into()));
+        }
+        c.order.fault(c.numerics, c.mapping, c.integrator).map(|why| impossible(&format!("--order exact: {why}")))
     }),
     named!(
         "traversal",
