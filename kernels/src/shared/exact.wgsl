@@ -5,6 +5,8 @@
 // the side of the edge from p to q that the sign of d.((q - p) x (o - p)) tells. All of these are sums of products of three f32. An f32 is a multiple of 2^-149 below 2^128, so
 // such a sum is a multiple of 2^-447, and 27 words of 32 bits hold it.
 
+import package::product::{product64};
+
 const WORDS: u32 = 27u;
 
 // A sum of products: those that are added in the first half, those that are subtracted in the second, so that no sign
@@ -15,14 +17,6 @@ struct Sum {
     end: u32,
 }
 
-// All 64 bits of a product, from the products of its halves.
-fn wide_product(a: u32, b: u32) -> vec2u {
-    let low = (a & 0xffffu) * (b & 0xffffu);
-    let middle = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
-    let other = (a & 0xffffu) * (b >> 16u) + (middle & 0xffffu);
-    return vec2u((a >> 16u) * (b >> 16u) + (middle >> 16u) + (other >> 16u), a * b);
-}
-
 fn add_product(sum: ptr<function, Sum>, factors: vec3f, is_negative: bool) {
     let bits = bitcast<vec3u>(factors);
     let exponents = (bits >> vec3u(23u)) & vec3u(0xffu);
@@ -30,9 +24,9 @@ fn add_product(sum: ptr<function, Sum>, factors: vec3f, is_negative: bool) {
     if (any(digits == vec3u(0u))) {
         return;
     }
-    let pair = wide_product(digits.x, digits.y);
-    let lower = wide_product(pair.y, digits.z);
-    let upper = wide_product(pair.x, digits.z);
+    let pair = product64(digits.x, digits.y);
+    let lower = product64(pair.y, digits.z);
+    let upper = product64(pair.x, digits.z);
     let middle = lower.x + upper.y;
     let top = upper.x + u32(middle < lower.x);
     // In units of 2^-447; subnormal numbers have the exponent of the smallest normal ones.
@@ -156,8 +150,8 @@ fn compare_products(
     var is_equal = true;
     for (var column = 2u * low; column + 1u < 2u * end; column++) {
         for (var place = max(low, max(column + 1u, end) - end); place < end && place + low <= column; place++) {
-            let more = wide_product((*a).words[place], (*b).words[column - place]);
-            let less = wide_product((*c).words[place], (*d).words[column - place]);
+            let more = product64((*a).words[place], (*b).words[column - place]);
+            let less = product64((*c).words[place], (*d).words[column - place]);
             let added = vec2u(carried.x + more.y, carried.y + more.x);
             let carry = u32(added.x < more.y);
             let middle = added.y + carry;

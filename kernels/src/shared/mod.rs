@@ -42,6 +42,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("irregular_walk", include_str!("irregular_walk.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),
     ("exact", include_str!("exact.wgsl")),
+    ("product", include_str!("product.wgsl")),
     ("texture", include_str!("texture.wgsl")),
     ("start", include_str!("start.wgsl")),
     ("photon_map", include_str!("photon_map.wgsl")),

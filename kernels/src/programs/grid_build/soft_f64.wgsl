@@ -11,6 +11,8 @@
 //
 // NaN and infinities are handled as in IEEE 754, but not which NaN results.
 
+import package::product::{product64};
+
 alias F64 = vec2u;
 
 const F64_SIGN: u32 = 0x80000000u;
@@ -56,14 +58,6 @@ fn shr64_sticky(v: vec2u, by: u32) -> vec2u {
     }
     let lost = v.y & ((1u << by) - 1u);
     return vec2u(v.x >> by, (v.x << (32u - by)) | (v.y >> by) | u32(lost != 0u));
-}
-
-// All 64 bits of a product, from the products of its halves.
-fn product64(a: u32, b: u32) -> vec2u {
-    let low = (a & 0xffffu) * (b & 0xffffu);
-    let middle = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
-    let other = (a & 0xffffu) * (b >> 16u) + (middle & 0xffffu);
-    return vec2u((a >> 16u) * (b >> 16u) + (middle >> 16u) + (other >> 16u), a * b);
 }
 
 fn f64_exponent(a: F64) -> u32 {

@@ -1,6 +1,7 @@
 // Products and quotients of numbers with up to 64 bits: vec2u(high, low).
 
-import package::soft_f64::{less64, product64};
+import package::product::{product64};
+import package::soft_f64::{less64};
 
 fn times64(a: vec2u, b: u32) -> vec2u {
     return product64(a.y, b) + vec2u(a.x * b, 0u);

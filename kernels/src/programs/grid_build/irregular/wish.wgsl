@@ -1,7 +1,8 @@
 import package::launch::{BLOCK, launch, element_of_rows};
 import package::build::{build};
 import package::leaf::{load, load_at, place_in, space_at, high_of};
-import package::soft_f64::{add64, product64};
+import package::product::{product64};
+import package::soft_f64::{add64};
 import package::u64::{is_at_most64, times64};
 import package::voxel_map::{find};
 
