@@ -99,6 +99,7 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("ordered", include_str!("ordered.wgsl")),
         ("tested", include_str!("tested.wgsl")),
         ("fused_whole", include_str!("fused/whole.wgsl")),
+        ("fused_waiting", include_str!("fused/waiting.wgsl")),
         ("fused_waiting_in_grid", include_str!("fused/waiting_in_grid.wgsl")),
         ("shade_surface", include_str!("shade/surface.wgsl")),
         ("shade_light", include_str!("shade/light.wgsl")),
@@ -109,14 +110,14 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("intersect_repetition", include_str!("intersect/repetition.wgsl")),
     ];
     let [mut fused, intersect, walk] = of_structure(features.structure());
-    let waiting = match features.decides {
-        true => include_str!("fused/waiting_to_decide.wgsl"),
-        false => include_str!("fused/waiting.wgsl"),
+    let taking = match features.decides {
+        true => include_str!("fused/taking_open.wgsl"),
+        false => include_str!("fused/taking.wgsl"),
     };
     if features.bvh && !features.wide {
         fused.1 = include_str!("fused/bvh_binary.wgsl");
     }
-    let chosen = [shared::grid_walk_module(features.walk_rules()), ("fused_waiting", waiting), fused, intersect, walk];
+    let chosen = [shared::grid_walk_module(features.walk_rules()), ("fused_taking", taking), fused, intersect, walk];
     let files = shared::MODULES.iter().chain(&own).chain(&chosen);
     files.map(|&(name, source)| (name, Cow::Borrowed(source))).collect()
 }

@@ -4,7 +4,8 @@ import package::constants::{INF};
 import package::camera::{eye_ray};
 import package::ray::{load_ray};
 import package::tracing::{Trace, new_trace, ended_as};
-import package::fused_waiting::{wait, has_work, waits_as, with_bounds, keep_bounds, has_counted};
+import package::fused_taking::{has_counted, has_work, keep_bounds, waits_as, with_bounds};
+import package::fused_waiting::{wait};
 import package::fused_structure::{traced};
 
 // Read again only by rays that wait, or are traced again.

@@ -1,25 +1,14 @@
-// In the place of waiting.wgsl, a ray of the kernel decide between two dispatches: it stays EXACT, and WAITS stands where the
-// smallest t was that is open.
+// Which rays the kernel decide takes, in the place of taking.wgsl: those that are EXACT. One that waits stays so, and WAITS
+// stands where the smallest t was that is open.
 
 import package::constants::{INF};
 import package::state::{EXACT};
 import package::tracing::{Trace};
+import package::fused_waiting::{wait};
 
 const WAITS: f32 = -1.0;
 
 @if(resumes) @group(0) @binding(14) var bounds: texture_storage_2d_array<r32float, read_write>;
-
-struct Wait {
-    texel: vec2u,
-    // Whether it waited before this dispatch, and waits after it.
-    before: bool,
-    after: bool,
-    // As in the stream state: the cell and the item in its list, or the node and its level or item, or the triangle.
-    cell: u32,
-    item: u32,
-}
-
-var<private> wait: Wait;
 
 // Whether integers have to decide what the ray hits.
 fn has_work(texel: vec2u, tag: u32) -> bool {
@@ -31,27 +20,13 @@ fn has_work(texel: vec2u, tag: u32) -> bool {
     return tag == EXACT;
 }
 
-fn wait_at(cell: u32, item: u32) {
-    wait.after = true;
-    wait.cell = cell;
-    wait.item = item;
-}
-
 fn waits_as(trace: Trace) -> u32 {
     return EXACT;
-}
-
-fn has_waited() -> bool {
-    return wait.before;
 }
 
 // A walk is counted with the one before it.
 fn has_counted() -> bool {
     return true;
-}
-
-fn waiting_item() -> u32 {
-    return wait.item;
 }
 
 @if(resumes)
