@@ -4,8 +4,12 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use raystep_kernels::options::Integrator;
+use raystep_kernels::options::mapping::{Fragment, Mapping};
 use raystep_kernels::programs::closest_hit::kernels::DECIDE;
-use raystep_kernels::{Accelerator, Caster, Device, Options, Order, Ray, RaySource, ScheduleKind};
+use raystep_kernels::{
+    Accelerator, Caster, Device, Limits, Numerics, Options, Order, Plan, Ray, RaySource, ScheduleKind,
+};
 use raystep_lab::rays::Random;
 use raystep_lab::reference::Triangles;
 use raystep_scenes::Scene;
@@ -166,8 +170,8 @@ fn no_ray_of_a_scene_is_left_undecided() {
         if scene.triangles.is_empty() || scene.triangles.len() > 2000 {
             continue;
         }
-        let side = if thorough() { 512 } else { 80 };
-        let count = if thorough() { 10_000 } else { 500 };
+        let side = if thorough() { 512 } else { 56 };
+        let count = if thorough() { 10_000 } else { 300 };
         let pictures = options(&scene, side, side);
         let random = Options::new(RaySource::Given(rays::random(&scene, count, 8)));
         for options in [pictures, random] {
@@ -185,9 +189,10 @@ fn no_ray_of_a_scene_is_left_undecided() {
 /// Pass by pass, a device leaves what the CPU reference kernels leave, also where rays wait for another dispatch.
 #[test]
 fn integers_decide_alike_on_a_device_and_on_the_cpu() {
+    let count = if thorough() { 400 } else { 80 };
     let mut seen = BTreeSet::new();
     for kind in ["needles", "coplanar", "terrain"] {
-        let (triangles, rays) = if kind == "terrain" { terrain(200) } else { family(kind, 200) };
+        let (triangles, rays) = if kind == "terrain" { terrain(count) } else { family(kind, count) };
         let scene = Scene::from_triangles(triangles);
         for (accelerator, schedule, steps_per_pass) in COMBINATIONS {
             let rays = RaySource::Given(rays.clone());
@@ -204,4 +209,19 @@ fn integers_decide_alike_on_a_device_and_on_the_cpu() {
     }
     let listed: BTreeSet<_> = DECIDE.sends().iter().map(|sent| (sent.from, DECIDE, sent.to)).collect();
     assert_eq!(seen, listed, "where decided rays go");
+}
+
+#[test]
+fn what_has_no_exact_order_is_refused_before_anything_is_built() {
+    let scene = scene("whitted.glb");
+    let exact = Options { order: Order::Exact, schedule: ScheduleKind::Second, ..options(&scene, 8, 8) };
+    let limits = Limits::from(&*gpu());
+    for (options, says) in [
+        (Options { numerics: Numerics::Paper, ..exact.clone() }, "--numerics robust"),
+        (Options { mapping: Mapping::Fragment(Fragment::default()), ..exact.clone() }, "--mapping compute"),
+        (Options { integrator: Integrator::Path, ..exact }, "--integrator local"),
+    ] {
+        let refused = Plan::new(&scene, &options, &limits).expect_err("no exact order").to_string();
+        assert!(refused.starts_with("--order exact: ") && refused.ends_with(says), "{refused}");
+    }
 }
