@@ -2,8 +2,10 @@
 
 use std::cmp::Ordering;
 
+use super::narrow::{Share, Units, meets_narrowly};
+
 /// A corner, an origin or a direction.
-type Point = [f32; 3];
+pub(super) type Point = [f32; 3];
 
 /// 32-bit words of a sum of products of three f32, in units of 2⁻⁴⁴⁷.
 const WORDS: usize = 27;
@@ -105,20 +107,40 @@ fn volume(x: Point, corners: [Point; 3]) -> Sum {
 #[must_use]
 pub fn meets_exactly(origin: Point, direction: Point, corners: [Point; 3]) -> bool {
     let [a, b, c] = corners;
+    if let Some(units) = Units::of(&[origin, a, b, c], direction) {
+        return meets_narrowly(units, origin, direction, corners);
+    }
+    meets_widely(origin, direction, corners)
+}
+
+fn meets_widely(origin: Point, direction: Point, corners: [Point; 3]) -> bool {
+    let [a, b, c] = corners;
     let sides = [[a, b], [b, c], [c, a]].map(|[tail, head]| volume(direction, [tail, head, origin]).settle());
-    let has = |sign: Ordering| sides.contains(&sign);
-    let along = match (has(Ordering::Less), has(Ordering::Greater)) {
-        (true, false) => Ordering::Less,
-        (false, true) => Ordering::Greater,
-        _ => return false,
-    };
     // The sides add up to d · n.
-    distance(origin, corners).settle() == along
+    Some(distance(origin, corners).settle()) == common_sign(sides)
+}
+
+/// The sign of those sides that are not 0, if they have one in common.
+pub(super) fn common_sign(sides: [Ordering; 3]) -> Option<Ordering> {
+    match (sides.contains(&Ordering::Less), sides.contains(&Ordering::Greater)) {
+        (true, false) => Some(Ordering::Less),
+        (false, true) => Some(Ordering::Greater),
+        _ => None,
+    }
 }
 
 /// Compares the t of two triangles that the ray meets.
 #[must_use]
 pub fn compare_exactly(origin: Point, direction: Point, corners: [Point; 3], others: [Point; 3]) -> Ordering {
+    let ([a, b, c], [e, f, g]) = (corners, others);
+    let told = Units::of(&[origin, a, b, c, e, f, g], direction).and_then(|units| {
+        let share = |corners| Share::of(units, origin, direction, corners);
+        share(corners).compare(share(others))
+    });
+    told.unwrap_or_else(|| compare_widely(origin, direction, corners, others))
+}
+
+fn compare_widely(origin: Point, direction: Point, corners: [Point; 3], others: [Point; 3]) -> Ordering {
     let [[distance, along], [other_distance, other_along]] =
         [corners, others].map(|corners| [distance(origin, corners), volume(direction, corners)].map(Sum::magnitude));
     products(&distance, &other_along).cmp(&products(&other_distance, &along))

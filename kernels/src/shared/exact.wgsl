@@ -1,10 +1,12 @@
-// Whether a ray meets a triangle, and which of two it meets first: in integers, and so without any rounding, for the f32 of the
-// ray and the corners.
+// Whether a ray meets a triangle, and which of two it meets first: in integers, and so without any rounding, for the f32 of
+// the ray and the corners.
 //
 // With d the ray's direction, o its origin and n = (b - a) x (c - a), the ray meets the plane at t = (a - o).n / d.n, on
-// the side of the edge from p to q that the sign of d.((q - p) x (o - p)) tells. All of these are sums of products of three f32. An f32 is a multiple of 2^-149 below 2^128, so
-// such a sum is a multiple of 2^-447, and 27 words of 32 bits hold it.
+// the side of the edge from p to q that the sign of d.((q - p) x (o - p)) tells. All of these are sums of products of
+// three f32. An f32 is a multiple of 2^-149 below 2^128, so such a sum is a multiple of 2^-447, and 27 words of 32 bits
+// hold it. Nearly always far fewer do (narrow.wgsl).
 
+import package::narrow::{compare_shares, joined, meets_narrowly, range, share_of, units_of, units_with};
 import package::product::{product64};
 
 const WORDS: u32 = 27u;
@@ -116,6 +118,14 @@ fn volume(x: vec3f, p: vec3f, q: vec3f, r: vec3f) -> Sum {
 
 // Whether the ray meets the triangle at t > 0, its edges and corners included. A triangle that is seen edge-on is not met.
 fn meets_exactly(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> bool {
+    let units = units_with(origin, direction, a, b, c);
+    if (units.fit) {
+        return meets_narrowly(units, origin, direction, a, b, c);
+    }
+    return meets_widely(origin, direction, a, b, c);
+}
+
+fn meets_widely(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> bool {
     var lowest = 0;
     var highest = 0;
     var tail = a;
@@ -185,6 +195,16 @@ fn compare_exactly(
     other_b: vec3f,
     other_c: vec3f,
 ) -> i32 {
+    let others = joined(joined(range(other_a), range(other_b)), range(other_c));
+    let places = joined(joined(joined(range(origin), range(a)), joined(range(b), range(c))), others);
+    let units = units_of(places, direction);
+    if (units.fit) {
+        let one = share_of(units, origin, direction, a, b, c);
+        let order = compare_shares(one, share_of(units, origin, direction, other_a, other_b, other_c));
+        if (order != 0) {
+            return order;
+        }
+    }
     var distance = distance_sum(origin, a, b, c);
     var along = volume(direction, a, b, c);
     var other_distance = distance_sum(origin, other_a, other_b, other_c);

@@ -11,6 +11,7 @@ pub mod exact;
 pub mod grid_walk;
 pub mod irregular_walk;
 pub mod launch;
+mod narrow;
 pub mod photon_map;
 pub mod samples;
 pub mod scene;
@@ -42,6 +43,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("irregular_walk", include_str!("irregular_walk.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),
     ("exact", include_str!("exact.wgsl")),
+    ("narrow", include_str!("narrow.wgsl")),
     ("product", include_str!("product.wgsl")),
     ("texture", include_str!("texture.wgsl")),
     ("start", include_str!("start.wgsl")),

@@ -116,13 +116,16 @@ const KINDS: u32 = 8;
 #[test]
 fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
     let mut random = fastrand::Rng::with_seed(47);
-    let (mut met, mut orders) = ([0; KINDS as usize], [0; 3]);
+    let (mut met, mut orders, mut fit) = ([0; KINDS as usize], [0; 3], [0; KINDS as usize]);
     for i in 0..40_000 {
         let kind = i % KINDS;
         let given = given(&mut random, kind);
         let (o, d, corners, others) = two(given);
         let wanted = [corners, others].map(|corners| meets(o, d, corners));
         assert_eq!([corners, others].map(|corners| meets_exactly(o, d, corners)), wanted, "{kind}: {given:?}");
+        // Few words where they are enough, and many where they are not.
+        assert_eq!([corners, others].map(|corners| meets_widely(o, d, corners)), wanted, "{kind}: {given:?}");
+        fit[kind as usize] += u32::from(Units::of(&given[2..], d).is_some());
         let (parts_here, along) = parts(o, d, corners);
         if wanted[0] {
             met[kind as usize] += 1;
@@ -131,6 +134,7 @@ fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
             let (parts_there, along_there) = parts(o, d, others);
             let order = (&parts_here[0] * &along_there).cmp(&(&parts_there[0] * &along));
             assert_eq!(compare_exactly(o, d, corners, others), order, "{kind}: {given:?}");
+            assert_eq!(compare_widely(o, d, corners, others), order, "{kind}: {given:?}");
             orders[match order {
                 Ordering::Less => 0,
                 Ordering::Equal => 1,
@@ -139,6 +143,7 @@ fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
         }
     }
     assert!(met.iter().all(|&met| met > 50) && orders.iter().all(|&of| of > 100), "{met:?} {orders:?}");
+    assert!(fit[0] > 4000 && fit[5] < 10, "fit into few words: {fit:?}");
 }
 
 /// What the twin makes of a ray and two triangles, as `asked.wgsl` writes it.
