@@ -4,7 +4,6 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use raystep_kernels::options::Integrator;
 use raystep_kernels::options::mapping::{Fragment, Mapping};
 use raystep_kernels::programs::closest_hit::kernels::DECIDE;
 use raystep_kernels::{
@@ -218,8 +217,7 @@ fn what_has_no_exact_order_is_refused_before_anything_is_built() {
     let limits = Limits::from(&*gpu());
     for (options, says) in [
         (Options { numerics: Numerics::Paper, ..exact.clone() }, "--numerics robust"),
-        (Options { mapping: Mapping::Fragment(Fragment::default()), ..exact.clone() }, "--mapping compute"),
-        (Options { integrator: Integrator::Path, ..exact }, "--integrator local"),
+        (Options { mapping: Mapping::Fragment(Fragment::default()), ..exact }, "--mapping compute"),
     ] {
         let refused = Plan::new(&scene, &options, &limits).expect_err("no exact order").to_string();
         assert!(refused.starts_with("--order exact: ") && refused.ends_with(says), "{refused}");

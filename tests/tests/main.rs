@@ -14,6 +14,7 @@ mod degenerate;
 mod device;
 mod divergence;
 mod docs;
+mod exact_light;
 mod exact_order;
 mod floors;
 mod guests;

@@ -116,6 +116,16 @@ pub fn meets_exactly(origin: Point, direction: Point, corners: [Point; 3]) -> bo
     distance(origin, corners).settle() == along
 }
 
+/// Whether the ray meets a triangle before `end`, if it meets it.
+#[must_use]
+pub fn meets_before(origin: Point, direction: Point, corners: [Point; 3], end: f32) -> bool {
+    let [distance, along] = [distance(origin, corners), volume(direction, corners)].map(Sum::magnitude);
+    let [mut one, mut last] = [Sum::new(); 2];
+    one.add_product([1.0; 3], false);
+    last.add_product([end, 1.0, 1.0], false);
+    products(&distance, &one) < products(&along, &last)
+}
+
 /// Compares the t of two triangles that the ray meets.
 #[must_use]
 pub fn compare_exactly(origin: Point, direction: Point, corners: [Point; 3], others: [Point; 3]) -> Ordering {

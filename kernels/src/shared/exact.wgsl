@@ -174,6 +174,19 @@ fn compare_products(
     return select(1, 0, is_equal && carried.x == 0u && carried.y == 0u);
 }
 
+// Whether the ray meets a triangle before `end`, if it meets it.
+fn meets_before(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f, end: f32) -> bool {
+    var distance = distance_sum(origin, a, b, c);
+    var along = volume(direction, a, b, c);
+    settle(&distance);
+    settle(&along);
+    var one = new_sum();
+    var last = new_sum();
+    add_product(&one, vec3f(1.0), false);
+    add_product(&last, vec3f(end, 1.0, 1.0), false);
+    return compare_products(&distance, &one, &along, &last) < 0;
+}
+
 // Compares the t of two triangles that the ray meets: the sign of their difference.
 fn compare_exactly(
     origin: vec3f,

@@ -160,7 +160,12 @@ fn bounded_by<R: Real, const CONTRACTED: bool>(
     let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
     let two = R::from_f32(2.0);
     let half = R::from_f32(0.5);
+    let Candidate { mut u, mut v, .. } = on_plane;
     let (t, moved) = if det.abs() < R::from_f32(8.0) * bound {
+        // Weights may be nothing but rounding here, or not even numbers; others begin rays there.
+        if !(u.min(v) >= R::zero() && u + v <= R::one()) {
+            (u, v) = (R::from_f32(1.0 / 3.0), R::from_f32(1.0 / 3.0));
+        }
         (half * (far + near), half * (far - near))
     } else {
         let off = |z: R| (z - on_plane.t).abs();
@@ -168,7 +173,7 @@ fn bounded_by<R: Real, const CONTRACTED: bool>(
     };
     let error = moved + (depth * near.abs().max(far.abs()) + underflow);
     let is_sure = (least > bound || most < -bound) && t > error;
-    Candidate { t, error, is_sure, is_hit: t > -error && t < R::from_f32(INF), ..on_plane }
+    Candidate { t, u, v, error, is_sure, is_hit: t > -error && t < R::from_f32(INF) }
 }
 
 /// Woop, Benthin and Wald (2013): no ray passes between two triangles that share an edge.

@@ -137,17 +137,21 @@ fn bounded(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candida
     let det = weight_a + weight_b + weight_c;
     let inverse = 1.0 / det;
     let w = weight_a * inverse;
-    candidate.u = weight_b * inverse;
-    candidate.v = weight_c * inverse;
+    let u = weight_b * inverse;
+    let v = weight_c * inverse;
     // Depths, in units of t.
     let z = vec3f(oa.z, ob.z, oc.z) * shear.z;
-    let t = times_plus(w, z.x, times_plus(candidate.u, z.y, candidate.v * z.z));
+    let t = times_plus(w, z.x, times_plus(u, z.y, v * z.z));
     let near = smallest3(z);
     let far = largest3(z);
     let is_thin = abs(det) < 8.0 * bound;
     let off = abs(z - t);
     let moved = select(2.0 * bound * (off.x + off.y + off.z) * abs(inverse), 0.5 * (far - near), is_thin);
     candidate.t = select(t, 0.5 * (far + near), is_thin);
+    // Weights may be nothing but rounding then, or not even numbers; others begin rays there.
+    let is_off = is_thin && !(min(u, v) >= 0.0 && u + v <= 1.0);
+    candidate.u = select(u, 1.0 / 3.0, is_off);
+    candidate.v = select(v, 1.0 / 3.0, is_off);
     candidate.error = moved + (DEPTH_ERROR * max(abs(near), abs(far)) + UNDERFLOW);
     candidate.is_sure = (least > bound || most < -bound) && candidate.t > candidate.error;
     candidate.is_hit = candidate.t > -candidate.error && candidate.t < INF;

@@ -45,6 +45,14 @@ pub(super) fn compare_t(origin: [f32; 3], direction: [f32; 3], corners: [[[f32; 
     (off * other_along).cmp(&(other_off * along))
 }
 
+/// Whether a ray meets the plane of a triangle at a t below `end`, if it does not see the triangle edge-on.
+pub(super) fn is_before(end: f32, origin: [f32; 3], direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
+    let [off, along] = fraction(origin, direction, corners);
+    let (mantissa, exponent) = parts(end.into());
+    let (shift, is_large) = (exponent.unsigned_abs(), exponent >= 0);
+    if is_large { off < (mantissa * along) << shift } else { off << shift < mantissa * along }
+}
+
 /// Whether a ray meets the plane of a triangle at t > 0.
 pub(super) fn is_in_front(origin: [f32; 3], direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
     fraction(origin, direction, corners).iter().all(|part| part.sign() == Sign::Plus)

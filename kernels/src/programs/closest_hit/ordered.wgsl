@@ -8,7 +8,7 @@
 
 import package::constants::{NO_TRIANGLE, TURNS_TO_DECIDE};
 import package::corners::{vertex};
-import package::exact::{compare_exactly, meets_exactly};
+import package::exact::{compare_exactly, meets_before, meets_exactly};
 import package::packed_triangles::{PackedTriangle};
 import package::tracing::{Trace, latest};
 import package::triangle::{Candidate};
@@ -32,9 +32,7 @@ fn ordered(before: Trace, candidate: Candidate, triangle: PackedTriangle) -> Tra
     let earliest = candidate.t - candidate.error;
     let first_of_nearest = trace.t - trace.error;
     let last = candidate.t + candidate.error;
-    @if(any_hit) let is_wanted = candidate.t < trace.t;
-    @else let is_wanted = earliest <= latest(trace);
-    if (!is_wanted || triangle.id == trace.triangle) {
+    if (earliest > latest(trace) || triangle.id == trace.triangle) {
         return trace;
     }
     let overlaps = last >= first_of_nearest;
@@ -55,7 +53,8 @@ fn ordered(before: Trace, candidate: Candidate, triangle: PackedTriangle) -> Tra
     return trace;
 }
 
-// Whether the ray meets the triangle before its nearest hit so far, or at the same t and the triangle has the smaller id.
+// Whether the ray meets the triangle before its nearest hit so far, or at the same t and the triangle has the smaller id; before
+// its end, if any hit ends it.
 @if(decides)
 fn is_nearer_exactly(trace: Trace, candidate: Candidate, triangle: PackedTriangle) -> bool {
     let o = trace.origin;
@@ -63,7 +62,8 @@ fn is_nearer_exactly(trace: Trace, candidate: Candidate, triangle: PackedTriangl
     if (!candidate.is_sure && !meets_exactly(o, d, triangle.a, triangle.b, triangle.c)) {
         return false;
     }
-    @if(any_hit) return true;
+    @if(any_hit) return candidate.t + candidate.error < trace.t
+        || meets_before(o, d, triangle.a, triangle.b, triangle.c, trace.t);
     @else {
         let kept = trace.triangle;
         if (kept == NO_TRIANGLE || candidate.t + candidate.error < trace.t - trace.error) {

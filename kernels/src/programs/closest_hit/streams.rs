@@ -81,7 +81,7 @@ use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
 use crate::tables::stream::{Stream, StreamInfo, streams};
 use absent::{
     NO_WALK_WAITS, no_bounces, no_dielectric, no_iterations, no_path, no_shadow_counters, no_spent, of_bounds,
-    of_control, of_steps, of_tmax,
+    of_control, of_photon_bounds, of_steps, of_tmax,
 };
 pub(in crate::programs) use absent::{no_emitters, no_exact_order, no_shadows, no_specular};
 use layers::{BRANCH_LAYERS, BRANCH_MEANING, RECORD_LAYERS, RECORD_MEANING, UNRECORDED};
@@ -229,6 +229,9 @@ streams! {
     /// Barycentrics and triangle of the nearest hit.
     PHOTON_AT of PHOTONS: "photon_at" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
         unwritten: &[0, 0, NO_TRIANGLE], why_absent: no_map;
+    /// Of the nearest hit, as of a ray's.
+    PHOTON_BOUNDS of PHOTONS: "photon_bounds" F32 &["error", "open"], meaning: &[Distance; 2], unit: "t",
+        unwritten: &[0, INF.to_bits()], why_absent: of_photon_bounds;
     /// The triangle that the photon leaves.
     PHOTON_SURFACE of PHOTONS: "photon_surface" U32 &["triangle"], meaning: &[Id], unit: "triangle id",
         unwritten: &[NO_TRIANGLE], why_absent: no_map;

@@ -116,7 +116,7 @@ const KINDS: u32 = 8;
 #[test]
 fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
     let mut random = fastrand::Rng::with_seed(47);
-    let (mut met, mut orders) = ([0; KINDS as usize], [0; 3]);
+    let (mut met, mut orders, mut before) = ([0; KINDS as usize], [0; 3], [0; 2]);
     for i in 0..40_000 {
         let kind = i % KINDS;
         let given = given(&mut random, kind);
@@ -126,6 +126,13 @@ fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
         let (parts_here, along) = parts(o, d, corners);
         if wanted[0] {
             met[kind as usize] += 1;
+            // An end at t as far as f32 has it, and around that.
+            let t = quotient(&parts_here[0], &along);
+            for end in [t.next_down(), t, t.next_up()].into_iter().filter(|end| end.is_finite()) {
+                let is_before = (&parts_here[0] << 149_u32) < integer(end) * &along;
+                assert_eq!(meets_before(o, d, corners, end), is_before, "{kind}: {given:?} before {end}");
+                before[usize::from(is_before)] += 1;
+            }
         }
         if wanted == [true; 2] {
             let (parts_there, along_there) = parts(o, d, others);
@@ -139,6 +146,15 @@ fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
         }
     }
     assert!(met.iter().all(|&met| met > 50) && orders.iter().all(|&of| of > 100), "{met:?} {orders:?}");
+    assert!(before.iter().all(|&of| of > 1000), "{before:?}");
+}
+
+/// a / b, both positive, rounded down.
+fn quotient(a: &BigInt, b: &BigInt) -> f32 {
+    let shift = 30 + b.bits() as i64 - a.bits() as i64;
+    let digits = if shift >= 0 { (a << shift.unsigned_abs()) / b } else { a / (b << shift.unsigned_abs()) };
+    let digits = digits.iter_u64_digits().next().unwrap_or(0);
+    (digits as f64 * 2f64.powi(-shift.clamp(-500, 500) as i32)) as f32
 }
 
 /// What the twin makes of a ray and two triangles, as `asked.wgsl` writes it.
