@@ -162,6 +162,43 @@ fn every_combination_hits_what_rational_arithmetic_finds() {
     assert!(rounded_otherwise > 1000, "rounding changed only {rounded_otherwise} hits");
 }
 
+/// Whether anything is hit before a ray's end is decided by exact t, too.
+#[test]
+fn every_combination_finds_what_is_before_the_end_of_a_ray() {
+    let count = if thorough() { 50_000 } else { 300 };
+    let mut rounded_otherwise = 0;
+    for kind in ["needles", "boards", "coplanar", "lattice"] {
+        let (triangles, rays) = family(kind, count);
+        let scene = Arc::new(Scene::from_triangles(triangles));
+        let vertices: Vec<f32> = scene.triangles.iter().flatten().flatten().copied().collect();
+        let exact = Triangles::new(&vertices);
+        let (mut until, mut wanted) = (Vec::new(), Vec::new());
+        for (i, ray) in rays.into_iter().enumerate() {
+            let candidates = exact.candidates(ray.origin, ray.direction);
+            let t = candidates.exact.map_or(1.0, |(_, t)| t as f32);
+            // At the nearest hit, as far as f32 has its t, and around that.
+            let end = [t.next_down(), t, t.next_up()][i % 3];
+            wanted.push(exact.are_hit_before(end, ray.origin, ray.direction, &candidates));
+            until.push(ray.between(0.0, end));
+        }
+        for (accelerator, schedule, steps_per_pass) in COMBINATIONS {
+            for (name, device) in devices() {
+                let options = Options { accelerator, schedule, steps_per_pass, any_hit: true, ..Caster::options() };
+                let label = format!("{kind}, {accelerator} {schedule} {steps_per_pass} on {name}");
+                let found = hits(&scene, &until, &Options { order: Order::Exact, ..options.clone() }, &device);
+                for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
+                    assert_eq!(found.is_some(), *wanted, "{label}: {:?}", until[i]);
+                }
+                let rounded = hits(&scene, &until, &options, &device);
+                rounded_otherwise +=
+                    rounded.iter().zip(&wanted).filter(|(found, wanted)| found.is_some() != **wanted).count();
+            }
+        }
+    }
+    // Otherwise nothing would have been tested.
+    assert!(rounded_otherwise > 500, "rounding changed only {rounded_otherwise} answers");
+}
+
 #[test]
 fn no_ray_of_a_scene_is_left_undecided() {
     for file in scene_files() {
