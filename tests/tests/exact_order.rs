@@ -165,7 +165,7 @@ fn every_combination_hits_what_rational_arithmetic_finds() {
 /// Whether anything is hit before a ray's end is decided by exact t, too.
 #[test]
 fn every_combination_finds_what_is_before_the_end_of_a_ray() {
-    let count = if thorough() { 50_000 } else { 300 };
+    let count = if thorough() { 50_000 } else { 150 };
     let mut rounded_otherwise = 0;
     for kind in ["needles", "boards", "coplanar", "lattice"] {
         let (triangles, rays) = family(kind, count);
@@ -177,7 +177,7 @@ fn every_combination_finds_what_is_before_the_end_of_a_ray() {
             let candidates = exact.candidates(ray.origin, ray.direction);
             let t = candidates.exact.map_or(1.0, |(_, t)| t as f32);
             // At the nearest hit, as far as f32 has its t, and around that.
-            let end = [t.next_down(), t, t.next_up()][i % 3];
+            let end = [t.next_down(), t, t.next_up()][i % 3].max(f32::MIN_POSITIVE);
             wanted.push(exact.are_hit_before(end, ray.origin, ray.direction, &candidates));
             until.push(ray.between(0.0, end));
         }
@@ -196,7 +196,7 @@ fn every_combination_finds_what_is_before_the_end_of_a_ray() {
         }
     }
     // Otherwise nothing would have been tested.
-    assert!(rounded_otherwise > 500, "rounding changed only {rounded_otherwise} answers");
+    assert!(rounded_otherwise > 200, "rounding changed only {rounded_otherwise} answers");
 }
 
 #[test]
@@ -245,6 +245,19 @@ fn integers_decide_alike_on_a_device_and_on_the_cpu() {
     }
     let listed: BTreeSet<_> = DECIDE.sends().iter().map(|sent| (sent.from, DECIDE, sent.to)).collect();
     assert_eq!(seen, listed, "where decided rays go");
+}
+
+#[test]
+fn only_runs_by_exact_t_have_rays_that_wait_for_integers() {
+    let scene = scene("whitted.glb");
+    let has = |order, name| {
+        let plan =
+            Plan::new(&scene, &Options { order, ..options(&scene, 8, 8) }, &Limits::from(&*gpu())).expect("a plan").0;
+        let state = plan.program.states.iter().find(|state| state.name == name).expect("a state");
+        plan.has_state(state)
+    };
+    assert_eq!([Order::Rounded, Order::Exact].map(|order| has(order, "EXACT")), [false, true]);
+    assert!(["UNWRITTEN", "ISECT_HIT", "DONE"].into_iter().all(|name| has(Order::Rounded, name)));
 }
 
 #[test]
