@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 /// A corner, an origin or a direction.
-type Point = [f32; 3];
+pub(super) type Point = [f32; 3];
 
 /// 32-bit words of a sum of products of three f32, in units of 2⁻⁴⁴⁷.
 const WORDS: usize = 27;
@@ -11,7 +11,7 @@ const WORDS: usize = 27;
 /// A sum of products: those that are added, and those that are subtracted. All words below `low` are 0, and those from
 /// `end` on.
 #[derive(Clone, Copy)]
-struct Sum {
+pub(super) struct Sum {
     plus: [u32; WORDS],
     minus: [u32; WORDS],
     low: usize,
@@ -19,7 +19,7 @@ struct Sum {
 }
 
 impl Sum {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { plus: [0; WORDS], minus: [0; WORDS], low: WORDS, end: 0 }
     }
 
@@ -53,7 +53,7 @@ impl Sum {
     }
 
     /// x · ((q − p) × (r − p)) = x · (p × q + q × r + r × p)
-    fn add_volume(&mut self, x: Point, [p, q, r]: [Point; 3], is_negative: bool) {
+    pub(super) fn add_volume(&mut self, x: Point, [p, q, r]: [Point; 3], is_negative: bool) {
         for [tail, head] in [[p, q], [q, r], [r, p]] {
             for (axis, along) in x.into_iter().enumerate() {
                 let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -64,7 +64,7 @@ impl Sum {
     }
 
     /// Leaves the magnitude in `plus`, and returns the sign.
-    fn settle(&mut self) -> Ordering {
+    pub(super) fn settle(&mut self) -> Ordering {
         let words = || (self.low..self.end).rev();
         let sign =
             words().map(|i| self.plus[i].cmp(&self.minus[i])).find(|order| order.is_ne()).unwrap_or(Ordering::Equal);
@@ -86,7 +86,7 @@ impl Sum {
 }
 
 /// (a − o) · n, of which t is the share of d · n.
-fn distance(origin: Point, corners: [Point; 3]) -> Sum {
+pub(super) fn distance(origin: Point, corners: [Point; 3]) -> Sum {
     let [a, b, c] = corners;
     let mut sum = Sum::new();
     sum.add_volume(a, [b, c, [0.0; 3]], false);
@@ -95,7 +95,7 @@ fn distance(origin: Point, corners: [Point; 3]) -> Sum {
 }
 
 /// x · n; with an edge and the ray's origin as the corners, which side of the edge the ray passes on.
-fn volume(x: Point, corners: [Point; 3]) -> Sum {
+pub(super) fn volume(x: Point, corners: [Point; 3]) -> Sum {
     let mut sum = Sum::new();
     sum.add_volume(x, corners, false);
     sum
@@ -125,7 +125,7 @@ pub fn compare_exactly(origin: Point, direction: Point, corners: [Point; 3], oth
 }
 
 /// The product of two magnitudes, its highest word first.
-fn products(a: &Sum, b: &Sum) -> [u32; 2 * WORDS] {
+pub(super) fn products(a: &Sum, b: &Sum) -> [u32; 2 * WORDS] {
     let mut product = [0; 2 * WORDS];
     for i in a.low..a.end {
         let mut carry = 0;
@@ -140,4 +140,4 @@ fn products(a: &Sum, b: &Sum) -> [u32; 2 * WORDS] {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

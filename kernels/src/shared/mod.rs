@@ -5,6 +5,7 @@ pub mod build;
 pub mod bvh_walk;
 pub mod camera;
 pub mod constants;
+pub mod crossing;
 pub mod dda;
 pub mod emitters;
 pub mod exact;
@@ -42,6 +43,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("irregular_walk", include_str!("irregular_walk.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),
     ("exact", include_str!("exact.wgsl")),
+    ("crossing", include_str!("crossing.wgsl")),
     ("product", include_str!("product.wgsl")),
     ("texture", include_str!("texture.wgsl")),
     ("start", include_str!("start.wgsl")),

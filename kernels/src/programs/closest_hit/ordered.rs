@@ -4,7 +4,7 @@ use super::tracing::Trace;
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;
 use crate::scene_data::SceneData;
-use crate::shared::constants::{NO_TRIANGLE, TURNS_TO_DECIDE};
+use crate::shared::constants::{NO_TRIANGLE, TURNS_TO_CROSS, TURNS_TO_DECIDE};
 use crate::shared::exact::{compare_exactly, meets_exactly};
 use crate::shared::triangle::{Candidate, TriangleRules, hit_triangle, is_nearer};
 
@@ -24,10 +24,14 @@ impl<R: Real> Trace<R> {
         }
         let overlaps = latest >= self.t - self.error;
         if self.decides && (!candidate.is_sure || overlaps) {
-            if self.is_nearer_exactly(scene, candidate, id, corners) {
+            let (is_kept, turns) = match scene.features.all_hits {
+                true => (self.crosses_next(scene, candidate, id, corners), TURNS_TO_CROSS),
+                false => (self.is_nearer_exactly(scene, candidate, id, corners), TURNS_TO_DECIDE),
+            };
+            if is_kept {
                 self.accept(&scene.features, candidate, id);
             }
-            self.turns += TURNS_TO_DECIDE;
+            self.turns += turns;
         } else if candidate.is_sure && latest < self.latest() {
             if overlaps {
                 self.open = self.open.min(self.t - self.error);

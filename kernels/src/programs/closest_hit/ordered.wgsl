@@ -6,9 +6,10 @@
 //
 // decides: integers tell at once.
 
-import package::constants::{NO_TRIANGLE, TURNS_TO_DECIDE};
+import package::constants::{NO_TRIANGLE, TURNS_TO_CROSS, TURNS_TO_DECIDE};
 import package::corners::{vertex};
 import package::exact::{compare_exactly, meets_exactly};
+import package::later::{crosses_next};
 import package::packed_triangles::{PackedTriangle};
 import package::tracing::{Trace, latest};
 import package::triangle::{Candidate};
@@ -39,10 +40,14 @@ fn ordered(before: Trace, candidate: Candidate, triangle: PackedTriangle) -> Tra
     }
     let overlaps = last >= first_of_nearest;
     @if(decides) if (!candidate.is_sure || overlaps) {
-        if (is_nearer_exactly(trace, candidate, triangle)) {
+        @if(all_hits) if (crosses_next(trace, candidate, triangle)) {
             trace = with_hit(trace, candidate, triangle.id);
         }
-        @if(resumes) trace.turns += TURNS_TO_DECIDE;
+        @else if (is_nearer_exactly(trace, candidate, triangle)) {
+            trace = with_hit(trace, candidate, triangle.id);
+        }
+        @if(resumes && all_hits) trace.turns += TURNS_TO_CROSS;
+        @else @if(resumes) trace.turns += TURNS_TO_DECIDE;
         return trace;
     }
     if (candidate.is_sure && last < latest(trace)) {
@@ -56,7 +61,7 @@ fn ordered(before: Trace, candidate: Candidate, triangle: PackedTriangle) -> Tra
 }
 
 // Whether the ray meets the triangle before its nearest hit so far, or at the same t and the triangle has the smaller id.
-@if(decides)
+@if(decides && !all_hits)
 fn is_nearer_exactly(trace: Trace, candidate: Candidate, triangle: PackedTriangle) -> bool {
     let o = trace.origin;
     let d = trace.direction;

@@ -1,5 +1,6 @@
 //! Twin of `tested.wgsl`: the test of one triangle in a kernel that takes several steps.
 
+use super::later::later;
 use super::tracing::Trace;
 use crate::numbers::real::{Real, Vec3};
 use crate::scene_data::SceneData;
@@ -20,6 +21,9 @@ impl<R: Real> Trace<R> {
         let mut candidate = hit_triangle(features.triangle_rules(), self.origin, self.direction, &self.shear, corners);
         if features.intervals {
             candidate = candidate.between(self.interval);
+        }
+        if features.all_hits {
+            candidate = later(candidate, self.last);
         }
         self.tests += 1;
         self.turns += TURNS_A_TEST;

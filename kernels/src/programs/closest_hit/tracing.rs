@@ -1,5 +1,6 @@
 //! Twin of `tracing.wgsl`: the variables of a ray in a kernel that takes several steps.
 
+use super::later::range_of;
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;
 use crate::programs::closest_hit::states::{BACKGROUND, EXACT, ISECT_HIT, ISECT_NO_HIT, SHADE};
@@ -29,6 +30,8 @@ pub(crate) struct Trace<R> {
     pub(crate) tests: u32,
     /// The triangle that the ray leaves.
     pub(super) leaves: u32,
+    /// Between which t the hit on it lies, if all hits are wanted.
+    pub(super) last: [R; 2],
     /// It ends at any hit, in a kernel that traces others too.
     pub(crate) is_shadow: bool,
     /// Any hit was requested, and one was found.
@@ -45,6 +48,7 @@ impl<R: Real> Trace<R> {
             direction,
             interval,
             leaves,
+            last: [R::zero(); 2],
             shear: Shear::of(direction),
             t,
             error: R::zero(),
@@ -59,6 +63,12 @@ impl<R: Real> Trace<R> {
             ended: false,
             turns: 0,
         }
+    }
+
+    /// The same, and where the hit on the triangle `leaves` lies, if all hits are wanted.
+    pub(super) fn after_last(self, scene: &SceneData) -> Self {
+        let last = range_of(scene, [self.origin, self.direction], &self.shear, self.leaves);
+        Self { last, ..self }
     }
 
     /// Whether any hit ends the ray.

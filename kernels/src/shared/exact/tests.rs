@@ -7,25 +7,25 @@ use num_bigint::{BigInt, Sign};
 use super::*;
 
 /// A ray and two triangles.
-type Given = [Point; 8];
+pub(in crate::shared) type Given = [Point; 8];
 
 /// `value` · 2¹⁴⁹
-fn integer(value: f32) -> BigInt {
+pub(in crate::shared) fn integer(value: f32) -> BigInt {
     let (bits, exponent) = (value.to_bits(), value.to_bits() >> 23 & 0xff);
     let fraction = BigInt::from(bits & 0x7f_ffff | if exponent > 0 { 0x80_0000 } else { 0 });
     let magnitude = fraction << (exponent.max(1) - 1);
     if bits >> 31 == 1 { -magnitude } else { magnitude }
 }
 
-fn dot(a: &[BigInt; 3], b: &[BigInt; 3]) -> BigInt {
+pub(in crate::shared) fn dot(a: &[BigInt; 3], b: &[BigInt; 3]) -> BigInt {
     (0..3).map(|i| &a[i] * &b[i]).sum()
 }
 
-fn minus(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
+pub(in crate::shared) fn minus(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
     [0, 1, 2].map(|i| &a[i] - &b[i])
 }
 
-fn cross(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
+pub(in crate::shared) fn cross(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &a[i] * &b[j] - &a[j] * &b[i])
 }
 
@@ -47,12 +47,12 @@ fn meets(o: Point, d: Point, corners: [Point; 3]) -> bool {
     along.sign() == Sign::Plus && t.sign() == Sign::Plus && weights.iter().all(|weight| weight.sign() != Sign::Minus)
 }
 
-fn two([o, d, a, b, c, e, f, g]: Given) -> (Point, Point, [Point; 3], [Point; 3]) {
+pub(in crate::shared) fn two([o, d, a, b, c, e, f, g]: Given) -> (Point, Point, [Point; 3], [Point; 3]) {
     (o, d, [a, b, c], [e, f, g])
 }
 
 /// A ray and two triangles of one of several kinds, most of which it meets.
-fn given(random: &mut fastrand::Rng, kind: u32) -> Given {
+pub(in crate::shared) fn given(random: &mut fastrand::Rng, kind: u32) -> Given {
     let signed = |random: &mut fastrand::Rng| random.f32() * 2.0 - 1.0;
     let point = |random: &mut fastrand::Rng| [0; 3].map(|_| signed(random));
     let lattice = |random: &mut fastrand::Rng| [0; 3].map(|_| random.i32(-2..3) as f32);
@@ -111,7 +111,7 @@ fn given(random: &mut fastrand::Rng, kind: u32) -> Given {
     all.map(|p| p.map(|v| if v.is_finite() { v } else { 1.0 }))
 }
 
-const KINDS: u32 = 8;
+pub(in crate::shared) const KINDS: u32 = 8;
 
 #[test]
 fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {

@@ -45,6 +45,16 @@ fn without_order(run: &Run<'_>) -> [Reason; 2] {
     reasons.map(|reason| (Because::Options, reason))
 }
 
+/// Why no ray leaves a triangle, or a hit behind it.
+pub(super) fn of_surface(run: &Run<'_>) -> Reason {
+    match run.options.integrator {
+        Integrator::Local => {
+            (Because::Options, "needed only with --integrator shadows, whitted, path or photons, or for all hits")
+        }
+        _ => no_shadows(run),
+    }
+}
+
 pub(super) fn of_tmax(run: &Run<'_>) -> Reason {
     if run.features.dda && !run.is_fused() {
         return (Because::Options, "needed only with --traversal amanatides-woo");
