@@ -18,21 +18,21 @@ use raystep_tests::{
     Checked, block_on, check_each, devices, gpu, gpu_of, options, parity, rays, scene, scene_files, thorough,
 };
 
-type Corners = [[f32; 3]; 3];
+pub(crate) type Corners = [[f32; 3]; 3];
 
 /// Numbers from −1 to 1.
-struct Numbers(Random);
+pub(crate) struct Numbers(pub(crate) Random);
 
 impl Numbers {
-    fn one(&mut self) -> f32 {
+    pub(crate) fn one(&mut self) -> f32 {
         (2.0 * self.0.unit() - 1.0) as f32
     }
 
-    fn point(&mut self) -> [f32; 3] {
+    pub(crate) fn point(&mut self) -> [f32; 3] {
         [self.one(), self.one(), self.one()]
     }
 
-    fn below(&mut self, most: usize) -> usize {
+    pub(crate) fn below(&mut self, most: usize) -> usize {
         (self.0.unit() * most as f64) as usize
     }
 
@@ -50,7 +50,7 @@ fn plus(a: [f32; 3], b: [f32; 3], by: f32) -> [f32; 3] {
 }
 
 /// Triangles of one kind, and as many rays as asked for at them.
-fn family(kind: &str, count: usize) -> (Vec<Corners>, Vec<Ray>) {
+pub(crate) fn family(kind: &str, count: usize) -> (Vec<Corners>, Vec<Ray>) {
     let mut numbers = Numbers(Random::of(47, kind.len() as u32));
     let n = &mut numbers;
     let mut triangles = Vec::new();
@@ -89,7 +89,7 @@ fn family(kind: &str, count: usize) -> (Vec<Corners>, Vec<Ray>) {
 }
 
 /// A hilly surface, and rays that graze it.
-fn terrain(count: usize) -> (Vec<Corners>, Vec<Ray>) {
+pub(crate) fn terrain(count: usize) -> (Vec<Corners>, Vec<Ray>) {
     const SIDE: usize = 12;
     let mut numbers = Numbers(Random::of(47, 99));
     let n = &mut numbers;
@@ -109,7 +109,7 @@ fn terrain(count: usize) -> (Vec<Corners>, Vec<Ray>) {
     (triangles, rays)
 }
 
-const COMBINATIONS: [(Accelerator, ScheduleKind, u32); 11] = [
+pub(crate) const COMBINATIONS: [(Accelerator, ScheduleKind, u32); 11] = [
     (Accelerator::None, ScheduleKind::Fused, 1),
     (Accelerator::None, ScheduleKind::Second, 1),
     (Accelerator::Grid, ScheduleKind::Fused, 1),

@@ -2,6 +2,7 @@
 
 mod adding;
 mod agreement;
+mod all_hits;
 mod any_hit;
 mod architecture;
 mod bounced;

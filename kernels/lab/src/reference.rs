@@ -18,6 +18,7 @@
 //! on all sides, a ray that hits none of the triangles there counts as missed, whatever the bounds are.
 
 mod crack;
+mod crossing;
 mod exact;
 mod rational;
 mod tree;
