@@ -20,8 +20,9 @@ pub struct AllHits {
 #[derive(Clone, Copy, Debug)]
 pub struct AllHitsPlace {
     ray: usize,
-    /// The triangle of that ray's last hit so far.
+    /// The triangle of that ray's last hit so far, and how many it had.
     last: u32,
+    hits: usize,
     /// Rays that are traced at a time.
     batch: usize,
     most_hits: usize,
@@ -37,7 +38,7 @@ impl AllHitsPlace {
     /// Before the first ray, with so many hits at a time, and one for each ray that is traced at the time.
     #[must_use]
     pub fn with_most(hits: usize) -> Self {
-        Self { ray: 0, last: NO_TRIANGLE, batch: usize::MAX, most_hits: hits.max(1) }
+        Self { ray: 0, last: NO_TRIANGLE, hits: 0, batch: usize::MAX, most_hits: hits.max(1) }
     }
 
     /// How many rays have all their hits.
@@ -105,20 +106,20 @@ impl Caster {
         let needs = self.needs(&rays[..most.min(rays.len())]).map_err(|error| after(begin, error))?;
         self.make_room_for(needs).await?;
         let most = usize::try_from(self.batch()).unwrap_or(usize::MAX);
-        let mut round = Round::new(&rays[..rays.len().min(place.batch).min(most)], place.last);
+        let mut round = Round::new(&rays[..rays.len().min(place.batch).min(most)], (place.last, place.hits));
         while self.cast_round(&mut round).await? {
             let hits_left = place.most_hits.saturating_add(round.rays.len());
             if round.is_cut_to(hits_left) {
                 continue;
             }
             // The one ray that is left has too many.
+            (place.last, place.hits) = (round.last[0], round.hits_of(0));
             found.take(begin, &mut round);
-            place.last = round.last[0];
             return Ok(true);
         }
         place.batch = round.rays.len().saturating_mul(2).max(1);
         place.ray = begin + round.rays.len();
-        place.last = NO_TRIANGLE;
+        (place.last, place.hits) = (NO_TRIANGLE, 0);
         let is_all = round.rays.len() == rays.len();
         found.take(begin, &mut round);
         Ok(!is_all)
@@ -131,15 +132,18 @@ impl Caster {
         let mut hits = Vec::new();
         self.cast_after(&rays, &last, &mut hits).await?;
         let mut hits = hits.into_iter();
-        let Round { going, last, hits: of_rays, count, .. } = round;
+        let triangles = usize::try_from(self.plan().triangles).unwrap_or(usize::MAX);
+        let mut going = std::mem::take(&mut round.going);
         going.retain(|&ray| {
             let Some(hit) = hits.next().filter(CastHit::is_hit) else { return false };
-            last[ray] = hit.triangle;
-            of_rays[ray].push(hit);
-            *count += 1;
-            true
+            round.last[ray] = hit.triangle;
+            round.hits[ray].push(hit);
+            round.count += 1;
+            // Each is crossed once, so this is the end even on a device that errs.
+            round.hits_of(ray) < triangles
         });
-        Ok(!going.is_empty())
+        round.going = going;
+        Ok(!round.going.is_empty())
     }
 }
 
@@ -159,16 +163,23 @@ struct Round<'a> {
     /// The triangle of each ray's last hit.
     last: Vec<u32>,
     hits: Vec<Vec<CastHit>>,
+    /// Hits that the first ray had before.
+    before: usize,
     /// The number of all hits.
     count: usize,
 }
 
 impl<'a> Round<'a> {
     /// The first ray has had its hits up to that on a triangle.
-    fn new(rays: &'a [Ray], last_of_first: u32) -> Self {
+    fn new(rays: &'a [Ray], (last_of_first, before): (u32, usize)) -> Self {
         let mut last = vec![NO_TRIANGLE; rays.len()];
         last.iter_mut().take(1).for_each(|last| *last = last_of_first);
-        Self { rays, going: (0..rays.len()).collect(), last, hits: vec![Vec::new(); rays.len()], count: 0 }
+        Self { rays, going: (0..rays.len()).collect(), last, hits: vec![Vec::new(); rays.len()], before, count: 0 }
+    }
+
+    /// How many hits a ray has had so far.
+    fn hits_of(&self, ray: usize) -> usize {
+        self.hits[ray].len() + if ray == 0 { self.before } else { 0 }
     }
 
     /// Leaves later rays for another time until there are at most so many hits; `false` if one ray has more.

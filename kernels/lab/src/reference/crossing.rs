@@ -57,10 +57,7 @@ impl Triangles<'_> {
     pub fn crossings(&self, origin: [f32; 3], direction: [f32; 3]) -> Vec<u32> {
         let mut found: Vec<(Share, u32)> = Vec::new();
         self.tree.visit(origin, direction, |triangle| {
-            // What f32, too, must find to be a miss needs no closer look.
-            if self.test(origin, direction, triangle).is_some()
-                && let Some(t) = crossing(origin, direction, self.corners(triangle))
-            {
+            if let Some(t) = crossing(origin, direction, self.corners(triangle)) {
                 found.push((t, triangle));
             }
         });

@@ -27,25 +27,27 @@ fn later(found: Candidate, range: vec2f) -> Candidate {
     return candidate;
 }
 
-// Whether the ray crosses the triangle, after the last hit and before its nearest one so far.
+// Whether the ray crosses the triangle, after the last hit and before its nearest one so far. Of two in one plane, the one with the
+// smaller id comes first.
 @if(all_hits && decides)
 fn crosses_next(trace: Trace, candidate: Candidate, triangle: PackedTriangle) -> bool {
-    if (!candidate.is_sure) {
-        let is_crossed = crosses_exactly(trace.origin, trace.direction, triangle.a, triangle.b, triangle.c);
-        if (!is_crossed || (trace.leaves != NO_TRIANGLE && is_before(trace, triangle, trace.leaves))) {
-            return false;
-        }
+    let o = trace.origin;
+    let d = trace.direction;
+    if (!candidate.is_sure && !crosses_exactly(o, d, triangle.a, triangle.b, triangle.c)) {
+        return false;
     }
     let is_surely_nearer = candidate.t + candidate.error < trace.t - trace.error;
-    return trace.triangle == NO_TRIANGLE || is_surely_nearer || is_before(trace, triangle, trace.triangle);
-}
-
-// Whether the ray crosses one triangle before another; of two in one plane, it is the one with the smaller id.
-@if(all_hits && decides)
-fn is_before(trace: Trace, triangle: PackedTriangle, other: u32) -> bool {
-    let order = compare_crossings(
-        trace.origin, trace.direction, triangle.a, triangle.b, triangle.c,
-        vertex(other, 0u), vertex(other, 1u), vertex(other, 2u),
-    );
-    return order < 0 || (order == 0 && triangle.id < other);
+    // What is sure comes after the last.
+    var other = select(trace.leaves, NO_TRIANGLE, candidate.is_sure);
+    for (var which = 0u; which < 2u; which++) {
+        if (other != NO_TRIANGLE) {
+            let order = compare_crossings(o, d, triangle.a, triangle.b, triangle.c, vertex(other, 0u), vertex(other, 1u), vertex(other, 2u));
+            let is_before = order < 0 || (order == 0 && triangle.id < other);
+            if (is_before == (which == 0u)) {
+                return false;
+            }
+        }
+        other = select(trace.triangle, NO_TRIANGLE, is_surely_nearer);
+    }
+    return true;
 }
