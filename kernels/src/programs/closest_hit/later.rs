@@ -31,6 +31,12 @@ pub(super) fn later<R: Real>(found: Candidate<R>, [earliest, latest]: [R; 2]) ->
 }
 
 impl<R: Real> Trace<R> {
+    /// The same ray, which looks for what comes after the hit on the triangle that it leaves, if all hits are wanted.
+    pub(super) fn after_last(self, scene: &SceneData) -> Self {
+        let last = range_of(scene, [self.origin, self.direction], &self.shear, self.leaves);
+        Self { last, ..self }
+    }
+
     /// Whether the ray crosses the triangle, after the last hit and before its nearest one so far.
     pub(super) fn crosses_next(
         &self,

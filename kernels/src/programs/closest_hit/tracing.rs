@@ -1,6 +1,5 @@
 //! Twin of `tracing.wgsl`: the variables of a ray in a kernel that takes several steps.
 
-use super::later::range_of;
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;
 use crate::programs::closest_hit::states::{BACKGROUND, EXACT, ISECT_HIT, ISECT_NO_HIT, SHADE};
@@ -63,12 +62,6 @@ impl<R: Real> Trace<R> {
             ended: false,
             turns: 0,
         }
-    }
-
-    /// The same, and where the hit on the triangle `leaves` lies, if all hits are wanted.
-    pub(super) fn after_last(self, scene: &SceneData) -> Self {
-        let last = range_of(scene, [self.origin, self.direction], &self.shear, self.leaves);
-        Self { last, ..self }
     }
 
     /// Whether any hit ends the ray.
