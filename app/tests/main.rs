@@ -5,6 +5,7 @@ mod bench;
 mod build;
 mod cases;
 mod cast;
+mod cast_all_hits;
 mod cast_formats;
 mod check_kernel;
 mod common;

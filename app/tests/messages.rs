@@ -100,7 +100,7 @@ fn names_that_do_not_exist_are_told_the_nearest_or_all_where_they_are_few() {
         ),
         (
             "--stream nose: no such stream; the streams are ray_origin, ray_direction, ray_interval, state, tmax, control, voxel, previous, hit, bounds, \
-             color, counters, accumulated, blocks, place, trail, scan, and all",
+             color, counters, accumulated, blocks, place, trail, scan, surface, and all",
             vec!["dump", &file, "-o", "d", "--stream", "nose"],
         ),
         ("rendr: no such command, and no scene of that name; did you mean render? (see --help)", vec!["rendr"]),

@@ -71,6 +71,7 @@ pub use options::{
 };
 pub use plan::{Limits, Loops, Plan, PlanError};
 pub use program::{Kernel, Program};
+pub use renderer::all_hits::{AllHits, AllHitsPlace};
 pub use renderer::cast::{CastHit, Caster};
 pub use renderer::image::Image;
 pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer, let_others_run};

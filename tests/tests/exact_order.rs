@@ -4,9 +4,9 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use raystep_kernels::options::Integrator;
 use raystep_kernels::options::mapping::{Fragment, Mapping};
 use raystep_kernels::programs::closest_hit::kernels::DECIDE;
+use raystep_kernels::shared::exact::values::rounded_values;
 use raystep_kernels::{
     Accelerator, Caster, Device, Limits, Numerics, Options, Order, Plan, Ray, RaySource, ScheduleKind,
 };
@@ -18,21 +18,21 @@ use raystep_tests::{
     Checked, block_on, check_each, devices, gpu, gpu_of, options, parity, rays, scene, scene_files, thorough,
 };
 
-type Corners = [[f32; 3]; 3];
+pub(crate) type Corners = [[f32; 3]; 3];
 
 /// Numbers from −1 to 1.
-struct Numbers(Random);
+pub(crate) struct Numbers(pub(crate) Random);
 
 impl Numbers {
-    fn one(&mut self) -> f32 {
+    pub(crate) fn one(&mut self) -> f32 {
         (2.0 * self.0.unit() - 1.0) as f32
     }
 
-    fn point(&mut self) -> [f32; 3] {
+    pub(crate) fn point(&mut self) -> [f32; 3] {
         [self.one(), self.one(), self.one()]
     }
 
-    fn below(&mut self, most: usize) -> usize {
+    pub(crate) fn below(&mut self, most: usize) -> usize {
         (self.0.unit() * most as f64) as usize
     }
 
@@ -50,7 +50,7 @@ fn plus(a: [f32; 3], b: [f32; 3], by: f32) -> [f32; 3] {
 }
 
 /// Triangles of one kind, and as many rays as asked for at them.
-fn family(kind: &str, count: usize) -> (Vec<Corners>, Vec<Ray>) {
+pub(crate) fn family(kind: &str, count: usize) -> (Vec<Corners>, Vec<Ray>) {
     let mut numbers = Numbers(Random::of(47, kind.len() as u32));
     let n = &mut numbers;
     let mut triangles = Vec::new();
@@ -89,7 +89,7 @@ fn family(kind: &str, count: usize) -> (Vec<Corners>, Vec<Ray>) {
 }
 
 /// A hilly surface, and rays that graze it.
-fn terrain(count: usize) -> (Vec<Corners>, Vec<Ray>) {
+pub(crate) fn terrain(count: usize) -> (Vec<Corners>, Vec<Ray>) {
     const SIDE: usize = 12;
     let mut numbers = Numbers(Random::of(47, 99));
     let n = &mut numbers;
@@ -109,7 +109,7 @@ fn terrain(count: usize) -> (Vec<Corners>, Vec<Ray>) {
     (triangles, rays)
 }
 
-const COMBINATIONS: [(Accelerator, ScheduleKind, u32); 11] = [
+pub(crate) const COMBINATIONS: [(Accelerator, ScheduleKind, u32); 11] = [
     (Accelerator::None, ScheduleKind::Fused, 1),
     (Accelerator::None, ScheduleKind::Second, 1),
     (Accelerator::Grid, ScheduleKind::Fused, 1),
@@ -123,6 +123,16 @@ const COMBINATIONS: [(Accelerator, ScheduleKind, u32); 11] = [
     (Accelerator::Bvh, ScheduleKind::Compact, 1),
 ];
 
+/// All combinations on the CPU; on the GPU, where composing kernels takes longer than a few rays, each with one of the kinds
+/// in an ordinary run.
+fn runs(place: usize, kinds: usize) -> impl Iterator<Item = ((Accelerator, ScheduleKind, u32), &'static str, Device)> {
+    COMBINATIONS.into_iter().enumerate().flat_map(move |(index, combination)| {
+        let is_taken = thorough() || index % kinds == place;
+        let taken = devices().into_iter().filter(move |(_, device)| is_taken || !device.is_gpu());
+        taken.map(move |(name, device)| (combination, name, device))
+    })
+}
+
 /// The triangles that rays hit.
 fn hits(scene: &Arc<Scene>, rays: &[Ray], options: &Options, device: &Device) -> Vec<Option<u32>> {
     let mut caster = block_on(gpu_of(device), Caster::new(scene.clone(), options, device)).expect("a caster");
@@ -135,7 +145,8 @@ fn hits(scene: &Arc<Scene>, rays: &[Ray], options: &Options, device: &Device) ->
 fn every_combination_hits_what_rational_arithmetic_finds() {
     let count = if thorough() { 150_000 } else { 400 };
     let mut rounded_otherwise = 0;
-    for kind in ["needles", "boards", "duplicates", "coplanar", "lattice", "far", "terrain"] {
+    let kinds = ["needles", "boards", "duplicates", "coplanar", "lattice", "far", "terrain"];
+    for (place, kind) in kinds.into_iter().enumerate() {
         let (triangles, rays) = if kind == "terrain" { terrain(count) } else { family(kind, count) };
         let scene = Arc::new(Scene::from_triangles(triangles));
         let vertices: Vec<f32> = scene.triangles.iter().flatten().flatten().copied().collect();
@@ -146,21 +157,98 @@ fn every_combination_hits_what_rational_arithmetic_finds() {
             .collect();
         let hit = wanted.iter().flatten().count();
         assert!(4 * hit > count, "{kind}: {hit} of {count} hit anything");
-        for (accelerator, schedule, steps_per_pass) in COMBINATIONS {
-            for (name, device) in devices() {
-                let options = Options { accelerator, schedule, steps_per_pass, ..Caster::options() };
-                let label = format!("{kind}, {accelerator} {schedule} {steps_per_pass} on {name}");
-                let found = hits(&scene, &rays, &Options { order: Order::Exact, ..options.clone() }, &device);
-                for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
-                    assert_eq!(found, wanted, "{label}: {:?}", rays[i]);
-                }
-                let rounded = hits(&scene, &rays, &options, &device);
-                rounded_otherwise += rounded.iter().zip(&wanted).filter(|(found, wanted)| found != wanted).count();
+        for ((accelerator, schedule, steps_per_pass), name, device) in runs(place, kinds.len()) {
+            let options = Options { accelerator, schedule, steps_per_pass, ..Caster::options() };
+            let label = format!("{kind}, {accelerator} {schedule} {steps_per_pass} on {name}");
+            let found = hits(&scene, &rays, &Options { order: Order::Exact, ..options.clone() }, &device);
+            for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
+                assert_eq!(found, wanted, "{label}: {:?}", rays[i]);
             }
+            let rounded = hits(&scene, &rays, &options, &device);
+            rounded_otherwise += rounded.iter().zip(&wanted).filter(|(found, wanted)| found != wanted).count();
         }
     }
     // Otherwise nothing would have been tested.
-    assert!(rounded_otherwise > 1000, "rounding changed only {rounded_otherwise} hits");
+    assert!(rounded_otherwise > 500, "rounding changed only {rounded_otherwise} hits");
+}
+
+/// The smallest t of a ray in its interval, each being the exact one rounded.
+fn nearest_between(triangles: &[Corners], ray: &Ray) -> Option<f32> {
+    let values = triangles.iter().filter_map(|corners| rounded_values(ray.origin, ray.direction, *corners));
+    values.map(|[t, _, _]| t).filter(|t| ray.t_min < *t && *t < ray.t_max).min_by(f32::total_cmp)
+}
+
+/// Values are the exact ones, rounded once, and it is these that have to lie in an interval.
+#[test]
+fn rounded_values_are_reported_and_lie_between_the_ends_of_rays() {
+    let count = if thorough() { 20_000 } else { 200 };
+    let kinds = ["needles", "boards", "coplanar", "lattice", "far", "terrain"];
+    for (place, kind) in kinds.into_iter().enumerate() {
+        let (triangles, rays) = if kind == "terrain" { terrain(count) } else { family(kind, count) };
+        let scene = Arc::new(Scene::from_triangles(triangles.clone()));
+        // From a hit, to it, and from and to the next numbers.
+        let rays: Vec<Ray> = rays
+            .iter()
+            .flat_map(|ray| {
+                let t = nearest_between(&triangles, ray).unwrap_or(1.0);
+                let ends = [(0.0, t), (t, f32::INFINITY), (0.0, t.next_up()), (t.next_down(), f32::INFINITY)];
+                [*ray].into_iter().chain(ends.map(|(near, far)| ray.between(near, far)))
+            })
+            .collect();
+        let wanted: Vec<Option<f32>> = rays.iter().map(|ray| nearest_between(&triangles, ray)).collect();
+        for ((accelerator, schedule, steps_per_pass), name, device) in runs(place, kinds.len()) {
+            let options = Options { accelerator, schedule, steps_per_pass, ..Caster::options() };
+            let options = Options { order: Order::Exact, ..options };
+            let mut caster =
+                block_on(gpu_of(&device), Caster::new(scene.clone(), &options, &device)).expect("a caster");
+            let hits = block_on(gpu_of(&device), caster.cast(&rays)).expect("hits");
+            for ((hit, wanted), ray) in hits.iter().zip(&wanted).zip(&rays) {
+                let label = format!("{kind}, {accelerator} {schedule} {steps_per_pass} on {name}: {ray:?} {hit:?}");
+                assert_eq!(hit.is_hit().then_some(hit.t), *wanted, "{label}");
+                if hit.is_hit() {
+                    let corners = triangles[hit.triangle as usize];
+                    let values = rounded_values(ray.origin, ray.direction, corners);
+                    assert_eq!(values, Some([hit.t, hit.u, hit.v]), "{label}");
+                }
+            }
+        }
+    }
+}
+
+/// Whether anything is hit before a ray's end is decided by exact t, too.
+#[test]
+fn every_combination_finds_what_is_before_the_end_of_a_ray() {
+    let count = if thorough() { 50_000 } else { 150 };
+    let mut rounded_otherwise = 0;
+    let kinds = ["needles", "boards", "coplanar", "lattice"];
+    for (place, kind) in kinds.into_iter().enumerate() {
+        let (triangles, rays) = family(kind, count);
+        let scene = Arc::new(Scene::from_triangles(triangles));
+        let vertices: Vec<f32> = scene.triangles.iter().flatten().flatten().copied().collect();
+        let exact = Triangles::new(&vertices);
+        let (mut until, mut wanted) = (Vec::new(), Vec::new());
+        for (i, ray) in rays.into_iter().enumerate() {
+            let candidates = exact.candidates(ray.origin, ray.direction);
+            let t = candidates.exact.map_or(1.0, |(_, t)| t as f32);
+            // At the nearest hit, as far as f32 has its t, and around that.
+            let end = [t.next_down(), t, t.next_up()][i % 3].max(f32::MIN_POSITIVE);
+            wanted.push(exact.are_hit_before(end, ray.origin, ray.direction, &candidates));
+            until.push(ray.between(0.0, end));
+        }
+        for ((accelerator, schedule, steps_per_pass), name, device) in runs(place, kinds.len()) {
+            let options = Options { accelerator, schedule, steps_per_pass, any_hit: true, ..Caster::options() };
+            let label = format!("{kind}, {accelerator} {schedule} {steps_per_pass} on {name}");
+            let found = hits(&scene, &until, &Options { order: Order::Exact, ..options.clone() }, &device);
+            for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
+                assert_eq!(found.is_some(), *wanted, "{label}: {:?}", until[i]);
+            }
+            let rounded = hits(&scene, &until, &options, &device);
+            rounded_otherwise +=
+                rounded.iter().zip(&wanted).filter(|(found, wanted)| found.is_some() != **wanted).count();
+        }
+    }
+    // Otherwise nothing would have been tested.
+    assert!(rounded_otherwise > 100, "rounding changed only {rounded_otherwise} answers");
 }
 
 #[test]
@@ -212,14 +300,26 @@ fn integers_decide_alike_on_a_device_and_on_the_cpu() {
 }
 
 #[test]
+fn only_runs_by_exact_t_have_rays_that_wait_for_integers() {
+    let scene = scene("whitted.glb");
+    let has = |order, name| {
+        let plan =
+            Plan::new(&scene, &Options { order, ..options(&scene, 8, 8) }, &Limits::from(&*gpu())).expect("a plan").0;
+        let state = plan.program.states.iter().find(|state| state.name == name).expect("a state");
+        plan.has_state(state)
+    };
+    assert_eq!([Order::Rounded, Order::Exact].map(|order| has(order, "EXACT")), [false, true]);
+    assert!(["UNWRITTEN", "ISECT_HIT", "DONE"].into_iter().all(|name| has(Order::Rounded, name)));
+}
+
+#[test]
 fn what_has_no_exact_order_is_refused_before_anything_is_built() {
     let scene = scene("whitted.glb");
     let exact = Options { order: Order::Exact, schedule: ScheduleKind::Second, ..options(&scene, 8, 8) };
     let limits = Limits::from(&*gpu());
     for (options, says) in [
         (Options { numerics: Numerics::Paper, ..exact.clone() }, "--numerics robust"),
-        (Options { mapping: Mapping::Fragment(Fragment::default()), ..exact.clone() }, "--mapping compute"),
-        (Options { integrator: Integrator::Path, ..exact }, "--integrator local"),
+        (Options { mapping: Mapping::Fragment(Fragment::default()), ..exact }, "--mapping compute"),
     ] {
         let refused = Plan::new(&scene, &options, &limits).expect_err("no exact order").to_string();
         assert!(refused.starts_with("--order exact: ") && refused.ends_with(says), "{refused}");

@@ -2,6 +2,7 @@
 
 mod adding;
 mod agreement;
+mod all_hits;
 mod any_hit;
 mod architecture;
 mod bounced;
@@ -14,6 +15,7 @@ mod degenerate;
 mod device;
 mod divergence;
 mod docs;
+mod exact_light;
 mod exact_order;
 mod floors;
 mod guests;

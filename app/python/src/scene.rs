@@ -11,7 +11,7 @@ use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use raystep_kernels::options::folder::Folder;
 use raystep_kernels::programs::own;
-use raystep_kernels::{CastHit, Caster, Options, Ray, RenderError};
+use raystep_kernels::{AllHits, CastHit, Caster, Options, Ray, RenderError};
 use raystep_lab::Machine;
 use raystep_scenes as scenes;
 
@@ -33,8 +33,8 @@ pub(crate) struct Scene {
     files: Vec<PathBuf>,
     /// A user's program, which reads the scene if it reads one.
     pub(crate) folder: Option<Arc<Folder>>,
-    /// For the closest hit, and for any.
-    casters: [Mutex<Option<Caster>>; 2],
+    /// For the closest hit, for any, and for all.
+    casters: [Mutex<Option<Caster>>; 3],
 }
 
 #[pymethods]
@@ -138,7 +138,8 @@ impl Scene {
         self.scene.offset.to_array()
     }
 
-    /// The hits of rays, five words each: see `HIT` in `__init__.py`.
+    /// The hits of rays, five words each: see `HIT` in `_scene.py`. With `which` 0 the closest of each ray, with 1 any; with 2
+    /// all, and the rays' numbers.
     fn cast<'py>(
         &self,
         py: Python<'py>,
@@ -146,8 +147,8 @@ impl Scene {
         directions: PyReadonlyArray2<'py, f32>,
         t_min: PyReadonlyArray1<'py, f32>,
         t_max: PyReadonlyArray1<'py, f32>,
-        any_hit: bool,
-    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        which: usize,
+    ) -> PyResult<(Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u64>>)> {
         expect_unforked()?;
         let contiguous = |_| OptionError::new_err("expected contiguous arrays");
         let (origins, directions) =
@@ -167,11 +168,11 @@ impl Scene {
             ..MANY => (0..count).map(ray).collect(),
             _ => (0..count).into_par_iter().map(ray).collect(),
         };
-        let hits = detached(py, || self.hits(&rays, any_hit).map_err(|error| of_run(&error)))?;
-        debug_assert_eq!(hits.len(), count);
+        let AllHits { rays, hits } = detached(py, || self.hits(&rays, which).map_err(|error| of_run(&error)))?;
+        let count = hits.len();
         let words: Vec<u32> = bytemuck::allocation::cast_slice_box(hits.into_boxed_slice()).into_vec();
         debug_assert_eq!(words.len(), HIT_WORDS * count);
-        Ok(PyArray1::from_vec(py, words))
+        Ok((PyArray1::from_vec(py, words), PyArray1::from_vec(py, rays)))
     }
 }
 
@@ -188,17 +189,21 @@ impl Scene {
     }
 
     /// Casts, one call after the other.
-    fn hits(&self, rays: &[Ray], any_hit: bool) -> Result<Vec<CastHit>, RenderError> {
-        let mut kept = self.casters[usize::from(any_hit)].lock().unwrap_or_else(PoisonError::into_inner);
+    fn hits(&self, rays: &[Ray], which: usize) -> Result<AllHits, RenderError> {
+        let (any_hit, all_hits) = (which == 1, which == 2);
+        let mut kept = self.casters[which.min(2)].lock().unwrap_or_else(PoisonError::into_inner);
         pollster::block_on(async {
             let caster = match kept.deref_mut() {
                 Some(caster) => caster,
                 empty => {
-                    let options = Options { any_hit, ..Caster::options() };
+                    let options = Options { any_hit, all_hits, ..Caster::options() };
                     empty.insert(Caster::new(self.scene.clone(), &options, &self.machine.device).await?)
                 }
             };
-            caster.cast(rays).await
+            if all_hits {
+                return caster.cast_all(rays).await;
+            }
+            Ok(AllHits { rays: Vec::new(), hits: caster.cast(rays).await? })
         })
     }
 }

@@ -63,6 +63,22 @@ class Cast(unittest.TestCase):
         self.assertEqual(list(scene.cast(*down, t_max=[1, 1.5, 2]).is_hit), [False, False, True])
         self.assertEqual(list(scene.cast(*down, t_max=[1, 1.5, 2], any_hit=True).is_hit), [False, False, True])
 
+    def test_all_hits_enter_closed_surfaces_as_often_as_they_leave_them(self) -> None:
+        corners = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)], np.float32)
+        faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        box = corners[[ids for a, b, c, d in faces for ids in ([a, b, c], [a, c, d])]]
+        targets = np.array([[x, y, z] for x in (0, 0.5, 1) for y in (0, 0.5, 1) for z in (0, 0.5, 1)], np.float32)
+        starts = np.array([[3, 3, 3], [3, 0, 0], [2, 0.5, 0.5], [-1, -1, 2], [0.5, 0.5, -4]], np.float32)
+        origins, aims = np.repeat(starts, 27, 0), np.tile(targets, (5, 1))
+        for device in ("cpu", "gpu"):
+            hits = Scene(triangles=box, device=device).cast(origins, aims - origins, all_hits=True)
+            assert hits.ray is not None
+            counts = np.bincount(hits.ray.astype(np.int64), minlength=135)
+            self.assertEqual(set(counts), {0, 2}, device)
+            self.assertTrue(np.all(np.diff(hits.ray.astype(np.int64)) >= 0))
+            self.assertTrue(np.all(hits.t[0::2] <= hits.t[1::2]))
+        self.assertIsNone(Scene(triangles=box, device="cpu").cast(origins, aims - origins).ray)
+
     def test_arrays_of_any_layout_are_read_right(self) -> None:
         scene = Scene(triangles=TRIANGLE, device="cpu")
         origins = np.array([[0, 0, 3], [9, 9, 3]], np.float32)
@@ -96,6 +112,7 @@ class Cast(unittest.TestCase):
             (lambda: scene.cast(*rays, t_min=[1, [2, 3]]), "t_min: expected numbers"),  # type: ignore[arg-type]
             (lambda: scene.cast(*rays, t_min=[0, 0]), "t_min: expected 1 or 1 numbers, not 2"),
             (lambda: scene.cast(*rays, t_min=2, t_max=1), "ray 0 cannot be traced: its t_max is below its t_min"),
+            (lambda: scene.cast(*rays, any_hit=True, all_hits=True), "any_hit and all_hits exclude each other"),
             (lambda: scene.cast(*rays, t_max=np.nan), "ray 0 cannot be traced"),
             (lambda: scene.cast([[0, 0, 3]] * 2, [[0, 0, -1], [0, 0, 0]]), "ray 1 cannot be traced: its direction is 0"),
             (lambda: scene.cast([[1e300, 0, 0]], rays[1]), "ray 0 cannot be traced: a component is not finite"),

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use clap::Args;
 use indicatif::HumanCount;
-use raystep_kernels::{Caster, Numerics, Options, RaySource};
+use raystep_kernels::{Caster, Numerics, Options, Order, RaySource};
 use raystep_lab::outside::MISSES_OUTSIDE;
 use raystep_lab::rays::file::{BadRays, RaysFormat, RaysReader};
 
@@ -32,7 +32,8 @@ use pipeline::{Counts, Pipeline};
 /// may be infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). Origins are in the
 /// coordinates of the scene's file; for a scene far from its origin (see 'raystep info'), use float64. t is in multiples
 /// of the direction vector, whose length must not be 0: where f32 cannot hold t, it is f32's largest number, or
-/// rounded up to the next number above 0. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0.
+/// rounded up to the next number above 0. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0. With --order
+/// exact, t, u and v are the exact values, each rounded once to float32.
 ///
 /// The result has one element per ray: t (infinite without a hit), u, v (weights of the triangle's vertices 1 and 2),
 /// triangle and material (4294967295 without a hit). --output-format selects an npy array of records of 20 bytes with the
@@ -41,6 +42,11 @@ use pipeline::{Counts, Pipeline};
 /// readers (plain); or one npy array for each, in a zip file (npz). In Python, numpy.save('rays.npy',
 /// numpy.hstack([origins, directions])) writes rays, and hits = numpy.load('hits.npy') reads hits: hits['t'],
 /// hits['triangle'].
+///
+/// With --all-hits, the result has one element per hit instead, ray after ray, and each ray's in the order of exact t; a field
+/// ray before the others ('<u8') is the ray's number, from 0. Every surface that a ray crosses is a hit, once, also at edges and
+/// corners: a ray is taken to start an infinitesimal beside its origin, so that it enters a closed surface as often as it
+/// leaves it. t is 0 where a ray starts on a surface and leaves it.
 ///
 /// Rays are read, traced and written in batches at the same time, so any number of them takes the same memory.
 #[derive(Args, Debug)]
@@ -51,6 +57,7 @@ use pipeline::{Counts, Pipeline};
 Examples:
   raystep cast cornell-box --rays-file rays.npy -o hits.npy
   raystep cast teapot --rays-file shadow.npy --any-hit -o shadow-hits.npy
+  raystep cast teapot --rays-file rays.npy --all-hits -o all.npy
   raystep cast teapot --rays-file primary.f32 --device cpu -o hits.npy
   raystep cast teapot --rays-file rays.npy --output-format plain -o hits.npy
   python make_rays.py | raystep cast terrain --rays-file - -o - | python use_hits.py"
@@ -80,6 +87,9 @@ pub(crate) struct CastArgs {
     /// Report whichever hit is found first, not the closest
     #[arg(long)]
     any_hit: bool,
+    /// Report every surface that a ray crosses, in the order of exact t
+    #[arg(long)]
+    all_hits: bool,
     /// Maximum rays per batch, fewer if the device cannot hold that many [default: 65536 on the CPU, 1048576 on a GPU]
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1, 1 << 26), allow_negative_numbers = true)]
     batch: Option<u32>,
@@ -101,6 +111,7 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     if args.any_hit && args.tracing.values.numerics == Numerics::Paper {
         return Err(Error::usage("--any-hit: the paper's rules find closest hits only; use --numerics robust"));
     }
+    check_all_hits(args)?;
     let output_format = output_format(args);
     let target = target(args, output_format)?;
     let format = format(args)?;
@@ -117,7 +128,7 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     progress.stage("building");
     let chosen = device::choose(&args.device)?;
     let rays = RaySource::Given(Vec::new());
-    let options = Options { any_hit: args.any_hit, ..args.tracing.options(rays) };
+    let options = Options { any_hit: args.any_hit, all_hits: args.all_hits, ..args.tracing.options(rays) };
     let offset = scene.offset;
     let mut caster = chosen.wait(Caster::new(scene, &options, &chosen.device))?;
     let way = way(&options, caster.plan());
@@ -129,16 +140,30 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     let name = shown(&args.rays_file);
     let from = |error| Error::failed(format!("{name}: {error}"));
     let reader = RaysReader::new(input, format, count).map_err(from)?.with_bad_rays(args.bad_rays);
-    let writer = HitsWriter::new(output::Stream::new(target)?, output_format, reader.total())?;
-    if reader.total().is_none() && writer.needs_total() {
+    let count = reader.total().filter(|_| !args.all_hits);
+    let writer = HitsWriter::new(output::Stream::new(target)?, output_format, count, args.all_hits)?;
+    if args.all_hits && writer.needs_total() {
+        return Err(Error::usage(
+            "--all-hits: the output starts with the number of hits, which is known only at the end: write to a file, or add \
+             --output-format npz",
+        ));
+    }
+    if count.is_none() && writer.needs_total() {
         return Err(Error::usage(
             "the output starts with the number of rays, which f32 from a pipe does not give: add --count N, use npy, or \
              write to a file",
         ));
     }
     let begin = Instant::now();
-    let pipeline =
-        Pipeline { caster, chosen: &chosen, bad_rays: args.bad_rays, offset, name: &name, progress: &progress };
+    let pipeline = Pipeline {
+        caster,
+        chosen: &chosen,
+        bad_rays: args.bad_rays,
+        is_all: args.all_hits,
+        offset,
+        name: &name,
+        progress: &progress,
+    };
     let Some(counts) = pipeline.run(reader, writer)? else { return Ok(()) };
     progress.finish();
     if counts.bad > 0 {
@@ -155,10 +180,25 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     }
     if !args.quiet.quiet {
         let device = chosen.gpu().map_or("CPU", |gpu| gpu.info.name.as_str());
-        let line = summary(&counts, begin.elapsed().as_secs_f64(), device, &way);
+        let line = summary(args, &counts, begin.elapsed().as_secs_f64(), device, &way);
         if is_standard(&args.output) { say(line.trim_end()) } else { print(&line)? }
     }
     Ok(())
+}
+
+/// Refuses what does not go together with `--all-hits`.
+fn check_all_hits(args: &CastArgs) -> Result<(), Error> {
+    let has_rounded = args.tracing.has("order") && args.tracing.values.order == Order::Rounded;
+    let why = match () {
+        () if !args.all_hits => return Ok(()),
+        () if args.any_hit => "it excludes --any-hit: omit one of them",
+        () if args.tracing.values.numerics == Numerics::Paper => {
+            "the paper's rules find closest hits only; use --numerics robust"
+        }
+        () if has_rounded => "hits are in the order of exact t: omit --order, or use --order exact",
+        () => return Ok(()),
+    };
+    Err(Error::usage(format!("--all-hits: {why}")))
 }
 
 /// The file's name in messages.
@@ -167,10 +207,12 @@ fn shown(path: &Path) -> String {
 }
 
 /// One line about all rays.
-fn summary(counts: &Counts, seconds: f64, device: &str, way: &str) -> String {
+fn summary(args: &CastArgs, counts: &Counts, seconds: f64, device: &str, way: &str) -> String {
     let Counts { rays, hits, unfinished, .. } = *counts;
     let mut line = format!("{} rays, {} hit", HumanCount(rays), HumanCount(hits));
-    if rays > 0 {
+    if args.all_hits {
+        line += &format!("s, at most {} of a ray", HumanCount(counts.most));
+    } else if rays > 0 {
         line += &format!(" ({:.1}%)", 100.0 * hits as f64 / rays as f64);
     }
     line += &format!(

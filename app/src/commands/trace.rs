@@ -1,5 +1,6 @@
 //! `raystep trace`
 
+mod crossed;
 mod element;
 
 use std::ops::ControlFlow;
@@ -23,6 +24,7 @@ use crate::link::{LinkArgs, Wanted, link_of};
 use crate::program_folder;
 use crate::session::Session;
 use crate::terminal::{Progress, print, say};
+use crossed::Crossed;
 
 /// Print the history of one ray, with the reason for every step
 ///
@@ -50,6 +52,7 @@ Examples:
   raystep trace cornell-box --pixel 256,256 --numerics paper --format csv > ray.csv
   raystep trace teapot --ray 0,0,5,0,0,-1
   raystep trace whitted --integrator photons --photons 5000 --photon 1234
+  raystep trace teapot --ray 0,0,5,0,0,-1 --all-hits
   raystep trace my-program --pixel 12,40
   raystep trace teapot --ray 0,0,0x40a00000,0,0,0xbf800000 --format json
   raystep trace --link \"raystep:1?scene=teapot&accelerator=bvh&pixel=256,256\"")]
@@ -71,6 +74,9 @@ pub(crate) struct TraceArgs {
     /// pixel, rays to lights or photons, a ray's passes depend on others, so all are traced.
     #[arg(long)]
     all_rays: bool,
+    /// Also list every surface that the ray, or the pixel's first ray, crosses, in the order of exact t
+    #[arg(long)]
+    all_hits: bool,
     /// A readable table, or data
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
@@ -92,6 +98,8 @@ struct Traced<'a> {
     history: &'a Trace,
     #[serde(skip_serializing_if = "Option::is_none")]
     light_tree: Option<LightTree>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    all_hits: Option<Vec<Crossed>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -142,6 +150,9 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
         (None, None) => None,
     };
     if let Some(path) = args.scene.scene.as_ref().filter(|path| program_folder::find(path).is_some()) {
+        if args.all_hits {
+            return Err(Error::usage("--all-hits: a program of one's own has no rays"));
+        }
         let Some(pixel) = args.pixel else {
             return Err(Error::usage("--pixel X,Y names the element of a program of one's own"));
         };
@@ -151,6 +162,14 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     let photon = args.photon.map(|index| photon_of(&wanted, index)).transpose()?;
     if photon.is_some() && args.print_link {
         return Err(Error::usage("--print-link: a link has a ray, but no photon"));
+    }
+    if args.all_hits && (photon.is_some() || args.format == Format::Csv) {
+        let why = if photon.is_some() {
+            "a photon's way is not straight: name a ray"
+        } else {
+            "CSV has the passes only; use json"
+        };
+        return Err(Error::usage(format!("--all-hits: {why}")));
     }
     let ray = match (asked, wanted.ray) {
         (Some(_), Some(_)) => {
@@ -217,14 +236,19 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     if let Some(link) = link {
         say(format_args!("open in the inspector: raystep inspect --link \"{link}\""));
     }
+    let all_hits = match args.all_hits {
+        true => Some(running.chosen.wait(crossed::crossed(&running.scene, &history))?),
+        false => None,
+    };
     let plan = running.renderer.plan();
     let light_tree = LightTree::of(&history.rows, plan.program, running.renderer.data());
     match args.format {
         Format::Table => {
             let tree = light_tree.map_or_else(String::new, |tree| format!("\n{}", tree.table(&history, Units::Scene)));
-            print(&(history.table(Units::Scene) + &tree))
+            let crossed = all_hits.map_or_else(String::new, |all| crossed::table(&all));
+            print(&(history.table(Units::Scene) + &tree + &crossed))
         }
-        Format::Json => print(&super::json_text(&Traced { history: &history, light_tree })?),
+        Format::Json => print(&super::json_text(&Traced { history: &history, light_tree, all_hits })?),
         Format::Csv => {
             let mut text = Vec::new();
             history.write_csv(&mut text).map_err(|e| Error::failed(format!("cannot write as CSV: {e}")))?;

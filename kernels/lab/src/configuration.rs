@@ -5,7 +5,9 @@ use std::fmt;
 use raystep_kernels::options::Integrator;
 use raystep_kernels::options::STEPS_PER_PASS;
 use raystep_kernels::options::mapping::Mapping;
-use raystep_kernels::{Accelerator, GridSize, Item, Keep, Numerics, Options, Rule, ScheduleKind, Skip, Traversal};
+use raystep_kernels::{
+    Accelerator, GridSize, Item, Keep, Numerics, Options, Order, Rule, ScheduleKind, Skip, Traversal,
+};
 
 /// The options that are compared with one another, on the same scene, rays and device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +24,8 @@ pub struct Configuration {
     pub grid: Option<GridSize>,
     /// The numerics.
     pub numerics: Numerics,
+    /// Which of several hits is the nearest; as in the other options if `None`.
+    pub order: Option<Order>,
     /// The rule of robust numerics that is replaced by the paper's.
     pub without: Option<Rule>,
     /// How rays walk through a uniform grid.
@@ -50,6 +54,7 @@ impl Configuration {
             skip: Skip::Off,
             grid: None,
             numerics: Numerics::Robust,
+            order: None,
             without: None,
             traversal: Traversal::AmanatidesWoo,
             mapping: Mapping::Compute,
@@ -84,6 +89,18 @@ impl Configuration {
         Self { traversal: Traversal::Dda3d, ..self.paper() }
     }
 
+    /// The same with hits that are ordered by exact t.
+    #[must_use]
+    pub const fn exact(self) -> Self {
+        Self { order: Some(Order::Exact), ..self }
+    }
+
+    /// Whether hits are ordered by exact t.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.order == Some(Order::Exact) && self.without.is_none()
+    }
+
     /// The same with boxes that are grown for each ray.
     #[must_use]
     pub const fn padded(self) -> Self {
@@ -106,6 +123,7 @@ impl Configuration {
             skip: self.skip,
             grid: self.grid.unwrap_or(options.grid),
             numerics: self.numerics,
+            order: self.order.unwrap_or(options.order),
             without: self.without,
             traversal: self.traversal,
             mapping: self.mapping,
@@ -117,12 +135,13 @@ impl Configuration {
     }
 
     /// Its fields in CSV files, by the names of their columns.
-    pub(crate) fn fields(&self) -> [(&'static str, String); 8] {
+    pub(crate) fn fields(&self) -> [(&'static str, String); 9] {
         let steps = (self.schedule == ScheduleKind::Compact).then(|| self.steps.to_string());
         [
             ("accelerator", self.accelerator.to_string()),
             ("schedule", self.schedule.to_string()),
             ("numerics", self.numerics.to_string()),
+            ("order", if self.is_exact() { Order::Exact } else { Order::Rounded }.to_string()),
             ("rule", self.without.map_or(String::new(), |rule| rule.to_string())),
             ("skip", self.skip.to_string()),
             ("steps_per_pass", steps.unwrap_or_default()),
@@ -131,9 +150,13 @@ impl Configuration {
         ]
     }
 
-    /// Its numerics in a configuration's id: `robust`, `paper`, or `without-` and the rule.
+    /// Its numerics in a configuration's id: `robust`, `paper`, `exact`, or `without-` and the rule.
     pub(crate) fn rules(&self) -> String {
-        self.without.map_or_else(|| self.numerics.to_string(), |rule| format!("without-{rule}"))
+        match self.without {
+            Some(rule) => format!("without-{rule}"),
+            None if self.is_exact() => "exact".into(),
+            None => self.numerics.to_string(),
+        }
     }
 }
 
@@ -146,6 +169,7 @@ impl From<&Options> for Configuration {
             skip: options.skip,
             grid: Some(options.grid),
             numerics: options.numerics,
+            order: Some(options.order),
             without: options.without,
             traversal: options.traversal,
             mapping: options.mapping,
@@ -163,6 +187,7 @@ impl fmt::Display for Configuration {
             (self.skip == Skip::On, " skipping"),
             (self.numerics == Numerics::Paper, " paper"),
             (self.traversal == Traversal::Dda3d, " 3d-dda"),
+            (self.is_exact(), " exact"),
             (self.is_padded, " padded"),
         ] {
             f.write_str(if is_so { words } else { "" })?;
@@ -269,7 +294,7 @@ pub fn numerics_of(accelerator: Accelerator) -> &'static [Numerics] {
     }
 }
 
-/// Whether walks through this accelerator use the rule.
+/// Whether walks through this accelerator use the rule, unless they are asked for another order of hits.
 #[must_use]
 pub fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
     match rule {
@@ -277,6 +302,7 @@ pub fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
         Rule::CellGrowth => matches!(accelerator, Accelerator::Grid | Accelerator::Irregular),
         Rule::BoxPadding => accelerator == Accelerator::Bvh,
         Rule::TriangleTest => true,
+        Rule::ExactOrder => false,
     }
 }
 

@@ -18,6 +18,7 @@
 //! on all sides, a ray that hits none of the triangles there counts as missed, whatever the bounds are.
 
 mod crack;
+mod crossing;
 mod exact;
 mod rational;
 mod tree;
@@ -122,6 +123,13 @@ impl Candidates {
             }
         }
         within
+    }
+
+    /// The same for a ray that leaves a triangle, and cannot hit it.
+    #[must_use]
+    pub fn without(mut self, triangle: u32) -> Self {
+        self.possible.retain(|p| p.triangle != triangle);
+        Self::of_possible(self.possible)
     }
 
     /// Of all that a ray may hit, in the order of triangles.
@@ -235,6 +243,13 @@ impl<'a> Triangles<'a> {
         possible.sort_unstable_by_key(|p: &Possible| p.triangle);
         self.place(origin, direction, &mut possible);
         Candidates::of_possible(possible)
+    }
+
+    /// Whether the exact ray hits any of these before `end`.
+    #[must_use]
+    pub fn are_hit_before(&self, end: f32, origin: [f32; 3], direction: [f32; 3], of: &Candidates) -> bool {
+        let is_before = |p: &Possible| rational::is_before(end, origin, direction, self.corners(p.triangle));
+        of.possible.iter().any(|p| p.is_exact && is_before(p))
     }
 
     /// Puts what the exact ray hits in order: by f64 where its t differ by more than f32 errs, which f64 tells for sure,

@@ -120,13 +120,13 @@ pub struct Workload {
     pub grid: GridSize,
 }
 
-/// The configurations of one accelerator: the numerics that it has with stepped schedules; robust numerics also fused, and
-/// with contraction.
+/// The configurations of one accelerator: the numerics that it has with stepped schedules; robust numerics also fused, with
+/// contraction, and with hits that are ordered by exact t.
 #[must_use]
 pub fn configurations(accelerator: Accelerator) -> Vec<Configuration> {
     let robust = Configuration::usual(accelerator, ScheduleKind::Compact);
     let fused = Configuration { schedule: ScheduleKind::Fused, ..robust };
-    let mut all = vec![robust, fused, Configuration { contracted: true, ..robust }];
+    let mut all = vec![robust, fused, Configuration { contracted: true, ..robust }, robust.exact(), fused.exact()];
     all.extend(numerics_of(accelerator).contains(&Numerics::Paper).then(|| robust.paper()));
     all
 }
@@ -135,6 +135,7 @@ pub fn configurations(accelerator: Accelerator) -> Vec<Configuration> {
 #[must_use]
 pub fn triangle_test(configuration: &Configuration) -> &'static str {
     match (configuration.numerics, configuration.contracted) {
+        (Numerics::Robust, _) if configuration.is_exact() => "exact",
         (Numerics::Robust, false) => "watertight",
         (Numerics::Robust, true) => "watertight_fma",
         (Numerics::Paper, _) => "moller_trumbore",

@@ -8,6 +8,7 @@ use std::io::{self, Write};
 
 use naga::ScalarKind;
 
+use crate::renderer::all_hits::AllHits;
 use crate::renderer::cast::CastHit;
 use crate::renderer::image::Image;
 use crate::scene_data::buffer::BufferInfo;
@@ -130,46 +131,72 @@ fn header(descr: &str, shape: &str, bytes: usize) -> Vec<u8> {
 pub const HIT_FIELDS: [(&str, &str); 5] =
     [("t", "<f4"), ("u", "<f4"), ("v", "<f4"), ("triangle", "<u4"), ("material", "<u4")];
 
+/// What all hits of rays have before that: which ray it is.
+pub const RAY_FIELD: (&str, &str) = ("ray", "<u8");
+
+/// Hits to write: one of each ray, or all of them.
+#[derive(Clone, Copy, Debug)]
+pub enum Hits<'a> {
+    /// One of each ray.
+    Each(&'a [CastHit]),
+    /// All, with the number of each hit's ray.
+    All(&'a AllHits),
+}
+
 /// Arrays of hits. Their headers have [`HITS_HEADER_BYTES`], so that the number in it can be replaced later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HitsArray {
-    /// An array of records, with [`HIT_FIELDS`].
+    /// An array of records, with [`HIT_FIELDS`], and [`RAY_FIELD`] before them if all hits are written.
     Structured,
-    /// An array of shape (N, 5) of `<f8`, in the same order, for readers without records; triangle and material are −1
+    /// An array of `<f8` with a column for each of these, for readers without records; triangle and material are −1
     /// without a hit.
     Plain,
-    /// An array of one of the fields.
+    /// An array of one of the fields of a hit.
     Field(usize),
+    /// The rays of all hits.
+    Rays,
 }
 
 /// Bytes before the hits, whatever their number.
 pub const HITS_HEADER_BYTES: usize = 256;
 
 impl HitsArray {
-    /// The header of so many hits.
+    /// The header of so many hits; `is_all`: of all hits of rays.
     #[must_use]
-    pub fn header(self, hits: u64) -> Vec<u8> {
+    pub fn header(self, hits: u64, is_all: bool) -> Vec<u8> {
+        let fields = || Some(RAY_FIELD).filter(|_| is_all).into_iter().chain(HIT_FIELDS);
         let (descr, shape) = match self {
             Self::Structured => {
-                let kinds = HIT_FIELDS.map(|(name, kind)| format!("('{name}', '{kind}')"));
+                let kinds: Vec<String> = fields().map(|(name, kind)| format!("('{name}', '{kind}')")).collect();
                 (format!("[{}]", kinds.join(", ")), format!("{hits},"))
             }
-            Self::Plain => ("'<f8'".into(), format!("{hits}, {}", HIT_FIELDS.len())),
+            Self::Plain => ("'<f8'".into(), format!("{hits}, {}", fields().count())),
             Self::Field(field) => (format!("'{}'", HIT_FIELDS[field].1), format!("{hits},")),
+            Self::Rays => (format!("'{}'", RAY_FIELD.1), format!("{hits},")),
         };
         header(&descr, &shape, HITS_HEADER_BYTES)
     }
 
     /// Appends hits.
-    pub fn write(self, out: &mut Vec<u8>, hits: &[CastHit]) {
-        if self == Self::Structured && cfg!(target_endian = "little") {
-            return out.extend_from_slice(bytemuck::cast_slice(hits));
-        }
-        for hit in hits {
+    pub fn write(self, out: &mut Vec<u8>, hits: Hits<'_>) {
+        let (rays, hits) = match hits {
+            Hits::Each(hits) if self == Self::Structured && cfg!(target_endian = "little") => {
+                return out.extend_from_slice(bytemuck::cast_slice(hits));
+            }
+            Hits::Each(hits) => (&[][..], hits),
+            Hits::All(all) => (&all.rays[..], &all.hits[..]),
+        };
+        for (index, hit) in hits.iter().enumerate() {
+            match (self, rays.get(index)) {
+                (Self::Structured | Self::Rays, Some(ray)) => out.extend(ray.to_le_bytes()),
+                (Self::Plain, Some(&ray)) => out.extend((ray as f64).to_le_bytes()),
+                _ => {}
+            }
             let words = [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.triangle, hit.material];
             match self {
                 Self::Structured => out.extend(words.iter().flat_map(|word| word.to_le_bytes())),
                 Self::Field(field) => out.extend(words[field].to_le_bytes()),
+                Self::Rays => {}
                 Self::Plain => {
                     let id = |id: u32| if hit.is_hit() { f64::from(id) } else { -1.0 };
                     let [t, u, v] = [hit.t, hit.u, hit.v].map(f64::from);
@@ -222,11 +249,11 @@ mod tests {
     fn hits_are_records_numbers_or_fields() {
         let hit = CastHit { t: 1.5, u: 0.25, v: 0.5, triangle: (1 << 24) + 1, material: 2 };
         let written = |array: HitsArray| {
-            let mut bytes = array.header(2);
+            let mut bytes = array.header(2, false);
             assert_eq!(bytes.len(), HITS_HEADER_BYTES);
             let header = String::from_utf8_lossy(&bytes[10..]).trim_end().to_owned();
             bytes.clear();
-            array.write(&mut bytes, &[hit, CastHit::MISS]);
+            array.write(&mut bytes, Hits::Each(&[hit, CastHit::MISS]));
             (header, bytes)
         };
         let (header, records) = written(HitsArray::Structured);
@@ -242,5 +269,31 @@ mod tests {
         let (header, triangles) = written(HitsArray::Field(3));
         assert!(header.contains("'descr': '<u4'") && header.contains("'shape': (2,)"), "{header}");
         assert_eq!(triangles, [hit.triangle, u32::MAX].map(u32::to_le_bytes).concat());
+    }
+
+    #[test]
+    fn all_hits_say_whose_they_are() {
+        let hits = [1.0, 2.0].map(|t| CastHit { t, u: 0.25, v: 0.5, triangle: 7, material: 2 });
+        let all = AllHits { rays: vec![3, 1 << 40], hits: hits.to_vec() };
+        let written = |array: HitsArray| {
+            let mut bytes = array.header(2, true);
+            assert_eq!(bytes.len(), HITS_HEADER_BYTES);
+            let header = String::from_utf8_lossy(&bytes[10..]).trim_end().to_owned();
+            bytes.clear();
+            array.write(&mut bytes, Hits::All(&all));
+            (header, bytes)
+        };
+        let (header, records) = written(HitsArray::Structured);
+        assert!(header.contains("[('ray', '<u8'), ('t', '<f4'), ") && header.contains("'shape': (2,)"), "{header}");
+        assert_eq!((records.len(), &records[28..36]), (56, &(1u64 << 40).to_le_bytes()[..]));
+        assert_eq!(records[36..40], 2.0f32.to_le_bytes());
+        let (header, numbers) = written(HitsArray::Plain);
+        assert!(header.contains("'shape': (2, 6)"), "{header}");
+        let numbers: Vec<f64> = numbers.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        assert_eq!(numbers[..6], [3.0, 1.0, 0.25, 0.5, 7.0, 2.0]);
+        assert_eq!(numbers[6], (1u64 << 40) as f64);
+        let (header, rays) = written(HitsArray::Rays);
+        assert!(header.contains("'descr': '<u8'"), "{header}");
+        assert_eq!(rays, all.rays.iter().flat_map(|ray| ray.to_le_bytes()).collect::<Vec<_>>());
     }
 }

@@ -1,6 +1,8 @@
 //! The options of the kernels, decided when their WGSL is composed.
 
+use super::Ray;
 use super::scene_data::SceneDataKind;
+use crate::shared::constants::INF;
 use crate::shared::grid_walk::WalkRules;
 use crate::shared::samples::Sampler;
 use crate::shared::triangle::TriangleRules;
@@ -65,6 +67,7 @@ features! {
     resumes_light: "The same for the sum over the lights.",
     intervals: "Rays have a smallest or a largest t: other hits do not count.",
     any_hit: "A ray ends at the first hit found, nearest or not.",
+    all_hits: "All hits of a ray are wanted, in exact order: each is found after the one before it.",
     leaves: "A ray begins on a triangle, which it cannot hit again.",
     specular: "Surfaces reflect or refract rays, each of which is traced like the first.",
     dielectric: "A surface splits a ray in two.",
@@ -128,6 +131,13 @@ impl Features {
             (.., true) => StructureKind::Bvh,
             _ => StructureKind::None,
         }
+    }
+
+    /// The t after which hits of a ray count. If all hits are wanted, it is the triangle that a ray from a surface leaves by or
+    /// not that tells, not the rounded t.
+    #[must_use]
+    pub(crate) fn begin(&self, ray: &Ray) -> f32 {
+        if self.all_hits && ray.t_min == 0.0 { -INF } else { ray.t_min }
     }
 
     /// The options that the walk through the grid depends on.

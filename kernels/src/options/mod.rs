@@ -210,6 +210,9 @@ pub struct Options {
     /// A ray ends at the first hit found, nearest or not: for shadow rays, from a point to a light. Not with
     /// `--numerics paper`.
     pub any_hit: bool,
+    /// All hits of each ray are wanted, in exact order, see [`Caster::cast_all`](crate::Caster::cast_all): with [`Order::Exact`]
+    /// and rays that are given only. A run finds the first of them.
+    pub all_hits: bool,
     /// The source of rays.
     pub rays: RaySource,
     /// Shade the hits; without it, a run ends with the `hit` stream.
@@ -260,6 +263,7 @@ impl Options {
             skip: Skip::default(),
             build: BuiltBy::default(),
             steps_per_pass: STEPS_PER_PASS,
+            all_hits: false,
             any_hit: false,
             rays,
             shade: true,

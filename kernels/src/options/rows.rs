@@ -207,7 +207,7 @@ pub static ROWS: &[Row] = &[
         if c.order == Order::Exact && c.program != ProgramName::ClosestHit {
             return Some(Refusal::Idle("--order is for rays: omit it, or use --program closest-hit".into()));
         }
-        c.order.fault(c.numerics, c.mapping, c.integrator).map(|why| impossible(&format!("--order exact: {why}")))
+        c.order.fault(c.numerics, c.mapping).map(|why| impossible(&format!("--order exact: {why}")))
     }),
     named!(
         "traversal",

@@ -1,6 +1,5 @@
 //! The numerical rules of a run.
 
-use super::Integrator;
 use super::mapping::Mapping;
 use crate::numbers::named::named;
 
@@ -51,16 +50,19 @@ pub enum Rule {
     CellGrowth,
     /// Boxes of the BVH are grown likewise. Without this rule, they are not.
     BoxPadding,
+    /// Of [`Order::Exact`]: hits are ordered by exact t. Without this rule, by t as f32 has it.
+    ExactOrder,
 }
 
 named!(
     Rule,
-    "tmax, acceptance, triangle-test, cell-growth, box-padding",
+    "tmax, acceptance, triangle-test, cell-growth, box-padding, exact-order",
     TMax "tmax",
     Acceptance "acceptance",
     TriangleTest "triangle-test",
     CellGrowth "cell-growth",
-    BoxPadding "box-padding"
+    BoxPadding "box-padding",
+    ExactOrder "exact-order"
 );
 named!(Numerics, "robust, paper", Robust "robust", Paper "paper");
 named!(Order, "rounded, exact", Rounded "rounded", Exact "exact");
@@ -69,14 +71,11 @@ named!(Traversal, "amanatides-woo, 3d-dda", AmanatidesWoo "amanatides-woo", Dda3
 impl Order {
     /// Why hits cannot be ordered so in a run with these options, and what would work.
     #[must_use]
-    pub fn fault(self, numerics: Numerics, mapping: Mapping, integrator: Integrator) -> Option<&'static str> {
-        let why = match (self, numerics, mapping, integrator) {
-            (Self::Exact, Numerics::Paper, ..) => "the paper accepts the first hit in a cell; use --numerics robust",
-            (Self::Exact, _, Mapping::Fragment(_), _) => {
+    pub fn fault(self, numerics: Numerics, mapping: Mapping) -> Option<&'static str> {
+        let why = match (self, numerics, mapping) {
+            (Self::Exact, Numerics::Paper, _) => "the paper accepts the first hit in a cell; use --numerics robust",
+            (Self::Exact, _, Mapping::Fragment(_)) => {
                 "fragment programs have no outputs left for its bounds; use --mapping compute"
-            }
-            (Self::Exact, _, _, Integrator::Shadows | Integrator::Whitted | Integrator::Path | Integrator::Photons) => {
-                "not for rays after the first; use --integrator local"
             }
             _ => return None,
         };

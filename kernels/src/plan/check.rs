@@ -10,7 +10,7 @@ use crate::options::mapping::{self, Mapping, Until};
 use crate::options::rows::ROWS;
 use crate::options::samples::Samples;
 use crate::options::scene_data::{self, SceneDataKind};
-use crate::options::{Accelerator, Options, Ray, RaySource};
+use crate::options::{Accelerator, Options, Order, Ray, RaySource};
 use crate::program::sizes::TooMany;
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
@@ -301,6 +301,9 @@ pub(crate) fn check_choices(options: &Options, limits: &Limits) -> Result<(), Pl
         return Err(PlanError::Refused(mapping::NO_GPU.into()));
     }
     check_scene_data(options, limits)?;
+    if options.all_hits && (options.any_hit || options.order != Order::Exact) {
+        return Err(PlanError::Refused("all hits of a ray have an exact order, and exclude any hit".into()));
+    }
     let choices = options.choices();
     match ROWS.iter().find_map(|row| (row.refused)(&choices)?.impossible()) {
         Some(why) => Err(PlanError::Refused(why)),

@@ -30,6 +30,7 @@ use crate::scene_data::SceneData;
 use crate::shader::{ShaderError, Variant};
 use crate::tables::elements::{Elements, Size};
 use crate::tables::kernel::Role;
+use crate::tables::state::{StateInfo, StateRole};
 use crate::tables::stream::Stream;
 
 pub use crate::numbers::bytes::Bytes;
@@ -233,6 +234,13 @@ impl Plan {
     #[must_use]
     pub fn has_stream(&self, stream: Stream) -> bool {
         self.streams.iter().any(|s| s.what == stream)
+    }
+
+    /// Whether elements of this run are ever in a state: in an active one only if a kernel takes them from there.
+    #[must_use]
+    pub fn has_state(&self, state: &StateInfo) -> bool {
+        state.role != StateRole::Active
+            || self.variants.iter().any(|variant| variant.kernel.takes().contains(&state.tag))
     }
 
     /// The users' files that some kernels are from, in place of ours.

@@ -67,6 +67,11 @@ impl Instance {
             copies: &[],
         }
     }
+
+    /// Its options that are others than the run's, and these.
+    pub(crate) fn with_sets(&self, more: &'static [(&'static str, bool)]) -> &'static [(&'static str, bool)] {
+        if self.sets.is_empty() { more } else { Vec::leak([self.sets, more].concat()) }
+    }
 }
 
 /// The tag of a state that no element of an instance is ever in.

@@ -14,6 +14,8 @@ pub struct Results {
     pub direction: Stream,
     /// The t between which its hits count, if a run's rays have intervals: t_min, t_max.
     pub interval: Stream,
+    /// The triangle of the hit after which the ray looks for the next one, if all hits are wanted.
+    pub last: Stream,
     /// t of the nearest hit so far, [`INF`] without one. Its stream holds the tags, too.
     pub t: Component,
     /// The triangle that was hit, [`NO_TRIANGLE`] without a hit.
@@ -36,8 +38,9 @@ pub struct Results {
 }
 
 /// The triangle that a ray in traced units hits, t, and the weights of vertices 1 and 2, by a twin that takes no stream: in a run
-/// that reads its rays, and whose walks never wait.
-pub type HitOf = fn(&Ray, &SceneData) -> Option<(u32, [f32; 3])>;
+/// that reads its rays, and whose walks never wait. If all hits are wanted, the one after that on the given triangle, or the
+/// first if it is [`NO_TRIANGLE`].
+pub type HitOf = fn(&Ray, u32, &SceneData) -> Option<(u32, [f32; 3])>;
 
 impl Results {
     /// The streams that every ray's hit follows from: origin, direction, t and triangle.

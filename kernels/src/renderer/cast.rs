@@ -2,10 +2,11 @@
 //! it, one call after the other. Carr, Hall and Hart, *The Ray Engine* (2002), use a GPU in this way, as a coprocessor
 //! that intersects rays and triangles for a program on the CPU.
 
+mod hit;
+
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
 use raystep_scenes::Scene;
 
 use super::{Device, RenderError, Renderer};
@@ -13,43 +14,13 @@ use crate::numbers::parallel::{for_chunks, map_ranges};
 use crate::numbers::units::{Units, exp2};
 use crate::options::mapping::Mapping;
 use crate::options::samples::Samples;
-use crate::options::{Accelerator, Options, ProgramName, Ray, RaySource, ScheduleKind};
+use crate::options::{Accelerator, Options, Order, ProgramName, Ray, RaySource, ScheduleKind};
 use crate::plan::{FARTHEST, Plan, PlanError, tiled, why_untraceable};
 use crate::program::results::HitOf;
-use crate::scene_data::{SceneData, as_f32, traced_ray};
+use crate::scene_data::{SceneData, traced_ray};
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::stream::Region;
-
-/// The result of one ray.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct CastHit {
-    /// t of the hit, in multiples of the ray's direction: positive and finite; infinite without a hit.
-    ///
-    /// For a direction so short that t exceeds f32's range, it is `f32::MAX`, and no hit is beyond a t_min of `f32::MAX`.
-    /// For one so long that t is below f32's normal numbers, it is rounded up to the next number, and counts as that
-    /// between t_min and t_max.
-    pub t: f32,
-    /// Barycentric weight of the triangle's vertex 1.
-    pub u: f32,
-    /// Barycentric weight of the triangle's vertex 2.
-    pub v: f32,
-    /// The triangle's index in the scene; `u32::MAX` without a hit.
-    pub triangle: u32,
-    /// The index of its material in the scene; `u32::MAX` without a hit.
-    pub material: u32,
-}
-
-impl CastHit {
-    /// The result of a ray that hits nothing.
-    pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, triangle: NO_TRIANGLE, material: u32::MAX };
-
-    /// Whether the ray hit something.
-    #[must_use]
-    pub fn is_hit(&self) -> bool {
-        self.triangle != NO_TRIANGLE
-    }
-}
+pub use hit::CastHit;
 
 /// Rays per batch on a GPU, unless it has room for fewer: enough to keep it busy, in about 150 MB.
 pub const RAYS_A_BATCH_GPU: u64 = 1 << 20;
@@ -114,7 +85,7 @@ pub struct Caster {
 
 /// What rays need of the structure and the kernels.
 #[derive(Clone, Copy, Debug, Default)]
-struct Needs {
+pub(super) struct Needs {
     /// Largest coordinate of an origin, in traced units.
     farthest_origin: f32,
     /// Whether their intervals must be looked up.
@@ -130,7 +101,8 @@ impl Caster {
     }
 
     /// Builds the structure. Of `options`, the mapping, rays, shading, samples, counters and timings do not matter; with
-    /// [`Options::any_hit`], a ray's result is any hit in its interval instead of the closest.
+    /// [`Options::any_hit`], a ray's result is any hit in its interval instead of the closest; with [`Options::all_hits`], all
+    /// hits can be asked for, see [`cast_all`](Self::cast_all).
     ///
     /// # Errors
     /// If the scene or the options do not fit the device, or the device fails.
@@ -145,6 +117,8 @@ impl Caster {
             keep_passes: false,
             samples: Samples::default(),
             rays: RaySource::Given(Vec::new()),
+            // All hits have one.
+            order: if options.all_hits { Order::Exact } else { options.order },
             ..options.clone()
         };
         let units = Units::of(&scene);
@@ -215,19 +189,40 @@ impl Caster {
     pub async fn cast_into(&mut self, rays: &[Ray], hits: &mut Vec<CastHit>) -> Result<(), RenderError> {
         let needs = self.needs(rays)?;
         self.make_room_for(needs).await?;
+        self.cast_after(rays, &[], hits).await
+    }
+
+    /// Casts rays for which there is room, each for its next hit after that on a triangle, if all hits are wanted; without
+    /// triangles, each for its first.
+    pub(super) async fn cast_after(
+        &mut self,
+        rays: &[Ray],
+        last: &[u32],
+        hits: &mut Vec<CastHit>,
+    ) -> Result<(), RenderError> {
+        let first = hits.len();
         if let Some(hit_of) = self.hit_of() {
-            self.cast_at_once(hit_of, rays, hits);
-            return Ok(());
+            self.cast_at_once(hit_of, (rays, last), hits);
+        } else {
+            hits.reserve(rays.len());
+            let most = usize::try_from(self.batch).unwrap_or(usize::MAX);
+            for (index, batch) in rays.chunks(most).enumerate() {
+                let last = last.chunks(most).nth(index).unwrap_or(&[]);
+                self.cast_batch(batch, last, hits).await?;
+            }
         }
-        hits.reserve(rays.len());
-        for batch in rays.chunks(usize::try_from(self.batch).unwrap_or(usize::MAX)) {
-            self.cast_batch(batch, hits).await?;
+        if self.plan.features.exact_order && !matches!(self.device, Device::CpuF64(_)) {
+            for_chunks(&mut hits[first..], RAYS_A_TASK, |begin, hits| {
+                for (hit, ray) in hits.iter_mut().zip(&rays[begin..]) {
+                    hit.round(ray, &self.data);
+                }
+            });
         }
         Ok(())
     }
 
     /// Checks the rays, and finds what they need.
-    fn needs(&self, rays: &[Ray]) -> Result<Needs, PlanError> {
+    pub(super) fn needs(&self, rays: &[Ray]) -> Result<Needs, PlanError> {
         let (units, any_hit) = (self.data.units, self.plan.features.any_hit);
         let of_part = |range: Range<usize>| {
             let mut needs = Needs::default();
@@ -251,7 +246,7 @@ impl Caster {
     }
 
     /// Builds the structure or composes the kernels anew if rays need it.
-    async fn make_room_for(&mut self, needs: Needs) -> Result<(), RenderError> {
+    pub(super) async fn make_room_for(&mut self, needs: Needs) -> Result<(), RenderError> {
         let farthest = needs.farthest_origin;
         let has_intervals = self.plan.features.intervals;
         // Boxes that are grown for each ray serve all of them.
@@ -302,20 +297,21 @@ impl Caster {
     }
 
     /// Casts all rays on all cores, without streams.
-    fn cast_at_once(&self, hit_of: HitOf, rays: &[Ray], hits: &mut Vec<CastHit>) {
+    fn cast_at_once(&self, hit_of: HitOf, (rays, last): (&[Ray], &[u32]), hits: &mut Vec<CastHit>) {
         let first = hits.len();
         hits.resize(first + rays.len(), CastHit::MISS);
         for_chunks(&mut hits[first..], RAYS_A_TASK, |begin, hits| {
-            for (hit, ray) in hits.iter_mut().zip(&rays[begin..]) {
-                let (traced, exponent) = traced_ray(ray, self.data.units);
-                if let Some((triangle, values)) = hit_of(&traced, &self.data) {
-                    *hit = hit_in_scene(&self.scene, triangle, values, exp2(exponent));
+            for (index, hit) in (begin..).zip(hits) {
+                let (traced, exponent) = traced_ray(&rays[index], self.data.units);
+                let last = last.get(index).copied().unwrap_or(NO_TRIANGLE);
+                if let Some((triangle, values)) = hit_of(&traced, last, &self.data) {
+                    *hit = CastHit::in_scene(&self.scene, triangle, values, exp2(exponent));
                 }
             }
         });
     }
 
-    async fn cast_batch(&mut self, rays: &[Ray], hits: &mut Vec<CastHit>) -> Result<(), RenderError> {
+    async fn cast_batch(&mut self, rays: &[Ray], last: &[u32], hits: &mut Vec<CastHit>) -> Result<(), RenderError> {
         if rays.is_empty() {
             return Ok(());
         }
@@ -325,13 +321,16 @@ impl Caster {
         // CPU threads do not wait for their neighbours.
         let place = |ray| if is_gpu { tiled(ray, in_row, rays.len()) } else { ray };
         if is_gpu {
-            let mut placed = rays.to_vec();
+            let (mut placed, mut last_placed) = (rays.to_vec(), last.to_vec());
             for (index, ray) in rays.iter().enumerate() {
                 placed[place(index)] = *ray;
             }
-            run.give(&placed);
+            for (index, last) in last.iter().enumerate() {
+                last_placed[place(index)] = *last;
+            }
+            run.give(&placed, &last_placed);
         } else {
-            run.give(rays);
+            run.give(rays, last);
         }
         run.run(|_| ControlFlow::Continue(())).await?;
         let results = run.results()?;
@@ -342,17 +341,11 @@ impl Caster {
         hits.extend((0..rays.len()).map(place).map(|ray| {
             let Some((triangle, t)) = results.hit(&state, &hit, ray) else { return CastHit::MISS };
             let [u, v] = results.weights.map(|layer| hit.get_f32(layer, ray));
-            hit_in_scene(&scene, triangle, [t, u, v], run.t_scale(ray))
+            CastHit::in_scene(&scene, triangle, [t, u, v], run.t_scale(ray))
         }));
         self.unfinished = any_unfinished + run.unfinished();
         Ok(())
     }
-}
-
-/// The result of a ray, from its hit in traced units.
-fn hit_in_scene(scene: &Scene, triangle: u32, [t, u, v]: [f32; 3], t_scale: f64) -> CastHit {
-    let material = scene.triangle_materials.get(triangle as usize).copied().unwrap_or(u32::MAX);
-    CastHit { t: as_f32(f64::from(t) * t_scale), u, v, triangle, material }
 }
 
 /// Largest coordinate of a scene, in traced units.

@@ -22,7 +22,7 @@ impl GivenRays {
         (!data.inputs.is_empty()).then(|| Self { streams: data.inputs.clone(), exponents: Vec::new() })
     }
 
-    pub(super) fn new(rays: &[Ray], results: &Results, plan: &Plan, data: &SceneData) -> Self {
+    pub(super) fn new(rays: &[Ray], last: &[u32], results: &Results, plan: &Plan, data: &SceneData) -> Self {
         let texels = plan.width as usize * plan.height as usize;
         let rays = &rays[..rays.len().min(texels)];
         let traced = |range: std::ops::Range<usize>| rays[range].iter().map(|ray| traced_ray(ray, data.units));
@@ -56,9 +56,15 @@ impl GivenRays {
         let mut streams = vec![origins, directions, states];
         if data.features.intervals {
             let mut intervals = unwritten(results.interval);
-            fill(&mut intervals, 0, &|ray| ray.t_min.to_bits());
+            fill(&mut intervals, 0, &|ray| data.features.begin(ray).to_bits());
             fill(&mut intervals, 1, &|ray| ray.t_max.to_bits());
             streams.push(intervals);
+        }
+        if data.features.all_hits {
+            let mut surfaces = unwritten(results.last);
+            let count = last.len().min(texels);
+            surfaces.bits[..count].copy_from_slice(&last[..count]);
+            streams.push(surfaces);
         }
         Self { streams, exponents: traced.iter().map(|(_, exponent)| *exponent).collect() }
     }

@@ -1,5 +1,6 @@
 //! A run, driven by its caller: pass by pass or to the end, with access to every stream.
 
+pub mod all_hits;
 pub mod cast;
 mod checkpoint;
 mod counting;
@@ -120,7 +121,7 @@ impl Renderer {
         beside: Option<&Executor>,
     ) -> Result<Self, RenderError> {
         let given = match (&options.rays, plan.program.results) {
-            (RaySource::Given(rays), Some(results)) => Some(GivenRays::new(rays, &results, &plan, &data)),
+            (RaySource::Given(rays), Some(results)) => Some(GivenRays::new(rays, &[], &results, &plan, &data)),
             _ => GivenRays::inputs(&data),
         };
         let streams = given.as_ref().map_or(&[][..], |given| &given.streams);
@@ -142,9 +143,11 @@ impl Renderer {
         Ok(Self::with(plan, data, options, None, executor))
     }
 
-    /// Replaces the input rays, of which the plan must have room for as many, and returns to before the first pass.
-    pub(crate) fn give(&mut self, rays: &[Ray]) {
-        self.given = self.plan.program.results.map(|results| GivenRays::new(rays, &results, &self.plan, &self.data));
+    /// Replaces the input rays, of which the plan must have room for as many, and the triangles of the hits after which each
+    /// looks for the next, if all hits are wanted; returns to before the first pass.
+    pub(crate) fn give(&mut self, rays: &[Ray], last: &[u32]) {
+        self.given =
+            self.plan.program.results.map(|results| GivenRays::new(rays, last, &results, &self.plan, &self.data));
         self.executor.give(self.given.as_ref().map_or(&[], |given| &given.streams));
         self.restart();
     }

@@ -25,6 +25,7 @@ use crate::shared::constants::{LAST_ITEM, OUTSIDE};
 use crate::shared::emitters::{Emission, Emitter};
 use crate::shared::grid_walk::Grid;
 use crate::shared::irregular_walk::{Irregular, IrregularCell};
+use crate::shared::packed_triangles::PackedTriangle;
 use crate::shared::photon_map::PhotonMap;
 use crate::shared::samples::Sampling;
 use crate::shared::scene::SceneInfo;
@@ -128,7 +129,7 @@ pub struct Contents {
     /// Nodes on the longest path through the wide BVH.
     pub wide_depth: u32,
     /// Corners and ids as the fused kernel reads them.
-    pub packed_triangles: Vec<[u32; 12]>,
+    pub packed_triangles: Vec<PackedTriangle>,
     /// Nine per triangle.
     pub normals: Vec<f32>,
     /// Six per triangle.

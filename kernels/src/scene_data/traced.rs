@@ -6,6 +6,7 @@ use crate::numbers::units::{Units, exp2, floor_log2};
 use crate::options::{Options, Ray, RaySource};
 use crate::shared::camera::Camera;
 use crate::shared::constants::{BOX_PADDING, INF};
+use crate::shared::packed_triangles::{PackedTriangle, pack};
 use crate::structures::grid::Corners;
 
 /// Growth of a BVH's boxes, in traced units, if all of them are grown alike: 64 roundings of the largest distance along an
@@ -16,17 +17,15 @@ pub(crate) fn bvh_growth(reach: f32) -> f32 {
     BOX_PADDING * reach.max(f32::MIN_POSITIVE * 1e9)
 }
 
-/// Corners and ids of all triangles, or of those listed.
-pub(super) fn packed_triangles(vertices: &[f32], items: Option<&Vec<u32>>) -> Vec<[u32; 12]> {
+/// All triangles, or those listed.
+pub(super) fn packed_triangles(vertices: &[f32], items: Option<&Vec<u32>>) -> Vec<PackedTriangle> {
     // The BVH of an empty scene has a leaf that no ray enters.
     let items = items.filter(|_| !vertices.is_empty());
     let mut packed = vec![[0; 12]; items.map_or(vertices.len() / 9, Vec::len)];
     crate::numbers::parallel::for_chunks(&mut packed, 1 << 14, |first, piece| {
         for (i, to) in piece.iter_mut().enumerate() {
             let id = items.map_or((first + i) as u32, |items| items[first + i]);
-            let from = &vertices[9 * id as usize..9 * id as usize + 9];
-            let v = |k: usize| from[k].to_bits();
-            *to = [v(0), v(1), v(2), id, v(3), v(4), v(5), 0, v(6), v(7), v(8), 0];
+            *to = pack(vertices, id);
         }
     });
     packed

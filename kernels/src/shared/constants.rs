@@ -29,6 +29,9 @@ pub const CORNER_ERROR: f32 = 4.0 / (1 << 24) as f32;
 /// See [`EDGE_ERROR`].
 pub const DEPTH_ERROR: f32 = 34.0 / (1 << 24) as f32;
 
+/// More than what rounding t to the nearest f32 moves it by, with the rounding of sums of t and its error, in parts of t.
+pub const END_ERROR: f32 = 4.0 / (1 << 24) as f32;
+
 /// More than products lose that underflow in the triangle test, 2⁻¹²⁰.
 pub const UNDERFLOW: f32 = 7.523_164e-37;
 
@@ -80,6 +83,9 @@ pub const TURNS_A_TEST: u32 = 4;
 /// Loop iterations that integers take to decide about a triangle, with some to spare.
 pub const TURNS_TO_DECIDE: u32 = 2_048;
 
+/// The same to decide which of two triangles a ray crosses first, whose origin is moved by an infinitesimal.
+pub const TURNS_TO_CROSS: u32 = 8_192;
+
 /// Words that a ray takes which waits for the other ray of a surface.
 pub const BRANCH: u32 = 10;
 
@@ -103,10 +109,11 @@ pub fn wgsl_module(stack: u32, turns: u32, depth: u32) -> String {
          const MIN_NORMAL: f32 = {MIN_NORMAL:e}f;\nconst BOX_PADDING: f32 = {BOX_PADDING:e}f;\n\
          const EDGE_ERROR: f32 = {EDGE_ERROR:e}f;\nconst CORNER_ERROR: f32 = {CORNER_ERROR:e}f;\n\
          const DEPTH_ERROR: f32 = {DEPTH_ERROR:e}f;\nconst UNDERFLOW: f32 = {UNDERFLOW:e}f;\n\
+         const END_ERROR: f32 = {END_ERROR:e}f;\n\
          const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n\
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
          const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n\
-         const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst TURNS_TO_DECIDE: u32 = {TURNS_TO_DECIDE}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst NO_LIST: u32 = {NO_LIST}u;\nconst OUTSIDE: u32 = {OUTSIDE}u;\nconst LAST_ITEM: u32 = {LAST_ITEM}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n\
+         const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst TURNS_TO_DECIDE: u32 = {TURNS_TO_DECIDE}u;\nconst TURNS_TO_CROSS: u32 = {TURNS_TO_CROSS}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst NO_LIST: u32 = {NO_LIST}u;\nconst OUTSIDE: u32 = {OUTSIDE}u;\nconst LAST_ITEM: u32 = {LAST_ITEM}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n\
          const DEPTH: u32 = {depth}u;\nconst BRANCH: u32 = {BRANCH}u;\nconst RECORD: u32 = {RECORD}u;\n",
         wide_stack(stack)
     )

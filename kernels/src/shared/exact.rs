@@ -1,11 +1,12 @@
 //! Twin of `exact.wgsl`: whether a ray meets a triangle, and which of two it meets first, in integers.
 
+pub mod values;
+
 use std::cmp::Ordering;
 
-use super::narrow::{Share, Units, meets_narrowly};
-
-/// A corner, an origin or a direction.
-pub(super) type Point = [f32; 3];
+use super::constants::INF;
+pub use super::narrow::Point;
+use super::narrow::{Share, Units, common_sign, meets_narrowly};
 
 /// 32-bit words of a sum of products of three f32, in units of 2⁻⁴⁴⁷.
 const WORDS: usize = 27;
@@ -13,7 +14,7 @@ const WORDS: usize = 27;
 /// A sum of products: those that are added, and those that are subtracted. All words below `low` are 0, and those from
 /// `end` on.
 #[derive(Clone, Copy)]
-struct Sum {
+pub(super) struct Sum {
     plus: [u32; WORDS],
     minus: [u32; WORDS],
     low: usize,
@@ -21,7 +22,7 @@ struct Sum {
 }
 
 impl Sum {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { plus: [0; WORDS], minus: [0; WORDS], low: WORDS, end: 0 }
     }
 
@@ -55,7 +56,7 @@ impl Sum {
     }
 
     /// x · ((q − p) × (r − p)) = x · (p × q + q × r + r × p)
-    fn add_volume(&mut self, x: Point, [p, q, r]: [Point; 3], is_negative: bool) {
+    pub(super) fn add_volume(&mut self, x: Point, [p, q, r]: [Point; 3], is_negative: bool) {
         for [tail, head] in [[p, q], [q, r], [r, p]] {
             for (axis, along) in x.into_iter().enumerate() {
                 let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -66,7 +67,7 @@ impl Sum {
     }
 
     /// Leaves the magnitude in `plus`, and returns the sign.
-    fn settle(&mut self) -> Ordering {
+    pub(super) fn settle(&mut self) -> Ordering {
         let words = || (self.low..self.end).rev();
         let sign =
             words().map(|i| self.plus[i].cmp(&self.minus[i])).find(|order| order.is_ne()).unwrap_or(Ordering::Equal);
@@ -88,7 +89,7 @@ impl Sum {
 }
 
 /// (a − o) · n, of which t is the share of d · n.
-fn distance(origin: Point, corners: [Point; 3]) -> Sum {
+pub(super) fn distance(origin: Point, corners: [Point; 3]) -> Sum {
     let [a, b, c] = corners;
     let mut sum = Sum::new();
     sum.add_volume(a, [b, c, [0.0; 3]], false);
@@ -97,7 +98,7 @@ fn distance(origin: Point, corners: [Point; 3]) -> Sum {
 }
 
 /// x · n; with an edge and the ray's origin as the corners, which side of the edge the ray passes on.
-fn volume(x: Point, corners: [Point; 3]) -> Sum {
+pub(super) fn volume(x: Point, corners: [Point; 3]) -> Sum {
     let mut sum = Sum::new();
     sum.add_volume(x, corners, false);
     sum
@@ -120,15 +121,6 @@ fn meets_widely(origin: Point, direction: Point, corners: [Point; 3]) -> bool {
     Some(distance(origin, corners).settle()) == common_sign(sides)
 }
 
-/// The sign of those sides that are not 0, if they have one in common.
-pub(super) fn common_sign(sides: [Ordering; 3]) -> Option<Ordering> {
-    match (sides.contains(&Ordering::Less), sides.contains(&Ordering::Greater)) {
-        (true, false) => Some(Ordering::Less),
-        (false, true) => Some(Ordering::Greater),
-        _ => None,
-    }
-}
-
 /// Compares the t of two triangles that the ray meets.
 #[must_use]
 pub fn compare_exactly(origin: Point, direction: Point, corners: [Point; 3], others: [Point; 3]) -> Ordering {
@@ -146,8 +138,38 @@ fn compare_widely(origin: Point, direction: Point, corners: [Point; 3], others: 
     products(&distance, &other_along).cmp(&products(&other_distance, &along))
 }
 
+/// Whether the t of a triangle that the ray meets, rounded to the nearest f32, lies between two numbers; it is never rounded
+/// to 0.
+#[must_use]
+pub fn rounds_between([begin, end]: [f32; 2], origin: Point, direction: Point, corners: [Point; 3]) -> bool {
+    let [above, below] = [distance(origin, corners), volume(direction, corners)].map(Sum::magnitude);
+    if begin > 0.0 && !rounds_above(begin.to_bits(), &above, &below) {
+        return false;
+    }
+    // Either the number before the end is reached or the end is not.
+    end >= INF || (end > f32::from_bits(1) && !rounds_above(end.to_bits() - 1, &above, &below))
+}
+
+/// Whether a quotient of magnitudes is rounded to an f32 above that of these bits: whether it is above the middle between
+/// this and the next one, or at it, if this one is odd.
+fn rounds_above(bits: u32, above: &Sum, below: &Sum) -> bool {
+    let exponent = bits >> 23;
+    let digits = bits & 0x7f_ffff | if exponent == 0 { 0 } else { 0x80_0000 };
+    // In units of 2^-151.
+    let middle = shifted_number(2 * digits + 1, exponent.max(1));
+    let order = products(above, &shifted_number(1, 151)).cmp(&products(below, &middle));
+    order.is_gt() || (order.is_eq() && bits & 1 == 1)
+}
+
+fn shifted_number(number: u32, by: u32) -> Sum {
+    let mut sum = Sum { low: (by / 32) as usize, end: (by / 32) as usize + 2, ..Sum::new() };
+    let wide = u64::from(number) << (by % 32);
+    (sum.plus[sum.low], sum.plus[sum.low + 1]) = (wide as u32, (wide >> 32) as u32);
+    sum
+}
+
 /// The product of two magnitudes, its highest word first.
-fn products(a: &Sum, b: &Sum) -> [u32; 2 * WORDS] {
+pub(super) fn products(a: &Sum, b: &Sum) -> [u32; 2 * WORDS] {
     let mut product = [0; 2 * WORDS];
     for i in a.low..a.end {
         let mut carry = 0;
@@ -162,4 +184,4 @@ fn products(a: &Sum, b: &Sum) -> [u32; 2 * WORDS] {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

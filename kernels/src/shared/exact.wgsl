@@ -6,6 +6,7 @@
 // three f32. An f32 is a multiple of 2^-149 below 2^128, so such a sum is a multiple of 2^-447, and 27 words of 32 bits
 // hold it. Nearly always far fewer do (narrow.wgsl).
 
+import package::constants::{INF};
 import package::narrow::{compare_shares, joined, meets_narrowly, range, share_of, units_of, units_with};
 import package::product::{product64};
 
@@ -182,6 +183,42 @@ fn compare_products(
         return -1;
     }
     return select(1, 0, is_equal && carried.x == 0u && carried.y == 0u);
+}
+
+// Whether the t of a triangle that the ray meets, rounded to the nearest f32, lies between two numbers; it is never rounded to 0.
+fn rounds_between(interval: vec2f, origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> bool {
+    var distance = distance_sum(origin, a, b, c);
+    var along = volume(direction, a, b, c);
+    settle(&distance);
+    settle(&along);
+    if (interval.x > 0.0 && !rounds_above(bitcast<u32>(interval.x), &distance, &along)) {
+        return false;
+    }
+    // Either the number before the end is reached or the end is not.
+    let end = bitcast<u32>(interval.y);
+    return interval.y >= INF || (interval.y > 0.0 && end > 1u && !rounds_above(end - 1u, &distance, &along));
+}
+
+// Whether a quotient of magnitudes is rounded to an f32 above that of these bits: whether it is above the middle between this and
+// the next one, or at it, if this one is odd.
+fn rounds_above(bits: u32, above: ptr<function, Sum>, below: ptr<function, Sum>) -> bool {
+    let exponent = bits >> 23u;
+    let digits = (bits & 0x7fffffu) | select(0x800000u, 0u, exponent == 0u);
+    // In units of 2^-151.
+    var middle = shifted_number(2u * digits + 1u, max(exponent, 1u));
+    var unit = shifted_number(1u, 151u);
+    let order = compare_products(above, &unit, below, &middle);
+    return order > 0 || (order == 0 && (bits & 1u) == 1u);
+}
+
+fn shifted_number(number: u32, by: u32) -> Sum {
+    var sum: Sum;
+    let part = by % 32u;
+    sum.low = by / 32u;
+    sum.end = sum.low + 2u;
+    sum.words[sum.low] = number << part;
+    sum.words[sum.low + 1u] = (number >> 1u) >> (31u - part);
+    return sum;
 }
 
 // Compares the t of two triangles that the ray meets: the sign of their difference.

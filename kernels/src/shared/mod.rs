@@ -5,6 +5,7 @@ pub mod build;
 pub mod bvh_walk;
 pub mod camera;
 pub mod constants;
+pub mod crossing;
 pub mod dda;
 pub mod emitters;
 pub mod exact;
@@ -12,6 +13,7 @@ pub mod grid_walk;
 pub mod irregular_walk;
 pub mod launch;
 mod narrow;
+pub mod packed_triangles;
 pub mod photon_map;
 pub mod samples;
 pub mod scene;
@@ -44,6 +46,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("triangle", include_str!("triangle.wgsl")),
     ("exact", include_str!("exact.wgsl")),
     ("narrow", include_str!("narrow.wgsl")),
+    ("crossing", include_str!("crossing.wgsl")),
     ("product", include_str!("product.wgsl")),
     ("texture", include_str!("texture.wgsl")),
     ("start", include_str!("start.wgsl")),

@@ -1,8 +1,9 @@
-//! Twin of `narrow.wgsl`: what [`exact`](super::exact) decides, for coordinates that 60 bits hold in one unit.
+//! Twin of `narrow.wgsl`: what `exact` decides, for coordinates that 60 bits hold in one unit.
 
 use std::cmp::Ordering;
 
-use super::exact::{Point, common_sign};
+/// A corner, an origin or a direction.
+pub type Point = [f32; 3];
 
 /// Powers of 2, above 2⁻¹⁴⁹: all places are multiples of the first, and the direction is one of the second.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +72,16 @@ fn sign_of((low, high): Volume) -> Ordering {
     high.cmp(&0).then(low.cmp(&0))
 }
 
-/// See [`meets_exactly`](super::exact::meets_exactly).
+/// The sign of those sides that are not 0, if they have one in common.
+pub(super) fn common_sign(sides: [Ordering; 3]) -> Option<Ordering> {
+    match (sides.contains(&Ordering::Less), sides.contains(&Ordering::Greater)) {
+        (true, false) => Some(Ordering::Less),
+        (false, true) => Some(Ordering::Greater),
+        _ => None,
+    }
+}
+
+/// See `meets_exactly`.
 pub(super) fn meets_narrowly(units: Units, origin: Point, direction: Point, corners: [Point; 3]) -> bool {
     let along = multiples(direction, units.direction);
     let [a, b, c] = corners.map(|corner| difference(corner, origin, units.place));
@@ -81,11 +91,11 @@ pub(super) fn meets_narrowly(units: Units, origin: Point, direction: Point, corn
     Some(sign_of(volume_of(a, normals[1]))) == common_sign(sides)
 }
 
-/// How many bits a number's magnitude has, and the first 32 of them.
+/// How many bits a number's magnitude has, and the first 32 of them. 0 has none.
 fn leading((low, high): Volume) -> (u32, u32) {
     let (low, high) = if high < 0 { (low.wrapping_neg(), !high + i128::from(low == 0)) } else { (low, high) };
     let words = [low, high as u64, (high >> 64) as u64];
-    let place = (0..3).rev().find(|&place| words[place] != 0).unwrap_or(0);
+    let Some(place) = (0..3).rev().find(|&place| words[place] != 0) else { return (0, 0) };
     let next = if place > 0 { words[place - 1] } else { 0 };
     let shift = words[place].leading_zeros();
     (64 * (place as u32 + 1) - shift, ((words[place] << shift | next >> 1 >> (63 - shift)) >> 32) as u32)
@@ -108,6 +118,9 @@ impl Share {
 
     /// Compares two quotients, unless the first bits do not tell.
     pub(super) fn compare(self, other: Self) -> Option<Ordering> {
+        if self.above.0 == 0 || other.above.0 == 0 {
+            return Some(self.above.0.min(1).cmp(&other.above.0.min(1))).filter(|order| order.is_ne());
+        }
         let bits = (self.above.0 + other.below.0).cmp(&(other.above.0 + self.below.0));
         if (self.above.0 + other.below.0).abs_diff(other.above.0 + self.below.0) > 1 {
             return Some(bits);

@@ -184,7 +184,7 @@ fn meets_narrowly(units: Units, origin: vec3f, direction: vec3f, a: vec3f, b: ve
     return lowest * highest == 0 && distance != 0 && distance == lowest + highest;
 }
 
-// How many bits a number's magnitude has, and the first 32 of them.
+// How many bits a number's magnitude has, and the first 32 of them. 0 has none.
 fn leading(v: Volume) -> vec2u {
     let words = array<u32, 6>(v.low.x, v.low.y, v.high.x, v.high.y, v.high.z, v.high.w);
     let sign = 0u - (v.high.w >> 31u);
@@ -203,6 +203,9 @@ fn leading(v: Volume) -> vec2u {
         }
         before = word;
     }
+    if (top == 0u) {
+        return vec2u(0u);
+    }
     let shift = countLeadingZeros(top);
     return vec2u(end - shift, (top << shift) | ((next >> 1u) >> (31u - shift)));
 }
@@ -217,6 +220,9 @@ fn share_of(units: Units, origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c
 
 // Compares two quotients: the sign of their difference, or 0 if the first bits do not tell.
 fn compare_shares(one: vec4u, other: vec4u) -> i32 {
+    if (one.x == 0u || other.x == 0u) {
+        return i32(one.x > 0u) - i32(other.x > 0u);
+    }
     let bits = i32(one.x + other.z) - i32(other.x + one.z);
     if (abs(bits) > 1) {
         return sign(bits);

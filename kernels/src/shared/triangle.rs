@@ -1,6 +1,6 @@
 //! Twin of `triangle.wgsl`: tests a ray against a triangle.
 
-use super::constants::{CORNER_ERROR, DEPTH_ERROR, EDGE_ERROR, INF, PAPER_EPSILON, UNDERFLOW};
+use super::constants::{CORNER_ERROR, DEPTH_ERROR, EDGE_ERROR, END_ERROR, INF, MIN_NORMAL, PAPER_EPSILON, UNDERFLOW};
 use super::vector::{cross3, dot3};
 use crate::numbers::real::{Real, Vec3};
 
@@ -38,11 +38,18 @@ impl<R: Real> Candidate<R> {
         Self { t: R::zero(), u: R::zero(), v: R::zero(), is_hit: false, is_sure: false, error: R::zero() }
     }
 
-    /// The candidate, which is a hit only between two t; neither end counts.
+    /// The candidate, which is a hit only between two t; neither end counts. With an exact order, it is the rounded exact t
+    /// that has to lie there, so near an end a hit is not sure.
     #[must_use]
     #[inline]
-    pub fn between(self, [t_min, t_max]: [R; 2]) -> Self {
-        Self { is_hit: self.is_hit && self.t > t_min && self.t < t_max, ..self }
+    pub fn between(self, rules: TriangleRules, [t_min, t_max]: [R; 2]) -> Self {
+        if !rules.exact_order {
+            return Self { is_hit: self.is_hit && self.t > t_min && self.t < t_max, ..self };
+        }
+        let error = self.error + R::from_f32(END_ERROR) * self.t.abs() + R::from_f32(MIN_NORMAL);
+        let [first, last] = [self.t - error, self.t + error];
+        let is_hit = self.is_hit && last > t_min && first < t_max;
+        Self { is_hit, is_sure: self.is_sure && first > t_min && last < t_max, ..self }
     }
 }
 
@@ -145,12 +152,12 @@ fn bounded_by<R: Real, const CONTRACTED: bool>(
     let weights = [minus(q[0], r[1], q[1] * r[0]), minus(r[0], p[1], r[1] * p[0]), minus(p[0], q[1], p[1] * q[0])];
 
     let underflow = R::from_f32(UNDERFLOW);
+    let least = weights[0].min(weights[1]).min(weights[2]);
+    let most = weights[0].max(weights[1]).max(weights[2]);
     let wide = |axis: usize| p[axis].abs().max(q[axis].abs()).max(r[axis].abs());
     let m = wide(0).max(wide(1));
     let reach = seen[0][2].abs().max(seen[1][2].abs()).max(seen[2][2].abs()) + m;
     let bound = edge * reach * (corner * reach + m) + underflow;
-    let least = weights[0].min(weights[1]).min(weights[2]);
-    let most = weights[0].max(weights[1]).max(weights[2]);
     if least < -bound && most > bound {
         return Candidate::miss();
     }
@@ -160,7 +167,12 @@ fn bounded_by<R: Real, const CONTRACTED: bool>(
     let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
     let two = R::from_f32(2.0);
     let half = R::from_f32(0.5);
+    let Candidate { mut u, mut v, .. } = on_plane;
     let (t, moved) = if det.abs() < R::from_f32(8.0) * bound {
+        // Weights may be nothing but rounding here, or not even numbers; others begin rays there.
+        if !(u.min(v) >= R::zero() && u + v <= R::one()) {
+            (u, v) = (R::from_f32(1.0 / 3.0), R::from_f32(1.0 / 3.0));
+        }
         (half * (far + near), half * (far - near))
     } else {
         let off = |z: R| (z - on_plane.t).abs();
@@ -168,7 +180,7 @@ fn bounded_by<R: Real, const CONTRACTED: bool>(
     };
     let error = moved + (depth * near.abs().max(far.abs()) + underflow);
     let is_sure = (least > bound || most < -bound) && t > error;
-    Candidate { t, error, is_sure, is_hit: t > -error && t < R::from_f32(INF), ..on_plane }
+    Candidate { t, u, v, error, is_sure, is_hit: t > -error && t < R::from_f32(INF) }
 }
 
 /// Woop, Benthin and Wald (2013): no ray passes between two triangles that share an edge.

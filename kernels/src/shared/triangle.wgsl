@@ -12,7 +12,7 @@
 //
 // moller_trumbore: Möller and Trumbore (1997) as published, the paper's test.
 
-import package::constants::{INF, MIN_NORMAL, PAPER_EPSILON, EDGE_ERROR, CORNER_ERROR, DEPTH_ERROR, UNDERFLOW};
+import package::constants::{INF, MIN_NORMAL, PAPER_EPSILON, EDGE_ERROR, CORNER_ERROR, DEPTH_ERROR, END_ERROR, UNDERFLOW};
 import package::vector::{dot3, cross3, smallest3, largest3};
 
 struct Candidate {
@@ -63,11 +63,17 @@ fn hit_triangle(origin: vec3f, direction: vec3f, shear: Shear, a: vec3f, b: vec3
     @else return moller_trumbore(origin, direction, a, b, c);
 }
 
-// The candidate, which is a hit only between two t; neither end counts.
+// The candidate, which is a hit only between two t; neither end counts. With an exact order, it is the rounded exact t that has
+// to lie there, so near an end a hit is not sure.
 @if(intervals)
 fn between(candidate: Candidate, interval: vec2f) -> Candidate {
     var found = candidate;
-    found.is_hit = candidate.is_hit && candidate.t > interval.x && candidate.t < interval.y;
+    @if(exact_order) {
+        let error = candidate.error + END_ERROR * abs(candidate.t) + MIN_NORMAL;
+        found.is_hit = candidate.is_hit && candidate.t + error > interval.x && candidate.t - error < interval.y;
+        found.is_sure = candidate.is_sure && candidate.t - error > interval.x && candidate.t + error < interval.y;
+    }
+    @else found.is_hit = candidate.is_hit && candidate.t > interval.x && candidate.t < interval.y;
     return found;
 }
 
@@ -137,17 +143,21 @@ fn bounded(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candida
     let det = weight_a + weight_b + weight_c;
     let inverse = 1.0 / det;
     let w = weight_a * inverse;
-    candidate.u = weight_b * inverse;
-    candidate.v = weight_c * inverse;
+    let u = weight_b * inverse;
+    let v = weight_c * inverse;
     // Depths, in units of t.
     let z = vec3f(oa.z, ob.z, oc.z) * shear.z;
-    let t = times_plus(w, z.x, times_plus(candidate.u, z.y, candidate.v * z.z));
+    let t = times_plus(w, z.x, times_plus(u, z.y, v * z.z));
     let near = smallest3(z);
     let far = largest3(z);
     let is_thin = abs(det) < 8.0 * bound;
     let off = abs(z - t);
     let moved = select(2.0 * bound * (off.x + off.y + off.z) * abs(inverse), 0.5 * (far - near), is_thin);
     candidate.t = select(t, 0.5 * (far + near), is_thin);
+    // Weights may be nothing but rounding then, or not even numbers; others begin rays there.
+    let is_off = is_thin && !(min(u, v) >= 0.0 && u + v <= 1.0);
+    candidate.u = select(u, 1.0 / 3.0, is_off);
+    candidate.v = select(v, 1.0 / 3.0, is_off);
     candidate.error = moved + (DEPTH_ERROR * max(abs(near), abs(far)) + UNDERFLOW);
     candidate.is_sure = (least > bound || most < -bound) && candidate.t > candidate.error;
     candidate.is_hit = candidate.t > -candidate.error && candidate.t < INF;

@@ -37,8 +37,8 @@ class Scene:
         directions: NDArray[np.float32],
         t_min: NDArray[np.float32],
         t_max: NDArray[np.float32],
-        any_hit: bool,
-    ) -> NDArray[np.uint32]: ...
+        which: int,
+    ) -> tuple[NDArray[np.uint32], NDArray[np.uint64]]: ...
 
 @final
 class Renderer:

@@ -35,6 +35,9 @@ class Hits:
     records: NDArray[Any]
     """All of it, as an array of records."""
 
+    ray: NDArray[np.uint64] | None = None
+    """With `all_hits`, the index of each hit's ray: hits are ray after ray. Otherwise None."""
+
     def __len__(self) -> int:
         return len(self.records)
 
@@ -261,12 +264,15 @@ class Scene:
         t_max: ArrayLike = np.inf,
         *,
         any_hit: bool = False,
+        all_hits: bool = False,
     ) -> Hits:
-        """The closest hit of each ray, or any hit.
+        """The closest hit of each ray, or any hit, or all.
 
         `origins`, `directions`: shape (N, 3), in the file's coordinates; contiguous float32 arrays are read without copying.
         For a scene with an `offset`, origins should be float64. Directions need not be normalised, but must not be zero. `t_min`, `t_max`: one number or (N,), in multiples of the direction; a hit counts
-        if it lies between them.
+        if it lies between them. `all_hits`: every surface that a ray crosses, once, ray after ray, and each ray's in the order of
+        exact t; `Hits.ray` tells whose a hit is. At edges and corners, a ray is taken to start an infinitesimal beside its
+        origin, so that it enters a closed surface as often as it leaves it; t is 0 where it starts on one and leaves it.
         The structure that is fastest for the scene and the device is built at the first call and kept. Raises `OptionError` for arrays of wrong shapes or types, and
         for a ray that cannot be traced, such as one that is not finite; no ray is traced then. Other threads run
         meanwhile; casts of one scene take turns.
@@ -278,7 +284,13 @@ class Scene:
         Traceback (most recent call last):
             ...
         raystep.OptionError: ray 0 cannot be traced: a component is not finite
+        >>> walls = np.array([[[-1, -1, z], [1, -1, z], [0, 1, z]] for z in (0, 1, 2)])
+        >>> hits = Scene(triangles=walls, device="cpu").cast([[9, 0, 3], [0, 0, 3]], [[0, 0, -1]] * 2, all_hits=True)
+        >>> hits.ray, hits.t
+        (array([1, 1, 1], dtype=uint64), array([1., 2., 3.], dtype=float32))
         """
+        if any_hit and all_hits:
+            raise OptionError("any_hit and all_hits exclude each other")
         starts, along = _numbers("origins", origins, "(N, 3)", (3,)), _floats("directions", directions, "(N, 3)", (3,))
         if any(self.offset):
             starts = np.subtract(starts, self.offset, dtype=np.float64)
@@ -286,4 +298,5 @@ class Scene:
         if len(from_) != len(along):
             raise OptionError(f"origins and directions: expected equal lengths, not {len(from_)} and {len(along)}")
         near, far = _ends("t_min", t_min, len(from_)), _ends("t_max", t_max, len(from_))
-        return Hits(self._scene.cast(from_, along, near, far, any_hit).view(HIT))
+        words, ray = self._scene.cast(from_, along, near, far, 2 if all_hits else int(any_hit))
+        return Hits(words.view(HIT), ray if all_hits else None)

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use glam::DVec3;
-use raystep_kernels::{CastHit, Caster, PlanError, RenderError};
+use raystep_kernels::{AllHits, AllHitsPlace, CastHit, Caster, PlanError, RenderError};
 use raystep_lab::Machine;
 use raystep_lab::outside::count_outside;
 use raystep_lab::rays::file::{BadRays, Batch, RaysError, RaysReader};
@@ -22,7 +22,10 @@ const WAITING: usize = 1;
 #[derive(Clone, Copy, Default)]
 pub(super) struct Counts {
     pub(super) rays: u64,
+    /// Rays that hit something, or all hits.
     pub(super) hits: u64,
+    /// Of all hits, most of a ray.
+    pub(super) most: u64,
     pub(super) unfinished: u64,
     /// Those that cannot be traced.
     pub(super) bad: u64,
@@ -35,6 +38,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) caster: Caster,
     pub(super) chosen: &'a Machine,
     pub(super) bad_rays: BadRays,
+    /// All hits are wanted.
+    pub(super) is_all: bool,
     /// The scene's.
     pub(super) offset: DVec3,
     /// The rays' file, for messages.
@@ -83,7 +88,7 @@ impl Pipeline<'_> {
         &mut self,
         rays: &Receiver<Incoming>,
         used: &SyncSender<Batch>,
-        hits: &SyncSender<Vec<CastHit>>,
+        hits: &SyncSender<AllHits>,
         total: Option<u64>,
     ) -> Result<Counts, Error> {
         let mut counts = Counts::default();
@@ -98,7 +103,7 @@ impl Pipeline<'_> {
             if batch.rays.is_empty() {
                 counts.unfinished = self.caster.unfinished();
                 // If there was no ray, the header is still to be written.
-                let _ = hits.send(Vec::new());
+                let _ = hits.send(AllHits::default());
                 return Ok(counts);
             }
             if self.bad_rays == BadRays::Miss {
@@ -107,19 +112,73 @@ impl Pipeline<'_> {
                         batch.replace(index);
                     }
                 }
+                batch.bad.sort_unstable();
             }
-            let cast = self.chosen.wait(self.caster.cast(&batch.rays));
-            let mut found = cast.map_err(|error| self.explained(error, counts.rays, total))?;
-            batch.bad.iter().for_each(|&index| found[index] = CastHit::MISS);
+            let is_open = match self.is_all {
+                true => self.cast_all(&batch, hits, &mut counts, total)?,
+                false => self.cast_each(&batch, hits, &mut counts, total)?,
+            };
             counts.bad += batch.bad.len() as u64;
-            counts.rays += found.len() as u64;
-            counts.hits += found.iter().filter(|hit| hit.is_hit()).count() as u64;
+            counts.rays += batch.rays.len() as u64;
             counts.outside += count_outside(&batch.rays, self.caster.data()) as u64;
             self.progress.cast(counts.rays, total);
             // The other threads may have ended: the writer's result says why.
             let _ = used.try_send(batch);
-            if hits.send(found).is_err() {
+            if !is_open {
                 return Ok(counts);
+            }
+        }
+    }
+
+    /// Finds one hit of each ray. `false` if nobody wants them.
+    fn cast_each(
+        &mut self,
+        batch: &Batch,
+        hits: &SyncSender<AllHits>,
+        counts: &mut Counts,
+        total: Option<u64>,
+    ) -> Result<bool, Error> {
+        let cast = self.chosen.wait(self.caster.cast(&batch.rays));
+        let mut found = cast.map_err(|error| self.explained(error, counts.rays, total))?;
+        batch.bad.iter().for_each(|&index| found[index] = CastHit::MISS);
+        counts.hits += found.iter().filter(|hit| hit.is_hit()).count() as u64;
+        Ok(hits.send(AllHits { rays: Vec::new(), hits: found }).is_ok())
+    }
+
+    /// Finds all hits of each ray, some at a time. `false` if nobody wants them.
+    fn cast_all(
+        &mut self,
+        batch: &Batch,
+        hits: &SyncSender<AllHits>,
+        counts: &mut Counts,
+        total: Option<u64>,
+    ) -> Result<bool, Error> {
+        let mut place = AllHitsPlace::default();
+        let mut of_ray = (u64::MAX, 0);
+        loop {
+            let mut found = AllHits::default();
+            let cast = self.chosen.wait(self.caster.cast_some(&batch.rays, &mut place, &mut found));
+            let is_more = cast.map_err(|error| self.explained(error, counts.rays, total))?;
+            if !batch.bad.is_empty() {
+                let is_good: Vec<bool> =
+                    found.rays.iter().map(|&ray| batch.bad.binary_search(&(ray as usize)).is_err()).collect();
+                let mut of_hits = is_good.iter();
+                found.hits.retain(|_| of_hits.next().is_some_and(|&is_good| is_good));
+                let mut of_rays = is_good.iter();
+                found.rays.retain(|_| of_rays.next().is_some_and(|&is_good| is_good));
+            }
+            for ray in &mut found.rays {
+                of_ray = (*ray, if *ray == of_ray.0 { of_ray.1 + 1 } else { 1 });
+                counts.most = counts.most.max(of_ray.1);
+                *ray += counts.rays;
+            }
+            counts.hits += found.hits.len() as u64;
+            self.progress.cast(counts.rays + place.rays() as u64, total);
+            if hits.send(found).is_err() {
+                return Ok(false);
+            }
+            if !is_more {
+                return Ok(true);
             }
         }
     }
@@ -166,7 +225,7 @@ fn read<R: Read>(
 
 /// Writes batches until there are no more: nothing before the first, so that nothing is written if the first ray is wrong.
 /// Also returns whether the output is still open.
-fn write(mut writer: HitsWriter, hits: &Receiver<Vec<CastHit>>) -> Result<(HitsWriter, bool), Error> {
+fn write(mut writer: HitsWriter, hits: &Receiver<AllHits>) -> Result<(HitsWriter, bool), Error> {
     let mut bytes = Vec::new();
     for hits in hits {
         match writer.write(&hits, &mut bytes) {

@@ -123,7 +123,7 @@ impl Panel for StreamView {
         self.read_range(cx, stream, stats_of);
         self.find_alike(cx.model, stream, stats_of);
         let now = self.pinned.as_ref().map_or(cx.model.place, |pinned| pinned.place);
-        self.legend(ui, plan.program, (stream, stats_of), meaning, &in_units, (now, cx.model.last_pass()));
+        self.legend(ui, &plan, (stream, stats_of), meaning, &in_units, (now, cx.model.last_pass()));
         mask::legend(ui, cx);
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());

@@ -194,7 +194,10 @@ impl Timeline {
             ui.separator();
             if let Some(pass) = passes.first() {
                 let now = cx.model.last_pass().unwrap_or(pass);
-                let entries = columns::states(pass, self.look.is_walk_only && has_walk).map(|state| {
+                let opened = cx.model.opened.as_ref();
+                let states = columns::states(pass, self.look.is_walk_only && has_walk)
+                    .filter(|state| opened.is_none_or(|opened| opened.plan.has_state(state)));
+                let entries = states.map(|state| {
                     let is_there = now.counts.get(state.tag as usize).is_some_and(|&rays| rays > 0);
                     Entry::new(columns::color(state), state.name, state.meaning).unless(is_there)
                 });

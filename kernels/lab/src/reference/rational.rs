@@ -45,6 +45,17 @@ pub(super) fn compare_t(origin: [f32; 3], direction: [f32; 3], corners: [[[f32; 
     (off * other_along).cmp(&(other_off * along))
 }
 
+/// Whether a ray meets the plane of a triangle at a t that is rounded to an f32 below `end`, if it does not see the triangle
+/// edge-on: below the middle between `end` and the f32 before it, or at it, if `end` is the odd one.
+pub(super) fn is_before(end: f32, origin: [f32; 3], direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
+    let [off, along] = fraction(origin, direction, corners);
+    let (mantissa, exponent) = parts((f64::from(end.next_down()) + f64::from(end)) / 2.0);
+    let (shift, is_large) = (exponent.unsigned_abs(), exponent >= 0);
+    let order =
+        if is_large { off.cmp(&((mantissa * along) << shift)) } else { (off << shift).cmp(&(mantissa * along)) };
+    order.is_lt() || (order.is_eq() && end.to_bits() % 2 == 1)
+}
+
 /// Whether a ray meets the plane of a triangle at t > 0.
 pub(super) fn is_in_front(origin: [f32; 3], direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
     fraction(origin, direction, corners).iter().all(|part| part.sign() == Sign::Plus)

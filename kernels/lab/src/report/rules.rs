@@ -26,7 +26,7 @@ use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
-    columns![accelerator schedule numerics rule stratum rays cells_x cells_y cells_z],
+    columns![accelerator schedule numerics order rule stratum rays cells_x cells_y cells_z],
     TIMES,
     RATIO,
     VERDICTS,
@@ -42,7 +42,8 @@ fn id(work: &Work<'_>, configuration: &Configuration) -> String {
     work.configuration(&[configuration.accelerator.name(), &configuration.rules()])
 }
 
-/// With each structure robust numerics, robust without a rule, and the paper's.
+/// With each structure robust numerics, robust without a rule, and the paper's; and with hits ordered by exact t, with and
+/// without that.
 fn configurations(work: &Work<'_>, rays: usize) -> Vec<Configuration> {
     let most: usize = work.either(1 << 25, 1 << 27);
     let can_test_all = work.subject.scene.triangles.len().saturating_mul(rays) <= most;
@@ -58,6 +59,7 @@ fn configurations(work: &Work<'_>, rays: usize) -> Vec<Configuration> {
         all.push(robust);
         all.extend(rules.map(|&rule| Configuration { without: Some(rule), ..robust }));
         all.extend(numerics_of(accelerator).contains(&Numerics::Paper).then(|| robust.paper()));
+        all.extend([robust.exact(), Configuration { without: Some(Rule::ExactOrder), ..robust.exact() }]);
     }
     all
 }
@@ -168,15 +170,19 @@ fn rows(work: &Work<'_>, strata: &Strata, judge: &Judge, m: &Measured, robust: O
     let row = match robust.filter(|robust| robust.configuration != *configuration) {
         None => row,
         Some(robust) => {
-            let [here, there] = judged.discordant(&robust.judged);
             let name = id(work, &robust.configuration);
-            times
-                .fill_ratio(&robust.times, &name, row, work.seed())
-                .set("wrong_here_only", here)
-                .set("wrong_robust_only", there)
-                .set("p_value", mcnemar(here, there))
-                // A single wrong ray is wrong, whatever a test of many rays can tell.
-                .set("is_needed", here > 0 || judged.at_bound > 0)
+            let row = times.fill_ratio(&robust.times, &name, row, work.seed());
+            let [here, there] = judged.discordant(&robust.judged);
+            match configuration.without {
+                // No ray is wrong of whose hits f32 cannot tell which is nearer.
+                Some(Rule::ExactOrder) => row.set("is_needed", judged.counts.ties > robust.judged.counts.ties),
+                _ => row
+                    .set("wrong_here_only", here)
+                    .set("wrong_robust_only", there)
+                    .set("p_value", mcnemar(here, there))
+                    // A single wrong ray is wrong, whatever a test of many rays can tell.
+                    .set("is_needed", here > 0 || judged.at_bound > 0),
+            }
         }
     };
     let of_stratum = |(name, end): &(&'static str, usize)| {

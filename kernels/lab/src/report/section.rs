@@ -84,7 +84,9 @@ pub const SECTIONS: &[Section] = &[
                along the walk. <em>acceptance</em>: a hit counts once no nearer one can follow; without it, only inside \
                the cell that is being tested. <em>triangle-test</em>: rays at edges are decided exactly; without it, \
                by Möller and Trumbore's test. <em>cell-growth</em>, <em>box-padding</em>: cells of the grid and boxes \
-               of the BVH are enlarged by a bound on rounding errors; without it, they are not.",
+               of the BVH are enlarged by a bound on rounding errors; without it, they are not. <em>exact-order</em>, a rule \
+               of --order exact only: the nearest hit is that at the smallest exact t; without it, by t as f32 has it, so that \
+               some hits are undecided.",
         file: "rules.csv",
         row: "a set of rules, for all rays or a stratum",
         seconds: 20.0,

@@ -106,11 +106,13 @@ fn traced() -> Vec<Traced> {
     all.extend([STEPPED].into_iter().chain(FAST).map(|one| of(Place::Room)(one).lit(Integrator::Shadows)));
     all.push(of(Place::Room)(several(Bvh)).lit(Integrator::Shadows).in_parts());
     all.push(of(Place::Room)(several(Grid)).lit(Integrator::Shadows).sampled(3));
+    all.push(of(Place::Room)(Configuration::new(Bvh, Fused, 1)).lit(Integrator::Shadows).exactly());
     // And what goes on from there.
     for integrator in [Integrator::Whitted, Integrator::Path, Integrator::Photons] {
         all.extend(FAST.map(|one| of(Place::Balls)(one).lit(integrator)));
         all.push(of(Place::Balls)(several(Bvh)).lit(integrator).in_parts());
         all.push(of(Place::Balls)(several(Grid)).lit(integrator).sampled(3));
+        all.push(of(Place::Balls)(several(Grid)).lit(integrator).exactly());
     }
     // Either sort has kernels of its own.
     all.push(of(Place::Room)(several(Grid)).lit(Integrator::Photons).bitonic());

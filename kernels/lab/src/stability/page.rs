@@ -67,7 +67,7 @@ fn summary(page: &mut String, outcomes: &[Outcome]) {
     *page += &html::table(&names.collect::<Vec<_>>(), &outcomes.iter().map(row).collect::<Vec<_>>(), "");
     *page += "<p class=\"note\">Each number is the maximum over all runs of the case. Robust rules must make no error. \
               <em>Undecided</em> are rays whose hit is not the exact one where f32 cannot tell; <em>undecided limit</em> is \
-              how many the error bound allows. The paper's rules, here in f32, must fail where a case says so; elsewhere they \
+              how many the error bound allows; of hits that are ordered by exact t, none may be undecided. The paper's rules, here in f32, must fail where a case says so; elsewhere they \
               may.</p>\n";
 }
 

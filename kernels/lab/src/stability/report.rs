@@ -107,9 +107,9 @@ fn one(wanted: &Wanted, case: &'static Case, devices: &[(DeviceName, Machine)]) 
     for (device, machine) in devices {
         for &accelerator in ACCELERATORS.iter().filter(|a| wanted.accelerators.contains(a)) {
             for configuration in configurations(accelerator) {
-                // In f64, fused or contracted runs would add nothing to the stepped ones.
-                let is_stepped = configuration.is_stepped() && !configuration.contracted;
-                if !is_stepped && device.kind == "cpu_f64" {
+                // In f64, fused or contracted runs would add nothing to the stepped ones, and integers hold only f32.
+                let is_of_f64 = configuration.is_stepped() && !configuration.contracted && !configuration.is_exact();
+                if !is_of_f64 && device.kind == "cpu_f64" {
                     continue;
                 }
                 let run = machine.wait(run(case, &workload, configuration, &machine.device, &mut judge))?;

@@ -75,7 +75,8 @@ impl Row {
         let case = traced.case;
         let score = &run.score;
         let rays = score.verdicts.len() as u64;
-        let ceiling = case.undecided.count(rays);
+        // By exact t, no tie is left.
+        let ceiling = if configuration.is_exact() { 0 } else { case.undecided.count(rays) };
         let has_errors = score.counts.errors() > 0 || score.non_finite > 0 || run.at_bound > 0;
         let passed = !has_errors && score.counts.ties <= ceiling;
         let expected = Expected::of(case, &configuration, device);
@@ -165,13 +166,16 @@ mod tests {
     use crate::stability::{CASES, Score};
 
     fn row(numerics: Numerics, device: &'static str, change: impl FnOnce(&mut Run)) -> Row {
+        let usual = Configuration::usual(Accelerator::Grid, ScheduleKind::Compact);
+        row_of(Configuration { numerics, ..usual }, device, change)
+    }
+
+    fn row_of(configuration: Configuration, device: &'static str, change: impl FnOnce(&mut Run)) -> Row {
         let case = CASES.iter().find(|case| case.name == "axis-below-1e-3").expect("a case");
         let counts = Counts { same: 998, ties: 2, ..Counts::default() };
         let score = Score { verdicts: vec![Verdict::Same; 1000], counts, ..Score::default() };
         let mut run = Run { score, passes: 7, at_bound: 0 };
         change(&mut run);
-        let usual = Configuration::usual(Accelerator::Grid, ScheduleKind::Compact);
-        let configuration = Configuration { numerics, ..usual };
         let traced = Traced { case, scene_hash: Hash::default(), triangles: 1280 };
         Row::new("1-2", traced, configuration, &DeviceName { kind: device, adapter: "a, \"b\"".into() }, &run)
     }
@@ -192,6 +196,15 @@ mod tests {
             let row = robust(change);
             assert!(!row.passed && !row.is_as_expected(), "{row:?}");
         }
+    }
+
+    #[test]
+    fn by_exact_t_no_ray_may_be_undecided() {
+        let exact = Configuration::usual(Accelerator::Bvh, ScheduleKind::Fused).exact();
+        assert!(!row_of(exact, "gpu", |run| run.score.counts.ties = 1).is_as_expected());
+        let row = row_of(exact, "gpu", |run| run.score.counts.ties = 0);
+        assert!(row.is_as_expected());
+        assert_eq!((row.field("undecided_ceiling"), row.field("triangle_test")), ("0", "exact"));
     }
 
     #[test]

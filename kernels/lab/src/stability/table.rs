@@ -10,7 +10,8 @@ pub(super) fn in_words(row: &Row) -> String {
     let v = &row.configuration;
     let fused = if v.schedule == ScheduleKind::Fused { " fused" } else { "" };
     let contracted = if v.contracted { " fma" } else { "" };
-    format!("{} {}{fused}{contracted} {}", v.numerics, v.accelerator, row.device)
+    let exact = if v.is_exact() { " by exact t" } else { "" };
+    format!("{} {}{fused}{contracted}{exact} {}", v.numerics, v.accelerator, row.device)
 }
 
 /// A run as text.
@@ -34,12 +35,13 @@ fn most(rows: &[Row], is_one: impl Fn(&Row) -> bool, count: impl Fn(&Row) -> u64
 }
 
 /// Headings of [`summary`].
-pub(super) const SUMMARY: [&str; 9] = [
+pub(super) const SUMMARY: [&str; 10] = [
     "case",
     "rays",
     "robust errors",
     "undecided",
     "undecided limit",
+    "undecided by exact t",
     "paper grid errors",
     "paper bvh errors",
     "paper none errors",
@@ -47,9 +49,10 @@ pub(super) const SUMMARY: [&str; 9] = [
 ];
 
 /// A case in one line: the most errors of all configurations.
-pub(super) fn summary(outcome: &Outcome) -> [String; 9] {
+pub(super) fn summary(outcome: &Outcome) -> [String; 10] {
     let rows = &outcome.rows;
     let is_robust = |row: &Row| row.configuration.numerics == Numerics::Robust;
+    let is_exact = |row: &Row| row.configuration.is_exact();
     let number = |column: &'static str| move |row: &Row| row.field(column).parse().unwrap_or(0);
     let paper = |accelerator: Accelerator| {
         most(
@@ -65,6 +68,7 @@ pub(super) fn summary(outcome: &Outcome) -> [String; 9] {
         most(rows, is_robust, Row::wrong_rays),
         most(rows, is_robust, number("undecided")),
         most(rows, |_| true, number("undecided_ceiling")),
+        most(rows, is_exact, number("undecided")),
         paper(Accelerator::Grid),
         paper(Accelerator::Bvh),
         paper(Accelerator::None),

@@ -107,6 +107,7 @@ const COLUMNS: &[Column] = &[
     count("width_px", "pixels per row of the image that the rays are from; empty for rays from a file"),
     count("height_px", "its rows"),
     text("rays_kind", "primary, bounce, shadow or random; or file and the hash of the rays, with its method as prefix"),
+    text("order", "which of several hits is the nearest: by t as f32 has it (rounded), or by exact t (exact)"),
     text("rule", "numerical rule replaced by the paper's; empty if none"),
     text("stratum", "group of rays that were chosen in the same way"),
     count("rays", "rays of this kind traced in a run; of light, the primary ones"),
@@ -234,7 +235,8 @@ const COLUMNS: &[Column] = &[
     text("device", "gpu, cpu_f32 or cpu_f64"),
     text(
         "triangle_test",
-        "watertight; watertight_fma, with explicit fma wherever a compiler may contract; moller_trumbore",
+        "watertight; watertight_fma, with explicit fma wherever a compiler may contract; exact, with hits \
+         ordered by exact t; moller_trumbore",
     ),
     count("undecided_ceiling", "most undecided rays that the error bound allows"),
     count("undecidable", "rays for which the error bound allows more than one result"),

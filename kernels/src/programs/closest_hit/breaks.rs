@@ -204,7 +204,7 @@ fn stepped_exactly_bvh(options: &mut Options) {
 
 pub(super) const OF_DECIDE: &[Break] = &[
     Break::new(exactly, "return tag == EXACT", "return false"),
-    Break::new(fused_exactly, "(*sum).words[half + place] = all", "(*sum).words[half + place] = before"),
+    Break::new(fused_exactly, "let sign = a.sign ^ b.sign.yzx", "let sign = a.sign"),
     Break::new(stepped_exactly_bvh, "at.in_leaf = waiting_item() > 0u", "at.in_leaf = true"),
 ];
 

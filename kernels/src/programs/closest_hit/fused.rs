@@ -39,16 +39,17 @@ pub(in crate::programs) fn traced<R: Real>(trace: &mut Trace<R>, ray: &mut Texel
 }
 
 /// [`HitOf`](crate::program::results::HitOf): what [`fused`] stores for a ray.
-pub(super) fn hit_of<R: Real>(ray: &Ray, scene: &SceneData) -> Option<(u32, [f32; 3])> {
+pub(super) fn hit_of<R: Real>(ray: &Ray, last: u32, scene: &SceneData) -> Option<(u32, [f32; 3])> {
     let Features { any_hit, intervals, .. } = scene.features;
-    let ends = [ray.t_min, ray.t_max].map(R::from_f32);
+    let ends = [scene.features.begin(ray), ray.t_max].map(R::from_f32);
     let far = R::from_f32(INF);
     let (t, interval) = (if any_hit { ends[1] } else { far }, if intervals { ends } else { [R::zero(), far] });
     let [origin, direction] = [ray.origin, ray.direction].map(Vec3::from_f32);
-    let mut trace = Trace::new(origin, direction, interval, NO_TRIANGLE, t);
+    let new = || Trace::new(origin, direction, interval, last, t).after_last(scene);
+    let mut trace = new();
     traced(&mut trace, &mut Texels::none(), scene);
     if trace.is_open() {
-        trace = Trace::new(origin, direction, interval, NO_TRIANGLE, t);
+        trace = new();
         trace.decides = true;
         traced(&mut trace, &mut Texels::none(), scene);
     }

@@ -8,6 +8,7 @@ mod repetition;
 use crate::numbers::real::Real;
 use crate::options::features::StructureKind;
 use crate::programs::closest_hit::bounds::{ended_with, latest_of};
+use crate::programs::closest_hit::later::{later, range_of};
 use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_surface};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
@@ -55,11 +56,15 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             }
         }
         let shear = Shear::of(direction);
-        let mut candidate = hit_triangle(features.triangle_rules(), origin, direction, &shear, scene.corners(triangle));
+        let (rules, corners) = (features.triangle_rules(), scene.corners(triangle));
+        let mut candidate = hit_triangle(rules, origin, direction, &shear, corners);
         if features.intervals {
-            candidate = candidate.between(load_interval(ray, features));
+            candidate = candidate.between(rules, load_interval(ray, features));
         }
         candidate.is_hit = candidate.is_hit && triangle != load_surface(ray, features);
+        if features.all_hits {
+            candidate = later(candidate, range_of(scene, [origin, direction], &shear, load_surface(ray, features)));
+        }
         let accepted = if features.exact_order {
             is_kept(ray, scene, (origin, direction), &candidate, triangle, nearest_t)
         } else if features.in_cell {

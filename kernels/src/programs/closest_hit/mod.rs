@@ -17,6 +17,7 @@ pub mod generate;
 pub mod grid_lists;
 pub mod intersect;
 pub mod kernels;
+mod later;
 mod ordered;
 pub(crate) mod plan;
 pub mod ray;
@@ -59,6 +60,7 @@ pub(in crate::programs) const RESULTS: Results = Results {
     origin: streams::RAY_ORIGIN,
     direction: streams::RAY_DIRECTION,
     interval: streams::RAY_INTERVAL,
+    last: streams::SURFACE,
     t: Component { stream: streams::STATE, layer: streams::STATE_T },
     triangle: Component { stream: streams::HIT, layer: streams::HIT_TRIANGLE },
     weights: [0, 1],
@@ -77,7 +79,7 @@ pub static PROGRAM: Program = Program {
     elements: &[&elements::RAYS],
     streams: streams::OWN,
     states: states::STATES,
-    courses: &[COURSE],
+    courses: &[Course { inputs: &streams::INPUTS_OF_ALL, ..COURSE }],
     rays: Some(ray_state::DECODING),
     results: Some(RESULTS),
     buffers: buffers::BUFFERS,
@@ -96,6 +98,7 @@ fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
         ("bounds", include_str!("bounds.wgsl")),
         ("grid_lists", include_str!("grid_lists.wgsl")),
         ("tracing", include_str!("tracing.wgsl")),
+        ("later", include_str!("later.wgsl")),
         ("ordered", include_str!("ordered.wgsl")),
         ("tested", include_str!("tested.wgsl")),
         ("fused_whole", include_str!("fused/whole.wgsl")),

@@ -4,8 +4,8 @@ use super::tracing::Trace;
 use crate::numbers::real::{Real, Vec3};
 use crate::options::features::Features;
 use crate::scene_data::SceneData;
-use crate::shared::constants::{NO_TRIANGLE, TURNS_TO_DECIDE};
-use crate::shared::exact::{compare_exactly, meets_exactly};
+use crate::shared::constants::{NO_TRIANGLE, TURNS_TO_CROSS, TURNS_TO_DECIDE};
+use crate::shared::exact::{compare_exactly, meets_exactly, rounds_between};
 use crate::shared::triangle::{Candidate, TriangleRules, hit_triangle, is_nearer};
 
 impl<R: Real> Trace<R> {
@@ -18,16 +18,19 @@ impl<R: Real> Trace<R> {
     /// Keeps the nearest hit, as far as the bounds on errors tell which one it is.
     pub(super) fn order(&mut self, scene: &SceneData, candidate: &Candidate<R>, id: u32, corners: [Vec3<R>; 3]) {
         let (earliest, latest) = (candidate.t - candidate.error, candidate.t + candidate.error);
-        let is_wanted = if self.is_any(&scene.features) { candidate.t < self.t } else { earliest <= self.latest() };
-        if !is_wanted || id == self.triangle {
+        if earliest > self.latest() || id == self.triangle {
             return;
         }
         let overlaps = latest >= self.t - self.error;
         if self.decides && (!candidate.is_sure || overlaps) {
-            if self.is_nearer_exactly(scene, candidate, id, corners) {
+            let (is_kept, turns) = match scene.features.all_hits {
+                true => (self.crosses_next(scene, candidate, id, corners), TURNS_TO_CROSS),
+                false => (self.is_nearer_exactly(scene, candidate, id, corners), TURNS_TO_DECIDE),
+            };
+            if is_kept {
                 self.accept(&scene.features, candidate, id);
             }
-            self.turns += TURNS_TO_DECIDE;
+            self.turns += turns;
         } else if candidate.is_sure && latest < self.latest() {
             if overlaps {
                 self.open = self.open.min(self.t - self.error);
@@ -38,7 +41,8 @@ impl<R: Real> Trace<R> {
         }
     }
 
-    /// Whether the ray meets the triangle before its nearest hit so far, or at the same t and the triangle has the smaller id.
+    /// Whether the ray meets the triangle before its nearest hit so far, or at the same t and the triangle has the smaller id;
+    /// before its end, if any hit ends it.
     #[cold]
     fn is_nearer_exactly(&self, scene: &SceneData, candidate: &Candidate<R>, id: u32, corners: [Vec3<R>; 3]) -> bool {
         let features = &scene.features;
@@ -46,15 +50,26 @@ impl<R: Real> Trace<R> {
         if R::UNIT_ROUNDOFF != f32::UNIT_ROUNDOFF {
             // A ray in f64 is none that integers here can hold.
             let rules = TriangleRules { exact_order: false, ..features.triangle_rules() };
-            let candidate = hit_triangle(rules, self.origin, self.direction, &self.shear, corners);
-            return candidate.is_hit && (any || is_nearer(candidate.t, id, self.t, self.triangle));
+            let mut candidate = hit_triangle(rules, self.origin, self.direction, &self.shear, corners);
+            if features.intervals {
+                candidate = candidate.between(rules, self.interval);
+            }
+            return candidate.is_hit && is_nearer(candidate.t, id, self.t, self.triangle);
         }
         let rounded = |point: Vec3<R>| point.to_f64().map(|v| v as f32);
         let (o, d, corners) = (rounded(self.origin), rounded(self.direction), corners.map(rounded));
         if !candidate.is_sure && !meets_exactly(o, d, corners) {
             return false;
         }
-        if any || self.triangle == NO_TRIANGLE || candidate.t + candidate.error < self.t - self.error {
+        let to_f32 = |t: R| t.to_f64() as f32;
+        if features.intervals && !candidate.is_sure && !rounds_between(self.interval.map(to_f32), o, d, corners) {
+            return false;
+        }
+        let is_before = candidate.t + candidate.error < self.t - self.error;
+        if any {
+            return is_before || rounds_between([0.0, to_f32(self.t)], o, d, corners);
+        }
+        if is_before || self.triangle == NO_TRIANGLE {
             return true;
         }
         let kept = scene.corners::<R>(self.triangle).map(rounded);

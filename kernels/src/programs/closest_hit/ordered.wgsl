@@ -6,9 +6,10 @@
 //
 // decides: integers tell at once.
 
-import package::constants::{NO_TRIANGLE, TURNS_TO_DECIDE};
+import package::constants::{NO_TRIANGLE, TURNS_TO_CROSS, TURNS_TO_DECIDE};
 import package::corners::{vertex};
-import package::exact::{compare_exactly, meets_exactly};
+import package::exact::{compare_exactly, meets_exactly, rounds_between};
+import package::later::{crosses_next};
 import package::packed_triangles::{PackedTriangle};
 import package::tracing::{Trace, latest};
 import package::triangle::{Candidate};
@@ -32,17 +33,19 @@ fn ordered(before: Trace, candidate: Candidate, triangle: PackedTriangle) -> Tra
     let earliest = candidate.t - candidate.error;
     let first_of_nearest = trace.t - trace.error;
     let last = candidate.t + candidate.error;
-    @if(any_hit) let is_wanted = candidate.t < trace.t;
-    @else let is_wanted = earliest <= latest(trace);
-    if (!is_wanted || triangle.id == trace.triangle) {
+    if (earliest > latest(trace) || triangle.id == trace.triangle) {
         return trace;
     }
     let overlaps = last >= first_of_nearest;
     @if(decides) if (!candidate.is_sure || overlaps) {
-        if (is_nearer_exactly(trace, candidate, triangle)) {
+        @if(all_hits) if (crosses_next(trace, candidate, triangle)) {
             trace = with_hit(trace, candidate, triangle.id);
         }
-        @if(resumes) trace.turns += TURNS_TO_DECIDE;
+        @else if (is_nearer_exactly(trace, candidate, triangle)) {
+            trace = with_hit(trace, candidate, triangle.id);
+        }
+        @if(resumes && all_hits) trace.turns += TURNS_TO_CROSS;
+        @else @if(resumes) trace.turns += TURNS_TO_DECIDE;
         return trace;
     }
     if (candidate.is_sure && last < latest(trace)) {
@@ -55,15 +58,20 @@ fn ordered(before: Trace, candidate: Candidate, triangle: PackedTriangle) -> Tra
     return trace;
 }
 
-// Whether the ray meets the triangle before its nearest hit so far, or at the same t and the triangle has the smaller id.
-@if(decides)
+// Whether the ray meets the triangle before its nearest hit so far, or at the same t and the triangle has the smaller id; before
+// its end, if any hit ends it.
+@if(decides && !all_hits)
 fn is_nearer_exactly(trace: Trace, candidate: Candidate, triangle: PackedTriangle) -> bool {
     let o = trace.origin;
     let d = trace.direction;
     if (!candidate.is_sure && !meets_exactly(o, d, triangle.a, triangle.b, triangle.c)) {
         return false;
     }
-    @if(any_hit) return true;
+    @if(intervals) if (!candidate.is_sure && !rounds_between(trace.interval, o, d, triangle.a, triangle.b, triangle.c)) {
+        return false;
+    }
+    @if(any_hit) return candidate.t + candidate.error < trace.t
+        || rounds_between(vec2f(0.0, trace.t), o, d, triangle.a, triangle.b, triangle.c);
     @else {
         let kept = trace.triangle;
         if (kept == NO_TRIANGLE || candidate.t + candidate.error < trace.t - trace.error) {

@@ -1,6 +1,7 @@
 // The ray streams, as every kernel but generate reads them.
 
 import package::camera::{Ray};
+import package::constants::{NO_TRIANGLE};
 
 @group(0) @binding(0) var ray_origin: texture_2d_array<f32>;
 @group(0) @binding(1) var ray_direction: texture_2d_array<f32>;
@@ -26,9 +27,9 @@ fn load_direction(texel: vec2u) -> vec3f {
 }
 
 // The triangle that the ray leaves.
-@if(leaves)
 fn load_surface(texel: vec2u) -> u32 {
-    return textureLoad(surface, texel, 0, 0).x;
+    @if(leaves) return textureLoad(surface, texel, 0, 0).x;
+    @else return NO_TRIANGLE;
 }
 
 fn load_ray(texel: vec2u) -> Ray {

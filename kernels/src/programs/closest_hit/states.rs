@@ -26,33 +26,37 @@ pub const SHADOW_SETUP: Tag = 9;
 pub const SHADOW_TRAV: Tag = 10;
 /// A shadow ray tests the triangles of its cell or leaf.
 pub const SHADOW_ISECT: Tag = 11;
+/// A shadow ray waits for integers to decide whether something is in its way.
+pub const SHADOW_EXACT: Tag = 12;
 /// Something is between the hit and a light.
-pub const OCCLUDED: Tag = 12;
+pub const OCCLUDED: Tag = 13;
 /// Nothing is.
-pub const VISIBLE: Tag = 13;
+pub const VISIBLE: Tag = 14;
 /// Has the light of its hit, and waits for rays that go on from there.
-pub const SCATTER: Tag = 14;
+pub const SCATTER: Tag = 15;
 
 /// Looks for the photons near its hit.
-pub const GATHER: Tag = 15;
+pub const GATHER: Tag = 16;
 /// Has found them.
-pub const GATHERED: Tag = 16;
+pub const GATHERED: Tag = 17;
 /// A photon that has not been emitted.
-pub const PHOTON_UNBORN: Tag = 17;
+pub const PHOTON_UNBORN: Tag = 18;
 /// A photon waits for the set-up kernel.
-pub const PHOTON_SETUP: Tag = 18;
+pub const PHOTON_SETUP: Tag = 19;
 /// A photon continues to its next cell or node.
-pub const PHOTON_TRAV: Tag = 19;
+pub const PHOTON_TRAV: Tag = 20;
 /// A photon tests the triangles of its cell or leaf; nothing hit so far.
-pub const PHOTON_NO_HIT: Tag = 20;
+pub const PHOTON_NO_HIT: Tag = 21;
 /// A photon tests the triangles of its cell or leaf; the nearest hit so far is kept.
-pub const PHOTON_HIT: Tag = 21;
+pub const PHOTON_HIT: Tag = 22;
+/// A photon waits for integers to decide what it hits.
+pub const PHOTON_EXACT: Tag = 23;
 /// A photon has reached a surface.
-pub const PHOTON_ARRIVED: Tag = 22;
+pub const PHOTON_ARRIVED: Tag = 24;
 /// A photon leaves the scene.
-pub const PHOTON_LEAVES: Tag = 23;
+pub const PHOTON_LEAVES: Tag = 25;
 /// A photon was absorbed, or has left the scene.
-pub const PHOTON_DONE: Tag = 24;
+pub const PHOTON_DONE: Tag = 26;
 
 /// The state of any ray: that of a shadow ray is called as in the walk of the ray before it, and that of a photon as in the
 /// walk of a ray.
@@ -62,6 +66,7 @@ pub const fn of_any_ray(tag: Tag) -> Tag {
         SHADOW_SETUP => TRAV_SETUP,
         SHADOW_TRAV => TRAV,
         SHADOW_ISECT => ISECT_NO_HIT,
+        SHADOW_EXACT | PHOTON_EXACT => EXACT,
         OCCLUDED => SHADE,
         VISIBLE => BACKGROUND,
         PHOTON_UNBORN => UNWRITTEN,
@@ -130,6 +135,13 @@ pub const ALL: States = States(&[
         [190, 90, 120],
         "a shadow ray tests the triangles of its cell or leaf",
     ),
+    row(
+        SHADOW_EXACT,
+        "SHADOW_EXACT",
+        StateRole::Active,
+        [170, 40, 100],
+        "a shadow ray waits for integers to decide whether something is in its way",
+    ),
     row(OCCLUDED, "OCCLUDED", StateRole::Resolved, [70, 60, 90], "something is between the hit and the light"),
     row(VISIBLE, "VISIBLE", StateRole::Resolved, [250, 220, 90], "nothing is between the hit and the light"),
     row(
@@ -157,6 +169,13 @@ pub const ALL: States = States(&[
         StateRole::Active,
         [210, 110, 80],
         "a photon tests the triangles of its cell or leaf, the nearest hit is kept",
+    ),
+    row(
+        PHOTON_EXACT,
+        "PHOTON_EXACT",
+        StateRole::Active,
+        [200, 40, 20],
+        "a photon waits for integers to decide what it hits",
     ),
     row(PHOTON_ARRIVED, "PHOTON_ARRIVED", StateRole::Resolved, [160, 190, 90], "a photon has reached a surface"),
     row(PHOTON_LEAVES, "PHOTON_LEAVES", StateRole::Resolved, [110, 100, 130], "a photon leaves the scene"),

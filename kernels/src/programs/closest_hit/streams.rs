@@ -18,10 +18,11 @@
 //! place         u32  x  y  z  left  tx  ty  tz   cell, cells still allowed, tmax or control (f32 bits)
 //! trail         u32  levels 0, 8, 16, 24  4 bits per level
 //! scan          u32  cell  tx  ty  tz    cell, tmax or control (f32 bits)
+//! surface       u32  triangle            the triangle that the ray leaves, which it cannot hit again, or of the hit after which it
+//!                                        looks for the next
 //!
 //! shadow_origin    f32  x  y  z          traced units: off the surface that was hit, on the side of the light
 //! shadow_direction f32  x  y  z          traced units per unit of t: to the light, which is at t = 1
-//! surface          u32  triangle         the triangle that it leaves, which it cannot hit again
 //! blocker          u32  u  v  triangle   what is between the hit and the light
 //! shadow_counters  u32  cells  triangles  repeated
 //! pending          f32  r  g  b          linear light that arrives if the light is visible
@@ -51,7 +52,7 @@
 //! shrunk         f32  photons  squared   of rays, for each map, at what is seen and after a bounce: what iterations have left
 //! ```
 //!
-//! The seven from `shadow_origin` on, and the next eight, are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
+//! The six from `shadow_origin` on, and the next eight, are those of the program [`light`](crate::programs::light), which has all others too. Its shadow rays
 //! share `state` and what a walk keeps with the rays before them: a pixel's rays are traced one after the other. So are
 //! those that surfaces reflect and refract, depth first: they are in `ray_origin`, `ray_direction` and `hit` in turn, and the
 //! pixel's first ray and its hit are put back at the end.
@@ -81,7 +82,7 @@ use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
 use crate::tables::stream::{Stream, StreamInfo, streams};
 use absent::{
     NO_WALK_WAITS, no_bounces, no_dielectric, no_iterations, no_path, no_shadow_counters, no_spent, of_bounds,
-    of_control, of_steps, of_tmax,
+    of_control, of_photon_bounds, of_steps, of_surface, of_tmax,
 };
 pub(in crate::programs) use absent::{no_emitters, no_exact_order, no_shadows, no_specular};
 use layers::{BRANCH_LAYERS, BRANCH_MEANING, RECORD_LAYERS, RECORD_MEANING, UNRECORDED};
@@ -160,15 +161,15 @@ streams! {
     /// Where the search for repeated tests waits for the next dispatch.
     SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Distance, Distance, Distance], unit: "1-D index, t or control terms as f32 bits",
         unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "needed only if a search for repeated tests may take more loop turns than one dispatch allows");
+    /// The triangle that the ray leaves, or of the hit after which it looks for the next.
+    SURFACE of RAYS: "surface" U32 &["triangle"], meaning: &[Id], unit: "triangle id",
+        unwritten: &[NO_TRIANGLE], why_absent: of_surface;
     /// Origin of the shadow ray.
     SHADOW_ORIGIN of RAYS: "shadow_origin" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units",
         unwritten: &[0; 3], why_absent: no_shadows;
     /// Direction of the shadow ray: to a light at t = 1, or against that in which a directional light shines.
     SHADOW_DIRECTION of RAYS: "shadow_direction" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units per t",
         unwritten: &[0; 3], why_absent: no_shadows;
-    /// The triangle that the shadow ray leaves.
-    SURFACE of RAYS: "surface" U32 &["triangle"], meaning: &[Id], unit: "triangle id",
-        unwritten: &[NO_TRIANGLE], why_absent: no_shadows;
     /// Barycentrics and triangle of what occludes the latest shadow ray: any hit, not the nearest.
     BLOCKER of RAYS: "blocker" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
         unwritten: &[0, 0, NO_TRIANGLE], why_absent: no_shadows;
@@ -229,6 +230,9 @@ streams! {
     /// Barycentrics and triangle of the nearest hit.
     PHOTON_AT of PHOTONS: "photon_at" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
         unwritten: &[0, 0, NO_TRIANGLE], why_absent: no_map;
+    /// Of the nearest hit, as of a ray's.
+    PHOTON_BOUNDS of PHOTONS: "photon_bounds" F32 &["error", "open"], meaning: &[Distance; 2], unit: "t",
+        unwritten: &[0, INF.to_bits()], why_absent: of_photon_bounds;
     /// The triangle that the photon leaves.
     PHOTON_SURFACE of PHOTONS: "photon_surface" U32 &["triangle"], meaning: &[Id], unit: "triangle id",
         unwritten: &[NO_TRIANGLE], why_absent: no_map;
@@ -284,3 +288,5 @@ streams! {
 
 /// The streams in which the caller supplies rays, as far as a run has them.
 pub static INPUTS: [Stream; 4] = [RAY_ORIGIN, RAY_DIRECTION, RAY_INTERVAL, STATE];
+/// The same of rays whose hits are all wanted.
+pub static INPUTS_OF_ALL: [Stream; 5] = [RAY_ORIGIN, RAY_DIRECTION, RAY_INTERVAL, STATE, SURFACE];

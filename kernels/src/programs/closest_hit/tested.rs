@@ -1,9 +1,11 @@
 //! Twin of `tested.wgsl`: the test of one triangle in a kernel that takes several steps.
 
+use super::later::later;
 use super::tracing::Trace;
-use crate::numbers::real::{Real, Vec3};
+use crate::numbers::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::constants::TURNS_A_TEST;
+use crate::shared::packed_triangles::unpack;
 use crate::shared::triangle::{hit_triangle, is_nearer};
 
 impl<R: Real> Trace<R> {
@@ -11,15 +13,14 @@ impl<R: Real> Trace<R> {
     #[inline(always)]
     pub(crate) fn test(&mut self, scene: &SceneData, entry: u32, cell: [i32; 3]) {
         let features = &scene.features;
-        let packed = &scene.packed_triangles[entry as usize];
-        let id = packed[3];
-        let corner = |c: usize| {
-            Vec3::from_f32([f32::from_bits(packed[c]), f32::from_bits(packed[c + 1]), f32::from_bits(packed[c + 2])])
-        };
-        let corners = [corner(0), corner(4), corner(8)];
-        let mut candidate = hit_triangle(features.triangle_rules(), self.origin, self.direction, &self.shear, corners);
+        let rules = features.triangle_rules();
+        let (corners, id) = unpack(&scene.packed_triangles[entry as usize]);
+        let mut candidate = hit_triangle(rules, self.origin, self.direction, &self.shear, corners);
         if features.intervals {
-            candidate = candidate.between(self.interval);
+            candidate = candidate.between(rules, self.interval);
+        }
+        if features.all_hits {
+            candidate = later(candidate, self.last);
         }
         self.tests += 1;
         self.turns += TURNS_A_TEST;

@@ -1,6 +1,7 @@
 // The test of one triangle in a kernel that takes several steps.
 
 import package::constants::{TURNS_A_TEST};
+import package::later::{later};
 import package::ordered::{ordered, with_hit};
 import package::triangle::{hit_triangle, between, is_nearer};
 import package::packed_triangles::{packed_triangle};
@@ -14,6 +15,7 @@ fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
     var candidate = hit_triangle(trace.origin, trace.direction, trace.shear, triangle.a, triangle.b, triangle.c);
     @if(intervals) candidate = between(candidate, trace.interval);
     @if(leaves) candidate.is_hit = candidate.is_hit && triangle.id != trace.leaves;
+    @if(all_hits) candidate = later(candidate, trace.last);
     // One inside the other: a miss, as most tests end, then costs no comparison of t.
     @if(exact_order) if (candidate.is_hit) {
         trace = ordered(trace, candidate, triangle);

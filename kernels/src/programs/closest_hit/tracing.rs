@@ -29,6 +29,8 @@ pub(crate) struct Trace<R> {
     pub(crate) tests: u32,
     /// The triangle that the ray leaves.
     pub(super) leaves: u32,
+    /// Between which t the hit on it lies, if all hits are wanted.
+    pub(super) last: [R; 2],
     /// It ends at any hit, in a kernel that traces others too.
     pub(crate) is_shadow: bool,
     /// Any hit was requested, and one was found.
@@ -45,6 +47,7 @@ impl<R: Real> Trace<R> {
             direction,
             interval,
             leaves,
+            last: [R::zero(); 2],
             shear: Shear::of(direction),
             t,
             error: R::zero(),

@@ -4,6 +4,7 @@ import package::constants::{INF, NO_TRIANGLE, TURNS};
 import package::state::{ISECT_NO_HIT, ISECT_HIT, EXACT, SHADE, BACKGROUND};
 import package::camera::{Ray};
 import package::triangle::{Shear, shear_of};
+import package::later::{range_of};
 import package::ray::{load_interval, load_surface};
 
 // The ray, its nearest hit so far, and counters.
@@ -25,6 +26,8 @@ struct Trace {
     tests: u32,
     // The triangle that the ray leaves.
     @if(leaves) leaves: u32,
+    // all_hits: of the hit on that triangle.
+    @if(all_hits) last: vec2f,
     // It ends at any hit, in a kernel that traces others too.
     @if(whole_paths) is_shadow: bool,
     // Any hit was requested, and one was found.
@@ -35,8 +38,7 @@ struct Trace {
 
 // No hit so far; hits at t or beyond do not count.
 fn new_trace(texel: vec2u, ray: Ray, t: f32) -> Trace {
-    @if(leaves) var trace = trace_from(ray, load_surface(texel), t);
-    @else var trace = trace_from(ray, NO_TRIANGLE, t);
+    var trace = trace_from(ray, load_surface(texel), t);
     @if(intervals) trace.interval = load_interval(texel);
     return trace;
 }
@@ -48,6 +50,7 @@ fn trace_from(ray: Ray, leaves: u32, t: f32) -> Trace {
     trace.direction = ray.direction;
     trace.shear = shear_of(ray.direction);
     @if(leaves) trace.leaves = leaves;
+    @if(all_hits) trace.last = range_of(ray.origin, ray.direction, trace.shear, leaves);
     trace.t = t;
     trace.open = INF;
     trace.triangle = NO_TRIANGLE;

@@ -25,7 +25,8 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let features = &scene.features;
     let interval = load_interval(ray, features);
     let leaves = load_surface(ray, features);
-    let mut trace = Trace::new(load_origin(ray), load_direction(ray), interval, leaves, ray.load(STATE, 1));
+    let mut trace =
+        Trace::new(load_origin(ray), load_direction(ray), interval, leaves, ray.load(STATE, 1)).after_last(scene);
     trace.triangle = ray.load_u32(HIT, 2);
     if features.exact_order {
         (trace.error, trace.open) = (ray.load(BOUNDS, 0), ray.load(BOUNDS, 1));

@@ -5,7 +5,7 @@ use crate::options::reasons::{Reason, Run};
 use crate::program::instance::twin;
 use crate::program::kernel::{Path, Proof};
 use crate::program::{Home, Instance, KernelInfo, Renamed};
-use crate::programs::closest_hit::kernels::{FUSED, SETUP};
+use crate::programs::closest_hit::kernels::{DECIDE, SETUP};
 use crate::programs::closest_hit::states::{
     ALL, BACKGROUND, DONE, OCCLUDED, SCATTER, SHADE, SHADOW_SETUP, TRAV_SETUP, VISIBLE,
 };
@@ -19,11 +19,12 @@ use crate::tables::state::Tag;
 static HOME: Home = Home { streams: &streams::STREAMS, states: ALL };
 
 /// The states of a walk, and what they are called for a shadow ray: any hit ends it, so none is kept while it walks.
-const STATES: [(&str, &str); 6] = [
+const STATES: [(&str, &str); 7] = [
     ("TRAV_SETUP", "SHADOW_SETUP"),
     ("TRAV", "SHADOW_TRAV"),
     ("ISECT_NO_HIT", "SHADOW_ISECT"),
     ("ISECT_HIT", ""),
+    ("EXACT", "SHADOW_EXACT"),
     ("SHADE", "OCCLUDED"),
     ("BACKGROUND", "VISIBLE"),
 ];
@@ -48,7 +49,7 @@ pub(in crate::programs) const LISTS: [ListInfo; 4] = [
 
 /// The names of the kernels of a walk for shadow rays, why a run does without each, and its colour.
 pub(super) type OfShadows = (&'static str, fn(&Run<'_>) -> Reason, [u8; 3]);
-pub(super) const SHADOWS: [OfShadows; 7] = [
+pub(super) const SHADOWS: [OfShadows; 8] = [
     ("shadow_setup", absent::<0>, [170, 130, 60]),
     ("shadow_traverse_grid", absent::<1>, [140, 110, 60]),
     ("shadow_traverse_irregular", absent::<2>, [140, 110, 60]),
@@ -56,8 +57,9 @@ pub(super) const SHADOWS: [OfShadows; 7] = [
     ("shadow_intersect", absent::<4>, [190, 90, 120]),
     ("shadow_walk", absent::<5>, [160, 120, 90]),
     ("shadow_fused", absent::<6>, [150, 70, 110]),
+    ("shadow_decide", absent::<7>, [170, 40, 100]),
 ];
-const _: () = assert!(FUSED.index() - SETUP.index() + 1 == SHADOWS.len());
+const _: () = assert!(DECIDE.index() - SETUP.index() + 1 == SHADOWS.len());
 
 /// Why a run does without a kernel of the walk for shadow rays: what it would be needed for, if there are any.
 fn absent<const OF: usize>(run: &Run<'_>) -> Reason {
@@ -141,7 +143,7 @@ pub(super) const OF_SCATTER: KernelInfo = KernelInfo {
 pub(super) fn for_shadow_rays(of: Instance, (name, why_absent, colour): OfShadows) -> Option<Instance> {
     let renamed = Renamed::new(&of.kernel, ALL, &STATES)?.of_existing();
     // A camera in the grid does not tell where its rays end, so they are clipped.
-    let sets = &[("any_hit", true), ("leaves", true), ("intervals", false), ("clip", true)];
+    let sets = of.with_sets(&[("any_hit", true), ("leaves", true), ("intervals", false), ("clip", true)]);
     let kernel = KernelInfo { why_absent, colour, ..of.kernel };
     Some(Instance { name, kernel, binds: BINDS, renamed: Some(Box::leak(Box::new(renamed))), sets, ..of })
 }

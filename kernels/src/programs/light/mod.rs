@@ -23,7 +23,7 @@ use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use super::closest_hit::kernels::{KERNELS, SETUP};
-use super::closest_hit::states::{BACKGROUND, OF_LIGHT, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
+use super::closest_hit::states::{BACKGROUND, OF_LIGHT, SHADOW_EXACT, SHADOW_SETUP, VISIBLE};
 use super::closest_hit::{self, streams};
 use crate::options::features::Features;
 use crate::program::{Course, Decoding, Instance, Kernel, Program};
@@ -35,7 +35,7 @@ pub(super) use schedule::{mapped, of as schedule, while_begun};
 pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
     let own = [OF_ILLUMINATE, OF_SCATTER].map(|kernel| Instance::of(kernel, &closest_hit::elements::RAYS));
     let kernels: Vec<Instance> = KERNELS.into_iter().chain(shadow_walk()).chain(own).collect();
-    let given_up = |tag| if matches!(tag, SHADOW_SETUP | SHADOW_TRAV | SHADOW_ISECT) { VISIBLE } else { BACKGROUND };
+    let given_up = |tag| if (SHADOW_SETUP..=SHADOW_EXACT).contains(&tag) { VISIBLE } else { BACKGROUND };
     Program {
         name: "light",
         summary: "every ray to its closest hit, and from there shadow rays to the lights, and rays that are reflected and refracted",

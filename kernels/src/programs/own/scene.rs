@@ -40,7 +40,7 @@ impl OfScene {
     /// The same run of ours with other options as these.
     pub(super) fn options(&self, options: &Options) -> Options {
         let choices = self.choices(&options.choices());
-        Options { folder: None, shade: true, any_hit: false, ..options.clone() }.chosen(&choices)
+        Options { folder: None, shade: true, any_hit: false, all_hits: false, ..options.clone() }.chosen(&choices)
     }
 }
 

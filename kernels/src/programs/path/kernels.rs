@@ -32,6 +32,9 @@ fn absent(run: &Run<'_>) -> Reason {
 /// Why a run does without the kernel of whole paths.
 fn absent_whole(run: &Run<'_>) -> Reason {
     match run.features.path && run.is_fused() {
+        true if run.features.exact_order => {
+            (Because::Options, "needed only with --order rounded: rays wait for integers between its steps")
+        }
         true => (Because::Scene, "it would bind more storage buffers, or take more loop turns, than the device allows"),
         false if run.options.shade => (Because::Options, "needed only with --integrator path and --schedule fused"),
         false => NO_SHADE,

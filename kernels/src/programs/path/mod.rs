@@ -34,7 +34,7 @@ pub(super) mod vertex;
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
-use super::closest_hit::states::{BACKGROUND, OF_LIGHT, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV, VISIBLE};
+use super::closest_hit::states::{BACKGROUND, OF_LIGHT, SHADOW_EXACT, SHADOW_SETUP, VISIBLE};
 use super::closest_hit::streams::{ACCUMULATED, ACCUMULATED_SAMPLES};
 use super::closest_hit::{self, kernels::KERNELS};
 use super::light;
@@ -51,7 +51,7 @@ pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
     let own = [OF_SAMPLE_LIGHT, OF_SAMPLE_BSDF, OF_FUSED_PATH]
         .map(|kernel| Instance::of(kernel, &closest_hit::elements::RAYS));
     let kernels: Vec<Instance> = KERNELS.into_iter().chain(light::shadow_walk()).chain(own).collect();
-    let given_up = |tag| if matches!(tag, SHADOW_SETUP | SHADOW_TRAV | SHADOW_ISECT) { VISIBLE } else { BACKGROUND };
+    let given_up = |tag| if (SHADOW_SETUP..=SHADOW_EXACT).contains(&tag) { VISIBLE } else { BACKGROUND };
     Program {
         name: "path",
         summary: "paths from the camera over random bounces, with a shadow ray at each",

@@ -6,7 +6,7 @@ use crate::programs::closest_hit::elements::{
     ALL_RECORD_TALLIES, MAP_CELLS, PHOTONS, RAYS, RECORD_TALLIES, RECORD_TALLY_BLOCKS, RECORDS, no_bitonic, no_map,
     no_scan,
 };
-use crate::programs::closest_hit::kernels::{COUNT, FUSED, KERNELS, SETUP};
+use crate::programs::closest_hit::kernels::{COUNT, DECIDE, KERNELS, SETUP};
 use crate::programs::closest_hit::states::ALL;
 use crate::programs::light::LISTS as OF_LIGHT;
 use crate::programs::primitives::{ADD, HISTOGRAM, SCAN, SCATTER};
@@ -17,12 +17,13 @@ use crate::tables::kernel::ListInfo;
 use super::kernels::{OF_EMIT_PHOTONS, OF_GATHER, OF_KEY_PHOTONS, OF_LOOK_UP, OF_SCATTER_PHOTONS, OF_SEARCH_CELLS};
 
 /// The states of a walk, and what they are called for a photon.
-const STATES: [(&str, &str); 8] = [
+const STATES: [(&str, &str); 9] = [
     ("UNWRITTEN", "PHOTON_UNBORN"),
     ("TRAV_SETUP", "PHOTON_SETUP"),
     ("TRAV", "PHOTON_TRAV"),
     ("ISECT_NO_HIT", "PHOTON_NO_HIT"),
     ("ISECT_HIT", "PHOTON_HIT"),
+    ("EXACT", "PHOTON_EXACT"),
     ("SHADE", "PHOTON_ARRIVED"),
     ("BACKGROUND", "PHOTON_LEAVES"),
     ("DONE", "PHOTON_DONE"),
@@ -38,6 +39,7 @@ const BINDS: Binds = &[
     ("voxel", "photon_voxel"),
     ("previous", "photon_previous"),
     ("hit", "photon_at"),
+    ("bounds", "photon_bounds"),
     ("surface", "photon_surface"),
     ("place", "photon_place"),
     ("trail", "photon_trail"),
@@ -62,7 +64,7 @@ pub(super) const LISTS: [ListInfo; 6] = [
 
 /// The names of the kernels of a walk for photons, why a run does without each, and its colour.
 type OfPhotons = (&'static str, fn(&Run<'_>) -> Reason, [u8; 3]);
-const WALK: [OfPhotons; 7] = [
+const WALK: [OfPhotons; 8] = [
     ("photon_setup", absent::<0>, [200, 170, 90]),
     ("photon_traverse_grid", absent::<1>, [110, 130, 70]),
     ("photon_traverse_irregular", absent::<2>, [110, 130, 70]),
@@ -70,8 +72,9 @@ const WALK: [OfPhotons; 7] = [
     ("photon_intersect", absent::<4>, [210, 120, 80]),
     ("photon_walk", absent::<5>, [170, 140, 80]),
     ("photon_fused", absent::<6>, [180, 90, 90]),
+    ("photon_decide", absent::<7>, [200, 40, 20]),
 ];
-const _: () = assert!(FUSED.index() - SETUP.index() + 1 == WALK.len());
+const _: () = assert!(DECIDE.index() - SETUP.index() + 1 == WALK.len());
 
 /// Why a run does without a kernel of the walk of photons: what it would be needed for, if there are any.
 fn absent<const OF: usize>(run: &Run<'_>) -> Reason {
@@ -91,7 +94,7 @@ pub(super) fn photon_walk() -> impl Iterator<Item = Instance> {
         let renamed = Renamed::new(&of.kernel, ALL, &STATES)?.of_existing();
         let kernel = KernelInfo { why_absent, colour, ..of.kernel };
         let renamed = Some(&*Box::leak(Box::new(renamed)));
-        Some(Instance { name, kernel, over: &PHOTONS, binds: BINDS, renamed, sets: SETS, ..of })
+        Some(Instance { name, kernel, over: &PHOTONS, binds: BINDS, renamed, sets: of.with_sets(SETS), ..of })
     })
     .chain([count])
 }

@@ -49,8 +49,7 @@ use super::closest_hit::buffers::BUFFERS;
 use super::closest_hit::elements::{RAYS, no_map};
 use super::closest_hit::kernels::{KERNELS, SETUP};
 use super::closest_hit::states::{
-    ALL, BACKGROUND, PHOTON_DONE, PHOTON_LEAVES, PHOTON_SETUP, PHOTON_UNBORN, SHADOW_ISECT, SHADOW_SETUP, SHADOW_TRAV,
-    VISIBLE,
+    ALL, BACKGROUND, PHOTON_DONE, PHOTON_LEAVES, PHOTON_SETUP, PHOTON_UNBORN, SHADOW_EXACT, SHADOW_SETUP, VISIBLE,
 };
 use super::closest_hit::streams::{PHOTON_STATE, STREAMS};
 use super::path::kernels::OF_SAMPLE_LIGHT;
@@ -76,7 +75,7 @@ const OF_PHOTONS: Course = Course {
 pub static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
     let sample_light = Instance::of(OF_SAMPLE_LIGHT, &RAYS);
     let kernels = KERNELS.into_iter().chain(light::shadow_walk()).chain(photon_walk()).chain([sample_light]).chain(OWN);
-    let given_up = |tag| if matches!(tag, SHADOW_SETUP | SHADOW_TRAV | SHADOW_ISECT) { VISIBLE } else { BACKGROUND };
+    let given_up = |tag| if (SHADOW_SETUP..=SHADOW_EXACT).contains(&tag) { VISIBLE } else { BACKGROUND };
     let map = uniform(
         "photon_map",
         "cells over the scene, their width, numbers of photons, radius of the search; traced units",

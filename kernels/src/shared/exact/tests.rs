@@ -7,30 +7,30 @@ use num_bigint::{BigInt, Sign};
 use super::*;
 
 /// A ray and two triangles.
-type Given = [Point; 8];
+pub(crate) type Given = [Point; 8];
 
 /// `value` · 2¹⁴⁹
-fn integer(value: f32) -> BigInt {
+pub(in crate::shared) fn integer(value: f32) -> BigInt {
     let (bits, exponent) = (value.to_bits(), value.to_bits() >> 23 & 0xff);
     let fraction = BigInt::from(bits & 0x7f_ffff | if exponent > 0 { 0x80_0000 } else { 0 });
     let magnitude = fraction << (exponent.max(1) - 1);
     if bits >> 31 == 1 { -magnitude } else { magnitude }
 }
 
-fn dot(a: &[BigInt; 3], b: &[BigInt; 3]) -> BigInt {
+pub(in crate::shared) fn dot(a: &[BigInt; 3], b: &[BigInt; 3]) -> BigInt {
     (0..3).map(|i| &a[i] * &b[i]).sum()
 }
 
-fn minus(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
+pub(in crate::shared) fn minus(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
     [0, 1, 2].map(|i| &a[i] - &b[i])
 }
 
-fn cross(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
+pub(in crate::shared) fn cross(a: &[BigInt; 3], b: &[BigInt; 3]) -> [BigInt; 3] {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &a[i] * &b[j] - &a[j] * &b[i])
 }
 
 /// The distance of the plane and the weights of the three corners, in parts of the last number, which is not negative.
-fn parts(o: Point, d: Point, corners: [Point; 3]) -> ([BigInt; 4], BigInt) {
+pub(crate) fn parts(o: Point, d: Point, corners: [Point; 3]) -> ([BigInt; 4], BigInt) {
     let [o, d] = [o, d].map(|point| point.map(integer));
     let p = corners.map(|corner| minus(&corner.map(integer), &o));
     let normal = cross(&minus(&p[1], &p[0]), &minus(&p[2], &p[0]));
@@ -42,17 +42,17 @@ fn parts(o: Point, d: Point, corners: [Point; 3]) -> ([BigInt; 4], BigInt) {
     (parts, along.magnitude().clone().into())
 }
 
-fn meets(o: Point, d: Point, corners: [Point; 3]) -> bool {
+pub(crate) fn meets(o: Point, d: Point, corners: [Point; 3]) -> bool {
     let ([t, weights @ ..], along) = parts(o, d, corners);
     along.sign() == Sign::Plus && t.sign() == Sign::Plus && weights.iter().all(|weight| weight.sign() != Sign::Minus)
 }
 
-fn two([o, d, a, b, c, e, f, g]: Given) -> (Point, Point, [Point; 3], [Point; 3]) {
+pub(in crate::shared) fn two([o, d, a, b, c, e, f, g]: Given) -> (Point, Point, [Point; 3], [Point; 3]) {
     (o, d, [a, b, c], [e, f, g])
 }
 
 /// A ray and two triangles of one of several kinds, most of which it meets.
-fn given(random: &mut fastrand::Rng, kind: u32) -> Given {
+pub(crate) fn given(random: &mut fastrand::Rng, kind: u32) -> Given {
     let signed = |random: &mut fastrand::Rng| random.f32() * 2.0 - 1.0;
     let point = |random: &mut fastrand::Rng| [0; 3].map(|_| signed(random));
     let lattice = |random: &mut fastrand::Rng| [0; 3].map(|_| random.i32(-2..3) as f32);
@@ -111,12 +111,12 @@ fn given(random: &mut fastrand::Rng, kind: u32) -> Given {
     all.map(|p| p.map(|v| if v.is_finite() { v } else { 1.0 }))
 }
 
-const KINDS: u32 = 8;
+pub(crate) const KINDS: u32 = 8;
 
 #[test]
 fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
     let mut random = fastrand::Rng::with_seed(47);
-    let (mut met, mut orders, mut fit) = ([0; KINDS as usize], [0; 3], [0; KINDS as usize]);
+    let (mut met, mut orders, mut fit, mut before) = ([0; KINDS as usize], [0; 3], [0; KINDS as usize], [0; 2]);
     for i in 0..40_000 {
         let kind = i % KINDS;
         let given = given(&mut random, kind);
@@ -129,6 +129,13 @@ fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
         let (parts_here, along) = parts(o, d, corners);
         if wanted[0] {
             met[kind as usize] += 1;
+            // Ends at the rounded t, and beside it.
+            let [t, _, _] = values::rounded_values(o, d, corners).expect("a triangle that is met");
+            for end in [t.next_down(), t, t.next_up()].into_iter().filter(|end| *end > 0.0 && *end < INF) {
+                let is_between = [rounds_between([0.0, end], o, d, corners), rounds_between([end, INF], o, d, corners)];
+                assert_eq!(is_between, [t < end, t > end], "{kind}: {given:?} before or after {end}");
+                before[usize::from(is_between[0])] += 1;
+            }
         }
         if wanted == [true; 2] {
             let (parts_there, along_there) = parts(o, d, others);
@@ -144,6 +151,7 @@ fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
     }
     assert!(met.iter().all(|&met| met > 50) && orders.iter().all(|&of| of > 100), "{met:?} {orders:?}");
     assert!(fit[0] > 4000 && fit[5] < 10, "fit into few words: {fit:?}");
+    assert!(before.iter().all(|&of| of > 1000), "{before:?}");
 }
 
 /// What the twin makes of a ray and two triangles, as `asked.wgsl` writes it.

@@ -64,3 +64,16 @@ fn bounds_hold_and_a_fault_in_either_is_seen() {
         assert!(check([1.0, 1.0 / 64.0], contracted).t > 0, "of t, contracted {contracted}");
     }
 }
+
+#[test]
+fn weights_are_those_of_a_point_also_where_a_triangle_is_seen_edge_on() {
+    let shear = Shear::of(Vec3::from_f32([0.0, 0.0, 1.0]));
+    let in_plane = [[0.0, 0.0, 1.0], [0.0, 1.0, 2.0], [0.0, -1.0, 3.0]];
+    let without_area = [[0.0, 0.0, 1.0], [1e-9, 0.0, 2.0], [3e-9, 0.0, 3.0]];
+    for corners in [in_plane, without_area] {
+        let corners = corners.map(Vec3::from_f32);
+        let found = bounded::<f32, false>(Vec3::from_f32([0.0; 3]), &shear, corners);
+        assert!(found.is_hit && !found.is_sure, "{found:?}");
+        assert!(found.u >= 0.0 && found.v >= 0.0 && found.u + found.v <= 1.0, "{found:?}");
+    }
+}

@@ -11,6 +11,7 @@ use super::tree::{self, TreeShape};
 use super::{BvhError, BvhOptions, Padding, down, fits};
 use crate::numbers::units::floor_log2;
 use crate::shared::constants::WIDE_MAX_DEPTH;
+use crate::shared::packed_triangles::{PackedTriangle, pack};
 use crate::shared::wide_node::{WideContent, WideNode, spacing};
 
 /// Most triangles per leaf.
@@ -24,9 +25,8 @@ const TRIANGLE_COST: f64 = 0.3;
 pub struct WideBvhData {
     /// The root first, children after their parents. Without triangles, the root has only empty slots.
     pub nodes: Vec<WideNode>,
-    /// In the order of the leaves, as bits: a corner (three f32) and the triangle's id, a corner and 0, a corner and 0.
-    /// At least one entry, which an empty BVH does not use.
-    pub triangles: Vec<[u32; 12]>,
+    /// In the order of the leaves. At least one entry, which an empty BVH does not use.
+    pub triangles: Vec<PackedTriangle>,
     /// Nodes on the longest path from the root, both ends included; at most [`WIDE_MAX_DEPTH`].
     pub depth: u32,
     /// How the boxes are grown.
@@ -67,7 +67,7 @@ pub(super) fn build(
         triangles: wide
             .primitive_indices
             .iter()
-            .map(|&reference| entry(vertices, references.triangles[reference as usize]))
+            .map(|&reference| pack(vertices, references.triangles[reference as usize]))
             .collect(),
         depth,
         padding,
@@ -105,16 +105,6 @@ fn widen(tree: Bvh2) -> (CwBvh, u32) {
     }
     let depth = levels.into_iter().max().unwrap_or(1);
     (wide, depth)
-}
-
-fn entry(vertices: &[f32], triangle: u32) -> [u32; 12] {
-    let first = 9 * triangle as usize;
-    let mut entry = [0; 12];
-    for (corner, words) in vertices[first..first + 9].chunks_exact(3).zip(entry.chunks_exact_mut(4)) {
-        words.iter_mut().zip(corner).for_each(|(word, v)| *word = v.to_bits());
-    }
-    entry[3] = triangle;
-    entry
 }
 
 struct Quantised {

@@ -3,7 +3,7 @@
 use egui::{Color32, Label, Rect, RichText, Sense, pos2, vec2};
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::tables::stream::Meaning as StreamMeaning;
-use raystep_kernels::{Pass, Program, Stream};
+use raystep_kernels::{Pass, Plan, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others, Span};
 
 use super::super::legend::{Entry, line};
@@ -99,7 +99,7 @@ impl StreamView {
     pub(super) fn legend(
         &self,
         ui: &mut egui::Ui,
-        program: &Program,
+        plan: &Plan,
         (stream, layer): (Stream, usize),
         meaning: Meaning,
         scale: &Scale,
@@ -111,7 +111,8 @@ impl StreamView {
         ui.horizontal_wrapped(|ui| {
             if meaning == Meaning::Tag {
                 let only = known.and_then(|(.., stats)| only_value(stats)?);
-                let states = program.states.iter().filter(|state| only.is_none_or(|only| f64::from(state.tag) == only));
+                let states = plan.program.states.iter().filter(|state| plan.has_state(state));
+                let states = states.filter(|state| only.is_none_or(|only| f64::from(state.tag) == only));
                 let entries = states.map(|state| {
                     let [r, g, b] = state.colour;
                     let name = only.map_or_else(|| state.name.into(), |_| sentence(state.name));

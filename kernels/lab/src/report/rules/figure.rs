@@ -71,7 +71,7 @@ pub(super) fn caption(rows: &[Row]) -> String {
         }
     }
     format!(
-        "Schedule fused; {} rays from inside the scene, as many each at: {}. Median ratio of {} pairs of runs, 95% \
+        "Schedule fused; exact-order relative to --order exact; {} rays from inside the scene, as many each at: {}. Median ratio of {} pairs of runs, 95% \
          interval. Wrong rays: exact 95% interval.",
         digits(most("judged_rays")),
         names.join(", "),

@@ -1,7 +1,10 @@
 //! Which rules the scene needs, in words.
 
+use raystep_kernels::{Order, Rule};
+
 use super::super::page::{Part, number};
 use super::super::words::compared;
+use super::ALL;
 use super::figure::compared_rows;
 use crate::html::{cell, data};
 use crate::statistics::Compared;
@@ -94,7 +97,7 @@ fn free(all: &[Said<'_>]) -> String {
 /// The sentence; nothing if nothing was compared.
 fn sentence(rows: &[Row]) -> Option<String> {
     let is_needed = |row: &&Row| row.get("is_needed") == "true";
-    let single = || compared_rows(rows).filter(|row| row.get("numerics") != "paper");
+    let single = || compared_rows(rows).filter(|row| row.get("numerics") != "paper" && !is_of_order(row));
     let judged = number("judged_rays", single().next()?);
     let lossy = said(single().filter(is_needed), lost, lost_in_words);
     let lossless = said(single().filter(|row| !is_needed(row)), |_| 0.0, change);
@@ -115,10 +118,34 @@ fn sentence(rows: &[Row]) -> Option<String> {
     Some(text)
 }
 
-/// Adds the sentence, and how far it goes.
+/// Whether a row is of hits that are not ordered by exact t, compared with such that are.
+fn is_of_order(row: &Row) -> bool {
+    row.get("rule") == Rule::ExactOrder.name()
+}
+
+/// What the order by exact t is for, and what it costs; nothing if it was not compared.
+fn of_order(rows: &[Row]) -> Option<String> {
+    let of = || compared_rows(rows).filter(|row| is_of_order(row));
+    let judged = number("judged_rays", of().next()?);
+    let undecided = |row: &Row| row.number("undecided").unwrap_or(0.0);
+    let exact = rows.iter().filter(|row| row.get("order") == Order::Exact.name() && row.get("stratum") == ALL);
+    let with = exact.map(undecided).fold(0.0, |all, one| all + one);
+    let all = said(of(), undecided, |row| format!("{} ({}", number("undecided", row), change(row)));
+    let texts: Vec<String> =
+        all.iter().map(|Said { text, structures, .. }| format!("{text}: {})", structures.join(", "))).collect();
+    Some(format!(
+        "Of {judged} rays, so many hit another triangle than that at the smallest exact t without <em>{}</em>, and {with} \
+         with it: {}.",
+        Rule::ExactOrder,
+        texts.join("; ")
+    ))
+}
+
+/// Adds the sentences, and how far they go.
 pub(super) fn say(rows: &[Row], part: &mut Part) {
     let Some(text) = sentence(rows) else { return };
     part.lead.push(text);
+    part.prose.extend(of_order(rows));
     part.prose.push(
         "Leaving out a rule that is not needed here is safe for this scene and these rays only: that none of them was \
          wrong bounds how often one is, it does not exclude it."
@@ -178,5 +205,19 @@ mod tests {
             "{text}"
         );
         assert_eq!(sentence(&[]), None);
+    }
+
+    #[test]
+    fn the_order_by_exact_t_is_told_by_the_rays_that_are_undecided_without_it() {
+        let row = |accelerator, undecided: u64, ratio| {
+            row(accelerator, "exact-order", 0, ratio).set("undecided", undecided).set("is_needed", undecided > 0)
+        };
+        let rows = [row("grid", 540, [0.5, 0.48, 0.52]), row("bvh", 541, [0.25, 0.2, 0.3])];
+        let text = plain(&of_order(&rows).expect("a sentence"));
+        let expected = "Of 40,960 rays, so many hit another triangle than that at the smallest exact t without \
+                        exact-order, and 0 with it: 541 (leaving it out saves 75.0% of the time: bvh); 540 (leaving it \
+                        out saves 50.0% of the time: grid).";
+        assert_eq!(text, expected);
+        assert_eq!((sentence(&rows), of_order(&[])), (None, None), "no other rule was compared");
     }
 }

@@ -46,7 +46,8 @@ pub(in crate::programs::closest_hit) fn trace_ray<R: Real>(ray: &mut Texels<'_, 
     };
     let has_end = features.any_hit && !features.eye_rays;
     let t = if has_end { ray.load(STATE, 1) } else { R::from_f32(INF) };
-    let mut trace = Trace::new(origin, direction, load_interval(ray, features), load_surface(ray, features), t);
+    let mut trace =
+        Trace::new(origin, direction, load_interval(ray, features), load_surface(ray, features), t).after_last(scene);
     trace.decides = features.decides;
     if wait.before {
         resume(&mut trace, &mut wait, ray, features);

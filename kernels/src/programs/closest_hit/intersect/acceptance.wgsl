@@ -1,17 +1,22 @@
 // Whether a hit counts, and by an exact order, whether it replaces the nearest one so far.
 
 import package::bounds::{bounds};
+import package::later::{later, range_of};
 import package::ordered::{ordered};
 import package::packed_triangles::{PackedTriangle};
-import package::ray::{load_interval, load_surface};
+import package::ray::{load_interval, load_ray, load_surface};
 import package::tracing::{Trace};
-import package::triangle::{Candidate, between};
+import package::triangle::{Candidate, between, shear_of};
 
 // Only between the ends of the ray, and not on the triangle that it leaves.
 fn that_counts(found: Candidate, texel: vec2u, triangle: u32) -> Candidate {
     var candidate = found;
     @if(intervals) candidate = between(candidate, load_interval(texel));
     @if(leaves) candidate.is_hit = candidate.is_hit && triangle != load_surface(texel);
+    @if(all_hits) {
+        let ray = load_ray(texel);
+        candidate = later(candidate, range_of(ray.origin, ray.direction, shear_of(ray.direction), load_surface(texel)));
+    }
     return candidate;
 }
 

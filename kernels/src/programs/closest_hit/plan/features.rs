@@ -41,7 +41,9 @@ pub(in crate::programs) fn features(
     };
     let is_fused = options.schedule == ScheduleKind::Fused;
     let given = matches!(options.rays, RaySource::Given(_));
+    let exact_order = options.order == Order::Exact && robust && options.without.is_none();
     let any_hit = options.any_hit && robust && options.without.is_none();
+    let all_hits = options.all_hits && exact_order && given;
     let any_light = |f: fn(&Light) -> bool| scene.lights.iter().any(f);
     let any_material = |f: fn(&raystep_scenes::Material) -> bool| scene.materials.iter().any(f);
     // From a light at the eye, every hit of a camera's ray is visible, but not what these rays see in a mirror.
@@ -57,7 +59,7 @@ pub(in crate::programs) fn features(
     Features {
         robust,
         watertight: robust && options.without != Some(Rule::TriangleTest),
-        exact_order: options.order == Order::Exact && robust && options.without.is_none(),
+        exact_order,
         decides: false,
         contracted: options.contracted && robust,
         drifting: robust && has_grid && options.without == Some(Rule::TMax),
@@ -77,7 +79,8 @@ pub(in crate::programs) fn features(
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
         intervals: has_intervals(&options.rays, any_hit),
         any_hit,
-        leaves: specular || is_physical,
+        all_hits,
+        leaves: specular || is_physical || all_hits,
         specular,
         dielectric: specular && !is_physical && any_material(|m| matches!(m.optics, Optics::Dielectric { .. })),
         path,

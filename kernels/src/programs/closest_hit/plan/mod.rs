@@ -121,7 +121,9 @@ pub(in crate::programs) fn plan(
     let resumes = Resumes::of(&walk, is_fused, options.steps_per_pass, lights, limits);
     // A path has two rays at each of its hits.
     let of_path = 2 * (u64::from(features.depth) + 1);
-    let whole_paths = features.path && is_fused && !resumes.walk && walk.fits(of_path, limits);
+    // A path cannot wait for integers in the middle.
+    let may_be_whole = features.path && is_fused && !features.exact_order;
+    let whole_paths = may_be_whole && !resumes.walk && walk.fits(of_path, limits);
     features.whole_paths = whole_paths;
     (features.resumes, features.resumes_exact) = (resumes.walk, resumes.exact);
     (features.resumes_scan, features.resumes_light) = (resumes.scan, resumes.light);

@@ -7,7 +7,7 @@
 
 use crate::options::features::{Features, StructureKind};
 use crate::plan::limits::{Limits, TURNS_WITHOUT_LIMIT};
-use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST, TURNS_TO_DECIDE};
+use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST, TURNS_TO_CROSS, TURNS_TO_DECIDE};
 use crate::structures::Structure;
 
 /// If the adapter ends no loop, walks through a BVH or an irregular grid can wait for the next dispatch only if they may
@@ -113,7 +113,8 @@ impl Walk<'_> {
 
     /// The same if integers decide every test.
     fn turns_exact(&self) -> u64 {
-        self.turns().saturating_mul(1 + u64::from(TURNS_TO_DECIDE / TURNS_A_TEST))
+        let to_decide = if self.features.all_hits { TURNS_TO_CROSS } else { TURNS_TO_DECIDE };
+        self.turns().saturating_mul(1 + u64::from(to_decide / TURNS_A_TEST))
     }
 
     /// Whether so many walks fit into one dispatch, each of which does. Without a limit of the adapter's, the bounds are too

@@ -21,6 +21,11 @@ pub(super) fn of_bounds(run: &Run<'_>) -> Reason {
     }
 }
 
+/// The same of photons.
+pub(super) fn of_photon_bounds(run: &Run<'_>) -> Reason {
+    if run.features.mapped { of_bounds(run) } else { no_map(run) }
+}
+
 /// Why integers decide nothing.
 pub(in crate::programs) fn no_exact_order(run: &Run<'_>) -> Reason {
     without_order(run)[0]
@@ -36,13 +41,22 @@ fn without_order(run: &Run<'_>) -> [Reason; 2] {
             ]
         };
     }
-    let reasons = match (run.options.numerics, run.features.fragments, run.options.integrator) {
-        (Numerics::Paper, ..) => needed!("--numerics robust "),
-        (_, true, _) => needed!("--mapping compute "),
-        (.., Integrator::Local) => needed!(""),
-        _ => needed!("--integrator local "),
+    let reasons = match (run.options.numerics, run.features.fragments) {
+        (Numerics::Paper, _) => needed!("--numerics robust "),
+        (_, true) => needed!("--mapping compute "),
+        _ => needed!(""),
     };
     reasons.map(|reason| (Because::Options, reason))
+}
+
+/// Why no ray leaves a triangle, or a hit behind it.
+pub(super) fn of_surface(run: &Run<'_>) -> Reason {
+    match run.options.integrator {
+        Integrator::Local => {
+            (Because::Options, "needed only with --integrator shadows, whitted, path or photons, or for all hits")
+        }
+        _ => no_shadows(run),
+    }
 }
 
 pub(super) fn of_tmax(run: &Run<'_>) -> Reason {
