@@ -4,7 +4,9 @@
 use num_bigint::{BigInt, Sign};
 
 use super::*;
-use crate::shared::exact::tests::{Given, KINDS, cross, dot, given, integer, minus, two};
+#[cfg(feature = "gpu")]
+use crate::shared::exact::tests::compare_with_a_device;
+use crate::shared::exact::tests::{KINDS, cross, dot, given, integer, minus, two};
 
 /// Coordinates are multiples of 2⁻¹⁴⁹ times this power of two, so that e³ is one.
 const SHIFT: u32 = 6000;
@@ -112,18 +114,6 @@ fn a_closed_surface_is_entered_as_often_as_it_is_left() {
 #[cfg(feature = "gpu")]
 #[test]
 fn a_device_decides_as_its_twin() {
-    use crate::programs::grid_build::device::tests::{computed, gpu};
-    const RAYS: u32 = 1 << 13;
-    let Some(gpu) = gpu() else { return };
-    let mut random = fastrand::Rng::with_seed(50);
-    let all: Vec<Given> = (0..RAYS).map(|i| given(&mut random, i % KINDS)).collect();
-    let shader = ("asked", include_str!("asked.wgsl"));
-    let results = computed(&gpu, shader, bytemuck::cast_slice(&all), 2 * RAYS as usize, RAYS / 64);
-    for (i, (given, found)) in all.iter().zip(results.chunks_exact(2)).enumerate() {
-        let (o, d, corners, others) = two(*given);
-        let [one, other] = [corners, others].map(|corners| crosses_exactly(o, d, corners));
-        let order = if one && other { compare_crossings(o, d, corners, others) as i32 } else { 0 };
-        let wanted = [u32::from(one) | u32::from(other) << 1, (order + 1) as u32];
-        assert_eq!(found, wanted, "{}: {given:?}", i as u32 % KINDS);
-    }
+    let names = ["crosses_exactly", "compare_crossings"];
+    compare_with_a_device("crossing", names, (crosses_exactly, compare_crossings), 50);
 }

@@ -154,25 +154,43 @@ fn integers_of_a_fixed_size_decide_as_arbitrary_ones() {
     assert!(before.iter().all(|&of| of > 1000), "{before:?}");
 }
 
-/// What the twin makes of a ray and two triangles, as `asked.wgsl` writes it.
-fn answers(given: Given) -> [u32; 2] {
-    let (o, d, corners, others) = two(given);
-    let [meets, other] = [corners, others].map(|corners| meets_exactly(o, d, corners));
-    let order = if meets && other { compare_exactly(o, d, corners, others) as i32 } else { 0 };
-    [u32::from(meets) | u32::from(other) << 1, (order + 1) as u32]
+/// Whether a ray meets a triangle.
+#[cfg(feature = "gpu")]
+type Meets = fn(Point, Point, [Point; 3]) -> bool;
+/// Which of two it meets first.
+#[cfg(feature = "gpu")]
+type Compare = fn(Point, Point, [Point; 3], [Point; 3]) -> Ordering;
+
+/// Compares what a device answers by `asked.wgsl` with what two functions do, which have these names in a module of WGSL.
+#[cfg(feature = "gpu")]
+pub(in crate::shared) fn compare_with_a_device(
+    module: &str,
+    names: [&str; 2],
+    (meets, compare): (Meets, Compare),
+    seed: u64,
+) {
+    use crate::programs::grid_build::device::tests::{computed, gpu};
+    const RAYS: u32 = 1 << 13;
+    let Some(gpu) = gpu() else { return };
+    let mut random = fastrand::Rng::with_seed(seed);
+    let all: Vec<Given> = (0..RAYS).map(|i| given(&mut random, i % KINDS)).collect();
+    let [meets_in_wgsl, compare_in_wgsl] = names;
+    let source = include_str!("asked.wgsl")
+        .replace("package::exact", &format!("package::{module}"))
+        .replace("meets_exactly", meets_in_wgsl)
+        .replace("compare_exactly", compare_in_wgsl);
+    let results = computed(&gpu, ("asked", &source), bytemuck::cast_slice(&all), 2 * RAYS as usize, RAYS / 64);
+    for (i, (given, found)) in all.iter().zip(results.chunks_exact(2)).enumerate() {
+        let (o, d, corners, others) = two(*given);
+        let [one, other] = [corners, others].map(|corners| meets(o, d, corners));
+        let order = if one && other { compare(o, d, corners, others) as i32 } else { 0 };
+        let wanted = [u32::from(one) | u32::from(other) << 1, (order + 1) as u32];
+        assert_eq!(found, wanted, "{}: {given:?}", i as u32 % KINDS);
+    }
 }
 
 #[cfg(feature = "gpu")]
 #[test]
 fn a_device_decides_as_its_twin() {
-    use crate::programs::grid_build::device::tests::{computed, gpu};
-    const RAYS: u32 = 1 << 13;
-    let Some(gpu) = gpu() else { return };
-    let mut random = fastrand::Rng::with_seed(48);
-    let all: Vec<Given> = (0..RAYS).map(|i| given(&mut random, i % KINDS)).collect();
-    let shader = ("asked", include_str!("asked.wgsl"));
-    let results = computed(&gpu, shader, bytemuck::cast_slice(&all), 2 * RAYS as usize, RAYS / 64);
-    for (i, (given, found)) in all.iter().zip(results.chunks_exact(2)).enumerate() {
-        assert_eq!(found, answers(*given), "{}: {given:?}", i as u32 % KINDS);
-    }
+    compare_with_a_device("exact", ["meets_exactly", "compare_exactly"], (meets_exactly, compare_exactly), 48);
 }
